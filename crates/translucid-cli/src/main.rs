@@ -1,0 +1,2 @@
+//! The `translucid` command.
+fn main() {}

@@ -1,0 +1,34 @@
+//! Scene description and loaders: files in, validated data out.
+//!
+//! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in
+//! world space, materials with OpenPBR names, images, lights.
+//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or a built-in shape.
+//! A scene that exists is valid: every index is in range, every number finite and within its
+//! documented range, so a renderer needs no checks of its own.
+//!
+//! # Units
+//! Lengths are in the scene's own unit ([`Scene::unit`]); colors are linear Rec. 709; angles in files
+//! are degrees.
+//!
+//! # Out of scope
+//! Tracing rays, sampling, and any knowledge of how a picture is computed.
+
+mod camera;
+mod error;
+mod image;
+mod light;
+mod material;
+mod mesh;
+mod scene;
+mod settings;
+mod texture;
+
+pub use camera::Camera;
+pub use error::{Place, SceneError, Warning};
+pub use image::{ColorSpace, Image, Pixels};
+pub use light::{Environment, Light};
+pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
+pub use mesh::{Mesh, Triangle};
+pub use scene::{Object, Scene, Unit};
+pub use settings::{Film, FilterKind, Integrator, ToneMapping};
+pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};

@@ -1,0 +1,85 @@
+//! Settings of the film and of the light transport.
+
+/// Reconstruction filter of a pixel.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FilterKind {
+    /// Constant over the square of the filter's radius.
+    Box,
+    /// Truncated Gaussian, standard deviation radius / 3.
+    Gaussian,
+    /// Blackman–Harris window, four terms.
+    BlackmanHarris,
+}
+
+/// How linear radiance becomes display values in a PNG.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToneMapping {
+    /// Clip to [0, 1], sRGB transfer curve.
+    Srgb,
+    /// Khronos PBR Neutral: colors below the shoulder stay as they are.
+    Neutral,
+    /// AgX: a filmic curve whose highlights lose saturation.
+    Agx,
+}
+
+/// Image size, filter and display transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Film {
+    /// Width in pixels, in [1, 16384].
+    pub width: u32,
+    /// Height in pixels, in [1, 16384].
+    pub height: u32,
+    /// Filter kind.
+    pub filter: FilterKind,
+    /// Half the filter's extent in pixels, in (0, 8]; 0.5 is one pixel for the box.
+    pub filter_radius: f32,
+    /// Exposure of the PNG in stops; the EXR is untouched.
+    pub exposure: f32,
+    /// Display transform of the PNG.
+    pub tone_mapping: ToneMapping,
+}
+
+impl Default for Film {
+    fn default() -> Self {
+        Self {
+            width: 960,
+            height: 540,
+            filter: FilterKind::BlackmanHarris,
+            filter_radius: 1.5,
+            exposure: 0.0,
+            tone_mapping: ToneMapping::Neutral,
+        }
+    }
+}
+
+/// Samples and path limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Integrator {
+    /// Samples per pixel, in [1, 2^24].
+    pub samples_per_pixel: u32,
+    /// Largest number of scattering events on a path, in [1, 1024]; 1 is direct light only.
+    /// A subsurface event (exit to entry) counts as one.
+    pub max_depth: u32,
+    /// Of these, the largest number of diffuse or subsurface events.
+    pub max_diffuse_depth: u32,
+    /// Whether a glossy or transmissive event after a diffuse one may meet light (caustics).
+    pub caustics: bool,
+    /// Energy of a subsurface profile beyond the longest probe, in (0, 0.1]; the profile is renormalized
+    /// to what is left, so no energy is lost.
+    pub subsurface_tail: f32,
+    /// Seed of all random numbers.
+    pub seed: u64,
+}
+
+impl Default for Integrator {
+    fn default() -> Self {
+        Self {
+            samples_per_pixel: 64,
+            max_depth: 12,
+            max_diffuse_depth: 4,
+            caustics: false,
+            subsurface_tail: 1e-3,
+            seed: 0,
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Inputs of material parameters: a constant times an optional image.
+
+use glam::{Affine2, Vec2, Vec3};
+
+/// What happens to texture coordinates outside [0, 1].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Wrap {
+    /// Repeat the image.
+    #[default]
+    Repeat,
+    /// Repeat, mirrored every other time.
+    Mirror,
+    /// Stretch the edge pixels.
+    Clamp,
+}
+
+/// Which channel a scalar input reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum Channel {
+    /// Red; for grey images the grey value.
+    #[default]
+    Red,
+    /// Green.
+    Green,
+    /// Blue.
+    Blue,
+    /// Alpha.
+    Alpha,
+}
+
+/// A reference to an image with its mapping.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TextureRef {
+    /// Index into `Scene::images`.
+    pub image: usize,
+    /// Image coordinates (v upward) from mesh texture coordinates.
+    pub image_from_uv: Affine2,
+    /// Wrap modes in u and v.
+    pub wrap: [Wrap; 2],
+}
+
+impl TextureRef {
+    /// The image over the unit square, repeated.
+    #[must_use]
+    pub fn new(image: usize) -> Self {
+        Self { image, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] }
+    }
+
+    /// Image coordinates of a mesh coordinate, before wrapping.
+    #[must_use]
+    pub fn coordinates(&self, uv: Vec2) -> Vec2 {
+        self.image_from_uv.transform_point2(uv)
+    }
+}
+
+/// A color parameter: factor × image × vertex color.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ColorInput {
+    /// Constant factor, linear Rec. 709.
+    pub factor: Vec3,
+    /// Image, if any.
+    pub texture: Option<TextureRef>,
+    /// Whether the mesh's vertex colors multiply the result.
+    pub vertex_color: bool,
+}
+
+impl ColorInput {
+    /// A constant color.
+    #[must_use]
+    pub const fn constant(color: Vec3) -> Self {
+        Self { factor: color, texture: None, vertex_color: false }
+    }
+
+    /// The mesh's vertex colors.
+    #[must_use]
+    pub const fn vertex() -> Self {
+        Self { factor: Vec3::ONE, texture: None, vertex_color: true }
+    }
+}
+
+/// A scalar parameter: factor × one channel of an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScalarInput {
+    /// Constant factor.
+    pub factor: f32,
+    /// Image and channel, if any.
+    pub texture: Option<(TextureRef, Channel)>,
+}
+
+impl ScalarInput {
+    /// A constant.
+    #[must_use]
+    pub const fn constant(factor: f32) -> Self {
+        Self { factor, texture: None }
+    }
+}
