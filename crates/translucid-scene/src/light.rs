@@ -15,7 +15,7 @@ pub enum Light {
         edge_y: Vec3,
         /// Emitted radiance.
         radiance: Vec3,
-        /// Whether the camera and mirrors see it.
+        /// Whether the camera sees it directly.
         visible: bool,
     },
     /// Sphere that emits uniformly outward.
@@ -26,7 +26,7 @@ pub enum Light {
         radius: f32,
         /// Emitted radiance.
         radiance: Vec3,
-        /// Whether the camera and mirrors see it.
+        /// Whether the camera sees it directly.
         visible: bool,
     },
     /// Parallel light from infinity, or from a disc of the sky with an angular radius.
