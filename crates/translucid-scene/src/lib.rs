@@ -21,6 +21,7 @@ mod material;
 mod mesh;
 mod scene;
 mod settings;
+mod shapes;
 mod texture;
 
 pub use camera::Camera;
@@ -31,4 +32,8 @@ pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, Subsurfa
 pub use mesh::{Mesh, Triangle};
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, ToneMapping};
+pub use shapes::{
+    FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_meaning,
+    shape_names, shape_parameters,
+};
 pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};

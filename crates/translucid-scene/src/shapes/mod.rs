@@ -1,0 +1,81 @@
+//! Built-in shapes: procedural meshes by name.
+//!
+//! Every shape except the flat ones ([`FLAT_SHAPES`]) is closed and manifold, with its triangles
+//! counter-clockwise seen from outside, and every shape has unit shading normals.
+//! The basic shapes are centered on the origin; objects that stand (fruits, candle, glass …) stand on y = 0.
+//! The same parameters always give the same mesh.
+
+mod basic;
+mod lathe;
+mod parameters;
+mod rounded_box;
+
+pub use parameters::{ShapeParameter, ShapeParameterKind, ShapeParameters};
+
+use parameters::Values;
+
+use crate::{Mesh, SceneError};
+
+/// A name, what it is, its parameters, and how it is made.
+struct Shape {
+    name: &'static str,
+    meaning: &'static str,
+    parameters: &'static [ShapeParameter],
+    build: fn(&Values) -> Result<Mesh, SceneError>,
+}
+
+/// Shapes that are open surfaces, not solids.
+pub const FLAT_SHAPES: [&str; 2] = ["rectangle", "disc"];
+
+#[rustfmt::skip] // A table.
+const SHAPES: &[Shape] = &[
+    Shape { name: "sphere", meaning: "a sphere", parameters: basic::SPHERE, build: basic::sphere },
+    Shape { name: "rectangle", meaning: "a flat rectangle facing +z", parameters: basic::RECTANGLE, build: basic::rectangle },
+    Shape { name: "disc", meaning: "a flat disc facing +z", parameters: basic::DISC, build: basic::disc },
+    Shape { name: "box", meaning: "a box with rounded edges", parameters: basic::BOX, build: basic::cuboid },
+    Shape { name: "cylinder", meaning: "a cylinder about y with rounded edges", parameters: basic::CYLINDER, build: basic::cylinder },
+    Shape { name: "cone", meaning: "a cone or truncated cone about y", parameters: basic::CONE, build: basic::cone },
+    Shape { name: "torus", meaning: "a ring about y", parameters: basic::TORUS, build: basic::torus },
+];
+
+/// Names of all shapes.
+#[must_use]
+pub fn shape_names() -> Vec<&'static str> {
+    SHAPES.iter().map(|shape| shape.name).collect()
+}
+
+/// What a shape is, in a few words; `None` if there is no such shape.
+#[must_use]
+pub fn shape_meaning(name: &str) -> Option<&'static str> {
+    SHAPES.iter().find(|shape| shape.name == name).map(|shape| shape.meaning)
+}
+
+/// The parameters that a shape understands; `None` if there is no such shape.
+#[must_use]
+pub fn shape_parameters(name: &str) -> Option<&'static [ShapeParameter]> {
+    SHAPES.iter().find(|shape| shape.name == name).map(|shape| shape.parameters)
+}
+
+/// Makes a shape.
+///
+/// # Errors
+/// There is no such shape or parameter, or a value is out of its range.
+///
+/// ```
+/// use translucid_scene::{ShapeParameters, build_shape};
+/// let ball = build_shape("sphere", &ShapeParameters::new().with("radius", 2.0))?;
+/// assert!(ball.positions.iter().all(|p| (p.length() - 2.0).abs() < 1e-5));
+/// # Ok::<(), translucid_scene::SceneError>(())
+/// ```
+pub fn build_shape(name: &str, parameters: &ShapeParameters) -> Result<Mesh, SceneError> {
+    let shape = SHAPES.iter().find(|shape| shape.name == name).ok_or_else(|| unknown_shape(name))?;
+    (shape.build)(&parameters.resolve(name, shape.parameters)?)
+}
+
+fn unknown_shape(name: &str) -> SceneError {
+    SceneError::new(format!("there is no shape \"{name}\""))
+        .with_help(format!("the shapes are {}", shape_names().join(", ")))
+}
+
+#[cfg(test)]
+mod tests;
