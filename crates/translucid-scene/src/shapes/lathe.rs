@@ -9,7 +9,7 @@ use crate::Mesh;
 /// A point of a profile in the (radius, y) half plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct ProfilePoint {
-    /// Radius ≥ 0 and height [L].
+    /// Radius ≥ 0 and height \[L\].
     pub(super) position: Vec2,
     /// Outward unit normal in the same plane.
     pub(super) normal: Vec2,
@@ -18,7 +18,7 @@ pub(super) struct ProfilePoint {
 /// A corner of a polygonal profile and the radius of the arc that rounds it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Corner {
-    /// Radius ≥ 0 and height [L].
+    /// Radius ≥ 0 and height \[L\].
     pub(super) position: Vec2,
     /// Radius of the arc; 0 keeps the corner sharp, too large a radius is reduced.
     pub(super) fillet: f32,

@@ -7,7 +7,7 @@ use crate::SceneError;
 /// What a parameter's number means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeParameterKind {
-    /// A length in the scene's unit [L].
+    /// A length in the scene's unit \[L\].
     Length,
     /// A whole number.
     Count,
@@ -32,9 +32,9 @@ pub struct ShapeParameter {
     pub max: f64,
 }
 
-/// Least length that a shape accepts [L].
+/// Least length that a shape accepts \[L\].
 const LENGTH_MIN: f64 = 1e-4;
-/// Greatest length that a shape accepts [L].
+/// Greatest length that a shape accepts \[L\].
 const LENGTH_MAX: f64 = 1e6;
 
 impl ShapeParameter {
