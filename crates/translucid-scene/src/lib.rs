@@ -19,6 +19,7 @@ mod image;
 mod light;
 mod material;
 mod mesh;
+mod repair;
 mod scene;
 mod settings;
 mod shapes;
@@ -30,6 +31,7 @@ pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};
+pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, ToneMapping};
 pub use shapes::{
