@@ -1,21 +1,19 @@
-//! Placeholder until the profile's files arrive.
+//! Reflectance profiles for subsurface scattering, as pure mathematics.
 
-/// How light enters the medium in the profile's model.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Configuration {
-    /// A pencil beam enters perpendicularly.
-    Searchlight,
-    /// Light enters at a point with a cosine distribution (the talk's "diffuse transmission").
-    #[default]
-    Diffuse,
-}
+#![allow(
+    clippy::manual_clamp,
+    reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
+)]
 
-/// Which length a profile is built from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Parameterization {
-    /// Mean free path ℓ in the volume.
-    #[default]
-    Mfp,
-    /// Diffuse mean free path ℓ_d on the surface.
-    Dmfp,
-}
+mod burley;
+mod burley_f32;
+mod error;
+mod scaling;
+
+pub use burley::NormalizedDiffusion;
+pub use burley_f32::NormalizedDiffusionF32;
+pub use error::ParameterError;
+pub use scaling::{
+    Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
+    scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
+};

@@ -1,0 +1,69 @@
+//! What can be wrong with a parameter, said so that it can be mended.
+
+use std::fmt;
+
+/// A parameter outside the range in which the model has a meaning.
+///
+/// ```
+/// use translucid_profile::NormalizedDiffusion;
+///
+/// let error = NormalizedDiffusion::from_d(1.2, 1.0).unwrap_err();
+/// assert_eq!(error.to_string(), "surface_albedo is 1.2, but must be in [0, 1]");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ParameterError {
+    /// The parameter's name as the API spells it.
+    pub parameter: &'static str,
+    /// The value that was found.
+    pub value: f64,
+    /// The range or condition it must meet, worded to follow "must be".
+    pub allowed: &'static str,
+}
+
+impl fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { parameter, value, allowed } = self;
+        write!(f, "{parameter} is {value}, but must be {allowed}")
+    }
+}
+
+impl std::error::Error for ParameterError {}
+
+/// Passes a value on if the condition holds.
+pub(crate) fn require(
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    allowed: &'static str,
+) -> Result<f64, ParameterError> {
+    if holds { Ok(value) } else { Err(ParameterError { parameter, value, allowed }) }
+}
+
+/// Passes a fraction on if it lies in [0, 1].
+pub(crate) fn require_fraction(parameter: &'static str, value: f64) -> Result<f64, ParameterError> {
+    require((0.0..=1.0).contains(&value), parameter, value, "in [0, 1]")
+}
+
+/// Passes a quantity on if it is finite and not negative.
+pub(crate) fn require_non_negative(parameter: &'static str, value: f64) -> Result<f64, ParameterError> {
+    require(value >= 0.0 && value.is_finite(), parameter, value, "finite and at least 0")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn require_refuses_nan() {
+        assert!(require_fraction("x", f64::NAN).is_err());
+        assert!(require_non_negative("x", f64::NAN).is_err());
+    }
+
+    #[test]
+    fn require_keeps_the_edges() {
+        assert_eq!(require_fraction("x", 0.0), Ok(0.0));
+        assert_eq!(require_fraction("x", 1.0), Ok(1.0));
+        assert_eq!(require_non_negative("x", 0.0), Ok(0.0));
+        assert!(require_non_negative("x", f64::INFINITY).is_err());
+    }
+}
