@@ -1,4 +1,8 @@
-//! Decoded images.
+//! Decoded images and their lookup.
+
+use std::sync::LazyLock;
+
+use crate::Wrap;
 
 /// How stored values relate to linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,4 +35,196 @@ pub struct Image {
     pub color_space: ColorSpace,
     /// The data.
     pub pixels: Pixels,
+}
+
+impl Image {
+    /// Linear red, green, blue, alpha of the pixel in column `x` from the left and row `y` from the top.
+    ///
+    /// Beyond the edge, the edge's pixel.
+    #[must_use]
+    pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
+        let column = x.min(self.width.saturating_sub(1)) as usize;
+        let row = y.min(self.height.saturating_sub(1)) as usize;
+        let index = row * self.width as usize + column;
+        match &self.pixels {
+            Pixels::Byte(pixels) => pixels.get(index).map_or([0.0; 4], |&p| self.decode(p)),
+            Pixels::Float(pixels) => pixels.get(index).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Bilinear interpolation of linear values at image coordinates (u, v), v upward.
+    ///
+    /// The image covers the unit square: the pixel in column i, row j from the top has its center at
+    /// u = (i + ½)/width, v = 1 − (j + ½)/height.
+    /// A coordinate that is not finite counts as 0.
+    #[must_use]
+    pub fn bilinear(&self, u: f32, v: f32, wrap: [Wrap; 2]) -> [f32; 4] {
+        let (columns, s) = neighbors(wrapped(u, wrap[0]), self.width, wrap[0]);
+        let (rows, t) = neighbors(1.0 - wrapped(v, wrap[1]), self.height, wrap[1]);
+        let row = |y| mix(self.texel(columns[0], y), self.texel(columns[1], y), s);
+        mix(row(rows[0]), row(rows[1]), t)
+    }
+
+    /// Mean of the linear values over all pixels.
+    #[must_use]
+    pub fn mean(&self) -> [f32; 4] {
+        let mut sum = [0.0_f64; 4];
+        let mut add = |value: [f32; 4]| {
+            for (sum, value) in sum.iter_mut().zip(value) {
+                *sum += f64::from(value);
+            }
+        };
+        let count = match &self.pixels {
+            Pixels::Byte(pixels) => pixels.iter().map(|&p| add(self.decode(p))).count(),
+            Pixels::Float(pixels) => pixels.iter().map(|&p| add(p)).count(),
+        };
+        sum.map(|sum| (sum / count.max(1) as f64) as f32)
+    }
+
+    fn decode(&self, [r, g, b, a]: [u8; 4]) -> [f32; 4] {
+        let linear = |byte: u8| f32::from(byte) * (1.0 / 255.0);
+        match self.color_space {
+            ColorSpace::Srgb => {
+                let table = &*SRGB_TABLE;
+                [table[usize::from(r)], table[usize::from(g)], table[usize::from(b)], linear(a)]
+            }
+            ColorSpace::Linear => [r, g, b, a].map(linear),
+        }
+    }
+}
+
+/// Linear value of an sRGB value, both in [0, 1] (IEC 61966-2-1:1999, section 5.2).
+pub(crate) fn linear_from_srgb(value: f32) -> f32 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+/// `linear_from_srgb` of every byte.
+static SRGB_TABLE: LazyLock<[f32; 256]> =
+    LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
+
+/// A coordinate brought to [0, 1].
+fn wrapped(coordinate: f32, wrap: Wrap) -> f32 {
+    if !coordinate.is_finite() {
+        return 0.0;
+    }
+    match wrap {
+        Wrap::Repeat => coordinate - coordinate.floor(),
+        Wrap::Mirror => {
+            let half = 0.5 * coordinate;
+            1.0 - (2.0 * (half - half.floor()) - 1.0).abs()
+        }
+        Wrap::Clamp => coordinate.clamp(0.0, 1.0),
+    }
+}
+
+/// The two pixels around a coordinate in [0, 1], and the weight of the second.
+fn neighbors(coordinate: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    let position = coordinate * size as f32 - 0.5;
+    let first = position.floor();
+    let last = i64::from(size.max(1)) - 1;
+    let inside = |index: i64| match wrap {
+        Wrap::Repeat if index < 0 => last,
+        Wrap::Repeat if index > last => 0,
+        _ => index.clamp(0, last), // A mirror image meets its edge pixel with itself.
+    };
+    let index = first as i64;
+    ([inside(index) as u32, inside(index + 1) as u32], position - first)
+}
+
+fn mix(a: [f32; 4], b: [f32; 4], weight: f32) -> [f32; 4] {
+    std::array::from_fn(|i| a[i] * (1.0 - weight) + b[i] * weight)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const WRAPS: [Wrap; 3] = [Wrap::Repeat, Wrap::Mirror, Wrap::Clamp];
+
+    /// 3 × 2 pixels whose red is 0, 1, 2 in the top row and 3, 4, 5 in the bottom row.
+    fn ramp() -> Image {
+        let pixels = (0..6).map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
+        Image {
+            name: String::from("ramp"),
+            width: 3,
+            height: 2,
+            color_space: ColorSpace::Linear,
+            pixels: Pixels::Float(pixels),
+        }
+    }
+
+    fn bytes(color_space: ColorSpace, pixels: Vec<[u8; 4]>) -> Image {
+        let width = pixels.len() as u32;
+        Image { name: String::new(), width, height: 1, color_space, pixels: Pixels::Byte(pixels) }
+    }
+
+    #[test]
+    fn bilinear_at_texel_centers_is_the_texel() {
+        let image = ramp();
+        for wrap in WRAPS {
+            for (x, y) in (0..3).flat_map(|x| (0..2).map(move |y| (x, y))) {
+                let u = (x as f32 + 0.5) / 3.0;
+                let v = 1.0 - (y as f32 + 0.5) / 2.0;
+                let value = image.bilinear(u, v, [wrap; 2])[0];
+                assert!((value - image.texel(x, y)[0]).abs() < 1e-5, "{wrap:?} {x} {y}: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn bilinear_is_linear_between_texels() {
+        let value = ramp().bilinear(1.25 / 3.0, 0.5, [Wrap::Clamp; 2])[0];
+        assert!((value - (0.75 + 1.5)).abs() < 1e-5, "{value}");
+    }
+
+    #[test]
+    fn bilinear_wraps_as_told() {
+        let image = ramp();
+        let at = |u: f32, wrap| image.bilinear(u, 0.75, [wrap; 2])[0];
+        // The edge u = 0 is midway between the first pixel and what lies beyond.
+        for (wrap, edge, beyond, far) in
+            [(Wrap::Repeat, 1.0, 2.0, 0.0), (Wrap::Mirror, 0.0, 0.0, 2.0), (Wrap::Clamp, 0.0, 0.0, 2.0)]
+        {
+            assert!((at(0.0, wrap) - edge).abs() < 1e-5, "{wrap:?}");
+            assert!((at(-0.5 / 3.0, wrap) - beyond).abs() < 1e-5, "{wrap:?}");
+            assert!((at(1.0 + 0.5 / 3.0, wrap) - far).abs() < 1e-5, "{wrap:?}");
+        }
+        assert!((at(1.0 + 2.5 / 3.0, Wrap::Mirror) - 0.0).abs() < 1e-5);
+        assert!((at(2.0 + 1.5 / 3.0, Wrap::Mirror) - 1.0).abs() < 1e-5);
+    }
+
+    #[test]
+    fn bilinear_survives_any_coordinate() {
+        let image = ramp();
+        let odd = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, f32::MAX, f32::MIN, 1e9, -1e-30, 1.0, -1.0];
+        for wrap in WRAPS {
+            for (u, v) in odd.into_iter().flat_map(|u| odd.map(|v| (u, v))) {
+                let value = image.bilinear(u, v, [wrap; 2])[0];
+                assert!((0.0..=5.0).contains(&value), "{u} {v} {wrap:?}: {value}");
+            }
+        }
+    }
+
+    #[test]
+    fn texel_decodes_colors_but_not_alpha_or_data() {
+        let colors = bytes(ColorSpace::Srgb, vec![[0, 188, 255, 128]]).texel(0, 0);
+        // sRGB 188 is 50.3 % linear.
+        assert!((colors[1] - 0.502_886).abs() < 1e-5, "{colors:?}");
+        assert_eq!([colors[0], colors[2]], [0.0, 1.0]);
+        assert!((colors[3] - 128.0 / 255.0).abs() < 1e-6);
+        let data = bytes(ColorSpace::Linear, vec![[51, 0, 255, 0]]).texel(0, 0);
+        assert!((data[0] - 0.2).abs() < 1e-6 && data[2] == 1.0);
+    }
+
+    #[test]
+    fn texel_clamps_to_the_edge() {
+        assert_eq!(ramp().texel(7, 9)[0], 5.0);
+    }
+
+    #[test]
+    fn mean_averages_linear_values() {
+        assert_eq!(ramp().mean(), [2.5, 0.0, 0.0, 1.0]);
+        let grey = bytes(ColorSpace::Srgb, vec![[0; 4], [255; 4]]).mean();
+        assert_eq!(grey, [0.5; 4]);
+    }
 }

@@ -11,7 +11,7 @@ pub type Triangle = [u32; 3];
 /// [`repair_mesh`](crate::repair_mesh) makes a mesh valid; the methods below take any mesh and do not panic.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mesh {
-    /// Vertex positions [L].
+    /// Vertex positions \[L\].
     pub positions: Vec<Vec3>,
     /// Unit shading normals, or empty: flat shading.
     pub normals: Vec<Vec3>,
@@ -26,7 +26,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// Smallest axis-aligned box that holds every vertex, as (lowest, highest) corner [L].
+    /// Smallest axis-aligned box that holds every vertex, as (lowest, highest) corner \[L\].
     ///
     /// A mesh without vertices has its box at the origin.
     #[must_use]

@@ -4,12 +4,12 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 use crate::{Mesh, Place, SceneError, Triangle, Warning};
 
-/// Largest coordinate of a usable vertex [L].
+/// Largest coordinate of a usable vertex \[L\].
 ///
 /// The squared length of the cross product of two edges stays below 1.5e38, within `f32`.
 const LARGEST_COORDINATE: f32 = 1e9;
 
-/// Smallest usable cross product of two edges [L²]: its square is still a normal `f32`.
+/// Smallest usable cross product of two edges \[L²\]: its square is still a normal `f32`.
 const SMALLEST_CROSS: f64 = 2e-19;
 
 /// Smallest usable height of a triangle relative to its longest edge.

@@ -1,0 +1,21 @@
+//! Readers of the file formats, each from bytes to validated data.
+
+mod exr;
+mod image;
+mod jpeg;
+mod png;
+mod radiance;
+
+use std::path::Path;
+
+pub use image::{decode_image, load_image};
+
+use crate::{Place, SceneError};
+
+/// Reads a file whole.
+///
+/// # Errors
+/// The file is missing or cannot be read.
+pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
+    std::fs::read(path).map_err(|error| SceneError::at(Place::file(path), format!("cannot be read: {error}")))
+}
