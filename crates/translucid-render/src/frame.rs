@@ -41,6 +41,8 @@ impl Frame {
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::TAU;
+
     use super::*;
 
     #[test]
@@ -49,7 +51,7 @@ mod tests {
             let t = i as f32 * 0.618_034;
             let z = 1.0 - 2.0 * (i as f32 + 0.5) / 2000.0;
             let r = (1.0 - z * z).sqrt();
-            let n = Vec3::new(r * (t * 6.283).cos(), r * (t * 6.283).sin(), z).normalize();
+            let n = Vec3::new(r * (t * TAU).cos(), r * (t * TAU).sin(), z).normalize();
             let f = Frame::from_normal(n);
             for (a, b) in [(f.x, f.y), (f.y, f.z), (f.z, f.x)] {
                 assert!(a.dot(b).abs() < 1e-5 && (a.length() - 1.0).abs() < 1e-5, "{n}");

@@ -1,0 +1,40 @@
+//! Scattering at a surface point: what a material does with light at its interface.
+//!
+//! Directions are unit vectors in the local shading frame whose z axis is the shading normal and points
+//! out of the object; `wo` goes to where light is carried, `wi` to where it comes from, both away from
+//! the surface.
+//!
+//! From outside in a surface is a coat, then by `metalness` a metal or a dielectric interface, and under
+//! that clear transmission, subsurface scattering or a matte base:
+//!
+//! ```text
+//! f = coat + K (metal + specular reflection + transmission) + A T(ωi) T(ωo) / (π T̄)
+//! K(ωi, ωo) = min(T_coat(ωi), T_coat(ωo))         reciprocal, never gains energy, exact for a mirror
+//! T(ω) = (1 − E_coat(ω)) (1 − E_specular(ω))       what passes the interfaces from direction ω
+//! T̄ = 2 ∫ T(μ) μ dμ                                so that uniform light sees 1 − T(ωo) + A T(ωo)
+//! ```
+//!
+//! The matte term is the coupling of Kelemen & Szirmay-Kalos (2001, "A Microfacet Based Coupled
+//! Specular-Matte BRDF Model with Importance Sampling"): light that the interface does not reflect enters,
+//! and A is the albedo of what enters. Subsurface scattering is the same with A spread over the surface:
+//! `S = T(ωo) R(r) T(ωi) / (π T̄)`, which without an interface is exactly `R / π`.
+//!
+//! # Conventions
+//! Weights carry *basic* radiance L/n² (n the refractive index where the light is): a lossless crossing
+//! keeps its weight 1 both ways. The factor n² cancels for light that enters and leaves.
+
+mod conductor;
+mod dielectric;
+mod ggx;
+mod layers;
+mod reflectance_table;
+mod scattering;
+mod surface;
+
+pub use conductor::MetalFresnel;
+pub use dielectric::{fresnel_dielectric, scaled_ior};
+pub use ggx::Ggx;
+pub use layers::{EntryBsdf, MaterialTables};
+pub use reflectance_table::{GlassTable, MetalTable, ReflectanceTable};
+pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
+pub use surface::SurfaceParameters;

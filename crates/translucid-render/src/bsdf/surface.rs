@@ -1,0 +1,139 @@
+//! What the BSDF needs to know of a material at one point.
+
+use glam::Vec3;
+
+/// A material evaluated at a point: weights, roughnesses and colors in [0, 1], indices in [1, 4].
+/// Values outside are clamped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfaceParameters {
+    /// Diffuse albedo, or the metal's reflectance at normal incidence; `base_weight` is included.
+    pub base_color: Vec3,
+    /// Dielectric 0 … metal 1.
+    pub metalness: f32,
+    /// Factor on the Fresnel reflectance of metal and opaque dielectric. Glass keeps a Fresnel law by an
+    /// index whose F₀ is scaled; 0 removes the interface.
+    pub specular_weight: f32,
+    /// Tint of the dielectric's reflection (what enters is not tinted); a metal's tint at 82°.
+    pub specular_color: Vec3,
+    /// Perceptual roughness; the GGX width is its square.
+    pub specular_roughness: f32,
+    /// Index of refraction of the dielectric.
+    pub specular_ior: f32,
+    /// Fraction of the dielectric base that is clear.
+    pub transmission_weight: f32,
+    /// Tint of each crossing of the surface.
+    pub transmission_tint: Vec3,
+    /// Fraction of the dielectric's opaque part that scatters light under the surface.
+    pub subsurface_weight: f32,
+    /// Surface albedo A of the medium, relative to the light that enters.
+    pub subsurface_color: Vec3,
+    /// Channels with a mean free path above 0; the others are Lambertian with the same factors.
+    pub subsurface_active: [bool; 3],
+    /// Strength of the clear coat.
+    pub coat_weight: f32,
+    /// Tint of what lies under the coat: two passes, one each way.
+    pub coat_color: Vec3,
+    /// Perceptual roughness of the coat.
+    pub coat_roughness: f32,
+    /// Index of refraction of the coat.
+    pub coat_ior: f32,
+}
+
+impl Default for SurfaceParameters {
+    /// OpenPBR's defaults.
+    fn default() -> Self {
+        Self {
+            base_color: Vec3::splat(0.8),
+            metalness: 0.0,
+            specular_weight: 1.0,
+            specular_color: Vec3::ONE,
+            specular_roughness: 0.3,
+            specular_ior: 1.5,
+            transmission_weight: 0.0,
+            transmission_tint: Vec3::ONE,
+            subsurface_weight: 0.0,
+            subsurface_color: Vec3::splat(0.8),
+            subsurface_active: [true; 3],
+            coat_weight: 0.0,
+            coat_color: Vec3::ONE,
+            coat_roughness: 0.0,
+            coat_ior: 1.6,
+        }
+    }
+}
+
+impl SurfaceParameters {
+    /// The same with every weight, color and roughness in [0, 1]; NaN becomes 0.
+    #[must_use]
+    pub fn clamped(&self) -> Self {
+        Self {
+            base_color: unit_color(self.base_color),
+            metalness: unit(self.metalness),
+            specular_weight: unit(self.specular_weight),
+            specular_color: unit_color(self.specular_color),
+            specular_roughness: unit(self.specular_roughness),
+            transmission_weight: unit(self.transmission_weight),
+            transmission_tint: unit_color(self.transmission_tint),
+            subsurface_weight: unit(self.subsurface_weight),
+            subsurface_color: unit_color(self.subsurface_color),
+            coat_weight: unit(self.coat_weight),
+            coat_color: unit_color(self.coat_color),
+            coat_roughness: unit(self.coat_roughness),
+            ..*self
+        }
+    }
+
+    /// Subsurface albedo of the channels that light travels in under the surface.
+    #[must_use]
+    pub fn subsurface_albedo_active(&self) -> Vec3 {
+        self.subsurface_color * Vec3::from_array(self.subsurface_active.map(|a| if a { 1.0 } else { 0.0 }))
+    }
+
+    /// Albedo of the base that reflects light where it enters: the diffuse part and the subsurface
+    /// channels without a mean free path, relative to the opaque part.
+    #[must_use]
+    pub fn matte_albedo(&self) -> Vec3 {
+        let inactive = self.subsurface_color - self.subsurface_albedo_active();
+        self.base_color * (1.0 - self.subsurface_weight) + inactive * self.subsurface_weight
+    }
+}
+
+// `max` before `min` turns NaN into 0, which `clamp` would keep.
+fn unit(x: f32) -> f32 {
+    x.max(0.0).min(1.0)
+}
+
+fn unit_color(c: Vec3) -> Vec3 {
+    Vec3::new(unit(c.x), unit(c.y), unit(c.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_out_of_range_are_clamped() {
+        let p = SurfaceParameters {
+            base_color: Vec3::new(f32::NAN, -1.0, 7.0),
+            metalness: f32::INFINITY,
+            coat_weight: f32::NAN,
+            ..SurfaceParameters::default()
+        };
+        let p = p.clamped();
+        assert_eq!(p.base_color, Vec3::new(0.0, 0.0, 1.0));
+        assert_eq!((p.metalness, p.coat_weight), (1.0, 0.0));
+    }
+
+    #[test]
+    fn matte_albedo_takes_inactive_channels() {
+        let p = SurfaceParameters {
+            base_color: Vec3::splat(0.5),
+            subsurface_weight: 0.25,
+            subsurface_color: Vec3::ONE,
+            subsurface_active: [true, false, true],
+            ..SurfaceParameters::default()
+        };
+        assert_eq!(p.matte_albedo(), Vec3::new(0.375, 0.625, 0.375));
+        assert_eq!(p.subsurface_albedo_active(), Vec3::new(1.0, 0.0, 1.0));
+    }
+}
