@@ -23,7 +23,7 @@ pub mod layer {
     pub const ALBEDO: Range<usize> = 13..16;
     /// World-space shading normal of the first surface seen.
     pub const NORMAL: Range<usize> = 16..19;
-    /// Distance to the first surface seen [L], summed over the samples that see one.
+    /// Distance to the first surface seen \[L\], summed over the samples that see one.
     pub const DEPTH: usize = 19;
     /// Number of sums per pixel.
     pub const COUNT: usize = 20;
@@ -46,7 +46,7 @@ pub struct PixelSample {
     pub albedo: Vec3,
     /// See [`layer::NORMAL`].
     pub normal: Vec3,
-    /// Distance to the first surface [L], 0 where none is seen.
+    /// Distance to the first surface \[L\], 0 where none is seen.
     pub depth: f32,
 }
 

@@ -42,11 +42,6 @@ pub(super) fn refract(wo: Vec3, h: Vec3, eta: f32) -> Option<Vec3> {
     Some(wi.normalize())
 }
 
-/// Cosine on the other side, 0 beyond the critical angle.
-pub(super) fn refracted_cos(cos: f32, eta: f32) -> f32 {
-    ((eta - 1.0) * (eta + 1.0) + cos * cos).max(0.0).sqrt() / eta
-}
-
 /// Mirror direction of `wo` about `h`.
 pub(super) fn reflect(wo: Vec3, h: Vec3) -> Vec3 {
     h * (2.0 * wo.dot(h)) - wo
@@ -55,6 +50,11 @@ pub(super) fn reflect(wo: Vec3, h: Vec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Cosine on the other side, 0 beyond the critical angle.
+    fn refracted_cos(cos: f32, eta: f32) -> f32 {
+        ((eta - 1.0) * (eta + 1.0) + cos * cos).max(0.0).sqrt() / eta
+    }
 
     #[test]
     fn fresnel_matches_known_values() {

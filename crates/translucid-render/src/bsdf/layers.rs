@@ -69,7 +69,8 @@ impl MaterialTables {
 }
 
 fn valid_ior(ior: f32) -> f32 {
-    ior.max(1.0).min(4.0)
+    // A comparison rather than `clamp`, which would keep NaN.
+    if ior > 1.0 { ior.min(4.0) } else { 1.0 }
 }
 
 /// Transmittances of the interfaces of one surface point.

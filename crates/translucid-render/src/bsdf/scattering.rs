@@ -5,7 +5,7 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 
 use super::conductor::MetalFresnel;
-use super::dielectric::{fresnel_dielectric, reflect, refract, refracted_cos, scaled_ior};
+use super::dielectric::{fresnel_dielectric, reflect, refract, scaled_ior};
 use super::ggx::Ggx;
 use super::layers::{Layers, MaterialTables, coat_tint, coat_tint_one_way, sample_cosine};
 use super::surface::SurfaceParameters;
@@ -102,22 +102,8 @@ struct Glass {
     reflection_tint: Vec3,
     /// Tint of a crossing, the coat's one-way tint included.
     transmission_tint: Vec3,
-    /// Coat seen through the glass: its weight, 0 from outside.
-    coat_behind: f32,
     /// No step of the index: light goes straight on.
     is_straight: bool,
-}
-
-impl Glass {
-    /// Reflectance of a facet seen at `cos`. From inside, what the coat behind reflects returns as well.
-    fn reflectance(&self, cos: f32, coat_ior: f32) -> f32 {
-        let f = fresnel_dielectric(cos, self.eta);
-        if self.coat_behind == 0.0 || f >= 1.0 {
-            return f;
-        }
-        let coat = self.coat_behind * fresnel_dielectric(refracted_cos(cos, self.eta), coat_ior);
-        1.0 - (1.0 - f) * (1.0 - coat)
-    }
 }
 
 /// Light at a facet: reflected and transmitted parts and the chance that reflection is sampled.
@@ -160,7 +146,7 @@ impl<'a> Bsdf<'a> {
     /// The BSDF seen from `wo`; `wo.z` < 0 is from inside.
     ///
     /// `tables` hold the indices of refraction. An opaque surface seen from inside looks as from outside;
-    /// of one that is partly clear, the opaque part is bare from inside.
+    /// of one that is partly clear, the opaque part is bare from inside, and the coat only tints.
     #[must_use]
     pub fn new(p: &SurfaceParameters, tables: &'a MaterialTables, wo: Vec3) -> Self {
         let p = p.clamped();
@@ -200,7 +186,6 @@ impl<'a> Bsdf<'a> {
                 compensation: 1.0,
                 reflection_tint: p.specular_color,
                 transmission_tint: p.transmission_tint * coat_tint_one_way(p),
-                coat_behind: 0.0,
                 is_straight: true,
             },
             matte: Vec3::ZERO,
@@ -240,9 +225,6 @@ impl<'a> Bsdf<'a> {
         let opaque = (1.0 - p.metalness) * (1.0 - p.transmission_weight);
         self.fill_metal(p.metalness * p.specular_weight);
         self.fill_glass(p, glass_weight, 1.0 / scaled_ior(self.tables.specular_ior(), p.specular_weight));
-        if !self.glass.is_straight {
-            self.glass.coat_behind = p.coat_weight;
-        }
         let bare = p.matte_albedo() + p.subsurface_albedo_active() * p.subsurface_weight;
         self.matte = bare * (opaque * FRAC_1_PI);
         self.matte_is_bare = true;
@@ -404,7 +386,7 @@ impl<'a> Bsdf<'a> {
         let glass = &self.glass;
         let mut transmitted = Vec3::ZERO;
         if glass.weight > 0.0 && !glass.is_straight {
-            let f = glass.reflectance(cos, self.tables.coat_ior());
+            let f = fresnel_dielectric(cos, glass.eta);
             let weight = glass.weight * glass.compensation;
             reflected += glass.reflection_tint * (f * weight);
             transmitted = glass.transmission_tint * ((1.0 - f) * weight);

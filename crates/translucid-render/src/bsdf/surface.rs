@@ -98,9 +98,9 @@ impl SurfaceParameters {
     }
 }
 
-// `max` before `min` turns NaN into 0, which `clamp` would keep.
+// A comparison rather than `clamp`, which would keep NaN.
 fn unit(x: f32) -> f32 {
-    x.max(0.0).min(1.0)
+    if x > 0.0 { x.min(1.0) } else { 0.0 }
 }
 
 fn unit_color(c: Vec3) -> Vec3 {
