@@ -30,7 +30,7 @@ pub use camera::Camera;
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
-pub use load::{decode_image, load_image};
+pub use load::{GltfScene, decode_image, load_gltf, load_image, parse_gltf};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};
 pub use repair::repair_mesh;

@@ -1,6 +1,7 @@
 //! Readers of the file formats, each from bytes to validated data.
 
 mod exr;
+mod gltf;
 mod image;
 mod jpeg;
 mod png;
@@ -8,6 +9,7 @@ mod radiance;
 
 use std::path::Path;
 
+pub use gltf::{GltfScene, load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
 
 use crate::{Place, SceneError};

@@ -1,0 +1,145 @@
+//! Punctual lights (KHR_lights_punctual) and cameras.
+
+use glam::{DAffine3, DVec3, Vec3};
+use serde::Deserialize;
+
+use super::document::{self, Camera as CameraData, Document, Node, PunctualLight};
+use super::notes::Notes;
+use crate::{Camera, Film, Light, SceneError};
+
+/// A node's KHR_lights_punctual.
+#[derive(Deserialize)]
+struct LightReference {
+    light: usize,
+}
+
+/// Where glTF's lights and cameras look: along −z of their node.
+fn forward(world_from_local: &DAffine3) -> Vec3 {
+    world_from_local.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3()
+}
+
+/// A node's light, in a world of `units` scene units to the meter.
+///
+/// - Directional lights state illuminance (lx), which does not depend on the unit of length.
+/// - Points and spots state intensity (cd): irradiance is intensity over squared distance, so that the
+///   same picture in other units needs it times `units`².
+/// - `range` is a hint for renderers that cut lights off, and not used.
+pub(super) fn light(
+    node: &Node,
+    world_from_local: &DAffine3,
+    units: f64,
+    part: &str,
+    document: &Document,
+    notes: &Notes<'_>,
+) -> Result<Option<Light>, SceneError> {
+    let name = "KHR_lights_punctual";
+    let Some(reference) = document::extension::<LightReference>(&node.extensions, name, part, notes.path)?
+    else {
+        return Ok(None);
+    };
+    let data = document.lights.get(reference.light, part, notes.path)?;
+    let part = document.lights.label(reference.light);
+    let scale = if data.kind == "directional" { 1.0 } else { units * units };
+    let color = emitted(data, scale, &part, notes);
+    let position = world_from_local.translation.as_vec3();
+    if !position.is_finite() {
+        return Err(notes.error(&part, "its position is too large for a number"));
+    }
+    let direction = forward(world_from_local);
+    match data.kind.as_str() {
+        "directional" => {
+            Ok(Some(Light::Distant { direction: -direction, angular_radius: 0.0, irradiance: color }))
+        }
+        "point" => Ok(Some(Light::Spot {
+            position,
+            direction,
+            intensity: color,
+            inner_angle: 0.0,
+            outer_angle: 180.0,
+        })),
+        "spot" => {
+            let (inner_angle, outer_angle) = cone(data, &part, notes);
+            Ok(Some(Light::Spot { position, direction, intensity: color, inner_angle, outer_angle }))
+        }
+        kind => {
+            let message =
+                format!("its type is \"{}\", but must be directional, point or spot", super::uri::clip(kind));
+            Err(notes.error(&part, message))
+        }
+    }
+}
+
+/// Color times intensity times `scale`; what is negative or too large becomes 0 with a warning.
+fn emitted(data: &PunctualLight, scale: f64, part: &str, notes: &Notes<'_>) -> Vec3 {
+    let color = data.color.unwrap_or([1.0; 3]).map(|channel| (channel * data.intensity * scale) as f32);
+    let usable = |channel: f32| channel.is_finite() && channel >= 0.0;
+    if !color.into_iter().all(usable) {
+        notes.warn(part, "a light whose color or intensity is negative or infinite is dark there");
+    }
+    Vec3::from_array(color.map(|channel| if usable(channel) { channel } else { 0.0 }))
+}
+
+/// Inner and outer half-angle in degrees, 0 ≤ inner < outer ≤ 90.
+fn cone(data: &PunctualLight, part: &str, notes: &Notes<'_>) -> (f32, f32) {
+    let default = document::SpotCone::default();
+    let stated = data.spot.as_ref().unwrap_or(&default);
+    let outer = stated.outer_cone_angle.to_degrees().clamp(0.01, 90.0) as f32;
+    let inner = (stated.inner_cone_angle.to_degrees().max(0.0) as f32).min(0.999 * outer);
+    let sound = stated.inner_cone_angle >= 0.0
+        && stated.inner_cone_angle < stated.outer_cone_angle
+        && stated.outer_cone_angle <= std::f64::consts::FRAC_PI_2 + 1e-6;
+    if !sound {
+        notes.warn(
+            part,
+            format!("its cone angles are not 0 ≤ inner < outer ≤ π/2: {inner}° and {outer}° are used"),
+        );
+    }
+    (inner, outer)
+}
+
+/// A perspective camera, or `None` with a warning.
+///
+/// glTF states the vertical field of view y; the horizontal one follows from the aspect ratio a of the
+/// picture: tan(x/2) = a tan(y/2). Without `aspectRatio` it is that of the default film.
+pub(super) fn camera(
+    data: &CameraData,
+    world_from_local: &DAffine3,
+    units: f64,
+    part: &str,
+    notes: &Notes<'_>,
+) -> Result<Option<Camera>, SceneError> {
+    let Some(perspective) = data.perspective.as_ref().filter(|_| data.kind == "perspective") else {
+        notes.warn(part, "a camera that is not a perspective one is left out");
+        return Ok(None);
+    };
+    let film = Film::default();
+    let aspect = perspective.aspect_ratio.unwrap_or(f64::from(film.width) / f64::from(film.height));
+    let tangent = (0.5 * perspective.yfov).tan() * aspect;
+    if !(perspective.yfov > 0.0
+        && perspective.yfov < std::f64::consts::PI
+        && aspect > 0.0
+        && tangent.is_finite())
+    {
+        let (yfov, aspect) = (perspective.yfov, aspect);
+        let message =
+            format!("its yfov is {yfov} and aspectRatio {aspect}, but must be in (0, π) and above 0");
+        return Err(notes.error(part, message));
+    }
+    let position = world_from_local.translation;
+    // The point looked at lies far enough away to differ from the position in single precision.
+    let distance = units.max(1e-3 * position.length());
+    let target = position + forward(world_from_local).as_dvec3() * distance;
+    let up = world_from_local.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();
+    if !target.as_vec3().is_finite() {
+        return Err(notes.error(part, "its position is too large for a number"));
+    }
+    let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
+    Ok(Some(Camera {
+        position: position.as_vec3(),
+        target: target.as_vec3(),
+        up,
+        horizontal_fov,
+        lens_radius: 0.0,
+        focus_distance: distance as f32,
+    }))
+}

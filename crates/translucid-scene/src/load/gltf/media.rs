@@ -1,0 +1,202 @@
+//! What glTF says of a material's inside: transmission, absorption and scattering.
+//!
+//! - *Clear*: KHR_materials_transmission is `transmission_weight` (red channel). Its tint is the base
+//!   color, or, with an attenuationDistance d in KHR_materials_volume, `transmission_color` =
+//!   attenuationColor at `transmission_depth` = d.
+//! - *Scattering*: KHR_materials_volume_scatter states ρ = multiscatterColor, the color after many
+//!   scattering events, which is `subsurface_color`. KHR_materials_volume then gives the extinction
+//!   σ_t = −ln(c)/d per channel of the attenuation color c, so that `subsurface_radius` ×
+//!   `subsurface_radius_scale` = d / −ln(c), the mean free path. As much light enters as
+//!   KHR_materials_diffuse_transmission says, else as KHR_materials_transmission says:
+//!   `subsurface_weight`. The diffuse transmission's color multiplies `subsurface_color`.
+//! - *Absorbing, entered diffusely*: KHR_materials_diffuse_transmission with a volume but no scattering
+//!   is how files described wax and skin before; ρ is then the diffuse transmission's color.
+//!
+//! Lengths in the extensions are meters in world space.
+//! A thin sheet (transmission without thickness) is rendered as if it were the skin of a solid.
+
+use glam::Vec3;
+use serde::Deserialize;
+
+use super::document::TextureInfo;
+use super::materials::{MaterialReader, white};
+use crate::{Channel, ColorInput, Material, ScalarInput, SceneError};
+
+/// KHR_materials_transmission.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Transmission {
+    #[serde(default)]
+    transmission_factor: f32,
+    transmission_texture: Option<TextureInfo>,
+}
+
+/// KHR_materials_volume.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Volume {
+    #[serde(default)]
+    thickness_factor: f32,
+    attenuation_distance: Option<f64>,
+    #[serde(default = "white")]
+    attenuation_color: [f32; 3],
+}
+
+/// KHR_materials_volume_scatter.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct VolumeScatter {
+    #[serde(default)]
+    multiscatter_color: [f32; 3],
+    #[serde(default)]
+    scatter_anisotropy: f32,
+}
+
+/// KHR_materials_diffuse_transmission.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct DiffuseTransmission {
+    #[serde(default)]
+    diffuse_transmission_factor: f32,
+    diffuse_transmission_texture: Option<TextureInfo>,
+    #[serde(default = "white")]
+    diffuse_transmission_color_factor: [f32; 3],
+    diffuse_transmission_color_texture: Option<TextureInfo>,
+}
+
+/// Attenuation colors above this would make the mean free path longer than 10⁴ attenuation distances.
+const CLEAREST: f64 = 0.9999;
+
+/// Attenuation of a volume: the color that is left after a distance in scene units.
+#[derive(Clone, Copy)]
+struct Attenuation {
+    color: Vec3,
+    distance: f32,
+}
+
+impl Attenuation {
+    /// Mean free path per channel, d / −ln c.
+    fn mean_free_path(&self) -> Vec3 {
+        let path = |c: f32| (f64::from(self.distance) / -f64::from(c).min(CLEAREST).ln()) as f32;
+        Vec3::from_array(self.color.to_array().map(path))
+    }
+}
+
+impl MaterialReader<'_> {
+    /// Transmission and subsurface parameters.
+    pub(super) fn read_media(&mut self, material: &mut Material) -> Result<(), SceneError> {
+        let volume = self.extension::<Volume>("KHR_materials_volume")?;
+        let attenuation = volume.as_ref().and_then(|volume| self.attenuation(volume));
+        let transmission = self.extension::<Transmission>("KHR_materials_transmission")?;
+        let clear = match &transmission {
+            Some(data) => {
+                let texture = data.transmission_texture.as_ref();
+                self.weight(data.transmission_factor, texture, Channel::Red, "transmissionFactor")?
+            }
+            None => ScalarInput::constant(0.0),
+        };
+        let diffuse = self.extension::<DiffuseTransmission>("KHR_materials_diffuse_transmission")?;
+        let scatter = self.extension::<VolumeScatter>("KHR_materials_volume_scatter")?;
+        match (attenuation, &scatter, &diffuse) {
+            (Some(attenuation), Some(_), _) | (Some(attenuation), None, Some(_)) => {
+                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
+                self.set_subsurface(material, attenuation, scatter.as_ref(), weight, tint);
+                if scatter.is_none() {
+                    set_transmission(material, clear, Some(attenuation));
+                }
+            }
+            _ => {
+                if scatter.is_some() || diffuse.is_some() {
+                    self.warn(
+                        "scattering without a KHR_materials_volume with attenuationDistance is left out",
+                    );
+                }
+                set_transmission(material, clear, attenuation);
+            }
+        }
+        if clear.factor > 0.0 && volume.is_none_or(|volume| volume.thickness_factor <= 0.0) {
+            self.warn("transmission without thickness is rendered as a solid's");
+        }
+        Ok(())
+    }
+
+    fn attenuation(&self, volume: &Volume) -> Option<Attenuation> {
+        let distance = (volume.attenuation_distance? * self.units) as f32;
+        let color = Vec3::from_array(volume.attenuation_color.map(|c| self.unit(c, "attenuationColor")));
+        if distance.is_finite() && distance > 0.0 {
+            return Some(Attenuation { color, distance });
+        }
+        self.warn("an attenuationDistance that is not above 0 and finite is left out");
+        None
+    }
+
+    /// How much light enters a scattering medium, and its tint.
+    fn entering(
+        &mut self,
+        clear: ScalarInput,
+        diffuse: Option<&DiffuseTransmission>,
+    ) -> Result<(ScalarInput, ColorInput), SceneError> {
+        let Some(data) = diffuse else { return Ok((clear, ColorInput::constant(Vec3::ONE))) };
+        let texture = data.diffuse_transmission_texture.as_ref();
+        let key = "diffuseTransmissionFactor";
+        let weight = self.weight(data.diffuse_transmission_factor, texture, Channel::Alpha, key)?;
+        let texture = data.diffuse_transmission_color_texture.as_ref();
+        let tint =
+            self.color(data.diffuse_transmission_color_factor, texture, "diffuseTransmissionColorFactor")?;
+        Ok((weight, tint))
+    }
+
+    fn set_subsurface(
+        &self,
+        material: &mut Material,
+        attenuation: Attenuation,
+        scatter: Option<&VolumeScatter>,
+        weight: ScalarInput,
+        tint: ColorInput,
+    ) {
+        let path = attenuation.mean_free_path();
+        let longest = path.max_element();
+        material.subsurface_weight = weight;
+        material.subsurface_radius = ScalarInput::constant(longest);
+        material.subsurface_radius_scale =
+            ColorInput::constant(if longest > 0.0 { path / longest } else { Vec3::ONE });
+        material.subsurface_color = tint;
+        if let Some(scatter) = scatter {
+            let albedo = scatter.multiscatter_color.map(|c| self.unit(c, "multiscatterColor"));
+            material.subsurface_color.factor *= Vec3::from_array(albedo);
+            let g = scatter.scatter_anisotropy;
+            material.subsurface_scatter_anisotropy = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
+        }
+    }
+}
+
+fn set_transmission(material: &mut Material, weight: ScalarInput, attenuation: Option<Attenuation>) {
+    material.transmission_weight = weight;
+    match attenuation {
+        Some(Attenuation { color, distance }) => {
+            material.transmission_color = ColorInput::constant(color);
+            material.transmission_depth = distance;
+        }
+        None => material.transmission_color = material.base_color,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn mean_free_path_inverts_beer_s_law() {
+        let color = Vec3::new(0.9, 0.5, 0.1);
+        let path = Attenuation { color, distance: 3.0 }.mean_free_path();
+        let after = Vec3::from_array((-3.0 / path).to_array().map(f32::exp));
+        assert!(after.abs_diff_eq(color, 1e-6), "{after}");
+    }
+
+    #[test]
+    fn mean_free_path_is_finite_for_black_and_white() {
+        let path = Attenuation { color: Vec3::new(0.0, 1.0, 1.0), distance: 2.0 }.mean_free_path();
+        assert_eq!(path.x, 0.0);
+        assert!(path.is_finite() && path.y > 1.9e4, "{path}");
+    }
+}

@@ -1,0 +1,274 @@
+//! glTF 2.0 (.gltf and .glb): meshes with their hierarchy and materials, lights and a camera.
+//!
+//! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
+//! input can make it panic or allocate more than the file's own size justifies.
+//!
+//! **Read**: external, embedded and GLB buffers; all index types, strides, normalized and sparse
+//! accessors; lists, strips and fans; KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and
+//! TRS; the materials of [`materials`]; KHR_texture_transform; KHR_lights_punctual; perspective cameras.
+//!
+//! **Left out, with a warning**: points, lines, morph targets, skins, animations' poses, orthographic
+//! cameras, second texture coordinates. **Refused**: compressed geometry.
+
+mod accessor;
+mod buffers;
+mod container;
+mod document;
+mod geometry;
+mod lights;
+mod materials;
+mod media;
+mod nodes;
+mod notes;
+mod textures;
+mod uri;
+
+use std::path::Path;
+
+use glam::{DAffine3, DVec3};
+
+use self::accessor::Arrays;
+use self::buffers::Buffers;
+use self::document::{Document, Node};
+use self::geometry::Budget;
+use self::materials::MaterialShelf;
+use self::nodes::PlacedNode;
+use self::notes::Notes;
+use crate::{Camera, Image, Light, Material, Object, Place, SceneError, Unit, Warning, repair_mesh};
+
+/// The content of a glTF file in world space and scene units.
+#[derive(Clone, Debug)]
+pub struct GltfScene {
+    /// One object for each primitive of each node's mesh, at least one; its name is the node's, else the mesh's.
+    ///
+    /// The primitives of one node share a [`subsurface_group`](Object::subsurface_group); the groups are
+    /// counted from 0.
+    pub objects: Vec<Object>,
+    /// Materials that [`Object::material`] refers to.
+    pub materials: Vec<Material>,
+    /// Images that the materials refer to.
+    pub images: Vec<Image>,
+    /// Directional, point and spot lights.
+    pub lights: Vec<Light>,
+    /// The first perspective camera of the scene, framed for its own aspect ratio or the default film's.
+    pub camera: Option<Camera>,
+    /// The camera's full vertical field of view in degrees, which is what the file states: for a film of
+    /// aspect ratio a the horizontal one is 2 atan(a tan(v/2)).
+    pub vertical_fov: Option<f32>,
+}
+
+/// Reads a glTF file, textures and buffers beside it included.
+///
+/// glTF's lengths are meters; `unit` is the scene's.
+/// What can be repaired or left out is said in `warnings`.
+///
+/// # Errors
+/// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
+/// usable triangle; the message names the element at fault.
+pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<GltfScene, SceneError> {
+    let failure =
+        |reason: String| SceneError::at(Place::file(path), format!("cannot read the file: {reason}"));
+    let metadata = std::fs::metadata(path).map_err(|error| failure(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(failure(String::from("not a file")));
+    }
+    let bytes = std::fs::read(path).map_err(|error| failure(error.to_string()))?;
+    parse_gltf(&bytes, path, unit, warnings)
+}
+
+/// Reads glTF from memory; `path` is for messages and for the buffers and images beside it.
+///
+/// # Errors
+/// As [`load_gltf`].
+pub fn parse_gltf(
+    bytes: &[u8],
+    path: &Path,
+    unit: Unit,
+    warnings: &mut Vec<Warning>,
+) -> Result<GltfScene, SceneError> {
+    let notes = Notes::new(path);
+    let result = read(bytes, unit, &notes, warnings);
+    warnings.extend(notes.into_warnings());
+    result
+}
+
+fn read(
+    bytes: &[u8],
+    unit: Unit,
+    notes: &Notes<'_>,
+    warnings: &mut Vec<Warning>,
+) -> Result<GltfScene, SceneError> {
+    let container = container::split(bytes, notes.path)?;
+    let document = Document::parse(container.json, notes.path)?;
+    check_extensions(&document, notes)?;
+    let buffers = Buffers::load(&document, container.binary, notes)?;
+    let arrays = Arrays { document: &document, buffers: &buffers, notes };
+    let units = 1000.0 / unit.in_millimeters();
+    let placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
+    let mut assembly = Assembly {
+        arrays: &arrays,
+        units,
+        materials: MaterialShelf::default(),
+        budget: Budget::default(),
+        warnings,
+        unusable: None,
+        next_group: 0,
+        scene: GltfScene::empty(),
+    };
+    for node in &placed {
+        assembly.add_node(node)?;
+    }
+    assembly.finish()
+}
+
+/// Compressed geometry is refused; of other required extensions that are not known the user is told.
+fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
+    const COMPRESSION: [&str; 3] =
+        ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+    const KNOWN: [&str; 4] =
+        ["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
+    for name in &document.extensions_required {
+        if COMPRESSION.contains(&name.as_str()) {
+            let error =
+                notes.error("extensionsRequired", format!("the file needs {name}, which is not read"));
+            return Err(error.with_help("export it without mesh compression"));
+        }
+        // Those of materials are reported where a material has them.
+        if !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_") {
+            let name = uri::clip(name);
+            notes.warn("extensionsRequired", format!("{name} is not known: what it adds is left out"));
+        }
+    }
+    Ok(())
+}
+
+impl GltfScene {
+    fn empty() -> Self {
+        Self {
+            objects: Vec::new(),
+            materials: Vec::new(),
+            images: Vec::new(),
+            lights: Vec::new(),
+            camera: None,
+            vertical_fov: None,
+        }
+    }
+}
+
+/// A scene on its way.
+struct Assembly<'a> {
+    arrays: &'a Arrays<'a>,
+    /// Scene units to the meter.
+    units: f64,
+    materials: MaterialShelf,
+    budget: Budget,
+    warnings: &'a mut Vec<Warning>,
+    /// Why a mesh could not be used, for the message if none can.
+    unusable: Option<SceneError>,
+    next_group: u32,
+    scene: GltfScene,
+}
+
+impl Assembly<'_> {
+    fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let part = document.nodes.label(placed.index);
+        let node = document.nodes.get(placed.index, &part, notes.path)?;
+        if let Some(mesh) = node.mesh {
+            self.add_mesh(mesh, node, placed, &part)?;
+        }
+        if let Some(camera) = node.camera {
+            self.add_camera(camera, placed, &part)?;
+        }
+        let light = lights::light(node, &placed.world_from_local, self.units, &part, document, notes)?;
+        self.scene.lights.extend(light);
+        Ok(())
+    }
+
+    fn add_mesh(
+        &mut self,
+        index: usize,
+        node: &Node,
+        placed: &PlacedNode,
+        part: &str,
+    ) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let mesh = document.meshes.get(index, part, notes.path)?;
+        let label = document.meshes.label(index);
+        if let Some(skin) = node.skin {
+            document.skins.get(skin, part, notes.path)?;
+            notes.warn(part, "a skin is left out: the mesh stays in its rest pose");
+        }
+        if mesh.primitives.is_empty() {
+            notes.warn(&label, "a mesh without primitives is left out");
+        }
+        let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
+        for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
+            for primitive in 0..mesh.primitives.len() {
+                let place = format!("{label} primitive {primitive} of {part}");
+                self.add_primitive(&mesh.primitives[primitive], world_from_local, name, &place)?;
+            }
+            self.next_group = self.next_group.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        primitive: &document::Primitive,
+        world_from_local: DAffine3,
+        name: &str,
+        part: &str,
+    ) -> Result<(), SceneError> {
+        let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
+        let set = material.uv_set.unwrap_or(0);
+        let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
+            return Ok(());
+        };
+        if material.uv_set.is_some() && mesh.uvs.is_empty() {
+            self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
+        }
+        mesh.transform(&world_from_local.as_affine3a());
+        let place = Place::part(self.arrays.notes.path, part);
+        if let Err(error) = repair_mesh(&mut mesh, &place, self.warnings) {
+            self.arrays.notes.warn(part, format!("left out: {}", error.message));
+            self.unusable.get_or_insert(error);
+            return Ok(());
+        }
+        self.scene.objects.push(Object {
+            name: name.to_owned(),
+            mesh,
+            material: material.index,
+            subsurface_group: self.next_group,
+        });
+        Ok(())
+    }
+
+    fn add_camera(&mut self, index: usize, placed: &PlacedNode, part: &str) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let data = document.cameras.get(index, part, notes.path)?;
+        let label = document.cameras.label(index);
+        let Some(camera) = lights::camera(data, &placed.world_from_local, self.units, &label, notes)? else {
+            return Ok(());
+        };
+        if self.scene.camera.is_some() {
+            notes.warn(&label, "only the first camera is used");
+            return Ok(());
+        }
+        self.scene.camera = Some(camera);
+        self.scene.vertical_fov = data.perspective.as_ref().map(|p| p.yfov.to_degrees() as f32);
+        Ok(())
+    }
+
+    fn finish(self) -> Result<GltfScene, SceneError> {
+        self.materials.report(self.arrays);
+        if self.scene.objects.is_empty() {
+            let none =
+                || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
+            return Err(self.unusable.unwrap_or_else(none));
+        }
+        let MaterialShelf { materials, images, .. } = self.materials;
+        self.warnings.extend(images.warnings);
+        Ok(GltfScene { materials, images: images.images, ..self.scene })
+    }
+}

@@ -1,0 +1,183 @@
+//! Where buffers and images lie: `data:` URIs with base64, and files beside the glTF.
+
+use std::path::{Component, Path, PathBuf};
+
+/// Bytes behind a URI of a buffer or image.
+///
+/// # Errors
+/// What is wrong, in words that go on after the name of the buffer or image.
+pub(super) fn read(uri: &str, gltf: &Path) -> Result<Vec<u8>, String> {
+    match uri.strip_prefix("data:") {
+        Some(data) => read_data(data),
+        None => read_file(uri, gltf),
+    }
+}
+
+/// At most 60 characters of a name, so that a message stays one.
+pub(super) fn clip(name: &str) -> String {
+    let mut clipped: String = name.chars().take(60).flat_map(char::escape_debug).collect();
+    if name.chars().nth(60).is_some() {
+        clipped.push('…');
+    }
+    clipped
+}
+
+fn read_data(data: &str) -> Result<Vec<u8>, String> {
+    let (kind, content) = data.split_once(',').ok_or("its data URI has no comma")?;
+    if !kind.ends_with(";base64") {
+        return Err(format!("its data URI is \"{}\", but only base64 is read", clip(kind)));
+    }
+    decode_base64(content.as_bytes())
+}
+
+/// Standard base64 (RFC 4648, section 4) with or without padding.
+fn decode_base64(text: &[u8]) -> Result<Vec<u8>, String> {
+    let padding = text.iter().rev().take(2).take_while(|&&c| c == b'=').count();
+    let text = &text[..text.len() - padding];
+    if text.len() % 4 == 1 {
+        return Err(format!("its base64 data has {} characters, which cannot be", text.len()));
+    }
+    let mut bytes = Vec::with_capacity(text.len() / 4 * 3 + 2);
+    for (group, characters) in text.chunks(4).enumerate() {
+        let mut bits = 0u32;
+        for (i, &character) in characters.iter().enumerate() {
+            let value = base64_value(character)
+                .ok_or_else(|| format!("its base64 data is broken at character {}", 4 * group + i + 1))?;
+            bits |= value << (18 - 6 * i);
+        }
+        let [_, decoded @ ..] = bits.to_be_bytes();
+        bytes.extend(&decoded[..characters.len() - 1]);
+    }
+    Ok(bytes)
+}
+
+fn base64_value(character: u8) -> Option<u32> {
+    let value = match character {
+        b'A'..=b'Z' => character - b'A',
+        b'a'..=b'z' => character - b'a' + 26,
+        b'0'..=b'9' => character - b'0' + 52,
+        b'+' => 62,
+        b'/' => 63,
+        _ => return None,
+    };
+    Some(u32::from(value))
+}
+
+fn read_file(uri: &str, gltf: &Path) -> Result<Vec<u8>, String> {
+    let candidates = [percent_decoded(uri), Some(uri.to_owned())];
+    let mut failure = String::new();
+    for relative in candidates.into_iter().flatten() {
+        let path = beside(&relative, gltf)?;
+        match read_regular_file(&path) {
+            Ok(bytes) => return Ok(bytes),
+            Err(reason) if failure.is_empty() => failure = reason,
+            Err(_) => (),
+        }
+    }
+    Err(failure)
+}
+
+/// A path relative to the glTF file's folder; a file of another place on the machine is not its business.
+fn beside(relative: &str, gltf: &Path) -> Result<PathBuf, String> {
+    let path = Path::new(relative);
+    let plain =
+        |part: Component<'_>| matches!(part, Component::Normal(_) | Component::ParentDir | Component::CurDir);
+    if relative.contains("://") || relative.starts_with("file:") || !path.components().all(plain) {
+        return Err(format!("\"{}\" is not a path relative to the glTF file", clip(relative)));
+    }
+    Ok(gltf.parent().unwrap_or(Path::new("")).join(path))
+}
+
+fn read_regular_file(path: &Path) -> Result<Vec<u8>, String> {
+    let failure = |error: std::io::Error| format!("cannot read {}: {error}", path.display());
+    // A device or pipe would block or never end.
+    if !std::fs::metadata(path).map_err(failure)?.is_file() {
+        return Err(format!("cannot read {}: not a file", path.display()));
+    }
+    std::fs::read(path).map_err(failure)
+}
+
+/// Percent decoding (RFC 3986, section 2.1), if there is something to decode and the result is UTF-8.
+fn percent_decoded(uri: &str) -> Option<String> {
+    let mut bytes = Vec::with_capacity(uri.len());
+    let mut rest = uri.as_bytes();
+    while let [first, tail @ ..] = rest {
+        match (first, tail) {
+            (b'%', [high, low, after @ ..]) => {
+                let digit = |c: &u8| char::from(*c).to_digit(16);
+                bytes.push((digit(high)? * 16 + digit(low)?) as u8);
+                rest = after;
+            }
+            _ => {
+                bytes.push(*first);
+                rest = tail;
+            }
+        }
+    }
+    String::from_utf8(bytes).ok().filter(|decoded| decoded != uri)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Encoder for tests: the obvious bit string.
+    fn encode_base64(bytes: &[u8]) -> String {
+        let alphabet: Vec<char> = ('A'..='Z').chain('a'..='z').chain('0'..='9').chain(['+', '/']).collect();
+        let bits: Vec<usize> =
+            bytes.iter().flat_map(|b| (0..8).rev().map(move |i| usize::from(b >> i & 1))).collect();
+        let mut text: String = bits
+            .chunks(6)
+            .map(|six| alphabet[(0..6).fold(0, |value, i| value * 2 + six.get(i).unwrap_or(&0))])
+            .collect();
+        while !text.len().is_multiple_of(4) {
+            text.push('=');
+        }
+        text
+    }
+
+    #[test]
+    fn base64_decoding_inverts_encoding_for_every_length() {
+        let bytes: Vec<u8> = (0..=255).chain((0..50).map(|i| 5 * i)).collect();
+        for length in 0..bytes.len() {
+            let text = encode_base64(&bytes[..length]);
+            assert_eq!(decode_base64(text.as_bytes()).unwrap(), &bytes[..length]);
+            assert_eq!(decode_base64(text.trim_end_matches('=').as_bytes()).unwrap(), &bytes[..length]);
+        }
+        assert_eq!(decode_base64(b"Zm9vYmFy").unwrap(), b"foobar"); // RFC 4648, section 10
+    }
+
+    #[test]
+    fn base64_decoding_says_where_the_text_is_broken() {
+        assert_eq!(decode_base64(b"AAAA*AAA").unwrap_err(), "its base64 data is broken at character 5");
+        assert_eq!(decode_base64(b"AAAAA").unwrap_err(), "its base64 data has 5 characters, which cannot be");
+        assert_eq!(decode_base64(b"A=AA").unwrap_err(), "its base64 data is broken at character 2");
+    }
+
+    #[test]
+    fn percent_decoding_handles_spaces_umlauts_and_broken_escapes() {
+        assert_eq!(percent_decoded("a%20b%C3%A4.bin").as_deref(), Some("a bä.bin"));
+        assert_eq!(percent_decoded("plain.bin"), None);
+        assert_eq!(percent_decoded("100%.bin"), None);
+        assert_eq!(percent_decoded("%FF.bin"), None);
+    }
+
+    #[test]
+    fn read_refuses_what_is_not_beside_the_file() {
+        for uri in ["/etc/passwd", "http://example.org/a.bin", "file:///a.bin", "%2Fetc/passwd"] {
+            let message = read(uri, Path::new("models/a.gltf")).unwrap_err();
+            assert!(message.contains("is not a path relative to the glTF file"), "{uri}: {message}");
+        }
+        assert!(
+            read("no such.bin", Path::new("a.gltf")).unwrap_err().starts_with("cannot read no such.bin:")
+        );
+        assert!(read("", Path::new("/tmp/a.gltf")).unwrap_err().contains("not a file"));
+    }
+
+    #[test]
+    fn read_refuses_data_uris_that_are_not_base64() {
+        let message = read("data:text/plain,hello", Path::new("a.gltf")).unwrap_err();
+        assert_eq!(message, "its data URI is \"text/plain\", but only base64 is read");
+        assert_eq!(read("data:", Path::new("a.gltf")).unwrap_err(), "its data URI has no comma");
+    }
+}

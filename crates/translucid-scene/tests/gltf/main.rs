@@ -1,0 +1,10 @@
+//! The glTF loader on whole files: what it makes of sound ones and what it says of broken ones.
+
+#![allow(missing_docs, reason = "a test binary has no public items")]
+
+mod broken;
+mod builder;
+mod geometry;
+mod hierarchy;
+mod materials;
+mod mutation;
