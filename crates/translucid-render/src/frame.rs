@@ -26,6 +26,16 @@ impl Frame {
         Self { x, y, z }
     }
 
+    /// One of the three axes by its number: x, y, z.
+    #[must_use]
+    pub(crate) fn axis(&self, index: usize) -> Vec3 {
+        match index {
+            0 => self.x,
+            1 => self.y,
+            _ => self.z,
+        }
+    }
+
     /// Local coordinates of a world direction.
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {

@@ -6,13 +6,22 @@
 //! # Out of scope
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
-mod bsdf;
+pub mod bsdf;
+mod camera;
 mod film;
+mod fingerprint;
 mod frame;
+mod geometry;
+mod light;
+mod material;
+mod path;
+mod renderer;
+mod sampler;
+mod shadow;
+mod subsurface;
+mod triangle;
+mod wide_tree;
 
-pub use bsdf::{
-    Bsdf, BsdfSample, BsdfValue, EntryBsdf, Ggx, GlassTable, Lobe, MaterialTables, MetalFresnel, MetalTable,
-    ReflectanceTable, SurfaceParameters, fresnel_dielectric, scaled_ior,
-};
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
+pub use renderer::{Goal, Outcome, Progress, Renderer};

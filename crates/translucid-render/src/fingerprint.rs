@@ -1,0 +1,71 @@
+//! A number that tells scenes apart.
+
+use translucid_scene::{Pixels, Scene};
+
+/// Hashes all of a scene that decides its samples: not the number of samples, not the display.
+pub(crate) fn fingerprint(scene: &Scene) -> u64 {
+    let mut hash = Fnv::new();
+    let mut integrator = scene.integrator;
+    integrator.samples_per_pixel = 1;
+    let film = &scene.film;
+    // Debug output of floats reads back exactly, so equal text is equal data.
+    hash.text(&format!(
+        "{} {:?} {:?} {:?} {:?} {:?}",
+        env!("CARGO_PKG_VERSION"),
+        scene.camera,
+        (film.width, film.height, film.filter, film.filter_radius),
+        integrator,
+        scene.lights,
+        scene.environment,
+    ));
+    for material in &scene.materials {
+        hash.text(&format!("{material:?}"));
+    }
+    for object in &scene.objects {
+        hash.text(&format!("{} {}", object.material, object.subsurface_group));
+        let mesh = &object.mesh;
+        hash.bytes(bytemuck::cast_slice(&mesh.positions));
+        hash.bytes(bytemuck::cast_slice(&mesh.normals));
+        hash.bytes(bytemuck::cast_slice(&mesh.uvs));
+        hash.bytes(bytemuck::cast_slice(&mesh.colors));
+        hash.bytes(bytemuck::cast_slice(&mesh.triangles));
+    }
+    for image in &scene.images {
+        hash.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
+        match &image.pixels {
+            Pixels::Byte(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+            Pixels::Float(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+        }
+    }
+    hash.0
+}
+
+/// FNV-1a over 64 bits, eight bytes a step: the data is not hostile, only long.
+struct Fnv(u64);
+
+impl Fnv {
+    fn new() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+
+    fn word(&mut self, word: u64) {
+        self.0 = (self.0 ^ word).wrapping_mul(0x0000_0100_0000_01b3);
+        // Multiplication carries upward only: bring high bits down, too.
+        self.0 ^= self.0 >> 29;
+    }
+
+    fn bytes(&mut self, bytes: &[u8]) {
+        let mut chunks = bytes.chunks_exact(8);
+        for chunk in &mut chunks {
+            self.word(u64::from_le_bytes(std::array::from_fn(|i| chunk[i])));
+        }
+        for &byte in chunks.remainder() {
+            self.word(u64::from(byte));
+        }
+        self.word(bytes.len() as u64);
+    }
+
+    fn text(&mut self, text: &str) {
+        self.bytes(text.as_bytes());
+    }
+}

@@ -1,0 +1,339 @@
+//! All triangles of a scene in one hierarchy, with the queries of a path tracer.
+//!
+//! The tree is built by `obvhs` (PLOC with reinsertion, then an eight-wide compressed tree); the rest of
+//! the renderer knows only the queries below, so that another traversal can take its place.
+
+use glam::{Vec2, Vec3, Vec3A};
+use obvhs::aabb::Aabb;
+use obvhs::cwbvh::{CwBvh, builder::build_cwbvh};
+use obvhs::ray::{Ray as TreeRay, RayHit};
+use obvhs::{Boundable, BvhBuildParams};
+use translucid_scene::{Object, Scene};
+
+use crate::triangle::{LeafTriangle, Ray, TriangleHit};
+
+/// A point where a ray meets the scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Hit {
+    /// Distance along the ray.
+    pub(crate) t: f32,
+    /// Barycentric coordinates of the triangle's vertices 1 and 2.
+    pub(crate) barycentric: [f32; 2],
+    /// Index into [`Geometry`]'s leaf triangles.
+    pub(crate) leaf: u32,
+}
+
+/// What the renderer knows of a point on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint {
+    pub(crate) position: Vec3,
+    /// Unit geometric normal, on the outside of the mesh.
+    pub(crate) geometric_normal: Vec3,
+    /// Unit shading normal, within 90° of the geometric one.
+    pub(crate) shading_normal: Vec3,
+    pub(crate) uv: Vec2,
+    pub(crate) color: Vec3,
+    /// Distance by which a ray's origin has to leave the surface to clear rounding errors.
+    pub(crate) offset: f32,
+    pub(crate) object: u32,
+    pub(crate) triangle: u32,
+    pub(crate) group: u32,
+}
+
+impl SurfacePoint {
+    /// A ray's origin on the side of the surface that `direction` points to.
+    pub(crate) fn ray_origin(&self, direction: Vec3) -> Vec3 {
+        let side = self.offset.copysign(self.geometric_normal.dot(direction));
+        self.position + self.geometric_normal * side
+    }
+}
+
+/// The scene's triangles and the tree over them.
+pub(crate) struct Geometry {
+    tree: CwBvh,
+    /// In the order of the tree's leaves.
+    leaves: Vec<LeafTriangle>,
+    /// Number of triangles in the objects before each object, and in all.
+    first_triangle: Vec<u32>,
+    bounds: (Vec3, Vec3),
+}
+
+impl Boundable for LeafTriangle {
+    fn aabb(&self) -> Aabb {
+        let [a, b, c] = self.vertices.map(Vec3A::from);
+        // The box test rounds, too: a little room keeps it from culling what the triangle test would hit.
+        let room = a.abs().max(b.abs()).max(c.abs()).max_element() * 4.0 * f32::EPSILON;
+        Aabb::new(a.min(b).min(c) - room, a.max(b).max(c) + room)
+    }
+}
+
+impl Geometry {
+    /// Builds the tree. The result does not depend on the number of threads.
+    pub(crate) fn new(objects: &[Object]) -> Self {
+        let mut first_triangle = vec![0_u32];
+        let mut triangles = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
+        for (index, object) in objects.iter().enumerate() {
+            for (number, corners) in object.mesh.triangles.iter().enumerate() {
+                triangles.push(LeafTriangle {
+                    vertices: corners.map(|vertex| object.mesh.positions[vertex as usize]),
+                    object: index as u32,
+                    triangle: number as u32,
+                    group: object.subsurface_group,
+                });
+            }
+            first_triangle.push(triangles.len() as u32);
+        }
+        let mut tree = if triangles.is_empty() {
+            CwBvh::default()
+        } else {
+            build_cwbvh(&triangles, BvhBuildParams::medium_build(), &mut std::time::Duration::default())
+        };
+        let leaves = tree.primitive_indices.iter().map(|&index| triangles[index as usize]).collect();
+        tree.primitive_indices = Vec::new();
+        let bounds = if triangles.is_empty() {
+            (Vec3::ZERO, Vec3::ZERO)
+        } else {
+            (tree.total_aabb.min.into(), tree.total_aabb.max.into())
+        };
+        Self { tree, leaves, first_triangle, bounds }
+    }
+
+    /// Corners of the box around everything.
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    /// Scene-wide number of an object's triangle.
+    pub(crate) fn primitive(&self, object: u32, triangle: u32) -> u32 {
+        self.first_triangle[object as usize] + triangle
+    }
+
+    /// Object and triangle of a scene-wide number.
+    pub(crate) fn object_and_triangle(&self, primitive: u32) -> (u32, u32) {
+        let object = self.first_triangle.partition_point(|&first| first <= primitive) - 1;
+        (object as u32, primitive - self.first_triangle[object])
+    }
+
+    /// The object that a hit belongs to.
+    pub(crate) fn object(&self, hit: &Hit) -> u32 {
+        self.leaves[hit.leaf as usize].object
+    }
+
+    /// The nearest surface along a ray.
+    pub(crate) fn closest(&self, ray: &Ray) -> Option<Hit> {
+        if self.leaves.is_empty() {
+            return None;
+        }
+        let mut best: Option<(TriangleHit, u32)> = None;
+        let mut current = *ray;
+        self.tree.ray_traverse(tree_ray(ray), &mut RayHit::none(), |bounded, leaf| {
+            current.t_max = bounded.tmax;
+            match self.leaves[leaf].intersect(&current) {
+                Some(hit) => {
+                    best = Some((hit, leaf as u32));
+                    hit.t
+                }
+                None => f32::INFINITY,
+            }
+        });
+        best.map(|(hit, leaf)| Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+    }
+
+    /// Whether anything lies on a segment.
+    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+        !self.leaves.is_empty()
+            && !self.tree.ray_traverse_miss(tree_ray(ray), |_, leaf| match self.leaves[leaf].intersect(ray) {
+                Some(hit) => hit.t,
+                None => f32::INFINITY,
+            })
+    }
+
+    /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
+    pub(crate) fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
+        if self.leaves.is_empty() {
+            return;
+        }
+        self.tree.ray_traverse_anyhit(tree_ray(ray), |_, leaf| {
+            let triangle = &self.leaves[leaf];
+            if triangle.group != group {
+                return;
+            }
+            if let Some(hit) = triangle.intersect(ray) {
+                found(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf: leaf as u32 });
+            }
+        });
+    }
+
+    /// Unit geometric normal of a hit, on the outside of its mesh.
+    pub(crate) fn normal(&self, hit: &Hit) -> Vec3 {
+        self.leaves[hit.leaf as usize].normal().normalize_or(Vec3::Z)
+    }
+
+    /// Position of a hit, interpolated from the vertices: exact to their rounding errors.
+    pub(crate) fn position(&self, hit: &Hit) -> Vec3 {
+        self.leaves[hit.leaf as usize].point(hit.barycentric)
+    }
+
+    /// Everything about a hit.
+    pub(crate) fn surface_point(&self, scene: &Scene, hit: &Hit) -> SurfacePoint {
+        surface_point(scene, &self.leaves[hit.leaf as usize], hit.barycentric)
+    }
+
+    /// The point of a triangle nearest to a position in its plane, by the triangle's scene-wide number.
+    pub(crate) fn point_on(&self, scene: &Scene, primitive: u32, position: Vec3) -> SurfacePoint {
+        let (object, triangle) = self.object_and_triangle(primitive);
+        let owner = &scene.objects[object as usize];
+        let corners = owner.mesh.triangles[triangle as usize];
+        let vertices = corners.map(|corner| owner.mesh.positions[corner as usize]);
+        let leaf = LeafTriangle { vertices, object, triangle, group: owner.subsurface_group };
+        surface_point(scene, &leaf, barycentric(&vertices, position))
+    }
+}
+
+/// Attributes of a triangle at barycentric coordinates.
+fn surface_point(scene: &Scene, leaf: &LeafTriangle, [b1, b2]: [f32; 2]) -> SurfacePoint {
+    let mesh = &scene.objects[leaf.object as usize].mesh;
+        let corners = mesh.triangles[leaf.triangle as usize];
+        let weights = [1.0 - b1 - b2, b1, b2];
+        let geometric_normal = leaf.normal().normalize_or(Vec3::Z);
+        let largest = leaf.vertices.iter().fold(Vec3::ZERO, |m, v| m.max(v.abs())).max_element();
+        let mut shading_normal = interpolate(&mesh.normals, corners, weights, Vec3::ZERO)
+            .try_normalize()
+            .unwrap_or(geometric_normal);
+        // A shading normal from the other side (broken input) would turn the surface inside out.
+        if shading_normal.dot(geometric_normal) <= 0.0 {
+            shading_normal = geometric_normal;
+        }
+        SurfacePoint {
+            position: leaf.point([b1, b2]),
+            geometric_normal,
+            shading_normal,
+            uv: interpolate(&mesh.uvs, corners, weights, Vec2::ZERO),
+            color: interpolate(&mesh.colors, corners, weights, Vec3::ONE),
+            offset: largest * 16.0 * f32::EPSILON,
+            object: leaf.object,
+            triangle: leaf.triangle,
+            group: leaf.group,
+        }
+    }
+
+/// Coordinates of vertices 1 and 2, clamped into the triangle.
+fn barycentric([a, b, c]: &[Vec3; 3], position: Vec3) -> [f32; 2] {
+    let (e1, e2, p) = (b - a, c - a, position - a);
+    let normal = e1.cross(e2);
+    let squared = normal.length_squared();
+    if squared == 0.0 {
+        return [0.0, 0.0];
+    }
+    let b1 = (p.cross(e2).dot(normal) / squared).clamp(0.0, 1.0);
+    let b2 = (e1.cross(p).dot(normal) / squared).clamp(0.0, 1.0 - b1);
+    [b1, b2]
+}
+
+/// The segment in the tree's form. A direction component of −0 or 0 is handled there.
+fn tree_ray(ray: &Ray) -> TreeRay {
+    TreeRay::new(ray.origin.into(), ray.direction.into(), 0.0, ray.t_max)
+}
+
+/// Barycentric interpolation of a vertex attribute, `absent` where the mesh has none.
+fn interpolate<T>(attribute: &[T], corners: [u32; 3], weights: [f32; 3], absent: T) -> T
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    if attribute.is_empty() {
+        return absent;
+    }
+    let [a, b, c] = corners.map(|corner| attribute[corner as usize]);
+    a * weights[0] + b * weights[1] + c * weights[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use translucid_scene::Mesh;
+
+    /// Random triangles in the unit cube.
+    fn soup(count: u32) -> Vec<Object> {
+        let mut mesh = Mesh::default();
+        for i in 0..count {
+            let random = |salt: u32| sobol_burley::sample(i, salt, 3);
+            let center = Vec3::new(random(0), random(1), random(2));
+            for corner in 0..3 {
+                let at = |axis: u32| random(3 + 3 * corner + axis) - 0.5;
+                mesh.positions.push(center + Vec3::new(at(0), at(1), at(2)) * 0.1);
+            }
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        vec![Object { name: "soup".into(), mesh, material: 0, subsurface_group: i32::MAX as u32 }]
+    }
+
+    fn random_ray(i: u32) -> Ray {
+        let random = |salt: u32| sobol_burley::sample(i, salt, 11);
+        let target = Vec3::new(random(0), random(1), random(2));
+        let origin = Vec3::new(random(3), random(4), random(5)) * 4.0 - 1.5;
+        Ray::segment(origin, (target - origin).normalize(), 0.5 + 4.0 * random(6))
+    }
+
+    /// The tree against a loop over all triangles.
+    #[test]
+    fn queries_agree_with_brute_force() {
+        let objects = soup(2000);
+        let geometry = Geometry::new(&objects);
+        let group = objects[0].subsurface_group;
+        let mut hits = 0;
+        for i in 0..500 {
+            let ray = random_ray(i);
+            let mut expected: Vec<f32> =
+                geometry.leaves.iter().filter_map(|leaf| leaf.intersect(&ray)).map(|hit| hit.t).collect();
+            expected.sort_by(f32::total_cmp);
+            hits += expected.len();
+            let mut found = Vec::new();
+            geometry.all_in_group(&ray, group, |hit| found.push(hit.t));
+            found.sort_by(f32::total_cmp);
+            assert_eq!(found, expected);
+            assert_eq!(geometry.closest(&ray).map(|hit| hit.t), expected.first().copied());
+            assert_eq!(geometry.occluded(&ray), !expected.is_empty());
+            geometry.all_in_group(&ray, group + 1, |_| panic!("a hit in a foreign group"));
+        }
+        assert!(hits > 300, "the test meets too few triangles: {hits}");
+    }
+
+    #[test]
+    fn tree_does_not_depend_on_threads() {
+        let objects = soup(5000);
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+            pool.install(|| Geometry::new(&objects))
+        };
+        let (one, two) = (build(1), build(2));
+        assert!(one.tree == two.tree);
+        assert!(one.leaves.iter().zip(&two.leaves).all(|(a, b)| a.triangle == b.triangle));
+    }
+
+    #[test]
+    fn coincident_triangles_build_and_hit() {
+        let mut objects = soup(1);
+        let mesh = &mut objects[0].mesh;
+        mesh.triangles = vec![[0, 1, 2]; 3000];
+        let center = mesh.positions.iter().sum::<Vec3>() / 3.0;
+        let geometry = Geometry::new(&objects);
+        let direction = geometry.leaves[0].normal().normalize();
+        let mut count = 0;
+        geometry.all_in_group(&Ray::new(center - direction, direction), objects[0].subsurface_group, |_| {
+            count += 1
+        });
+        assert_eq!(count, 3000);
+    }
+
+    #[test]
+    fn primitive_numbers_go_both_ways() {
+        let mut objects = soup(3);
+        objects.extend(soup(4));
+        let geometry = Geometry::new(&objects);
+        for primitive in 0..7 {
+            let (object, triangle) = geometry.object_and_triangle(primitive);
+            assert_eq!(geometry.primitive(object, triangle), primitive);
+        }
+        assert_eq!(geometry.object_and_triangle(3), (1, 0));
+    }
+}

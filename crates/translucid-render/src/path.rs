@@ -1,0 +1,501 @@
+//! The path tracer: next-event estimation and multiple importance sampling at every vertex.
+//!
+//! ```text
+//! loop
+//!   follow the ray to the nearest surface or light; add its emission, weighted by MIS
+//!   at a surface: add light from one sampled light, weighted by MIS
+//!   draw what happens next:
+//!     a direction            → go on from here
+//!     subsurface scattering  → draw the entry point by a probe, add light from one sampled light there,
+//!                              draw a cosine direction, go on from there
+//! ```
+//!
+//! With `caustics` off, once a path has been scattered diffusely clear surfaces let it pass straight
+//! through with their Fresnel transmittance and color (so do shadow rays, always), and smooth
+//! reflections are roughened: no energy is dropped, but no light is focused.
+
+use glam::Vec3;
+use translucid_scene::{Material, Scene};
+
+use crate::bsdf::{Bsdf, BsdfSample, EntryBsdf, Lobe, SurfaceParameters};
+use crate::film::PixelSample;
+use crate::geometry::{Geometry, Hit, SurfacePoint};
+use crate::light::LightSet;
+use crate::material::{self, Materials, Subsurface};
+use crate::sampler::Sampler;
+use crate::shadow;
+use crate::subsurface::{AXIS_SHARES, Exit, Prober, Truncation};
+use crate::triangle::Ray;
+use crate::Frame;
+
+/// Least roughness of reflections that a diffusely scattered path sees with caustics off.
+const ROUGHNESS_AFTER_DIFFUSE: f32 = 0.5;
+
+/// Scattering events after which paths of little throughput are ended at random.
+const ROULETTE_AFTER: u32 = 3;
+
+/// Surfaces that a path may pass straight through in a row, against endless loops.
+const MOST_PASSES: u32 = 256;
+
+/// Everything that paths need to know, shared by all threads.
+pub(crate) struct World {
+    pub(crate) scene: Scene,
+    pub(crate) geometry: Geometry,
+    pub(crate) materials: Materials,
+    pub(crate) lights: LightSet,
+    pub(crate) axis_shares: [f32; 3],
+}
+
+impl World {
+    fn material(&self, point: &SurfacePoint) -> (usize, &Material) {
+        let index = self.scene.objects[point.object as usize].material;
+        (index, &self.scene.materials[index])
+    }
+}
+
+/// Traces paths; one for each thread, because it keeps scratch memory.
+pub(crate) struct PathTracer<'a> {
+    world: &'a World,
+    prober: Prober,
+}
+
+/// Which layer of the image a path brings light to: the first scattering event decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Layer {
+    Emission,
+    Diffuse,
+    Specular,
+    Subsurface,
+}
+
+/// The last point at which the path was scattered, for MIS.
+#[derive(Clone, Copy, Debug)]
+struct Origin {
+    point: Vec3,
+    /// Normal given to the light selection.
+    normal: Vec3,
+    /// Solid-angle density of the direction taken; infinite where lights could not be sampled instead.
+    pdf: f32,
+}
+
+struct Path {
+    ray: Ray,
+    throughput: Vec3,
+    layer: Layer,
+    origin: Origin,
+    depth: u32,
+    diffuse_depth: u32,
+    passes: u32,
+    /// Absorption coefficient of the clear medium around the ray [1/L].
+    absorption: Vec3,
+    sample: PixelSample,
+}
+
+impl Path {
+    fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: Vec3::ONE,
+            layer: Layer::Emission,
+            origin: Origin { point: ray.origin, normal: Vec3::ZERO, pdf: f32::INFINITY },
+            depth: 0,
+            diffuse_depth: 0,
+            passes: 0,
+            absorption: Vec3::ZERO,
+            sample: PixelSample::default(),
+        }
+    }
+
+    /// Adds light of the given radiance at the path's end to its layer.
+    fn add(&mut self, radiance: Vec3) {
+        let light = self.throughput * radiance;
+        self.add_to(self.layer, light);
+    }
+
+    fn add_to(&mut self, layer: Layer, light: Vec3) {
+        match layer {
+            Layer::Emission => self.sample.emission += light,
+            Layer::Diffuse => self.sample.diffuse += light,
+            Layer::Specular => self.sample.specular += light,
+            Layer::Subsurface => self.sample.subsurface += light,
+        }
+    }
+
+    /// The layer, given the kind of the event at hand.
+    fn layer_after(&self, event: Layer) -> Layer {
+        if self.layer == Layer::Emission { event } else { self.layer }
+    }
+
+    /// Goes on in a new direction.
+    fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: Origin) {
+        self.layer = self.layer_after(event);
+        self.throughput *= weight;
+        self.ray = ray;
+        self.origin = origin;
+        self.depth += 1;
+        self.passes = 0;
+        if matches!(event, Layer::Diffuse | Layer::Subsurface) {
+            self.diffuse_depth += 1;
+        }
+    }
+
+    /// Goes on behind the surface in the same direction; the MIS origin stays.
+    fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
+        self.throughput *= transmittance;
+        self.ray = Ray::new(point.ray_origin(self.ray.direction), self.ray.direction);
+        self.passes += 1;
+        self.passes < MOST_PASSES && self.throughput != Vec3::ZERO
+    }
+}
+
+impl<'a> PathTracer<'a> {
+    pub(crate) fn new(world: &'a World) -> Self {
+        let truncation = Truncation::new(world.scene.integrator.subsurface_tail);
+        Self { world, prober: Prober::new(truncation, world.axis_shares) }
+    }
+
+    /// Light that arrives at the ray's origin along the ray.
+    pub(crate) fn trace(&mut self, ray: Ray, sampler: &mut Sampler) -> PixelSample {
+        let mut path = Path::new(ray);
+        while self.step(&mut path, sampler) {}
+        path.sample
+    }
+
+    /// Follows the ray to its end and draws the next one; false when the path is over.
+    fn step(&mut self, path: &mut Path, sampler: &mut Sampler) -> bool {
+        let world = self.world;
+        // Vertex 0 is the camera's; passing straight through a surface is a vertex, too.
+        sampler.start_vertex(1 + path.depth + path.passes);
+        let hit = world.geometry.closest(&path.ray);
+        let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
+        if self.add_light_in_the_way(path, t_max) {
+            return false;
+        }
+        let Some(hit) = hit else {
+            self.add_environment(path);
+            return false;
+        };
+        if path.absorption != Vec3::ZERO {
+            path.throughput *= (-path.absorption * hit.t).exp();
+        }
+        let point = world.geometry.surface_point(&world.scene, &hit);
+        self.interact(path, &point, &hit, sampler)
+    }
+
+    /// What happens at a surface.
+    fn interact(&mut self, path: &mut Path, point: &SurfacePoint, hit: &Hit, sampler: &mut Sampler) -> bool {
+        let world = self.world;
+        let (index, material) = world.material(point);
+        let u = sampler.next_4d();
+        let opacity = material::opacity_at(&world.scene, material, point);
+        if opacity < 1.0 && u[3] >= opacity {
+            return path.pass(point, Vec3::ONE);
+        }
+        let subsurface = material::subsurface_at(&world.scene, material, point);
+        let mut surface = material::surface_at(&world.scene, material, point, &subsurface);
+        let softened = !world.scene.integrator.caustics && path.diffuse_depth > 0;
+        if softened {
+            let clear = surface.transmission_weight * (1.0 - surface.metalness);
+            if clear > 0.0 && u[2] < clear {
+                return self.pass_clear(path, point, material, &surface);
+            }
+            surface.transmission_weight = 0.0;
+            surface.specular_roughness = surface.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
+            surface.coat_roughness = surface.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
+        }
+        let normal = material::shading_normal_at(&world.scene, material, point);
+        let frame = Frame::from_normal(normal);
+        let bsdf = Bsdf::new(&surface, world.materials.tables(index), frame.to_local(-path.ray.direction));
+        if path.depth == 0 && path.sample.alpha == 0.0 {
+            path.sample.alpha = 1.0;
+            path.sample.albedo = bsdf.albedo();
+            path.sample.normal = normal;
+            path.sample.depth = (point.position - path.ray.origin).length();
+        }
+        self.add_emission(path, point, material, hit);
+        if path.depth >= world.scene.integrator.max_depth || !survives(path, u[1]) {
+            return false;
+        }
+        let vertex = Vertex { point, frame, normal, subsurface, material, index };
+        if !bsdf.is_smooth_only() {
+            self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
+        }
+        let v = sampler.next_4d();
+        match bsdf.sample(v[0], [v[1], v[2]]) {
+            None => false,
+            Some(BsdfSample::Direction { wi, weight, pdf, lobe }) => {
+                self.follow(path, &vertex, wi, weight, pdf, lobe)
+            }
+            Some(BsdfSample::Subsurface { weight }) => {
+                path.throughput *= weight;
+                self.scatter_below(path, &vertex, sampler)
+            }
+        }
+    }
+
+    /// Passes a clear surface without refraction, after a diffuse event with caustics off.
+    fn pass_clear(
+        &self,
+        path: &mut Path,
+        point: &SurfacePoint,
+        material: &Material,
+        surface: &SurfaceParameters,
+    ) -> bool {
+        let entering = path.ray.direction.dot(point.geometric_normal) < 0.0;
+        path.absorption = if entering { material::absorption(material) } else { Vec3::ZERO };
+        path.pass(point, shadow::straight_transmittance(surface, point, path.ray.direction))
+    }
+
+    /// Goes on in a direction drawn from the surface's BSDF.
+    fn follow(
+        &self,
+        path: &mut Path,
+        vertex: &Vertex<'_>,
+        wi: Vec3,
+        weight: Vec3,
+        pdf: f32,
+        lobe: Lobe,
+    ) -> bool {
+        let direction = vertex.frame.to_world(wi).normalize();
+        let event = if lobe == Lobe::Diffuse { Layer::Diffuse } else { Layer::Specular };
+        if event == Layer::Diffuse && path.diffuse_depth >= self.world.scene.integrator.max_diffuse_depth {
+            return false;
+        }
+        let (from, to) =
+            (-path.ray.direction.dot(vertex.point.geometric_normal), direction.dot(vertex.point.geometric_normal));
+        let crosses = -path.ray.direction.dot(vertex.normal) * wi.z < 0.0;
+        // The shading normal promised one side, the geometry has another: such light cannot be.
+        if (from * to < 0.0) != crosses {
+            return false;
+        }
+        if crosses {
+            path.absorption = if to < 0.0 { material::absorption(vertex.material) } else { Vec3::ZERO };
+        }
+        let pdf = if pdf > 0.0 { pdf } else { f32::INFINITY };
+        let origin = Origin {
+            point: vertex.point.position,
+            normal: vertex.light_normal(path.ray.direction, crosses_any(vertex)),
+            pdf,
+        };
+        let ray = Ray::new(vertex.point.ray_origin(direction), direction);
+        path.scatter(event, ray, weight, origin);
+        path.throughput != Vec3::ZERO
+    }
+
+    /// Leaves the surface through the volume below: probe, light at the entry, cosine direction.
+    fn scatter_below(&mut self, path: &mut Path, vertex: &Vertex<'_>, sampler: &mut Sampler) -> bool {
+        let world = self.world;
+        if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
+            return false;
+        }
+        let side = if path.ray.direction.dot(vertex.point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
+        let exit = Exit {
+            position: vertex.point.position,
+            normal: vertex.point.geometric_normal,
+            group: vertex.point.group,
+            subsurface: vertex.subsurface,
+            importance: path.throughput,
+        };
+        let Some(found) = self.prober.sample(&world.geometry, &exit, sampler.next_4d()) else { return false };
+        path.throughput *= found.weight;
+        let point = world.geometry.surface_point(&world.scene, &found.hit);
+        let (index, material) = world.material(&point);
+        let subsurface = Subsurface { albedo: Vec3::ONE, d: Vec3::ONE };
+        let surface = material::surface_at(&world.scene, material, &point, &subsurface);
+        let entry = EntryBsdf::new(&surface, world.materials.tables(index));
+        // Seen from inside an open mesh, light enters from inside, too.
+        let normal = material::shading_normal_at(&world.scene, material, &point) * side;
+        let geometric = point.geometric_normal * side;
+        self.add_entering_light(path, &point, normal, geometric, &entry, sampler.next_4d());
+        let v = sampler.next_4d();
+        let (wi, weight) = entry.sample([v[0], v[1]]);
+        let direction = Frame::from_normal(normal).to_world(wi).normalize();
+        if direction.dot(geometric) <= 0.0 {
+            return false;
+        }
+        let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
+        path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
+        path.throughput != Vec3::ZERO
+    }
+
+    /// Light from one sampled light, reflected or transmitted by a surface.
+    fn add_direct_light(&self, path: &mut Path, vertex: &Vertex<'_>, bsdf: &Bsdf<'_>, u: [f32; 4]) {
+        let world = self.world;
+        let normal = vertex.light_normal(path.ray.direction, crosses_any(vertex));
+        let Some(light) = world.lights.sample(vertex.point.position, normal, u[0], [u[1], u[2]]) else { return };
+        let value = bsdf.eval(vertex.frame.to_local(light.direction));
+        let geometric = vertex.point.geometric_normal;
+        let same_side = -path.ray.direction.dot(geometric) * light.direction.dot(geometric) > 0.0;
+        let shading_side = -path.ray.direction.dot(vertex.normal) * light.direction.dot(vertex.normal) > 0.0;
+        if same_side != shading_side || (value.diffuse + value.specular) == Vec3::ZERO {
+            return;
+        }
+        let diffuse = if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
+            Vec3::ZERO
+        } else {
+            value.diffuse
+        };
+        let mut weight = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
+        weight /= light.pdf;
+        let received = self.unoccluded(vertex.point, &light) * weight * path.throughput;
+        if received != Vec3::ZERO {
+            path.add_to(path.layer_after(Layer::Diffuse), received * diffuse);
+            path.add_to(path.layer_after(Layer::Specular), received * value.specular);
+        }
+    }
+
+    /// Light from one sampled light that enters the volume at a point.
+    fn add_entering_light(
+        &self,
+        path: &mut Path,
+        point: &SurfacePoint,
+        normal: Vec3,
+        geometric: Vec3,
+        entry: &EntryBsdf<'_>,
+        u: [f32; 4],
+    ) {
+        let Some(light) = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]]) else { return };
+        let cosine = light.direction.dot(normal);
+        if cosine <= 0.0 || light.direction.dot(geometric) <= 0.0 {
+            return;
+        }
+        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
+        let value = entry.eval(cosine) * (mis / light.pdf);
+        let received = self.unoccluded(point, &light) * value * path.throughput;
+        path.add_to(path.layer_after(Layer::Subsurface), received);
+    }
+
+    /// Radiance of a light sample that reaches the point.
+    fn unoccluded(&self, point: &SurfacePoint, light: &crate::light::LightSample) -> Vec3 {
+        let world = self.world;
+        let radiance = match light.primitive {
+            Some(primitive) => self.emitted_at(primitive, point.position + light.direction * light.distance),
+            None => light.radiance,
+        };
+        if radiance == Vec3::ZERO {
+            return Vec3::ZERO;
+        }
+        let origin = point.ray_origin(light.direction);
+        // Ends short of the light, so that the light itself does not count as an obstacle.
+        let ray = Ray::segment(origin, light.direction, light.distance * (1.0 - 1e-4));
+        radiance * shadow::transmittance(world, &ray)
+    }
+
+    /// Emission of a triangle at a point of it.
+    fn emitted_at(&self, primitive: u32, position: Vec3) -> Vec3 {
+        let world = self.world;
+        let point = world.geometry.point_on(&world.scene, primitive, position);
+        let (_, material) = world.material(&point);
+        material::emission_at(&world.scene, material, &point)
+    }
+
+    /// Emission of the surface that the path has met.
+    fn add_emission(&self, path: &mut Path, point: &SurfacePoint, material: &Material, hit: &Hit) {
+        if material.emission_luminance <= 0.0 || path.ray.direction.dot(point.geometric_normal) >= 0.0 {
+            return;
+        }
+        let radiance = material::emission_at(&self.world.scene, material, point);
+        let weight = if path.origin.pdf.is_finite() {
+            let primitive = self.world.geometry.primitive(point.object, point.triangle);
+            let Origin { point: from, normal, pdf } = path.origin;
+            let position = self.world.geometry.position(hit);
+            let light =
+                self.world.lights.triangle_pdf(primitive, from, normal, position, point.geometric_normal);
+            power_heuristic(pdf, light)
+        } else {
+            1.0
+        };
+        path.add(radiance * weight);
+    }
+
+    /// Adds an analytic light nearer than any surface; true if there is one.
+    fn add_light_in_the_way(&self, path: &mut Path, t_max: f32) -> bool {
+        let ray = &path.ray;
+        let Origin { point, normal, pdf } = path.origin;
+        let Some(light) = self.world.lights.intersect(ray.origin, ray.direction, t_max) else { return false };
+        if path.depth == 0 && !light.visible {
+            // The camera looks through: the surface behind is next.
+            return false;
+        }
+        let weight =
+            if pdf.is_finite() { power_heuristic(pdf, light.pdf(&self.world.lights, point, normal)) } else { 1.0 };
+        let absorbed = (-path.absorption * light.t).exp();
+        if path.depth == 0 {
+            path.sample.alpha = 1.0;
+        }
+        path.add(light.radiance * absorbed * weight);
+        true
+    }
+
+    /// Adds the environment behind everything.
+    fn add_environment(&self, path: &mut Path) {
+        let lights = &self.world.lights;
+        let Origin { point, normal, pdf } = path.origin;
+        if path.depth == 0 && !lights.environment_visible() {
+            return;
+        }
+        let direction = path.ray.direction;
+        let radiance = lights.environment_radiance(direction);
+        let weight = if pdf.is_finite() {
+            power_heuristic(pdf, lights.environment_pdf(point, normal, direction))
+        } else {
+            1.0
+        };
+        if path.depth == 0 {
+            path.sample.alpha = 1.0;
+        }
+        path.add(radiance * weight);
+    }
+}
+
+/// A surface point with what was worked out about it.
+struct Vertex<'a> {
+    point: &'a SurfacePoint,
+    frame: Frame,
+    /// Shading normal on the outside.
+    normal: Vec3,
+    subsurface: Subsurface,
+    material: &'a Material,
+    index: usize,
+}
+
+impl Vertex<'_> {
+    /// The normal that light selection may rely on: none where light from both sides counts.
+    fn light_normal(&self, incoming: Vec3, both_sides: bool) -> Vec3 {
+        if both_sides {
+            Vec3::ZERO
+        } else if incoming.dot(self.normal) > 0.0 {
+            -self.normal
+        } else {
+            self.normal
+        }
+    }
+}
+
+/// Whether light can cross the surface.
+fn crosses_any(vertex: &Vertex<'_>) -> bool {
+    vertex.material.transmission_weight.factor > 0.0
+}
+
+/// Russian roulette on the throughput: true if the path goes on.
+fn survives(path: &mut Path, u: f32) -> bool {
+    if path.depth < ROULETTE_AFTER {
+        return true;
+    }
+    let survival = path.throughput.max_element().min(0.95);
+    if u >= survival {
+        return false;
+    }
+    path.throughput /= survival;
+    true
+}
+
+/// Weight of a sample made with density `own` that could have been made with density `other`, too
+/// [Veach & Guibas 1995, power heuristic with exponent 2].
+fn power_heuristic(own: f32, other: f32) -> f32 {
+    if !own.is_finite() {
+        return 1.0;
+    }
+    let ratio = other / own;
+    1.0 / (1.0 + ratio * ratio)
+}

@@ -1,0 +1,204 @@
+//! The renderer: a scene made ready, and the loop over tiles and samples.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::time::Instant;
+
+use glam::Vec3;
+use rayon::prelude::*;
+use translucid_scene::Scene;
+
+use crate::camera::CameraRays;
+use crate::film::{FilmSums, PixelSample, TileSums, layer};
+use crate::fingerprint::fingerprint;
+use crate::geometry::Geometry;
+use crate::light::{EmissiveTriangle, LightSet};
+use crate::material::{self, Materials};
+use crate::path::{PathTracer, World};
+use crate::sampler::Sampler;
+use crate::subsurface::AXIS_SHARES;
+use crate::triangle::Ray;
+
+/// A scene made ready to render: the hierarchy built, lights and materials tabulated.
+pub struct Renderer {
+    world: World,
+    camera: CameraRays,
+}
+
+/// When a rendering is done.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Samples that each pixel shall have in the end.
+    pub samples: u32,
+    /// When to stop even if they are not reached.
+    pub deadline: Option<Instant>,
+}
+
+/// How far a rendering is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Camera paths done, those of an earlier run included.
+    pub samples_done: u64,
+    /// Camera paths in all.
+    pub samples_total: u64,
+}
+
+/// Why a rendering ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every pixel has its samples.
+    Finished,
+    /// The deadline came first.
+    TimeUp,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+impl Renderer {
+    /// Prepares a scene.
+    #[must_use]
+    pub fn new(scene: Scene) -> Self {
+        let geometry = Geometry::new(&scene.objects);
+        let lights = LightSet::new(&scene, emissive_triangles(&scene, &geometry), geometry.bounds());
+        let materials = Materials::new(&scene);
+        let camera = CameraRays::new(&scene.camera, &scene.film);
+        Self { world: World { scene, geometry, materials, lights, axis_shares: AXIS_SHARES }, camera }
+    }
+
+    /// The scene as it was given.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.world.scene
+    }
+
+    /// A number that differs when the picture would: two runs with the same one may be joined.
+    #[must_use]
+    pub fn fingerprint(&self) -> u64 {
+        fingerprint(&self.world.scene)
+    }
+
+    /// Adds samples to the film until the goal is reached, on the current rayon pool.
+    ///
+    /// Every pixel's samples are added in the order of their numbers, so the sums depend neither on the
+    /// number of threads nor on where the work was interrupted.
+    pub fn render(
+        &self,
+        film: &mut FilmSums,
+        goal: Goal,
+        progress: &(dyn Fn(Progress) + Sync),
+        stop: &AtomicBool,
+    ) -> Outcome {
+        let total = u64::from(film.width) * u64::from(film.height) * u64::from(goal.samples);
+        let done = AtomicU64::new(
+            film.tiles.iter().map(|tile| u64::from(tile.samples.min(goal.samples)) * tile.pixels.len() as u64).sum(),
+        );
+        let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let mut pass = film.samples();
+        while film.samples() < goal.samples {
+            // Passes grow: a first picture comes soon, and later the threads seldom wait for each other.
+            pass = (pass + (pass / 2).clamp(1, 16)).min(goal.samples);
+            let rects: Vec<_> = (0..film.tiles.len()).map(|index| film.tile_rect(index)).collect();
+            film.tiles.par_iter_mut().zip(rects).for_each_init(
+                || PathTracer::new(&self.world),
+                |tracer, (tile, rect)| {
+                    if tile.samples >= pass || stop.load(Ordering::Relaxed) || late() {
+                        return;
+                    }
+                    let before = tile.samples;
+                    self.render_tile(tracer, tile, rect, pass);
+                    let added = u64::from(tile.samples - before) * tile.pixels.len() as u64;
+                    let samples_done = done.fetch_add(added, Ordering::Relaxed) + added;
+                    progress(Progress { samples_done, samples_total: total });
+                },
+            );
+            if stop.load(Ordering::Relaxed) {
+                return Outcome::Interrupted;
+            }
+            if film.samples() < goal.samples && late() {
+                return Outcome::TimeUp;
+            }
+        }
+        Outcome::Finished
+    }
+
+    /// Brings every pixel of a tile to `samples` samples.
+    fn render_tile(
+        &self,
+        tracer: &mut PathTracer<'_>,
+        tile: &mut TileSums,
+        (left, top, width, _): (u32, u32, u32, u32),
+        samples: u32,
+    ) {
+        for (index, sums) in tile.pixels.iter_mut().enumerate() {
+            let (x, y) = (left + index as u32 % width, top + index as u32 / width);
+            for number in tile.samples..samples {
+                let mut sampler = Sampler::new(self.world.scene.integrator.seed, x, y, number);
+                let ray = self.camera.ray(x, y, sampler.next_4d());
+                add(sums, &tracer.trace(ray, &mut sampler));
+            }
+        }
+        tile.samples = samples;
+    }
+
+    /// Traces one path into the scene: sample `index` of the pixel (0, 0) of the given seed, but along
+    /// this ray. For measuring the renderer against exact answers.
+    #[must_use]
+    pub fn sample_ray(&self, origin: Vec3, direction: Vec3, seed: u64, index: u32) -> PixelSample {
+        let mut sampler = Sampler::new(seed, 0, 0, index);
+        PathTracer::new(&self.world).trace(Ray::new(origin, direction), &mut sampler)
+    }
+
+    /// Restricts subsurface probes to some axes, by shares of (tangent, tangent, normal) that sum to one.
+    /// Every choice has the same mean where no surface is parallel to all axes in use.
+    #[must_use]
+    pub fn with_probe_axes(mut self, shares: [f32; 3]) -> Self {
+        self.world.axis_shares = shares;
+        self
+    }
+}
+
+/// The triangles of all objects that emit light.
+fn emissive_triangles(scene: &Scene, geometry: &Geometry) -> Vec<EmissiveTriangle> {
+    let mut found = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let material = &scene.materials[object.material];
+        if material.emission_luminance <= 0.0 {
+            continue;
+        }
+        for number in 0..object.mesh.triangles.len() as u32 {
+            let primitive = geometry.primitive(index as u32, number);
+            let corners = object.mesh.triangles[number as usize];
+            let vertices = corners.map(|corner| object.mesh.positions[corner as usize]);
+            let center = vertices.iter().sum::<Vec3>() / 3.0;
+            let point = geometry.point_on(scene, primitive, center);
+            let radiance = material::emission_at(scene, material, &point);
+            // A textured emitter may be dark in the middle of a triangle and bright beside it.
+            let floor = if material.emission_color.texture.is_some() {
+                Vec3::splat(1e-3 * material.emission_luminance)
+            } else {
+                Vec3::ZERO
+            };
+            found.push(EmissiveTriangle { vertices, radiance: radiance.max(floor), primitive });
+        }
+    }
+    found
+}
+
+/// Adds a sample to a pixel's sums. A sample that is not finite would spoil the pixel for good; it counts
+/// as black (and is a defect: debug builds stop).
+fn add(sums: &mut [f64; layer::COUNT], sample: &PixelSample) {
+    debug_assert!(sample.radiance().is_finite(), "a sample is not finite: {sample:?}");
+    if !sample.radiance().is_finite() {
+        return;
+    }
+    let values: [f32; layer::COUNT] = {
+        let (d, s, b, e) = (sample.diffuse, sample.specular, sample.subsurface, sample.emission);
+        let (a, n) = (sample.albedo, sample.normal);
+        [
+            d.x, d.y, d.z, s.x, s.y, s.z, b.x, b.y, b.z, e.x, e.y, e.z, sample.alpha, a.x, a.y, a.z, n.x, n.y,
+            n.z, sample.depth,
+        ]
+    };
+    for (sum, value) in sums.iter_mut().zip(values) {
+        *sum += f64::from(value);
+    }
+}

@@ -1,0 +1,239 @@
+//! Where light that leaves at a point has entered: ray-traced probes.
+//!
+//! A probe is a segment through the neighborhood of the exit point P: along one of three axes, at a
+//! distance r from P that is drawn from the profile of one of three channels.
+//! Every surface point x that it meets could have been found along each axis and by each channel; its
+//! density in area measure is the sum over all of them,
+//!
+//! ```text
+//! p(x) = Σ_axis a_j |n·axis_j| Σ_channel q_c p_c(r_j) / (2π r_j),   p_c = 0 where |x − P| > R_m,c
+//! ```
+//!
+//! with r_j the distance of x from P *projected* along axis j, and its weight is R(|x − P|) / p(x)
+//! [Walter et al. and King et al. 2013, "BSSRDF Importance Sampling", combined over channels].
+//! The profile is cut at R_m, where all but a small tail of its energy is inside, and renormalized; the
+//! ball |x − P| ≤ R_m is the same for all axes, so the density is exact.
+//! All hits count: one is drawn in proportion to its weight and stands for their sum.
+
+use glam::Vec3;
+use translucid_profile::NormalizedDiffusionF32;
+
+use crate::Frame;
+use crate::geometry::{Geometry, Hit};
+use crate::material::Subsurface;
+use crate::triangle::Ray;
+
+/// Shares of probes along the two tangents and the normal.
+pub(crate) const AXIS_SHARES: [f32; 3] = [0.25, 0.25, 0.5];
+
+/// |n · axis| below which a hit is left out: its density would be rounding noise.
+const GRAZING: f32 = 1e-6;
+
+/// Where the profiles end.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Truncation {
+    /// Energy outside.
+    tail: f32,
+    /// Radius in units of d.
+    radius: f32,
+}
+
+impl Truncation {
+    /// Cuts every profile where `tail` of its energy is outside, tail in (0, 1).
+    pub(crate) fn new(tail: f32) -> Self {
+        Self { tail, radius: NormalizedDiffusionF32::from_d(1.0).quantile_complement(tail) }
+    }
+}
+
+/// The point that light leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Exit {
+    pub(crate) position: Vec3,
+    /// Unit geometric normal.
+    pub(crate) normal: Vec3,
+    /// Subsurface group of the object.
+    pub(crate) group: u32,
+    pub(crate) subsurface: Subsurface,
+    /// What the result will be multiplied with: channels that matter more are probed more.
+    pub(crate) importance: Vec3,
+}
+
+/// A point that light enters, with R(|x − P|) over the density of finding it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Entry {
+    pub(crate) hit: Hit,
+    pub(crate) weight: Vec3,
+}
+
+/// Finds entry points; keeps its memory between calls.
+pub(crate) struct Prober {
+    truncation: Truncation,
+    axis_shares: [f32; 3],
+    hits: Vec<Hit>,
+    weights: Vec<(Vec3, f32)>,
+}
+
+impl Prober {
+    pub(crate) fn new(truncation: Truncation, axis_shares: [f32; 3]) -> Self {
+        Self { truncation, axis_shares, hits: Vec::new(), weights: Vec::new() }
+    }
+
+    /// Draws an entry point; `None` where the probe meets nothing.
+    pub(crate) fn sample(&mut self, geometry: &Geometry, exit: &Exit, u: [f32; 4]) -> Option<Entry> {
+        let channels = Channels::new(exit, &self.truncation)?;
+        let (channel, u0) = choose(channels.shares, u[0]);
+        let (axis, _) = choose(self.axis_shares, u0);
+        let frame = Frame::from_normal(exit.normal);
+        let ray = probe_segment(exit, &frame, axis, &channels, channel, [u[1], u[2]]);
+        let hits = &mut self.hits;
+        hits.clear();
+        geometry.all_in_group(&ray, exit.group, |hit| hits.push(hit));
+        // The tree's order must not show in the picture.
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        self.weights.clear();
+        let mut sum = 0.0;
+        for hit in &self.hits {
+            let normal = geometry.normal(hit);
+            let weight = if frame.axis(axis).dot(normal).abs() < GRAZING {
+                Vec3::ZERO
+            } else {
+                let offset = geometry.position(hit) - exit.position;
+                channels.weight(frame.to_local(offset), frame.to_local(normal), self.axis_shares)
+            };
+            sum += (weight * exit.importance).element_sum();
+            self.weights.push((weight, sum));
+        }
+        if !(sum > 0.0 && sum.is_finite()) {
+            return None;
+        }
+        let goal = u[3] * sum;
+        let index = self.weights.partition_point(|&(_, cumulative)| cumulative <= goal);
+        let (weight, _) = *self.weights.get(index)?;
+        let own = (weight * exit.importance).element_sum();
+        (own > 0.0).then(|| Entry { hit: self.hits[index], weight: weight * (sum / own) })
+    }
+}
+
+/// The three profiles and the shares of probes they get.
+struct Channels {
+    profiles: [NormalizedDiffusionF32; 3],
+    albedo: Vec3,
+    shares: [f32; 3],
+    /// Radius R_m at which each profile ends [L].
+    longest: Vec3,
+    tail: f32,
+}
+
+impl Channels {
+    /// `None` if no channel scatters.
+    fn new(exit: &Exit, truncation: &Truncation) -> Option<Self> {
+        let Subsurface { albedo, d } = exit.subsurface;
+        let active = |c: usize| d[c] > 0.0;
+        let share = |c: usize| if active(c) { albedo[c] * exit.importance[c] } else { 0.0 };
+        let shares = [share(0), share(1), share(2)];
+        let sum: f32 = shares.iter().sum();
+        if !(sum > 0.0 && sum.is_finite()) {
+            return None;
+        }
+        let profile = |c: usize| NormalizedDiffusionF32::from_d(if active(c) { d[c] } else { 1.0 });
+        Some(Self {
+            profiles: [profile(0), profile(1), profile(2)],
+            albedo,
+            shares: shares.map(|s| s / sum),
+            longest: d * truncation.radius,
+            tail: truncation.tail,
+        })
+    }
+
+    /// R / p for a point at `offset` from the exit with normal `normal`, both in the exit's frame.
+    ///
+    /// Both R and the densities go like 1/r: each is multiplied with |x − P|, so that they stay finite.
+    /// The factors 2π and 1/(1 − tail) are in both and cancel.
+    fn weight(&self, offset: Vec3, normal: Vec3, axis_shares: [f32; 3]) -> Vec3 {
+        let squared = offset.length_squared();
+        let distance = squared.sqrt();
+        let inside = self.longest.to_array().map(|longest| distance <= longest);
+        let mut density = 0.0;
+        for axis in 0..3 {
+            let cosine = axis_shares[axis] * normal[axis].abs();
+            if cosine == 0.0 {
+                continue;
+            }
+            let projected = (squared - offset[axis] * offset[axis]).max(0.0).sqrt();
+            // At P itself the ratio tends to 1 on a plane facing the axis.
+            let ratio = if distance > 0.0 { distance / projected.max(distance * 1e-6) } else { 1.0 };
+            let mut sum = 0.0;
+            for c in 0..3 {
+                if inside[c] && self.shares[c] > 0.0 {
+                    sum += self.shares[c] * self.profiles[c].pdf(projected);
+                }
+            }
+            density += cosine * ratio * sum;
+        }
+        if density <= 0.0 {
+            return Vec3::ZERO;
+        }
+        let value =
+            |c: usize| if inside[c] { self.albedo[c] * self.profiles[c].pdf(distance) } else { 0.0 };
+        Vec3::new(value(0), value(1), value(2)) / density
+    }
+}
+
+/// The segment of a probe inside the ball of its channel.
+fn probe_segment(
+    exit: &Exit,
+    frame: &Frame,
+    axis: usize,
+    channels: &Channels,
+    channel: usize,
+    u: [f32; 2],
+) -> Ray {
+    let complement = 1.0 - u[0] * (1.0 - channels.tail);
+    let longest = channels.longest[channel];
+    let radius = channels.profiles[channel].quantile_complement(complement).min(longest);
+    let (sin, cos) = (std::f32::consts::TAU * u[1]).sin_cos();
+    let (first, second) = (frame.axis((axis + 1) % 3), frame.axis((axis + 2) % 3));
+    let half = (longest * longest - radius * radius).max(0.0).sqrt();
+    let center = exit.position + (first * cos + second * sin) * radius;
+    Ray::segment(center + frame.axis(axis) * half, -frame.axis(axis), 2.0 * half)
+}
+
+/// Picks an index in proportion to shares that sum to one; returns what is left of the random number,
+/// uniform in [0, 1) again.
+fn choose(shares: [f32; 3], u: f32) -> (usize, f32) {
+    let mut rest = u;
+    let mut last = 0;
+    for (index, &share) in shares.iter().enumerate() {
+        if share <= 0.0 {
+            continue;
+        }
+        if rest < share {
+            return (index, (rest / share).min(1.0 - f32::EPSILON));
+        }
+        rest -= share;
+        last = index;
+    }
+    (last, 1.0 - f32::EPSILON)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn choose_is_proportional_and_rescales() {
+        let shares = [0.25, 0.0, 0.75];
+        let n = 10_000;
+        let mut counts = [0; 3];
+        let mut rests = [0.0; 3];
+        for i in 0..n {
+            let (index, rest) = choose(shares, (i as f32 + 0.5) / n as f32);
+            counts[index] += 1;
+            rests[index] += rest;
+        }
+        assert_eq!(counts, [n / 4, 0, n * 3 / 4]);
+        assert!((rests[0] / counts[0] as f32 - 0.5).abs() < 1e-3);
+        assert!((rests[2] / counts[2] as f32 - 0.5).abs() < 1e-3);
+        assert_eq!(choose([0.0, 1.0, 0.0], 0.999_999_9).0, 1);
+    }
+}
