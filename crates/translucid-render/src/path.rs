@@ -86,6 +86,8 @@ struct Path {
     depth: u32,
     diffuse_depth: u32,
     passes: u32,
+    /// Number of the vertex, the camera's being 0.
+    vertex: u32,
     /// Absorption coefficient of the clear medium around the ray [1/L].
     absorption: Vec3,
     sample: PixelSample,
@@ -101,6 +103,7 @@ impl Path {
             depth: 0,
             diffuse_depth: 0,
             passes: 0,
+            vertex: 0,
             absorption: Vec3::ZERO,
             sample: PixelSample::default(),
         }
@@ -164,8 +167,8 @@ impl<'a> PathTracer<'a> {
     /// Follows the ray to its end and draws the next one; false when the path is over.
     fn step(&mut self, path: &mut Path, sampler: &mut Sampler) -> bool {
         let world = self.world;
-        // Vertex 0 is the camera's; passing straight through a surface is a vertex, too.
-        sampler.start_vertex(1 + path.depth + path.passes);
+        path.vertex += 1;
+        sampler.start_vertex(path.vertex);
         let hit = world.geometry.closest(&path.ray);
         let t_max = hit.map_or(f32::INFINITY, |hit| hit.t);
         if self.add_light_in_the_way(path, t_max) {

@@ -1,6 +1,8 @@
-//! A triangle as the traversal sees it, with a watertight intersection.
+//! Triangles as the traversal sees them, with a watertight intersection.
 
 use glam::Vec3;
+
+use crate::wide_tree::Primitive;
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -34,12 +36,6 @@ impl Shear {
         let inverse = 1.0 / direction[z];
         Self { axes: [x, y, z], factors: Vec3::new(direction[x] * inverse, direction[y] * inverse, inverse) }
     }
-
-    #[inline]
-    fn apply(&self, v: Vec3) -> Vec3 {
-        let [x, y, z] = self.axes;
-        Vec3::new(v[x] - self.factors.x * v[z], v[y] - self.factors.y * v[z], self.factors.z * v[z])
-    }
 }
 
 impl Ray {
@@ -67,20 +63,149 @@ pub(crate) struct TriangleHit {
     pub(crate) b2: f32,
 }
 
-/// Vertices beside the numbers that a traversal needs: 48 bytes.
-#[derive(Clone, Copy, Debug, bytemuck::Zeroable)]
-#[repr(C)]
-pub(crate) struct LeafTriangle {
-    pub(crate) vertices: [Vec3; 3],
+/// Triangles that are tested together.
+pub(crate) const LANES: usize = 4;
+
+/// Four triangles side by side: a vertex coordinate of all four is one vector.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(16))]
+pub(crate) struct TriangleBlock {
+    /// By vertex, axis, lane. Empty lanes are NaN: no ray meets them.
+    vertices: [[[f32; LANES]; 3]; 3],
     /// Index into the scene's objects.
-    pub(crate) object: u32,
+    objects: [u32; LANES],
     /// Index into the object's triangles.
-    pub(crate) triangle: u32,
-    /// The object's subsurface group.
-    pub(crate) group: u32,
+    triangles: [u32; LANES],
+    /// The objects' subsurface groups.
+    groups: [u32; LANES],
 }
 
-impl LeafTriangle {
+impl Default for TriangleBlock {
+    fn default() -> Self {
+        Self {
+            vertices: [[[f32::NAN; LANES]; 3]; 3],
+            objects: [0; LANES],
+            triangles: [0; LANES],
+            groups: [0; LANES],
+        }
+    }
+}
+
+impl TriangleBlock {
+    /// Puts a triangle into a lane.
+    pub(crate) fn set(&mut self, lane: usize, primitive: &Primitive) {
+        for (corner, vertex) in primitive.vertices.iter().enumerate() {
+            for axis in 0..3 {
+                self.vertices[corner][axis][lane] = vertex[axis];
+            }
+        }
+        self.objects[lane] = primitive.object;
+        self.triangles[lane] = primitive.triangle;
+        self.groups[lane] = primitive.group;
+    }
+
+    /// The triangle in a lane.
+    pub(crate) fn get(&self, lane: usize) -> Primitive {
+        let vertices = self.vertices.map(|v| Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
+        Primitive {
+            vertices,
+            object: self.objects[lane],
+            triangle: self.triangles[lane],
+            group: self.groups[lane],
+        }
+    }
+
+    /// The object of a lane.
+    pub(crate) fn object(&self, lane: usize) -> u32 {
+        self.objects[lane]
+    }
+
+    /// The subsurface group of a lane.
+    pub(crate) fn group(&self, lane: usize) -> u32 {
+        self.groups[lane]
+    }
+
+    /// The nearest hit and its lane; of equal distances the first.
+    #[inline(always)]
+    pub(crate) fn closest(&self, ray: &Ray) -> Option<(TriangleHit, usize)> {
+        let hits = self.intersect(ray);
+        let mut best = None;
+        let mut nearest = ray.t_max;
+        for lane in 0..LANES {
+            if hits.t[lane] < nearest {
+                nearest = hits.t[lane];
+                best = Some(lane);
+            }
+        }
+        best.map(|lane| (hits.get(lane), lane))
+    }
+
+    /// All hits with their lanes.
+    #[inline(always)]
+    pub(crate) fn all(&self, ray: &Ray, mut found: impl FnMut(TriangleHit, usize)) {
+        let hits = self.intersect(ray);
+        for lane in 0..LANES {
+            if hits.t[lane] < ray.t_max {
+                found(hits.get(lane), lane);
+            }
+        }
+    }
+
+    /// Watertight intersection [Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection"] of
+    /// all lanes; a miss has an infinite distance.
+    ///
+    /// The vertices are sheared so that the ray becomes the z axis; a vertex gets the same two numbers in
+    /// all its triangles. The sign of an edge function of such points, a difference of two rounded
+    /// products, is never wrong (rounding keeps order; at worst it is zero, and zero counts as inside),
+    /// so no ray slips through a shared edge or vertex.
+    #[inline(always)]
+    fn intersect(&self, ray: &Ray) -> BlockHits {
+        let Shear { axes: [x, y, z], factors } = ray.shear;
+        let origin = [ray.origin[x], ray.origin[y], ray.origin[z]];
+        let mut p = [[[0.0_f32; LANES]; 3]; 3];
+        for (sheared, vertex) in p.iter_mut().zip(&self.vertices) {
+            for lane in 0..LANES {
+                let depth = vertex[z][lane] - origin[2];
+                sheared[0][lane] = (vertex[x][lane] - origin[0]) - factors.x * depth;
+                sheared[1][lane] = (vertex[y][lane] - origin[1]) - factors.y * depth;
+                sheared[2][lane] = factors.z * depth;
+            }
+        }
+        let [a, b, c] = &p;
+        let mut hits = BlockHits { t: [f32::INFINITY; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
+        for lane in 0..LANES {
+            let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
+            let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
+            let w = b[0][lane] * a[1][lane] - b[1][lane] * a[0][lane];
+            let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
+            let determinant = u + v + w;
+            let inverse = 1.0 / determinant;
+            let t = (u * a[2][lane] + v * b[2][lane] + w * c[2][lane]) * inverse;
+            // Comparisons with NaN are false: empty lanes and degenerate triangles miss.
+            let hit = inside & (determinant != 0.0) & (t > 0.0);
+            hits.t[lane] = if hit { t } else { f32::INFINITY };
+            hits.b1[lane] = v * inverse;
+            hits.b2[lane] = w * inverse;
+        }
+        hits
+    }
+}
+
+/// Distances and barycentric coordinates of a block.
+struct BlockHits {
+    t: [f32; LANES],
+    b1: [f32; LANES],
+    b2: [f32; LANES],
+}
+
+impl BlockHits {
+    #[inline(always)]
+    fn get(&self, lane: usize) -> TriangleHit {
+        TriangleHit { t: self.t[lane], b1: self.b1[lane], b2: self.b2[lane] }
+    }
+}
+
+impl Primitive {
     /// The geometric normal, counter-clockwise, twice the area long.
     pub(crate) fn normal(&self) -> Vec3 {
         let [a, b, c] = self.vertices;
@@ -92,42 +217,17 @@ impl LeafTriangle {
         let [a, b, c] = self.vertices;
         a + (b - a) * b1 + (c - a) * b2
     }
-
-    /// Watertight intersection [Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection"].
-    ///
-    /// The vertices are sheared so that the ray becomes the z axis; a vertex gets the same two numbers in
-    /// all its triangles. The sign of an edge function of such points, a difference of two rounded
-    /// products, is never wrong (rounding keeps order; at worst it is zero, and zero counts as inside),
-    /// so no ray slips through a shared edge or vertex.
-    #[inline]
-    pub(crate) fn intersect(&self, ray: &Ray) -> Option<TriangleHit> {
-        let [a, b, c] = self.vertices.map(|vertex| ray.shear.apply(vertex - ray.origin));
-        let u = c.x * b.y - c.y * b.x;
-        let v = a.x * c.y - a.y * c.x;
-        let w = b.x * a.y - b.y * a.x;
-        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
-            return None;
-        }
-        let determinant = u + v + w;
-        if determinant == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / determinant;
-        let t = (u * a.z + v * b.z + w * c.z) * inverse;
-        // Written so that NaN fails, too.
-        if !(t > 0.0 && t < ray.t_max) {
-            return None;
-        }
-        Some(TriangleHit { t, b1: v * inverse, b2: w * inverse })
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn leaf(vertices: [Vec3; 3]) -> LeafTriangle {
-        LeafTriangle { vertices, object: 0, triangle: 0, group: 0 }
+    /// A block with the triangle in its third lane.
+    fn leaf(vertices: [Vec3; 3]) -> TriangleBlock {
+        let mut block = TriangleBlock::default();
+        block.set(2, &Primitive { vertices, object: 0, triangle: 0, group: 0 });
+        block
     }
 
     #[test]
@@ -138,7 +238,7 @@ mod tests {
             let point = a * (1.0 - b1 - b2) + b * b1 + c * b2;
             let origin = Vec3::new(0.4, -3.0, -7.0);
             let ray = Ray::new(origin, (point - origin).normalize());
-            let hit = triangle.intersect(&ray).expect("the ray aims at a point of the triangle");
+            let hit = triangle.closest(&ray).expect("the ray aims at a point of the triangle").0;
             assert!((hit.t - (point - origin).length()).abs() < 1e-5, "{hit:?}");
             assert!((hit.b1 - b1).abs() < 1e-5 && (hit.b2 - b2).abs() < 1e-5, "{hit:?} {b1} {b2}");
         }
@@ -162,7 +262,7 @@ mod tests {
             let target = center.lerp(ring[k as usize % 7], s);
             let origin = Vec3::new(random(1) * 20.0 - 10.0, random(2) * 20.0 - 10.0, -4.0 - random(3) * 30.0);
             let ray = Ray::new(origin, (target - origin).normalize());
-            assert!(fan.iter().any(|t| t.intersect(&ray).is_some()), "ray {k} slips through");
+            assert!(fan.iter().any(|t| t.closest(&ray).is_some()), "ray {k} slips through");
         }
     }
 
@@ -173,7 +273,7 @@ mod tests {
         let huge = leaf([Vec3::ZERO, Vec3::X * 1e18, Vec3::Y * 1e18]);
         for triangle in [point, line, huge] {
             for direction in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE.normalize()] {
-                if let Some(hit) = triangle.intersect(&Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction)) {
+                if let Some((hit, _)) = triangle.closest(&Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction)) {
                     assert!(hit.t.is_finite() && hit.b1.is_finite() && hit.b2.is_finite());
                 }
             }
