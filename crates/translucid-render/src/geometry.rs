@@ -148,29 +148,28 @@ impl Geometry {
 /// Attributes of a triangle at barycentric coordinates.
 fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> SurfacePoint {
     let mesh = &scene.objects[leaf.object as usize].mesh;
-        let corners = mesh.triangles[leaf.triangle as usize];
-        let weights = [1.0 - b1 - b2, b1, b2];
-        let geometric_normal = leaf.normal().normalize_or(Vec3::Z);
-        let largest = leaf.vertices.iter().fold(Vec3::ZERO, |m, v| m.max(v.abs())).max_element();
-        let mut shading_normal = interpolate(&mesh.normals, corners, weights, Vec3::ZERO)
-            .try_normalize()
-            .unwrap_or(geometric_normal);
-        // A shading normal from the other side (broken input) would turn the surface inside out.
-        if shading_normal.dot(geometric_normal) <= 0.0 {
-            shading_normal = geometric_normal;
-        }
-        SurfacePoint {
-            position: leaf.point([b1, b2]),
-            geometric_normal,
-            shading_normal,
-            uv: interpolate(&mesh.uvs, corners, weights, Vec2::ZERO),
-            color: interpolate(&mesh.colors, corners, weights, Vec3::ONE),
-            offset: largest * 16.0 * f32::EPSILON,
-            object: leaf.object,
-            triangle: leaf.triangle,
-            group: leaf.group,
-        }
+    let corners = mesh.triangles[leaf.triangle as usize];
+    let weights = [1.0 - b1 - b2, b1, b2];
+    let geometric_normal = leaf.normal().normalize_or(Vec3::Z);
+    let largest = leaf.vertices.iter().fold(Vec3::ZERO, |m, v| m.max(v.abs())).max_element();
+    let mut shading_normal =
+        interpolate(&mesh.normals, corners, weights, Vec3::ZERO).try_normalize().unwrap_or(geometric_normal);
+    // A shading normal from the other side (broken input) would turn the surface inside out.
+    if shading_normal.dot(geometric_normal) <= 0.0 {
+        shading_normal = geometric_normal;
     }
+    SurfacePoint {
+        position: leaf.point([b1, b2]),
+        geometric_normal,
+        shading_normal,
+        uv: interpolate(&mesh.uvs, corners, weights, Vec2::ZERO),
+        color: interpolate(&mesh.colors, corners, weights, Vec3::ONE),
+        offset: largest * 16.0 * f32::EPSILON,
+        object: leaf.object,
+        triangle: leaf.triangle,
+        group: leaf.group,
+    }
+}
 
 /// Coordinates of vertices 1 and 2, clamped into the triangle.
 fn barycentric([a, b, c]: &[Vec3; 3], position: Vec3) -> [f32; 2] {
@@ -240,11 +239,8 @@ mod tests {
         let mut hits = 0;
         for i in 0..500 {
             let ray = random_ray(i);
-            let mut expected: Vec<f32> = singles
-                .iter()
-                .filter_map(|single| single.closest(&ray))
-                .map(|hit| hit.t)
-                .collect();
+            let mut expected: Vec<f32> =
+                singles.iter().filter_map(|single| single.closest(&ray)).map(|hit| hit.t).collect();
             expected.sort_by(f32::total_cmp);
             hits += expected.len();
             let mut found = Vec::new();

@@ -1,7 +1,7 @@
 //! Materials at a point: textures evaluated, values clamped, lengths turned into profiles.
 
 use glam::Vec3;
-use translucid_profile::d_from_surface_albedo;
+use translucid_profile::d_from_surface_albedo_f32;
 use translucid_scene::{
     Channel, ColorInput, Image, Material, ScalarInput, Scene, SubsurfaceModel, TextureRef,
 };
@@ -77,7 +77,7 @@ pub(crate) fn subsurface_at(scene: &Scene, material: &Material, point: &SurfaceP
     let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
     let length = color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius;
     let width = |channel: usize| {
-        let d = d_from_surface_albedo(
+        let d = d_from_surface_albedo_f32(
             albedo[channel],
             length[channel],
             material.subsurface_parameter,

@@ -17,6 +17,7 @@
 use glam::Vec3;
 use translucid_scene::{Material, Scene};
 
+use crate::Frame;
 use crate::bsdf::{Bsdf, BsdfSample, EntryBsdf, Lobe, SurfaceParameters};
 use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
@@ -24,9 +25,8 @@ use crate::light::LightSet;
 use crate::material::{self, Materials, Subsurface};
 use crate::sampler::Sampler;
 use crate::shadow;
-use crate::subsurface::{AXIS_SHARES, Exit, Prober, Truncation};
+use crate::subsurface::{Exit, Prober, Truncation};
 use crate::triangle::Ray;
-use crate::Frame;
 
 /// Least roughness of reflections that a diffusely scattered path sees with caustics off.
 const ROUGHNESS_AFTER_DIFFUSE: f32 = 0.5;
@@ -63,8 +63,8 @@ pub(crate) struct PathTracer<'a> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Layer {
     Emission,
-    Diffuse,
-    Specular,
+    /// Reflected or transmitted by the surface; the share that is matte, per channel.
+    Surface(Vec3),
     Subsurface,
 }
 
@@ -118,8 +118,10 @@ impl Path {
     fn add_to(&mut self, layer: Layer, light: Vec3) {
         match layer {
             Layer::Emission => self.sample.emission += light,
-            Layer::Diffuse => self.sample.diffuse += light,
-            Layer::Specular => self.sample.specular += light,
+            Layer::Surface(diffuse_share) => {
+                self.sample.diffuse += light * diffuse_share;
+                self.sample.specular += light * (1.0 - diffuse_share);
+            }
             Layer::Subsurface => self.sample.subsurface += light,
         }
     }
@@ -137,9 +139,6 @@ impl Path {
         self.origin = origin;
         self.depth += 1;
         self.passes = 0;
-        if matches!(event, Layer::Diffuse | Layer::Subsurface) {
-            self.diffuse_depth += 1;
-        }
     }
 
     /// Goes on behind the surface in the same direction; the MIS origin stays.
@@ -219,15 +218,17 @@ impl<'a> PathTracer<'a> {
         if path.depth >= world.scene.integrator.max_depth || !survives(path, u[1]) {
             return false;
         }
-        let vertex = Vertex { point, frame, normal, subsurface, material, index };
+        let vertex = Vertex { point, frame, normal, subsurface, material };
         if !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
         let v = sampler.next_4d();
         match bsdf.sample(v[0], [v[1], v[2]]) {
             None => false,
-            Some(BsdfSample::Direction { wi, weight, pdf, lobe }) => {
-                self.follow(path, &vertex, wi, weight, pdf, lobe)
+            Some(BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted }) => {
+                let layer = Layer::Surface(diffuse_share);
+                let next = Next { wi, weight, pdf, layer, is_diffuse: lobe == Lobe::Diffuse, transmitted };
+                self.follow(path, &vertex, &next)
             }
             Some(BsdfSample::Subsurface { weight }) => {
                 path.throughput *= weight;
@@ -250,38 +251,28 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Goes on in a direction drawn from the surface's BSDF.
-    fn follow(
-        &self,
-        path: &mut Path,
-        vertex: &Vertex<'_>,
-        wi: Vec3,
-        weight: Vec3,
-        pdf: f32,
-        lobe: Lobe,
-    ) -> bool {
-        let direction = vertex.frame.to_world(wi).normalize();
-        let event = if lobe == Lobe::Diffuse { Layer::Diffuse } else { Layer::Specular };
-        if event == Layer::Diffuse && path.diffuse_depth >= self.world.scene.integrator.max_diffuse_depth {
+    fn follow(&self, path: &mut Path, vertex: &Vertex<'_>, next: &Next) -> bool {
+        if next.is_diffuse && path.diffuse_depth >= self.world.scene.integrator.max_diffuse_depth {
             return false;
         }
-        let (from, to) =
-            (-path.ray.direction.dot(vertex.point.geometric_normal), direction.dot(vertex.point.geometric_normal));
-        let crosses = -path.ray.direction.dot(vertex.normal) * wi.z < 0.0;
+        let direction = vertex.frame.to_world(next.wi).normalize();
+        let geometric = vertex.point.geometric_normal;
+        let to = direction.dot(geometric);
         // The shading normal promised one side, the geometry has another: such light cannot be.
-        if (from * to < 0.0) != crosses {
+        if (-path.ray.direction.dot(geometric) * to < 0.0) != next.transmitted {
             return false;
         }
-        if crosses {
+        if next.transmitted {
             path.absorption = if to < 0.0 { material::absorption(vertex.material) } else { Vec3::ZERO };
         }
-        let pdf = if pdf > 0.0 { pdf } else { f32::INFINITY };
         let origin = Origin {
             point: vertex.point.position,
-            normal: vertex.light_normal(path.ray.direction, crosses_any(vertex)),
-            pdf,
+            normal: vertex.light_normal(path.ray.direction),
+            pdf: if next.pdf > 0.0 { next.pdf } else { f32::INFINITY },
         };
         let ray = Ray::new(vertex.point.ray_origin(direction), direction);
-        path.scatter(event, ray, weight, origin);
+        path.diffuse_depth += u32::from(next.is_diffuse);
+        path.scatter(next.layer, ray, next.weight, origin);
         path.throughput != Vec3::ZERO
     }
 
@@ -317,6 +308,7 @@ impl<'a> PathTracer<'a> {
             return false;
         }
         let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
+        path.diffuse_depth += 1;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
         path.throughput != Vec3::ZERO
     }
@@ -324,8 +316,10 @@ impl<'a> PathTracer<'a> {
     /// Light from one sampled light, reflected or transmitted by a surface.
     fn add_direct_light(&self, path: &mut Path, vertex: &Vertex<'_>, bsdf: &Bsdf<'_>, u: [f32; 4]) {
         let world = self.world;
-        let normal = vertex.light_normal(path.ray.direction, crosses_any(vertex));
-        let Some(light) = world.lights.sample(vertex.point.position, normal, u[0], [u[1], u[2]]) else { return };
+        let normal = vertex.light_normal(path.ray.direction);
+        let Some(light) = world.lights.sample(vertex.point.position, normal, u[0], [u[1], u[2]]) else {
+            return;
+        };
         let value = bsdf.eval(vertex.frame.to_local(light.direction));
         let geometric = vertex.point.geometric_normal;
         let same_side = -path.ray.direction.dot(geometric) * light.direction.dot(geometric) > 0.0;
@@ -342,8 +336,8 @@ impl<'a> PathTracer<'a> {
         weight /= light.pdf;
         let received = self.unoccluded(vertex.point, &light) * weight * path.throughput;
         if received != Vec3::ZERO {
-            path.add_to(path.layer_after(Layer::Diffuse), received * diffuse);
-            path.add_to(path.layer_after(Layer::Specular), received * value.specular);
+            path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * diffuse);
+            path.add_to(path.layer_after(Layer::Surface(Vec3::ZERO)), received * value.specular);
         }
     }
 
@@ -357,7 +351,9 @@ impl<'a> PathTracer<'a> {
         entry: &EntryBsdf<'_>,
         u: [f32; 4],
     ) {
-        let Some(light) = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]]) else { return };
+        let Some(light) = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]]) else {
+            return;
+        };
         let cosine = light.direction.dot(normal);
         if cosine <= 0.0 || light.direction.dot(geometric) <= 0.0 {
             return;
@@ -420,8 +416,11 @@ impl<'a> PathTracer<'a> {
             // The camera looks through: the surface behind is next.
             return false;
         }
-        let weight =
-            if pdf.is_finite() { power_heuristic(pdf, light.pdf(&self.world.lights, point, normal)) } else { 1.0 };
+        let weight = if pdf.is_finite() {
+            power_heuristic(pdf, light.pdf(&self.world.lights, point, normal))
+        } else {
+            1.0
+        };
         let absorbed = (-path.absorption * light.t).exp();
         if path.depth == 0 {
             path.sample.alpha = 1.0;
@@ -451,6 +450,18 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// A direction to go on in.
+struct Next {
+    /// Local direction.
+    wi: Vec3,
+    weight: Vec3,
+    /// Solid-angle density, 0 for a mirror direction.
+    pdf: f32,
+    layer: Layer,
+    is_diffuse: bool,
+    transmitted: bool,
+}
+
 /// A surface point with what was worked out about it.
 struct Vertex<'a> {
     point: &'a SurfacePoint,
@@ -459,13 +470,12 @@ struct Vertex<'a> {
     normal: Vec3,
     subsurface: Subsurface,
     material: &'a Material,
-    index: usize,
 }
 
 impl Vertex<'_> {
     /// The normal that light selection may rely on: none where light from both sides counts.
-    fn light_normal(&self, incoming: Vec3, both_sides: bool) -> Vec3 {
-        if both_sides {
+    fn light_normal(&self, incoming: Vec3) -> Vec3 {
+        if self.material.transmission_weight.factor > 0.0 {
             Vec3::ZERO
         } else if incoming.dot(self.normal) > 0.0 {
             -self.normal
@@ -473,11 +483,6 @@ impl Vertex<'_> {
             self.normal
         }
     }
-}
-
-/// Whether light can cross the surface.
-fn crosses_any(vertex: &Vertex<'_>) -> bool {
-    vertex.material.transmission_weight.factor > 0.0
 }
 
 /// Russian roulette on the throughput: true if the path goes on.

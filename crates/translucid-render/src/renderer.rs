@@ -89,7 +89,10 @@ impl Renderer {
     ) -> Outcome {
         let total = u64::from(film.width) * u64::from(film.height) * u64::from(goal.samples);
         let done = AtomicU64::new(
-            film.tiles.iter().map(|tile| u64::from(tile.samples.min(goal.samples)) * tile.pixels.len() as u64).sum(),
+            film.tiles
+                .iter()
+                .map(|tile| u64::from(tile.samples.min(goal.samples)) * tile.pixels.len() as u64)
+                .sum(),
         );
         let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let mut pass = film.samples();
@@ -194,8 +197,26 @@ fn add(sums: &mut [f64; layer::COUNT], sample: &PixelSample) {
         let (d, s, b, e) = (sample.diffuse, sample.specular, sample.subsurface, sample.emission);
         let (a, n) = (sample.albedo, sample.normal);
         [
-            d.x, d.y, d.z, s.x, s.y, s.z, b.x, b.y, b.z, e.x, e.y, e.z, sample.alpha, a.x, a.y, a.z, n.x, n.y,
-            n.z, sample.depth,
+            d.x,
+            d.y,
+            d.z,
+            s.x,
+            s.y,
+            s.z,
+            b.x,
+            b.y,
+            b.z,
+            e.x,
+            e.y,
+            e.z,
+            sample.alpha,
+            a.x,
+            a.y,
+            a.z,
+            n.x,
+            n.y,
+            n.z,
+            sample.depth,
         ]
     };
     for (sum, value) in sums.iter_mut().zip(values) {

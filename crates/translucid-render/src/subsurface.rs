@@ -173,8 +173,7 @@ impl Channels {
         if density <= 0.0 {
             return Vec3::ZERO;
         }
-        let value =
-            |c: usize| if inside[c] { self.albedo[c] * self.profiles[c].pdf(distance) } else { 0.0 };
+        let value = |c: usize| if inside[c] { self.albedo[c] * self.profiles[c].pdf(distance) } else { 0.0 };
         Vec3::new(value(0), value(1), value(2)) / density
     }
 }
