@@ -7,6 +7,8 @@
 
 mod burley;
 mod burley_f32;
+mod burley_kernel;
+mod elementary;
 mod error;
 mod scaling;
 
