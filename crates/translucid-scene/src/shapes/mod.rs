@@ -6,9 +6,19 @@
 //! The same parameters always give the same mesh.
 
 mod basic;
+mod bust;
+mod candle;
+mod distance;
+mod fruit;
+mod grapes;
 mod lathe;
+mod noise;
 mod parameters;
 mod rounded_box;
+mod sculpture;
+mod surface_nets;
+mod tableware;
+mod toy;
 
 pub use parameters::{ShapeParameter, ShapeParameterKind, ShapeParameters};
 
@@ -36,6 +46,20 @@ const SHAPES: &[Shape] = &[
     Shape { name: "cylinder", meaning: "a cylinder about y with rounded edges", parameters: basic::CYLINDER, build: basic::cylinder },
     Shape { name: "cone", meaning: "a cone or truncated cone about y", parameters: basic::CONE, build: basic::cone },
     Shape { name: "torus", meaning: "a ring about y", parameters: basic::TORUS, build: basic::torus },
+    Shape { name: "bust", meaning: "a woman's bust facing +z; vertex colors vein it", parameters: bust::BUST, build: bust::bust },
+    Shape { name: "apple", meaning: "an apple with its stalk; vertex colors", parameters: fruit::APPLE, build: fruit::apple },
+    Shape { name: "pear", meaning: "a pear with its stalk; vertex colors", parameters: fruit::PEAR, build: fruit::pear },
+    Shape { name: "orange", meaning: "an orange; vertex colors", parameters: fruit::ORANGE, build: fruit::orange },
+    Shape { name: "orange-half", meaning: "half an orange, cut face up; vertex colors", parameters: fruit::ORANGE_HALF, build: fruit::orange_half },
+    Shape { name: "melon-slice", meaning: "a slice of watermelon along x; vertex colors", parameters: fruit::MELON_SLICE, build: fruit::melon_slice },
+    Shape { name: "grapes", meaning: "a bunch of grapes along x; vertex colors tint them", parameters: grapes::GRAPES, build: grapes::grapes },
+    Shape { name: "duck", meaning: "a bath duck facing +z; vertex colors", parameters: toy::DUCK, build: toy::duck },
+    Shape { name: "brick", meaning: "a building brick with studs", parameters: toy::BRICK, build: toy::brick },
+    Shape { name: "candle", meaning: "a candle's wax with molten rim and drips", parameters: candle::CANDLE, build: candle::candle },
+    Shape { name: "wick", meaning: "a candle's wick; vertex colors", parameters: candle::WICK, build: candle::wick },
+    Shape { name: "flame", meaning: "a candle's flame; vertex colors for its emission", parameters: candle::FLAME, build: candle::flame },
+    Shape { name: "drinking-glass", meaning: "a tumbler with thick walls", parameters: tableware::DRINKING_GLASS, build: tableware::drinking_glass },
+    Shape { name: "drink", meaning: "the contents of a drinking-glass", parameters: tableware::DRINK, build: tableware::drink },
 ];
 
 /// Names of all shapes.

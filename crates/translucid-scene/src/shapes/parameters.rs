@@ -59,6 +59,17 @@ impl ShapeParameter {
         Self { name, meaning, kind: ShapeParameterKind::Count, default, min, max }
     }
 
+    /// A ratio in `[min, max]`.
+    pub(super) const fn ratio(
+        name: &'static str,
+        meaning: &'static str,
+        default: f64,
+        min: f64,
+        max: f64,
+    ) -> Self {
+        Self { name, meaning, kind: ShapeParameterKind::Ratio, default, min, max }
+    }
+
     /// Checks a value against kind and range.
     ///
     /// # Errors

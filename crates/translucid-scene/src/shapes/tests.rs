@@ -1,37 +1,37 @@
 //! Laws that every shape obeys.
 
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use glam::Vec3;
 
 use super::*;
 use crate::Triangle;
 
-/// Every shape with its defaults, and with small and odd counts.
-fn samples() -> Vec<(String, Mesh)> {
-    let mut list = Vec::new();
-    for shape in SHAPES {
-        let build = |parameters: &ShapeParameters| {
-            (format!("{} {parameters:?}", shape.name), build_shape(shape.name, parameters).expect(shape.name))
-        };
-        list.push(build(&ShapeParameters::new()));
-        for parameter in shape.parameters.iter().filter(|p| p.kind == ShapeParameterKind::Count) {
-            let half = (0.5 * (parameter.min + parameter.default)).floor();
-            for value in [parameter.min, half] {
-                list.push(build(&ShapeParameters::new().with(parameter.name, value)));
-            }
-        }
-        for parameter in shape.parameters.iter().filter(|p| p.kind == ShapeParameterKind::Ratio) {
-            for value in [parameter.min, parameter.max] {
-                list.push(build(&ShapeParameters::new().with(parameter.name, value)));
-            }
-        }
+/// Every shape with its defaults, and with each count and ratio at its ends.
+fn samples() -> &'static [(String, Mesh)] {
+    static SAMPLES: OnceLock<Vec<(String, Mesh)>> = OnceLock::new();
+    SAMPLES.get_or_init(|| SHAPES.iter().flat_map(samples_of).collect())
+}
+
+fn samples_of(shape: &Shape) -> Vec<(String, Mesh)> {
+    let build = |parameters: ShapeParameters| {
+        (format!("{} {parameters:?}", shape.name), build_shape(shape.name, &parameters).expect(shape.name))
+    };
+    let mut list = vec![build(ShapeParameters::new())];
+    let has_detail = shape.parameters.iter().any(|parameter| parameter.name == "detail");
+    for parameter in shape.parameters.iter().filter(|p| p.kind != ShapeParameterKind::Length) {
+        let coarse =
+            if has_detail { ShapeParameters::new().with("detail", 40.0) } else { ShapeParameters::new() };
+        // Great counts are only slow.
+        let high = parameter.max.min(4.0 * parameter.default).min(64.0_f64.max(parameter.min));
+        list.extend([parameter.min, high].map(|value| build(coarse.clone().with(parameter.name, value))));
     }
     list
 }
 
-fn solids() -> impl Iterator<Item = (String, Mesh)> {
-    samples().into_iter().filter(|(name, _)| !FLAT_SHAPES.iter().any(|flat| name.starts_with(flat)))
+fn solids() -> impl Iterator<Item = &'static (String, Mesh)> {
+    samples().iter().filter(|(name, _)| !FLAT_SHAPES.iter().any(|flat| name.starts_with(flat)))
 }
 
 fn corners(mesh: &Mesh, triangle: Triangle) -> [Vec3; 3] {
@@ -53,7 +53,7 @@ fn welded(mesh: &Mesh) -> Vec<Triangle> {
 fn shape_is_closed_and_manifold() {
     for (name, mesh) in solids() {
         let mut edges: HashMap<(u32, u32), usize> = HashMap::new();
-        for [a, b, c] in welded(&mesh) {
+        for [a, b, c] in welded(mesh) {
             for edge in [(a, b), (b, c), (c, a)] {
                 *edges.entry(edge).or_default() += 1;
             }
@@ -72,7 +72,7 @@ fn shape_encloses_positive_volume() {
             .triangles
             .iter()
             .map(|&triangle| {
-                let [a, b, c] = corners(&mesh, triangle).map(|p| p.as_dvec3());
+                let [a, b, c] = corners(mesh, triangle).map(|p| p.as_dvec3());
                 a.dot(b.cross(c)) / 6.0
             })
             .sum();
@@ -100,7 +100,7 @@ fn normals_are_unit_and_agree_with_triangles() {
     for (name, mesh) in samples() {
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{name}");
         for &triangle in &mesh.triangles {
-            let [a, b, c] = corners(&mesh, triangle);
+            let [a, b, c] = corners(mesh, triangle);
             let geometric = (b - a).cross(c - a);
             assert!(geometric.length_squared() > 0.0, "{name}: zero area at {a}");
             for vertex in triangle {
