@@ -24,13 +24,15 @@ mod repair;
 mod scene;
 mod settings;
 mod shapes;
+#[cfg(test)]
+mod test_assets;
 mod texture;
 
 pub use camera::Camera;
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
-pub use load::{GltfScene, decode_image, load_gltf, load_image, parse_gltf};
+pub use load::{GltfScene, decode_image, load_gltf, load_image, load_ply, parse_gltf, parse_ply};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};
 pub use repair::repair_mesh;

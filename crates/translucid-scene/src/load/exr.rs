@@ -126,6 +126,21 @@ fn sample(plane: &FlatSamples, index: usize) -> f32 {
     }
 }
 
+/// A small valid file.
+#[cfg(test)]
+pub(super) fn example() -> Vec<u8> {
+    use exr::prelude::{Image, WritableImage};
+    let mut bytes = Cursor::new(Vec::new());
+    let image = Image::from_channels(
+        (9, 7),
+        exr::image::SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+            (at.x() as f32, at.y() as f32, 0.5_f32)
+        }),
+    );
+    image.write().to_buffered(&mut bytes).expect("a valid image");
+    bytes.into_inner()
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

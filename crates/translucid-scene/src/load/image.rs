@@ -130,3 +130,75 @@ fn mend(pixels: &mut [[f32; 4]], place: &Place, warnings: &mut Vec<Warning>) {
         warnings.push(Warning { message, place: Some(place.clone()) });
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_assets::{asset, mutants};
+
+    fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
+        decode_image(&Place::file(Path::new("a.png")), bytes, ColorSpace::Srgb, &mut Vec::new())
+    }
+
+    fn is_sound(image: &Image) -> bool {
+        let count = image.width as usize * image.height as usize;
+        match &image.pixels {
+            Pixels::Byte(pixels) => pixels.len() == count,
+            Pixels::Float(pixels) => pixels.len() == count && pixels.iter().flatten().all(|v| v.is_finite()),
+        }
+    }
+
+    #[test]
+    fn image_of_unknown_format_is_refused_with_its_name() {
+        for (bytes, part) in [
+            (&b""[..], "is empty"),
+            (b"\x89PN", "not an image of a known format"),
+            (b"GIF89a", "PNG, JPEG, OpenEXR and Radiance HDR can be read"),
+        ] {
+            let message = decoded(bytes).unwrap_err().to_string();
+            assert!(message.starts_with("a.png: ") && message.contains(part), "{message}");
+        }
+        let missing = load_image(Path::new("no/such.png"), ColorSpace::Srgb, &mut Vec::new());
+        assert!(missing.unwrap_err().to_string().starts_with("no/such.png: cannot be read"));
+    }
+
+    #[test]
+    fn image_survives_any_mutation() {
+        let jpegs: [&[u8]; 3] = [
+            include_bytes!("../../tests/data/color.jpg"),
+            include_bytes!("../../tests/data/progressive.jpg"),
+            include_bytes!("../../tests/data/cmyk.jpg"),
+        ];
+        let others = [png::example(), exr::example(), radiance::example()];
+        for file in jpegs.map(<[u8]>::to_vec).into_iter().chain(others) {
+            assert!(decoded(&file).is_ok());
+            for mutant in mutants(&file, 2_000) {
+                assert!(decoded(&mutant).map_or(true, |image| is_sound(&image)));
+            }
+        }
+    }
+
+    #[test]
+    fn image_loads_real_files() {
+        for (name, size) in [
+            ("env/interior.exr", None),
+            ("env/studio.exr", None),
+            ("env/spruit_sunrise_small.hdr", None),
+            ("env/urban_alley_01_1k.hdr", Some((1024, 512))),
+            ("head/color.jpg", None),
+            ("head/normal.jpg", None),
+            ("spot/spot.png", None),
+        ] {
+            let Some(path) = asset(name) else { continue };
+            let mut warnings = Vec::new();
+            let image = load_image(&path, ColorSpace::Srgb, &mut warnings).unwrap();
+            assert!(is_sound(&image) && warnings.is_empty(), "{name}: {warnings:?}");
+            assert!(size.is_none_or(|size| size == (image.width, image.height)));
+            assert!(
+                image.mean()[..3].iter().all(|&mean| mean > 0.0 && mean < 100.0),
+                "{name}: {:?}",
+                image.mean()
+            );
+        }
+    }
+}

@@ -4,13 +4,16 @@ mod exr;
 mod gltf;
 mod image;
 mod jpeg;
+mod ply;
 mod png;
+mod polygon;
 mod radiance;
 
 use std::path::Path;
 
 pub use gltf::{GltfScene, load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
+pub use ply::{load_ply, parse_ply};
 
 use crate::{Place, SceneError};
 

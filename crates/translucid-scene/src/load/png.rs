@@ -60,6 +60,18 @@ fn float_pixel(pixel: &[u8], color_type: ColorType, color_space: ColorSpace) -> 
     }
 }
 
+/// A small valid file.
+#[cfg(test)]
+pub(super) fn example() -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 9, 7);
+    encoder.set_color(ColorType::Rgba);
+    encoder.set_depth(BitDepth::Sixteen);
+    let data: Vec<u8> = (0..9 * 7 * 8).map(|i| (i * 37 % 251) as u8).collect();
+    encoder.write_header().and_then(|mut writer| writer.write_image_data(&data)).expect("a valid image");
+    bytes
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;

@@ -202,6 +202,15 @@ impl Reader<'_> {
     }
 }
 
+/// A small valid file, its lines packed by both schemes.
+#[cfg(test)]
+pub(super) fn example() -> Vec<u8> {
+    let mut bytes = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 9\n".to_vec();
+    bytes.extend([2, 2, 0, 9, 128 + 9, 50, 4, 1, 2, 3, 4, 128 + 5, 7, 128 + 9, 60, 128 + 9, 130]);
+    bytes.extend([9, 8, 7, 129, 1, 1, 1, 8]);
+    bytes
+}
+
 #[cfg(test)]
 mod tests {
     use std::path::Path;
