@@ -20,7 +20,12 @@ use crate::{Place, SceneError};
 /// Reads a file whole.
 ///
 /// # Errors
-/// The file is missing or cannot be read.
+/// The file is missing, cannot be read, or is not a file: a pipe would keep the reader waiting.
 pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
-    std::fs::read(path).map_err(|error| SceneError::at(Place::file(path), format!("cannot be read: {error}")))
+    let failure = |reason: String| SceneError::at(Place::file(path), format!("cannot be read: {reason}"));
+    let metadata = std::fs::metadata(path).map_err(|error| failure(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(failure(String::from("not a file")));
+    }
+    std::fs::read(path).map_err(|error| failure(error.to_string()))
 }
