@@ -49,6 +49,11 @@ pub(crate) fn require_non_negative(parameter: &'static str, value: f64) -> Resul
     require(value >= 0.0 && value.is_finite(), parameter, value, "finite and at least 0")
 }
 
+/// Passes a quantity on if it is finite and positive.
+pub(crate) fn require_positive(parameter: &'static str, value: f64) -> Result<f64, ParameterError> {
+    require(value > 0.0 && value.is_finite(), parameter, value, "finite and greater than 0")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
