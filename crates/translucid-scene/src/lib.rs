@@ -15,11 +15,14 @@
 
 mod camera;
 mod error;
+mod frame_mesh;
 mod image;
 mod light;
 mod load;
 mod material;
 mod mesh;
+mod nearest;
+mod preset;
 mod repair;
 mod scene;
 mod settings;
@@ -33,8 +36,10 @@ pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
 pub use load::{GltfScene, decode_image, load_gltf, load_image, load_ply, parse_gltf, parse_ply};
+pub use load::{LoadOptions, SceneFile, load_scene};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};
+pub use preset::{Preset, preset, presets};
 pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, ToneMapping};

@@ -15,6 +15,26 @@ pub enum SubsurfaceModel {
     None,
 }
 
+impl SubsurfaceModel {
+    /// Every model.
+    pub const ALL: [Self; 2] = [Self::NormalizedDiffusion, Self::None];
+
+    /// The model's name as scene files and the command line write it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NormalizedDiffusion => "normalized-diffusion",
+            Self::None => "none",
+        }
+    }
+
+    /// The model of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+}
+
 /// A tangent-space normal map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {

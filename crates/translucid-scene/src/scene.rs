@@ -14,6 +14,16 @@ pub enum Unit {
 }
 
 impl Unit {
+    /// Every unit by its name.
+    pub(crate) const WORDS: [(&str, Self); 3] =
+        [("mm", Self::Millimeter), ("cm", Self::Centimeter), ("m", Self::Meter)];
+
+    /// The unit that scene files and the command line call `name`.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, unit)| unit)
+    }
+
     /// Millimeters in one unit.
     #[must_use]
     pub fn in_millimeters(self) -> f64 {

@@ -1,21 +1,130 @@
 //! Readers of the file formats, each from bytes to validated data.
 
+mod bare_mesh;
 mod exr;
 mod gltf;
 mod image;
 mod jpeg;
+mod model;
 mod ply;
 mod png;
 mod polygon;
 mod radiance;
+mod toml;
 
-use std::path::Path;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
 
 pub use gltf::{GltfScene, load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
 pub use ply::{load_ply, parse_ply};
+pub use toml::SceneFile;
 
-use crate::{Place, SceneError};
+use crate::{Film, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
+use model::Model;
+
+/// What the caller wants otherwise than the file says.
+#[derive(Clone, Debug, Default)]
+pub struct LoadOptions {
+    /// Preset for a bare mesh, in place of the file's own materials.
+    pub preset: Option<String>,
+    /// Unit of a bare mesh's coordinates; by default m for glTF and mm otherwise.
+    pub unit: Option<Unit>,
+    /// Mesh files in place of those of a scene file's objects, by the object's name.
+    /// Without a name it is the scene's only object with a mesh file.
+    pub mesh_overrides: Vec<(Option<String>, PathBuf)>,
+    /// Width and height in pixels, in place of the file's or the default.
+    pub size: Option<[u32; 2]>,
+    /// Model of the transport under all surfaces, in place of the materials' own.
+    pub subsurface_model: Option<SubsurfaceModel>,
+}
+
+impl LoadOptions {
+    /// The film with the size that is asked for, kept within what a film may have.
+    fn film(&self, film: Film) -> Film {
+        let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| n.clamp(1, 16_384));
+        Film { width, height, ..film }
+    }
+}
+
+/// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`) as a scene of its own.
+///
+/// A mesh file gets a material, a camera, lights and a backdrop where it has none.
+///
+/// # Errors
+/// The file cannot be read, or something in it or in the options is wrong: the error says what and where.
+pub fn load_scene(
+    path: &Path,
+    options: &LoadOptions,
+    warnings: &mut Vec<Warning>,
+) -> Result<Scene, SceneError> {
+    let mut scene = if is_scene_file(path) {
+        refuse_mesh_options(path, options)?;
+        SceneFile::read(path)?.load(options, warnings)?
+    } else {
+        bare_mesh::load_bare_mesh(path, options, warnings)?
+    };
+    if let Some(model) = options.subsurface_model {
+        scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
+    }
+    Ok(scene)
+}
+
+/// A scene file states its own materials and unit.
+fn refuse_mesh_options(path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
+    let (what, key) = match (&options.preset, options.unit) {
+        (Some(_), _) => ("a preset", "preset in a [[material]]"),
+        (None, Some(_)) => ("a unit", "unit at the top"),
+        (None, None) => return Ok(()),
+    };
+    let message = format!("{what} is for a bare mesh, but {} is a scene file", path.display());
+    Err(SceneError::new(message).with_help(format!("in a scene file it is the key {key}")))
+}
+
+fn extension(path: &Path) -> String {
+    path.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase()
+}
+
+fn is_scene_file(path: &Path) -> bool {
+    extension(path) == "toml"
+}
+
+fn is_gltf(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "gltf" | "glb")
+}
+
+/// Loads a mesh file by its extension; its lengths are as the file has them.
+fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<Model, SceneError> {
+    if is_gltf(path) {
+        return load_gltf(path, Unit::Meter, warnings).map(Model::from);
+    }
+    if extension(path) == "ply" {
+        return load_ply(path, warnings).map(|mesh| Model::from_mesh(path, mesh));
+    }
+    let message = match extension(path).as_str() {
+        "" => String::from("a file without extension is neither a scene nor a mesh"),
+        other => format!("a .{other} file is neither a scene nor a mesh"),
+    };
+    let help = "scenes are .toml, meshes are .glb, .gltf, .obj or .ply";
+    Err(SceneError::at(Place::file(path), message).with_help(help))
+}
+
+/// Reads a file whole if it is no longer than `limit` bytes.
+fn read_file_up_to(path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
+    use std::io::Read;
+
+    let refuse = |message: String| Err(SceneError::at(Place::file(path), message));
+    let cannot =
+        |error: std::io::Error| SceneError::at(Place::file(path), format!("cannot be read: {error}"));
+    let file = std::fs::File::open(path).map_err(cannot)?;
+    let mut bytes = Vec::new();
+    // The length that the system states may be wrong: a device or a growing file.
+    file.take(limit + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > limit {
+        return refuse(format!("has more than {limit} bytes, the most that is allowed"));
+    }
+    Ok(bytes)
+}
 
 /// Reads a file whole.
 ///

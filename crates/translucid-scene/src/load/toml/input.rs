@@ -1,0 +1,201 @@
+//! Colors and scalars that are constants or images.
+
+use std::path::PathBuf;
+
+use ::toml::de::DeValue;
+use glam::{Affine2, Vec2, Vec3};
+
+use super::document::{Item, Table};
+use super::interval::Interval;
+use crate::{Channel, ColorInput, ColorSpace, NormalMap, Place, ScalarInput, SceneError, TextureRef, Wrap};
+
+const COLOR_SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
+const CHANNELS: [(&str, Channel); 4] =
+    [("red", Channel::Red), ("green", Channel::Green), ("blue", Channel::Blue), ("alpha", Channel::Alpha)];
+const WRAPS: [(&str, Wrap); 3] = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
+
+pub(super) const COLOR_KEYS: &[&str] =
+    &["file", "color_space", "factor", "vertex_color", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+pub(super) const SCALAR_KEYS: &[&str] =
+    &["file", "color_space", "channel", "factor", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+pub(super) const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
+
+/// An image that the scene needs, and where it is asked for.
+#[derive(Clone, Debug)]
+pub(super) struct ImageRequest {
+    pub(super) path: PathBuf,
+    pub(super) color_space: ColorSpace,
+    pub(super) place: Place,
+}
+
+/// The scene's images: the index of a request is the image's index in the scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct ImageList {
+    requests: Vec<ImageRequest>,
+}
+
+impl ImageList {
+    /// Index of the image in a file; the same file in the same color space is loaded once.
+    pub(super) fn request(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
+        let path = file.file()?;
+        let known = self.requests.iter().position(|r| r.path == path && r.color_space == color_space);
+        Ok(known.unwrap_or_else(|| {
+            self.requests.push(ImageRequest { path, color_space, place: file.place() });
+            self.requests.len() - 1
+        }))
+    }
+
+    pub(super) fn into_requests(self) -> Vec<ImageRequest> {
+        self.requests
+    }
+}
+
+/// A color: a number, three numbers, `"#rrggbb"`, `"vertex"`, or a table with an image.
+pub(super) fn read_color(
+    item: &Item<'_>,
+    range: Interval,
+    images: &mut ImageList,
+) -> Result<ColorInput, SceneError> {
+    match item.value() {
+        DeValue::String(word) if word.as_ref() == "vertex" => Ok(ColorInput::vertex()),
+        DeValue::Table(_) => read_color_image(&item.table()?.allow(COLOR_KEYS)?, images),
+        DeValue::String(word) if !word.starts_with('#') => {
+            Err(item.refuse("three numbers, \"#rrggbb\", \"vertex\" or a table with an image file"))
+        }
+        DeValue::Integer(_) | DeValue::Float(_) | DeValue::Array(_) | DeValue::String(_) => {
+            read_constant_color(item, range).map(ColorInput::constant)
+        }
+        _ => Err(item.mismatch("three numbers, \"#rrggbb\", \"vertex\" or a table with an image file")),
+    }
+}
+
+/// A color without image: a number, three numbers, or `"#rrggbb"`.
+pub(super) fn read_constant_color(item: &Item<'_>, range: Interval) -> Result<Vec3, SceneError> {
+    match item.value() {
+        DeValue::Integer(_) | DeValue::Float(_) => item.number(range).map(Vec3::splat),
+        DeValue::Array(_) => item.vec3(range),
+        DeValue::String(word) => {
+            hexadecimal_color(word).ok_or_else(|| item.refuse("\"#rrggbb\" with hexadecimal digits"))
+        }
+        _ => Err(item.mismatch("three numbers or \"#rrggbb\"")),
+    }
+}
+
+fn read_color_image(table: &Table<'_>, images: &mut ImageList) -> Result<ColorInput, SceneError> {
+    let color_space = table.read("color_space", ColorSpace::Srgb, |item| item.word(&COLOR_SPACES))?;
+    Ok(ColorInput {
+        factor: table.read("factor", Vec3::ONE, |item| read_constant_color(item, Interval::FACTOR))?,
+        texture: Some(read_texture(table, color_space, images)?),
+        vertex_color: table.read("vertex_color", false, Item::boolean)?,
+    })
+}
+
+/// A scalar: a number or a table with an image.
+pub(super) fn read_scalar(
+    item: &Item<'_>,
+    range: Interval,
+    images: &mut ImageList,
+) -> Result<ScalarInput, SceneError> {
+    match item.value() {
+        DeValue::Table(_) => read_scalar_image(&item.table()?.allow(SCALAR_KEYS)?, images),
+        DeValue::Integer(_) | DeValue::Float(_) => item.number(range).map(ScalarInput::constant),
+        _ => Err(item.mismatch(&format!("a number in {range} or a table with an image file"))),
+    }
+}
+
+fn read_scalar_image(table: &Table<'_>, images: &mut ImageList) -> Result<ScalarInput, SceneError> {
+    let color_space = table.read("color_space", ColorSpace::Linear, |item| item.word(&COLOR_SPACES))?;
+    let channel = table.read("channel", Channel::Red, |item| item.word(&CHANNELS))?;
+    Ok(ScalarInput {
+        factor: table.read("factor", 1.0, |item| item.number(Interval::LENGTH))?,
+        texture: Some((read_texture(table, color_space, images)?, channel)),
+    })
+}
+
+/// A normal map: the image's path, or a table.
+pub(super) fn read_normal_map(item: &Item<'_>, images: &mut ImageList) -> Result<NormalMap, SceneError> {
+    match item.value() {
+        DeValue::String(_) => {
+            let image = images.request(item, ColorSpace::Linear)?;
+            Ok(NormalMap { texture: TextureRef::new(image), scale: 1.0 })
+        }
+        DeValue::Table(_) => {
+            let table = item.table()?.allow(NORMAL_KEYS)?;
+            Ok(NormalMap {
+                texture: read_texture(&table, ColorSpace::Linear, images)?,
+                scale: table.read("scale", 1.0, |item| item.number(Interval::closed(-100.0, 100.0)))?,
+            })
+        }
+        _ => Err(item.mismatch("the path of an image or a table with an image file")),
+    }
+}
+
+fn read_texture(
+    table: &Table<'_>,
+    color_space: ColorSpace,
+    images: &mut ImageList,
+) -> Result<TextureRef, SceneError> {
+    Ok(TextureRef {
+        image: images.request(&table.require("file")?, color_space)?,
+        image_from_uv: read_mapping(table)?,
+        wrap: table.read("wrap", [Wrap::Repeat; 2], read_wrap)?,
+    })
+}
+
+/// Scale, then rotation counter-clockwise, then offset.
+fn read_mapping(table: &Table<'_>) -> Result<Affine2, SceneError> {
+    let scale = table.read("uv_scale", Vec2::ONE, |item| match item.value() {
+        DeValue::Array(_) => item.vec2(Interval::DIRECTION),
+        _ => item.number(Interval::DIRECTION).map(Vec2::splat),
+    })?;
+    let angle = table.read("uv_rotation", 0.0, |item| item.number(Interval::ANGLE))?;
+    let offset = table.read("uv_offset", Vec2::ZERO, |item| item.vec2(Interval::DIRECTION))?;
+    Ok(Affine2::from_scale_angle_translation(scale, angle.to_radians(), offset))
+}
+
+/// One word for both directions, or one for each.
+fn read_wrap(item: &Item<'_>) -> Result<[Wrap; 2], SceneError> {
+    let DeValue::Array(_) = item.value() else { return item.word(&WRAPS).map(|wrap| [wrap; 2]) };
+    let words = item.array::<2>("words")?;
+    let mut wraps = [Wrap::Repeat; 2];
+    for (wrap, word) in wraps.iter_mut().zip(&words) {
+        *wrap = word.word(&WRAPS)?;
+    }
+    Ok(wraps)
+}
+
+/// Linear color of `#rrggbb` in sRGB (IEC 61966-2-1).
+fn hexadecimal_color(text: &str) -> Option<Vec3> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
+    let packed = u32::from_str_radix(digits, 16).ok()?;
+    let channel = |shift: u32| linear_from_srgb(f64::from((packed >> shift) & 255) / 255.0) as f32;
+    Some(Vec3::new(channel(16), channel(8), channel(0)))
+}
+
+fn linear_from_srgb(value: f64) -> f64 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hexadecimal_colors_are_decoded_from_srgb() {
+        assert_eq!(hexadecimal_color("#ffffff"), Some(Vec3::ONE));
+        assert_eq!(hexadecimal_color("#000000"), Some(Vec3::ZERO));
+        // IEC 61966-2-1: code 188 is 0.5029 of linear light, code 10 is 10 / 255 / 12.92.
+        let color = hexadecimal_color("#BC0a00").unwrap();
+        assert!((color - Vec3::new(0.502_886, 0.003_035_3, 0.0)).abs().max_element() < 1e-6, "{color}");
+    }
+
+    #[test]
+    fn hexadecimal_colors_have_six_digits() {
+        for text in ["#fff", "#fffffff", "ffffff", "#ggffff", "#+fffff", "#", "", "#ääá"] {
+            assert_eq!(hexadecimal_color(text), None, "{text}");
+        }
+    }
+}

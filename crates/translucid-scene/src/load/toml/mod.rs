@@ -1,0 +1,158 @@
+//! The scene file: TOML text to a description, then with its meshes and images to a scene.
+
+mod build;
+mod camera;
+mod document;
+mod input;
+mod interval;
+mod light;
+mod material;
+mod object;
+mod settings;
+#[cfg(test)]
+mod tests;
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use document::{Item, Source, Table};
+use input::{ImageList, ImageRequest};
+use object::{Geometry, ObjectEntry};
+
+use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError, Unit};
+
+/// Most bytes of a scene file; geometry and images are in files of their own.
+pub(super) const LARGEST_FILE: u64 = 16 << 20;
+
+/// Most entries of each list: objects, materials, lights.
+const MOST_ENTRIES: usize = 65_536;
+
+const KEYS: &[&str] = &["unit", "camera", "film", "integrator", "material", "object", "light", "environment"];
+
+/// A scene file that has been read and checked, without the meshes and images that it names.
+///
+/// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
+/// The format is described in `docs/scene-format.md`.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    unit: Unit,
+    camera: Option<Camera>,
+    film: Film,
+    integrator: Integrator,
+    materials: Vec<Material>,
+    objects: Vec<ObjectEntry>,
+    lights: Vec<Light>,
+    environment: Option<Environment>,
+    images: Vec<ImageRequest>,
+}
+
+impl SceneFile {
+    /// Reads and checks the text of a scene file.
+    ///
+    /// `path` is the file that messages name; paths in the text are relative to its folder.
+    ///
+    /// # Errors
+    /// The text is not TOML, or has an unknown key, a value of the wrong type, out of its range, a missing
+    /// key, or a name that is not there: the error points at the key or value.
+    ///
+    /// ```
+    /// use std::path::Path;
+    /// use translucid_scene::SceneFile;
+    ///
+    /// let error = SceneFile::parse("unit = \"mm\"\n[film]\nexposur = 1.0\n", Path::new("ball.toml")).unwrap_err();
+    /// assert_eq!(error.message, "film has no key exposur");
+    /// assert_eq!(error.place.unwrap().line, Some(3));
+    /// ```
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        let source = Source::new(path, text);
+        let document = source.parse()?;
+        let root = Table::root(&source, document.get_ref()).allow(KEYS)?;
+        let unit = root.require("unit")?.word(&Unit::WORDS)?;
+        let mut images = ImageList::default();
+        let materials = read_materials(&root, unit, &mut images)?;
+        let environment = match open(&root, "environment", light::ENVIRONMENT_KEYS)? {
+            Some(table) => Some(light::read_environment(&table, &mut images)?),
+            None => None,
+        };
+        let camera = open(&root, "camera", camera::KEYS)?;
+        let film = open(&root, "film", settings::FILM_KEYS)?;
+        let integrator = open(&root, "integrator", settings::INTEGRATOR_KEYS)?;
+        let lights = root.tables("light", MOST_ENTRIES)?;
+        Ok(Self {
+            unit,
+            camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
+            film: film.map_or(Ok(Film::default()), |table| settings::read_film(&table))?,
+            integrator: integrator
+                .map_or(Ok(Integrator::default()), |table| settings::read_integrator(&table))?,
+            objects: read_objects(&root, &materials)?,
+            materials,
+            lights: lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?,
+            environment,
+            images: images.into_requests(),
+        })
+    }
+}
+
+/// A table of the root, if it is there.
+fn open<'a>(
+    root: &Table<'a>,
+    key: &'static str,
+    keys: &[&'static str],
+) -> Result<Option<Table<'a>>, SceneError> {
+    root.get(key).map(|item| item.table()?.allow(keys)).transpose()
+}
+
+fn read_materials(root: &Table<'_>, unit: Unit, images: &mut ImageList) -> Result<Vec<Material>, SceneError> {
+    let mut names = HashSet::new();
+    let mut materials = Vec::new();
+    for table in root.tables("material", MOST_ENTRIES)? {
+        let table = table.allow(material::KEYS)?;
+        let material = material::read_material(&table, unit, images)?;
+        claim_name(&table, &material.name, &mut names)?;
+        materials.push(material);
+    }
+    Ok(materials)
+}
+
+fn read_objects(root: &Table<'_>, materials: &[Material]) -> Result<Vec<ObjectEntry>, SceneError> {
+    let tables = root.tables("object", MOST_ENTRIES)?;
+    if tables.is_empty() {
+        return Err(root
+            .error("the scene has no [[object]]")
+            .with_help("add one with the key file or shape"));
+    }
+    let mut names = HashSet::new();
+    let mut objects = Vec::new();
+    for table in tables {
+        let (object, table) = object::read_object(table, materials)?;
+        if !object.name.is_empty() {
+            claim_name(&table, &object.name, &mut names)?;
+        }
+        objects.push(object);
+    }
+    name_objects(&mut objects, names);
+    Ok(objects)
+}
+
+/// Refuses a name that another table of the list has.
+fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Result<(), SceneError> {
+    if names.insert(name.to_owned()) {
+        return Ok(());
+    }
+    let taken = |item: &Item<'_>| item.refuse("a name that no other table of the list has");
+    Err(table.get("name").as_ref().map_or_else(|| table.error("the name is taken"), taken))
+}
+
+/// Names the nameless after their file or shape, with a number where that is taken.
+fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
+    for (i, object) in objects.iter_mut().enumerate().filter(|(_, object)| object.name.is_empty()) {
+        let plain = match &object.geometry {
+            Geometry::File { path, .. } => {
+                path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+            }
+            Geometry::Shape { name, .. } => name.clone(),
+        };
+        object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };
+        names.insert(object.name.clone());
+    }
+}

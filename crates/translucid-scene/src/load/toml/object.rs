@@ -1,0 +1,172 @@
+//! `[[object]]`: a mesh file or a built-in shape with its place and material.
+
+use std::path::PathBuf;
+
+use ::toml::de::DeValue;
+use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
+
+use super::document::{Item, Table};
+use super::interval::{Interval, LARGEST_LENGTH};
+use crate::nearest::nearest;
+use crate::shapes::{ShapeParameterKind, shape_names, shape_parameters};
+use crate::{Material, Place, SceneError, ShapeParameters, Unit};
+
+/// Keys of every object; a shape adds its own parameters.
+pub(super) const KEYS: &[&str] = &[
+    "name",
+    "file",
+    "shape",
+    "material",
+    "unit",
+    "translate",
+    "rotate",
+    "scale",
+    "matrix",
+    "subsurface_group",
+];
+
+/// Where an object's geometry comes from.
+#[derive(Clone, Debug)]
+pub(super) enum Geometry {
+    /// A mesh file, and the unit of its coordinates.
+    File { path: PathBuf, unit: Option<Unit> },
+    /// A built-in shape.
+    Shape { name: String, parameters: ShapeParameters },
+}
+
+/// An object whose geometry is still to be loaded.
+#[derive(Clone, Debug)]
+pub(super) struct ObjectEntry {
+    /// Unique name.
+    pub(super) name: String,
+    pub(super) geometry: Geometry,
+    /// Where the file or shape is named.
+    pub(super) place: Place,
+    pub(super) world_from_object: Affine3A,
+    /// Index of the material; the file's own where `None`.
+    pub(super) material: Option<usize>,
+    /// Name of the set of objects that share subsurface scattering.
+    pub(super) subsurface_group: Option<String>,
+}
+
+/// Reads an object and hands its table back, for messages about its name.
+pub(super) fn read_object<'a>(
+    table: Table<'a>,
+    materials: &[Material],
+) -> Result<(ObjectEntry, Table<'a>), SceneError> {
+    let shape = table.get("shape");
+    let parameters = shape.as_ref().map(read_shape_name).transpose()?;
+    let names = parameters.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
+    let table = table.allow(&KEYS.iter().copied().chain(names).collect::<Vec<_>>())?;
+    let (geometry, place) = read_geometry(&table)?;
+    let entry = ObjectEntry {
+        name: table.read("name", String::new(), Item::name)?,
+        geometry,
+        place,
+        world_from_object: read_transform(&table)?,
+        material: table.get("material").map(|item| read_material_name(&item, materials)).transpose()?,
+        subsurface_group: table.get("subsurface_group").map(|item| item.name()).transpose()?,
+    };
+    Ok((entry, table))
+}
+
+type ShapeList = &'static [crate::ShapeParameter];
+
+fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList), SceneError> {
+    let words: Vec<(&str, &str)> = shape_names().into_iter().map(|name| (name, name)).collect();
+    let name = item.word(&words)?;
+    Ok((name.to_owned(), shape_parameters(name).unwrap_or_default()))
+}
+
+fn read_geometry(table: &Table<'_>) -> Result<(Geometry, Place), SceneError> {
+    match (table.get("file"), table.get("shape")) {
+        (Some(file), None) => {
+            let unit = table.get("unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
+            Ok((Geometry::File { path: file.file()?, unit }, file.place()))
+        }
+        (None, Some(shape)) => {
+            if let Some(unit) = table.get("unit") {
+                let message = format!("{} is for files; a shape is in the scene's unit", unit.path());
+                return Err(unit.error(message));
+            }
+            let (name, list) = read_shape_name(&shape)?;
+            Ok((Geometry::Shape { name, parameters: read_shape_parameters(table, list)? }, shape.place()))
+        }
+        (Some(_), Some(shape)) => {
+            Err(shape.error(format!("{} has both file and shape, but must have one", table.path())))
+        }
+        (None, None) => Err(table.error(format!("{} needs the key file or shape", table.path()))),
+    }
+}
+
+fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapeParameters, SceneError> {
+    let mut parameters = ShapeParameters::new();
+    for parameter in list {
+        let Some(item) = table.get(parameter.name) else { continue };
+        let value = match parameter.kind {
+            ShapeParameterKind::Count => item.integer(parameter.min as u64, parameter.max as u64)? as f64,
+            ShapeParameterKind::Length | ShapeParameterKind::Ratio => {
+                item.double(Interval::closed(parameter.min, parameter.max))?
+            }
+        };
+        parameters.set(parameter.name, value);
+    }
+    Ok(parameters)
+}
+
+fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize, SceneError> {
+    let name = item.string()?;
+    materials.iter().position(|material| material.name == name).ok_or_else(|| {
+        let names = || materials.iter().map(|material| material.name.as_str());
+        let error = item.refuse("the name of a material of this scene");
+        match nearest(name, names()) {
+            Some(near) => error.with_help(format!("did you mean \"{near}\"?")),
+            None if materials.is_empty() => error.with_help("the scene has no [[material]]"),
+            None => error.with_help(format!("the materials are {}", names().collect::<Vec<_>>().join(", "))),
+        }
+    })
+}
+
+/// `matrix`, or scale, then rotation about x, y, z, then translation.
+fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
+    if let Some(matrix) = table.get("matrix") {
+        if let Some(other) = ["translate", "rotate", "scale"].into_iter().find_map(|key| table.get(key)) {
+            let message =
+                format!("{} has matrix and {}, but must have one of them", table.path(), other.path());
+            return Err(other.error(message));
+        }
+        return read_matrix(&matrix);
+    }
+    let translation = table.read("translate", Vec3::ZERO, |item| item.vec3(Interval::COORDINATE))?;
+    let angles = table.read("rotate", Vec3::ZERO, |item| item.vec3(Interval::ANGLE))?;
+    let scale = table.read("scale", Vec3::ONE, read_scale)?;
+    let [x, y, z] = angles.to_array().map(f32::to_radians);
+    // Rz Ry Rx: extrinsic rotations about the fixed axes x, then y, then z.
+    let rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
+    Ok(Affine3A::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
+    let range = Interval::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
+    let scale = match item.value() {
+        DeValue::Array(_) => item.vec3(range)?,
+        _ => Vec3::splat(item.number(range)?),
+    };
+    if scale.abs().min_element() < 1e-9 {
+        return Err(item.refuse("in [-1e9, 1e9] and at least 1e-9 away from zero"));
+    }
+    Ok(scale)
+}
+
+/// Sixteen numbers row by row, the last row 0 0 0 1.
+fn read_matrix(item: &Item<'_>) -> Result<Affine3A, SceneError> {
+    let m: [f32; 16] = item.numbers(Interval::COORDINATE)?;
+    if m[12..] != [0.0, 0.0, 0.0, 1.0] {
+        return Err(item.refuse("four rows of four numbers whose last row is 0, 0, 0, 1"));
+    }
+    let linear = Mat3::from_cols_array(&[m[0], m[4], m[8], m[1], m[5], m[9], m[2], m[6], m[10]]);
+    if linear.as_dmat3().determinant() == 0.0 {
+        return Err(item.refuse("invertible: its determinant is 0"));
+    }
+    Ok(Affine3A::from_mat3_translation(linear, Vec3::new(m[3], m[7], m[11])))
+}

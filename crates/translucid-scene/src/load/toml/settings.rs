@@ -1,0 +1,66 @@
+//! `[film]` and `[integrator]`.
+
+use super::document::{Item, Table};
+use super::interval::Interval;
+use crate::{Film, FilterKind, Integrator, SceneError, ToneMapping};
+
+pub(super) const FILM_KEYS: &[&str] = &["size", "filter", "filter_radius", "exposure", "tone_mapping"];
+pub(super) const INTEGRATOR_KEYS: &[&str] =
+    &["samples_per_pixel", "max_depth", "max_diffuse_depth", "caustics", "subsurface_tail", "seed"];
+
+const FILTERS: [(&str, FilterKind); 3] = [
+    ("box", FilterKind::Box),
+    ("gaussian", FilterKind::Gaussian),
+    ("blackman-harris", FilterKind::BlackmanHarris),
+];
+const TONE_MAPPINGS: [(&str, ToneMapping); 3] =
+    [("srgb", ToneMapping::Srgb), ("neutral", ToneMapping::Neutral), ("agx", ToneMapping::Agx)];
+
+pub(super) fn read_film(table: &Table<'_>) -> Result<Film, SceneError> {
+    let default = Film::default();
+    let [width, height] = table.read("size", [default.width, default.height], read_size)?;
+    let filter = table.read("filter", default.filter, |item| item.word(&FILTERS))?;
+    Ok(Film {
+        width,
+        height,
+        filter,
+        filter_radius: table
+            .read("filter_radius", usual_radius(filter), |item| item.number(Interval::above(0.0, 8.0)))?,
+        exposure: table
+            .read("exposure", default.exposure, |item| item.number(Interval::closed(-32.0, 32.0)))?,
+        tone_mapping: table.read("tone_mapping", default.tone_mapping, |item| item.word(&TONE_MAPPINGS))?,
+    })
+}
+
+/// One pixel for the box; the usual extent for the bells.
+fn usual_radius(filter: FilterKind) -> f32 {
+    match filter {
+        FilterKind::Box => 0.5,
+        FilterKind::Gaussian | FilterKind::BlackmanHarris => Film::default().filter_radius,
+    }
+}
+
+fn read_size(item: &Item<'_>) -> Result<[u32; 2], SceneError> {
+    let mut size = [0; 2];
+    for (extent, item) in size.iter_mut().zip(item.array::<2>("whole numbers, width and height")?) {
+        *extent = item.integer(1, 16_384)? as u32;
+    }
+    Ok(size)
+}
+
+pub(super) fn read_integrator(table: &Table<'_>) -> Result<Integrator, SceneError> {
+    let default = Integrator::default();
+    let count = |key, default: u32, low, high| {
+        table.read(key, u64::from(default), |item| item.integer(low, high)).map(|n| n as u32)
+    };
+    Ok(Integrator {
+        samples_per_pixel: count("samples_per_pixel", default.samples_per_pixel, 1, 1 << 24)?,
+        max_depth: count("max_depth", default.max_depth, 1, 1024)?,
+        max_diffuse_depth: count("max_diffuse_depth", default.max_diffuse_depth, 0, 1024)?,
+        caustics: table.read("caustics", default.caustics, Item::boolean)?,
+        subsurface_tail: table.read("subsurface_tail", default.subsurface_tail, |item| {
+            item.number(Interval::above(0.0, 0.1))
+        })?,
+        seed: table.read("seed", default.seed, |item| item.integer(0, u64::MAX))?,
+    })
+}
