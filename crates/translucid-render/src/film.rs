@@ -25,8 +25,11 @@ pub mod layer {
     pub const NORMAL: Range<usize> = 16..19;
     /// Distance to the first surface seen \[L\], summed over the samples that see one.
     pub const DEPTH: usize = 19;
+    /// Share of the samples that see a surface, so that depth / surface is the mean distance even where a
+    /// visible environment covers the rest of the pixel.
+    pub const SURFACE: usize = 20;
     /// Number of sums per pixel.
-    pub const COUNT: usize = 20;
+    pub const COUNT: usize = 21;
 }
 
 /// What one camera path brings; the beauty image is the sum of the four light layers.
@@ -55,6 +58,26 @@ impl PixelSample {
     #[must_use]
     pub fn radiance(&self) -> Vec3 {
         self.diffuse + self.specular + self.subsurface + self.emission
+    }
+
+    /// The sample as values in the order of [`layer`].
+    #[must_use]
+    pub fn layers(&self) -> [f32; layer::COUNT] {
+        let mut values = [0.0; layer::COUNT];
+        for (range, color) in [
+            (layer::DIFFUSE, self.diffuse),
+            (layer::SPECULAR, self.specular),
+            (layer::SUBSURFACE, self.subsurface),
+            (layer::EMISSION, self.emission),
+            (layer::ALBEDO, self.albedo),
+            (layer::NORMAL, self.normal),
+        ] {
+            values[range].copy_from_slice(&color.to_array());
+        }
+        values[layer::ALPHA] = self.alpha;
+        values[layer::DEPTH] = self.depth;
+        values[layer::SURFACE] = if self.depth > 0.0 { 1.0 } else { 0.0 };
+        values
     }
 }
 
@@ -123,5 +146,60 @@ impl FilmSums {
     #[must_use]
     pub fn samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// A film with five samples a pixel, every sum different.
+    pub(crate) fn test_film(width: u32, height: u32) -> FilmSums {
+        let mut film = FilmSums::new(width, height);
+        let mut value = 0.0;
+        for tile in &mut film.tiles {
+            tile.samples = 5;
+            for sum in tile.pixels.iter_mut().flatten() {
+                value = (value + 0.618_033_988_749_895_f64).fract();
+                *sum = 5.0 * value;
+            }
+        }
+        film
+    }
+
+    #[test]
+    fn layers_hold_every_part_of_a_sample() {
+        let sample = PixelSample {
+            diffuse: Vec3::new(1.0, 2.0, 3.0),
+            specular: Vec3::new(4.0, 5.0, 6.0),
+            subsurface: Vec3::new(7.0, 8.0, 9.0),
+            emission: Vec3::new(10.0, 11.0, 12.0),
+            alpha: 13.0,
+            albedo: Vec3::new(14.0, 15.0, 16.0),
+            normal: Vec3::new(17.0, 18.0, 19.0),
+            depth: 20.0,
+        };
+        let expected: [f32; layer::COUNT] =
+            std::array::from_fn(|i| if i == layer::SURFACE { 1.0 } else { i as f32 + 1.0 });
+        assert_eq!(sample.layers(), expected);
+        assert_eq!(PixelSample { depth: 0.0, ..sample }.layers()[layer::SURFACE], 0.0);
+    }
+
+    #[test]
+    fn mean_finds_the_pixel_in_its_tile() {
+        let mut film = FilmSums::new(37, 21);
+        for index in 0..film.tiles.len() {
+            let (left, top, width, _) = film.tile_rect(index);
+            film.tiles[index].samples = 2;
+            for (number, sums) in film.tiles[index].pixels.iter_mut().enumerate() {
+                let (x, y) = (left + number as u32 % width, top + number as u32 / width);
+                *sums = [f64::from(2 * (1000 * y + x)); layer::COUNT];
+            }
+        }
+        for (x, y) in [(0, 0), (15, 15), (16, 15), (36, 20), (35, 16), (3, 20)] {
+            assert_eq!(film.mean(x, y)[0], f64::from(1000 * y + x));
+            assert_eq!(film.radiance(x, y)[0], 4.0 * f64::from(1000 * y + x));
+        }
+        assert_eq!(film.samples(), 2);
     }
 }

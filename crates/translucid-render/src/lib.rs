@@ -14,6 +14,7 @@ mod frame;
 mod geometry;
 mod light;
 mod material;
+mod output;
 mod path;
 mod renderer;
 mod sampler;
@@ -24,4 +25,8 @@ mod wide_tree;
 
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
+pub use output::{
+    CheckpointInfo, ImageInfo, OutputError, check_writable, display_from_linear, load_checkpoint,
+    save_checkpoint, write_atomically, write_exr, write_png,
+};
 pub use renderer::{Goal, Outcome, Progress, Renderer};

@@ -193,33 +193,7 @@ fn add(sums: &mut [f64; layer::COUNT], sample: &PixelSample) {
     if !sample.radiance().is_finite() {
         return;
     }
-    let values: [f32; layer::COUNT] = {
-        let (d, s, b, e) = (sample.diffuse, sample.specular, sample.subsurface, sample.emission);
-        let (a, n) = (sample.albedo, sample.normal);
-        [
-            d.x,
-            d.y,
-            d.z,
-            s.x,
-            s.y,
-            s.z,
-            b.x,
-            b.y,
-            b.z,
-            e.x,
-            e.y,
-            e.z,
-            sample.alpha,
-            a.x,
-            a.y,
-            a.z,
-            n.x,
-            n.y,
-            n.z,
-            sample.depth,
-        ]
-    };
-    for (sum, value) in sums.iter_mut().zip(values) {
+    for (sum, value) in sums.iter_mut().zip(sample.layers()) {
         *sum += f64::from(value);
     }
 }

@@ -1,0 +1,23 @@
+//! From sums to files: images, display transforms and checkpoints.
+//!
+//! Every file is written beside its target and then renamed onto it, so that a reader never meets half
+//! of one.
+
+#![allow(
+    clippy::manual_clamp,
+    reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as images need it"
+)]
+
+mod atomic_file;
+mod checkpoint;
+mod error;
+mod exr;
+mod png;
+mod tone_mapping;
+
+pub use atomic_file::{check_writable, write_atomically};
+pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
+pub use error::OutputError;
+pub use exr::{ImageInfo, write_exr};
+pub use png::write_png;
+pub use tone_mapping::display_from_linear;
