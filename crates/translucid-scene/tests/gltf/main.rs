@@ -1,6 +1,7 @@
 //! The glTF loader on whole files: what it makes of sound ones and what it says of broken ones.
 
 #![allow(missing_docs, reason = "a test binary has no public items")]
+#![allow(clippy::needless_pass_by_value, reason = "JSON literals are handed over")]
 
 mod broken;
 mod builder;

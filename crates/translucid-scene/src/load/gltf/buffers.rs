@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::document::Document;
+use super::document::{Buffer, Document};
 use super::notes::Notes;
 use super::uri;
 use crate::SceneError;
@@ -38,7 +38,7 @@ impl<'a> Buffers<'a> {
                     uri::read(uri, notes.path).map(Cow::Owned).map_err(|e| notes.error(&part, e))?
                 }
                 (None, Some(bytes)) => Cow::Borrowed(bytes),
-                (None, None) => return Err(notes.error(&part, "it has neither a URI nor a GLB binary chunk")),
+                (None, None) => return Err(notes.error(&part, without_data(buffer))),
             };
             if bytes.len() < buffer.byte_length {
                 let (stated, found) = (buffer.byte_length, bytes.len());
@@ -87,5 +87,13 @@ impl<'a> Buffers<'a> {
     /// Bytes of all buffers together, a bound for what a sound file can describe.
     pub(super) fn total(&self) -> usize {
         self.contents.iter().map(|bytes| bytes.len()).sum()
+    }
+}
+
+/// What to say of a buffer without URI and binary chunk.
+fn without_data(buffer: &Buffer) -> String {
+    match buffer.extensions.keys().find(|name| name.contains("meshopt")) {
+        Some(name) => format!("its data is compressed by {}, which is not read", uri::clip(name)),
+        None => String::from("it has neither a URI nor a GLB binary chunk"),
     }
 }

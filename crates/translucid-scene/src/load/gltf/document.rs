@@ -97,6 +97,8 @@ pub(super) struct SparseValues {
 pub(super) struct Buffer {
     pub(super) byte_length: usize,
     pub(super) uri: Option<String>,
+    #[serde(default)]
+    pub(super) extensions: Extensions,
 }
 
 #[derive(Deserialize)]

@@ -100,11 +100,6 @@ impl Arrays<'_> {
 
     /// The topology and the accessor of the positions, if the primitive has triangles that can be read.
     fn surface(&self, primitive: &Primitive, part: &str) -> Result<Option<(Topology, usize)>, SceneError> {
-        if primitive.extensions.contains_key("KHR_draco_mesh_compression")
-            && self.document.extensions_required.iter().any(|name| name == "KHR_draco_mesh_compression")
-        {
-            return Err(self.notes.error(part, "its geometry is compressed by KHR_draco_mesh_compression"));
-        }
         let topology = match primitive.mode.unwrap_or(4) {
             4 => Topology::List,
             5 => Topology::Strip,
@@ -120,6 +115,13 @@ impl Arrays<'_> {
             self.notes.warn(part, "a primitive without POSITION is left out");
             return Ok(None);
         };
+        let accessor = self.document.accessors.get(positions, part, self.notes.path)?;
+        let draco = "KHR_draco_mesh_compression";
+        if primitive.extensions.contains_key(draco) && accessor.buffer_view.is_none() {
+            return Err(self
+                .notes
+                .error(part, format!("its geometry is compressed by {draco}, which is not read")));
+        }
         Ok(Some((topology, positions)))
     }
 

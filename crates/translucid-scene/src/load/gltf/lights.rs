@@ -18,6 +18,13 @@ fn forward(world_from_local: &DAffine3) -> Vec3 {
     world_from_local.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3()
 }
 
+/// What is up for a camera; a sheared node may turn its own y into the viewing direction.
+fn upward(world_from_local: &DAffine3) -> Vec3 {
+    let forward = forward(world_from_local);
+    let up = world_from_local.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();
+    if forward.cross(up).length() > 1e-4 { up } else { forward.any_orthonormal_vector() }
+}
+
 /// A node's light, in a world of `units` scene units to the meter.
 ///
 /// - Directional lights state illuminance (lx), which does not depend on the unit of length.
@@ -129,7 +136,6 @@ pub(super) fn camera(
     // The point looked at lies far enough away to differ from the position in single precision.
     let distance = units.max(1e-3 * position.length());
     let target = position + forward(world_from_local).as_dvec3() * distance;
-    let up = world_from_local.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();
     if !target.as_vec3().is_finite() {
         return Err(notes.error(part, "its position is too large for a number"));
     }
@@ -137,7 +143,7 @@ pub(super) fn camera(
     Ok(Some(Camera {
         position: position.as_vec3(),
         target: target.as_vec3(),
-        up,
+        up: upward(world_from_local),
         horizontal_fov,
         lens_radius: 0.0,
         focus_distance: distance as f32,
