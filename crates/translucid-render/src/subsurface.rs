@@ -163,9 +163,9 @@ impl Channels {
             // At P itself the ratio tends to 1 on a plane facing the axis.
             let ratio = if distance > 0.0 { distance / projected.max(distance * 1e-6) } else { 1.0 };
             let mut sum = 0.0;
-            for c in 0..3 {
+            for (c, profile) in self.profiles.iter().enumerate() {
                 if inside[c] && self.shares[c] > 0.0 {
-                    sum += self.shares[c] * self.profiles[c].pdf(projected);
+                    sum += self.shares[c] * profile.pdf(projected);
                 }
             }
             density += cosine * ratio * sum;

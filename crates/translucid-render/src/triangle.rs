@@ -50,6 +50,7 @@ impl Ray {
     }
 
     /// The point at distance `t`.
+    #[cfg(test)]
     pub(crate) fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
