@@ -1,0 +1,122 @@
+//! Error against CPU time on the head and the dragon of `scenes/`.
+//!
+//! ```text
+//! cargo bench -p translucid-render --bench convergence [-- head dragon --reference-samples 1024]
+//! ```
+//!
+//! Prints, for 1, 4, 16 and 64 samples per pixel, CPU seconds, CPU seconds per sample per pixel of the
+//! whole frame, and the relative mean square error against an image of our own with at least 1,024
+//! samples and another seed: relMSE = mean of (x − ref)² / (ref² + 0.01) over all channels of all pixels
+//! that are not background.
+//! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and
+//! skips.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use translucid_render::{FilmSums, Goal, Renderer, layer};
+use translucid_scene::{LoadOptions, Scene, load_scene};
+
+struct Case {
+    name: &'static str,
+    scene: &'static str,
+    mesh: &'static str,
+}
+
+const CASES: [Case; 2] = [
+    Case { name: "head", scene: "scenes/head.toml", mesh: "head/head_70k.ply" },
+    Case { name: "dragon", scene: "scenes/dragon.toml", mesh: "dragon/dragon_198k.ply" },
+];
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let reference_samples = arguments
+        .iter()
+        .position(|a| a == "--reference-samples")
+        .and_then(|i| arguments.get(i + 1)?.parse().ok())
+        .unwrap_or(1024);
+    let chosen = |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
+    for case in CASES.iter().filter(|case| chosen(case)) {
+        match load(case) {
+            Some(scene) => run(case, scene, reference_samples),
+            None => println!("{}: skipped, ../shared/assets/{} is not there", case.name, case.mesh),
+        }
+    }
+}
+
+fn is_case(argument: &str) -> bool {
+    CASES.iter().any(|case| case.name == argument)
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+fn load(case: &Case) -> Option<Scene> {
+    let mesh = root().join("../shared/assets").join(case.mesh);
+    if !mesh.is_file() {
+        return None;
+    }
+    let options = LoadOptions { mesh_overrides: vec![(None, mesh)], ..LoadOptions::default() };
+    match load_scene(&root().join(case.scene), &options, &mut Vec::new()) {
+        Ok(scene) => Some(scene),
+        Err(error) => panic!("{error}"),
+    }
+}
+
+fn run(case: &Case, scene: Scene, reference_samples: u32) {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let start = cpu_seconds();
+    let renderer = Renderer::new(scene.clone());
+    println!("{}: {width}×{height}, prepared in {:.2} CPU s", case.name, cpu_seconds() - start);
+    let mut other_seed = scene;
+    other_seed.integrator.seed ^= 0x5eed;
+    let (reference, seconds) = render(&Renderer::new(other_seed), width, height, reference_samples);
+    println!("reference: {reference_samples} spp in {seconds:.0} CPU s");
+    println!("| spp | CPU s | CPU s per sample per pixel of the frame | relMSE |");
+    println!("|---|---|---|---|");
+    for samples in [1, 4, 16, 64] {
+        let (film, seconds) = render(&renderer, width, height, samples);
+        let error = relative_mse(&film, &reference);
+        println!("| {samples} | {seconds:.2} | {:.3} | {error:.3e} |", seconds / f64::from(samples));
+    }
+}
+
+fn render(renderer: &Renderer, width: u32, height: u32, samples: u32) -> (FilmSums, f64) {
+    let mut film = FilmSums::new(width, height);
+    let start = cpu_seconds();
+    let goal = Goal { samples, deadline: None };
+    renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+    (film, cpu_seconds() - start)
+}
+
+/// See the head of the file.
+fn relative_mse(film: &FilmSums, reference: &FilmSums) -> f64 {
+    let (mut sum, mut count) = (0.0, 0.0);
+    for y in 0..film.height {
+        for x in 0..film.width {
+            if reference.mean(x, y)[layer::ALPHA] == 0.0 {
+                continue;
+            }
+            for (value, truth) in film.radiance(x, y).into_iter().zip(reference.radiance(x, y)) {
+                sum += (value - truth).powi(2) / (truth * truth + 0.01);
+                count += 1.0;
+            }
+        }
+    }
+    sum / count
+}
+
+/// CPU time of the process in all its threads; wall time where the system does not tell.
+fn cpu_seconds() -> f64 {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
+    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
+    // which Linux has 100 a second for user space.
+    let ticks = |text: String| -> Option<f64> {
+        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
+        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
+    };
+    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or_else(wall, |t| t / 100.0)
+}
