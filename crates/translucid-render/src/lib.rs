@@ -25,6 +25,7 @@ mod wide_tree;
 
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
+pub use light::{EmissiveTriangle, LightHit, LightSample, LightSet};
 pub use output::{
     CheckpointInfo, ImageInfo, OutputError, check_writable, display_from_linear, load_checkpoint,
     save_checkpoint, write_atomically, write_exr, write_png,

@@ -1,0 +1,79 @@
+//! Spherical light, sampled uniformly in the cone that it fills.
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+
+use super::LightSample;
+use super::directions::{uniform_cone, uniform_cone_pdf};
+use super::receiver::{Receiver, luminance};
+
+/// See [`translucid_scene::Light::Sphere`].
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Sphere {
+    center: Vec3,
+    radius: f32,
+    pub(crate) radiance: Vec3,
+    pub(crate) visible: bool,
+}
+
+impl Sphere {
+    /// None if it has no size or emits nothing.
+    pub(crate) fn new(center: Vec3, radius: f32, radiance: Vec3, visible: bool) -> Option<Self> {
+        let valid = radius > 0.0 && radius.is_finite() && luminance(radiance) > 0.0;
+        valid.then_some(Self { center, radius, radiance, visible })
+    }
+
+    /// Emitted power (luminance).
+    pub(crate) fn power(&self) -> f32 {
+        4.0 * PI * PI * self.radius * self.radius * luminance(self.radiance)
+    }
+
+    /// Estimate of the irradiance; 0 only from inside and below the horizon.
+    pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
+        let Some(sin2) = self.sin2(receiver.point) else { return 0.0 };
+        PI * luminance(self.radiance) * sin2 * receiver.cosine_to_ball(self.center, self.radius)
+    }
+
+    /// Draws a direction; the selection is not in its density.
+    pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
+        let one_minus_cos = one_minus_cos(self.sin2(point)?);
+        let to_center = self.center - point;
+        let direction = uniform_cone(to_center.try_normalize()?, one_minus_cos, v);
+        // At the rim rounding may let the ray miss: the foot of the perpendicular is then the nearest point.
+        let distance = self.intersect(point, direction).unwrap_or_else(|| to_center.dot(direction));
+        Some(LightSample::new(direction, distance, self.radiance, uniform_cone_pdf(one_minus_cos)))
+    }
+
+    /// Solid-angle density with which `sample` makes a direction toward the sphere.
+    pub(crate) fn pdf(&self, point: Vec3) -> f32 {
+        self.sin2(point).map_or(0.0, |sin2| uniform_cone_pdf(one_minus_cos(sin2)))
+    }
+
+    /// Distance at which a ray from outside meets the sphere.
+    pub(crate) fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
+        let to_center = self.center - origin;
+        let along = to_center.dot(direction);
+        // By the perpendicular: b² − c would cancel for spheres that are far away
+        // [Haines, Günther & Akenine-Möller 2019, "Precision Improvements for Ray/Sphere Intersection"].
+        let across = (to_center - direction * along).length_squared();
+        let inside = to_center.length_squared() <= self.radius * self.radius;
+        let half_chord2 = self.radius * self.radius - across;
+        // A NaN fails the comparison.
+        let hits = half_chord2 >= 0.0 && along > 0.0 && !inside;
+        hits.then(|| along - half_chord2.sqrt()).filter(|t| t.is_finite()).map(|t| t.max(0.0))
+    }
+
+    /// Squared sine of the half-angle that the sphere subtends, in (0, 1); none from inside.
+    fn sin2(&self, point: Vec3) -> Option<f32> {
+        // Dividing before squaring keeps tiny and huge spheres in range.
+        let sin = self.radius / (self.center - point).length();
+        let sin2 = sin * sin;
+        (sin2 > 0.0 && sin2 < 1.0).then_some(sin2)
+    }
+}
+
+/// 1 − cos α from sin² α, exact for small angles.
+pub(crate) fn one_minus_cos(sin2: f32) -> f32 {
+    sin2 / (1.0 + (1.0 - sin2).max(0.0).sqrt())
+}
