@@ -1,17 +1,14 @@
 //! What lies over the base of a material: coat and dielectric interface, and what they let through.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
+use std::sync::OnceLock;
 
 use glam::Vec3;
 
-use super::reflectance_table::{
-    AVERAGE_ROWS, COSINE_NODES, GlassTable, MetalTable, ReflectanceTable, average_position,
-    average_roughness, gauss_legendre,
-};
+use super::coated_table::CoatedTable;
+use super::glass_table::GlassTable;
+use super::reflectance_table::{MetalTable, ReflectanceTable};
 use super::surface::SurfaceParameters;
-
-/// Mean of two layers' reflectances, and of their product, over roughness.
-type Averages = [f32; AVERAGE_ROWS];
 
 /// The tables of a material's two indices of refraction; materials with the same indices can share them.
 #[derive(Clone, Debug)]
@@ -20,10 +17,8 @@ pub struct MaterialTables {
     pub(super) coat: ReflectanceTable,
     pub(super) glass: GlassTable,
     pub(super) metal: &'static MetalTable,
-    specular_average: Averages,
-    coat_average: Averages,
-    // Indices: roughness of the coat, of the specular interface.
-    product_average: Box<[Averages; AVERAGE_ROWS]>,
+    // Computed when the first coated surface is met.
+    coated: OnceLock<CoatedTable>,
 }
 
 impl MaterialTables {
@@ -31,27 +26,12 @@ impl MaterialTables {
     #[must_use]
     pub fn new(specular_ior: f32, coat_ior: f32) -> Self {
         let specular = ReflectanceTable::new(valid_ior(specular_ior));
-        let coat = ReflectanceTable::new(valid_ior(coat_ior));
-        let nodes = gauss_legendre::<COSINE_NODES>();
-        let sampled = |table: &ReflectanceTable| -> [[f32; COSINE_NODES]; AVERAGE_ROWS] {
-            std::array::from_fn(|row| nodes.map(|(mu, _)| table.eval(mu, average_roughness(row))))
-        };
-        let mean = |f: &dyn Fn(usize) -> f32| -> f32 {
-            nodes.iter().enumerate().map(|(i, (mu, weight))| 2.0 * mu * weight * f(i)).sum()
-        };
-        let (e_s, e_c) = (sampled(&specular), sampled(&coat));
-        let mut product_average = Box::new([[0.0; AVERAGE_ROWS]; AVERAGE_ROWS]);
-        for (c, line) in product_average.iter_mut().enumerate() {
-            *line = std::array::from_fn(|s| mean(&|i| e_c[c][i] * e_s[s][i]));
-        }
         Self {
             glass: GlassTable::new(specular.eta()),
+            coat: ReflectanceTable::new(valid_ior(coat_ior)),
             metal: MetalTable::shared(),
-            specular_average: std::array::from_fn(|row| mean(&|i| e_s[row][i])),
-            coat_average: std::array::from_fn(|row| mean(&|i| e_c[row][i])),
-            product_average,
+            coated: OnceLock::new(),
             specular,
-            coat,
         }
     }
 
@@ -66,6 +46,10 @@ impl MaterialTables {
     pub fn coat_ior(&self) -> f32 {
         self.coat.eta()
     }
+
+    fn coated(&self) -> &CoatedTable {
+        self.coated.get_or_init(|| CoatedTable::new(&self.coat, &self.specular))
+    }
 }
 
 fn valid_ior(ior: f32) -> f32 {
@@ -73,7 +57,7 @@ fn valid_ior(ior: f32) -> f32 {
     if ior > 1.0 { ior.min(4.0) } else { 1.0 }
 }
 
-/// Transmittances of the interfaces of one surface point.
+/// The interfaces of one surface point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Layers<'a> {
     tables: &'a MaterialTables,
@@ -81,6 +65,7 @@ pub(super) struct Layers<'a> {
     specular_roughness: f32,
     coat_weight: f32,
     coat_roughness: f32,
+    coated: Option<&'a CoatedTable>,
 }
 
 impl<'a> Layers<'a> {
@@ -92,7 +77,13 @@ impl<'a> Layers<'a> {
             specular_roughness: p.specular_roughness,
             coat_weight: p.coat_weight,
             coat_roughness: p.coat_roughness,
+            coated: (p.coat_weight > 0.0).then(|| tables.coated()),
         }
+    }
+
+    /// The same surface without its coat.
+    pub(super) fn without_coat(self) -> Self {
+        Self { coat_weight: 0.0, coated: None, ..self }
     }
 
     /// Directional albedo of the coat.
@@ -104,7 +95,7 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// Directional albedo of the dielectric under the coat.
+    /// Directional albedo of the dielectric, as if there were no coat.
     pub(super) fn specular_reflectance(&self, mu: f32) -> f32 {
         if self.specular_weight == 0.0 {
             return 0.0;
@@ -112,23 +103,49 @@ impl<'a> Layers<'a> {
         self.specular_weight * self.tables.specular.eval(mu, self.specular_roughness)
     }
 
+    /// Part of the dielectric's reflection that is lost under the coat, see [`CoatedTable`].
+    pub(super) fn specular_loss(&self, mu: f32) -> f32 {
+        self.coated.map_or(0.0, |coated| {
+            let loss = coated.dielectric_loss(mu, self.specular_roughness, self.coat_roughness);
+            self.coat_weight * self.specular_weight * loss
+        })
+    }
+
+    /// T(μ): what passes both interfaces, without the coat's tint; `coat` is the coat's reflectance there.
+    pub(super) fn transmittance_under(&self, coat: f32, mu: f32) -> f32 {
+        (1.0 - coat) * (1.0 - self.specular_reflectance(mu)) + self.specular_loss(mu)
+    }
+
     /// T(μ): what passes both interfaces, without the coat's tint.
     pub(super) fn transmittance(&self, mu: f32) -> f32 {
-        (1.0 - self.coat_reflectance(mu)) * (1.0 - self.specular_reflectance(mu))
+        self.transmittance_under(self.coat_reflectance(mu), mu)
     }
 
     /// T̄ = 2 ∫ T(μ) μ dμ.
     pub(super) fn average_transmittance(&self) -> f32 {
-        let (c0, c1, c) = average_position(self.coat_roughness);
-        let (s0, s1, s) = average_position(self.specular_roughness);
-        let tables = self.tables;
-        let mix = |a: f32, b: f32, x: f32| a + (b - a) * x;
-        let coat = mix(tables.coat_average[c0], tables.coat_average[c1], c);
-        let specular = mix(tables.specular_average[s0], tables.specular_average[s1], s);
-        let line = |row: usize| mix(tables.product_average[row][s0], tables.product_average[row][s1], s);
-        let product = mix(line(c0), line(c1), c);
-        let (wc, ws) = (self.coat_weight, self.specular_weight);
-        1.0 - wc * coat - ws * specular + wc * ws * product
+        let specular = self.specular_weight * self.tables.specular.average(self.specular_roughness);
+        let Some(coated) = self.coated else { return 1.0 - specular };
+        let both =
+            self.specular_weight * coated.dielectric_average(self.specular_roughness, self.coat_roughness);
+        1.0 - specular - self.coat_weight * (self.tables.coat.average(self.coat_roughness) - both)
+    }
+
+    /// What a white metal leaves to light between its facets; `coat` is the coat's reflectance there.
+    pub(super) fn metal_exchange_under(&self, coat: f32, mu: f32) -> f32 {
+        let deficit = (1.0 - coat) * self.tables.metal.deficit(mu, self.specular_roughness);
+        let loss = self
+            .coated
+            .map_or(0.0, |coated| coated.metal_loss(mu, self.specular_roughness, self.coat_roughness));
+        deficit + self.coat_weight * loss
+    }
+
+    /// Its cosine mean.
+    pub(super) fn average_metal_exchange(&self) -> f32 {
+        let deficit = self.tables.metal.average_deficit(self.specular_roughness);
+        let more = self
+            .coated
+            .map_or(0.0, |coated| coated.metal_average(self.specular_roughness, self.coat_roughness));
+        deficit + self.coat_weight * more
     }
 }
 

@@ -10,10 +10,11 @@
 //! ```text
 //! f = coat + K (metal + specular reflection + transmission) + A T(ωi) T(ωo) / (π T̄)
 //! K(ωi, ωo) = min(T_coat(ωi), T_coat(ωo))         reciprocal, never gains energy, exact for a mirror
-//! T(ω) = (1 − E_coat(ω)) (1 − E_specular(ω))       what passes the interfaces from direction ω
+//! T(ω) = (1 − E_coat(ω)) (1 − E_specular(ω)) + X(ω)       what passes the interfaces from direction ω
 //! T̄ = 2 ∫ T(μ) μ dμ                                so that uniform light sees 1 − T(ωo) + A T(ωo)
 //! ```
 //!
+//! X is what `K` takes too much from the specular reflection; it vanishes without a coat.
 //! The matte term is the coupling of Kelemen & Szirmay-Kalos (2001, "A Microfacet Based Coupled
 //! Specular-Matte BRDF Model with Importance Sampling"): light that the interface does not reflect enters,
 //! and A is the albedo of what enters. Subsurface scattering is the same with A spread over the surface:
@@ -23,9 +24,15 @@
 //! Weights carry *basic* radiance L/n² (n the refractive index where the light is): a lossless crossing
 //! keeps its weight 1 both ways. The factor n² cancels for light that enters and leaves.
 
+#[cfg(test)]
+mod brute_force;
+mod coated_table;
 mod conductor;
 mod dielectric;
 mod ggx;
+mod glass_table;
+#[cfg(test)]
+mod laws;
 mod layers;
 mod reflectance_table;
 mod scattering;
@@ -34,7 +41,8 @@ mod surface;
 pub use conductor::MetalFresnel;
 pub use dielectric::{fresnel_dielectric, scaled_ior};
 pub use ggx::Ggx;
+pub use glass_table::GlassTable;
 pub use layers::{EntryBsdf, MaterialTables};
-pub use reflectance_table::{GlassTable, MetalTable, ReflectanceTable};
+pub use reflectance_table::{MetalTable, ReflectanceTable};
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};
 pub use surface::SurfaceParameters;

@@ -1,0 +1,140 @@
+//! What a rough lobe under a coat loses to the coat, beyond what the coat takes from the direction seen.
+//!
+//! A facet lobe under a coat is scaled by the lesser of the coat's transmittances in both directions,
+//! which is reciprocal. Of a lobe with directional albedo E seen at μ, the coat of reflectance `E_c` then
+//! leaves `(1 − E_c(μ)) E − X`, with
+//!
+//! ```text
+//! X(μ) = ∫ f cosθi max(0, E_c(μi) − E_c(μ)) dωi
+//! ```
+//!
+//! X is given to the matte base or, for a metal, to the light between facets.
+
+use super::dielectric::fresnel_dielectric;
+use super::ggx::Ggx;
+use super::reflectance_table::{
+    AVERAGE_ROWS, COSINE_NODES, Grid, MetalTable, ReflectanceTable, ReflectionQuadrature, average_position,
+    average_roughness, cosine_mean, gauss_legendre, mirrored_cos, mix, passed_share, split,
+};
+
+/// Nodes over t, over the base's roughness and over the coat's: X is small and smooth.
+const COLUMNS: usize = 16;
+const BASE_ROWS: usize = 8;
+const COAT_ROWS: usize = 6;
+
+/// X over (μ, roughness of the base, roughness of the coat), and its cosine mean.
+#[derive(Clone, Debug)]
+struct Loss {
+    grids: [Grid<COLUMNS, BASE_ROWS>; COAT_ROWS],
+    average: [[f32; BASE_ROWS]; COAT_ROWS],
+}
+
+impl Loss {
+    fn new(coat: &ReflectanceTable, fresnel: impl Fn(f32) -> f32) -> Self {
+        let facets = ReflectionQuadrature::new();
+        let grids: [Grid<COLUMNS, BASE_ROWS>; COAT_ROWS] = std::array::from_fn(|row| {
+            let coat_roughness = row as f32 / (COAT_ROWS - 1) as f32;
+            Grid::new(|mu, roughness| {
+                let ggx = Ggx::from_roughness(roughness);
+                facets.mean(mu, roughness, |wo, h| {
+                    let cos_i = mirrored_cos(wo, h);
+                    let more = coat.eval(cos_i.max(0.0), coat_roughness) - coat.eval(wo.z, coat_roughness);
+                    fresnel(wo.dot(h)) * passed_share(&ggx, wo, cos_i) * more.max(0.0)
+                })
+            })
+        });
+        let average = std::array::from_fn(|coat_row| {
+            std::array::from_fn(|row| {
+                let roughness = Grid::<COLUMNS, BASE_ROWS>::row_roughness(row);
+                cosine_mean(|mu| grids[coat_row].eval(mu, roughness))
+            })
+        });
+        Self { grids, average }
+    }
+
+    fn eval(&self, mu: f32, roughness: f32, coat_roughness: f32) -> f32 {
+        if Ggx::from_roughness(roughness).is_smooth() {
+            return 0.0;
+        }
+        let (row, r) = split(coat_roughness * (COAT_ROWS - 1) as f32, COAT_ROWS);
+        mix(self.grids[row].eval(mu, roughness), self.grids[row + 1].eval(mu, roughness), r)
+    }
+
+    fn average(&self, roughness: f32, coat_roughness: f32) -> f32 {
+        if Ggx::from_roughness(roughness).is_smooth() {
+            return 0.0;
+        }
+        let (row, r) = split(coat_roughness * (COAT_ROWS - 1) as f32, COAT_ROWS);
+        let (base, b) = Grid::<COLUMNS, BASE_ROWS>::row_position(roughness);
+        let line = |row: usize| mix(self.average[row][base], self.average[row][base + 1], b);
+        mix(line(row), line(row + 1), r)
+    }
+}
+
+/// Means over roughness of the coat (first index) and of the base.
+type Averages = Box<[[f32; AVERAGE_ROWS]; AVERAGE_ROWS]>;
+
+/// Couplings of a coat with the lobes under it, for a coat weight of 1.
+#[derive(Clone, Debug)]
+pub(super) struct CoatedTable {
+    dielectric: Loss,
+    metal: Loss,
+    coat_dielectric: Averages,
+    coat_metal: Averages,
+}
+
+impl CoatedTable {
+    /// The table of a coat over a dielectric.
+    pub(super) fn new(coat: &ReflectanceTable, specular: &ReflectanceTable) -> Self {
+        let deficit = MetalTable::shared();
+        Self {
+            dielectric: Loss::new(coat, |cos| fresnel_dielectric(cos, specular.eta())),
+            metal: Loss::new(coat, |_| 1.0),
+            coat_dielectric: averages(coat, |mu, roughness| specular.eval(mu, roughness)),
+            coat_metal: averages(coat, |mu, roughness| deficit.deficit(mu, roughness)),
+        }
+    }
+
+    /// X of the dielectric's reflection.
+    pub(super) fn dielectric_loss(&self, mu: f32, roughness: f32, coat_roughness: f32) -> f32 {
+        self.dielectric.eval(mu, roughness, coat_roughness)
+    }
+
+    /// X of a white metal.
+    pub(super) fn metal_loss(&self, mu: f32, roughness: f32, coat_roughness: f32) -> f32 {
+        self.metal.eval(mu, roughness, coat_roughness)
+    }
+
+    /// 2 ∫ (E_c E + X) μ dμ for the dielectric's reflection of albedo E.
+    pub(super) fn dielectric_average(&self, roughness: f32, coat_roughness: f32) -> f32 {
+        average(&self.coat_dielectric, roughness, coat_roughness)
+            + self.dielectric.average(roughness, coat_roughness)
+    }
+
+    /// 2 ∫ (X − E_c (1 − E)) μ dμ for a white metal of albedo E.
+    pub(super) fn metal_average(&self, roughness: f32, coat_roughness: f32) -> f32 {
+        self.metal.average(roughness, coat_roughness) - average(&self.coat_metal, roughness, coat_roughness)
+    }
+}
+
+fn averages(coat: &ReflectanceTable, base: impl Fn(f32, f32) -> f32) -> Averages {
+    let nodes = gauss_legendre::<COSINE_NODES>();
+    let sampled = |f: &dyn Fn(f32, f32) -> f32| -> [[f32; COSINE_NODES]; AVERAGE_ROWS] {
+        std::array::from_fn(|row| nodes.map(|(mu, _)| f(mu, average_roughness(row))))
+    };
+    let (e_c, e_b) = (sampled(&|mu, roughness| coat.eval(mu, roughness)), sampled(&base));
+    let mut averages = Box::new([[0.0; AVERAGE_ROWS]; AVERAGE_ROWS]);
+    for (line, c) in averages.iter_mut().zip(&e_c) {
+        for (value, b) in line.iter_mut().zip(&e_b) {
+            *value = nodes.iter().zip(c.iter().zip(b)).map(|((mu, w), (c, b))| 2.0 * mu * w * c * b).sum();
+        }
+    }
+    averages
+}
+
+fn average(averages: &Averages, roughness: f32, coat_roughness: f32) -> f32 {
+    let (c0, c1, c) = average_position(coat_roughness);
+    let (b0, b1, b) = average_position(roughness);
+    let line = |row: usize| mix(averages[row][b0], averages[row][b1], b);
+    mix(line(c0), line(c1), c)
+}

@@ -1,0 +1,135 @@
+//! What single scattering by the facets of rough glass keeps.
+
+use std::sync::OnceLock;
+
+use super::dielectric::{fresnel_dielectric, refract, scaled_ior};
+use super::ggx::Ggx;
+use super::reflectance_table::{FacetQuadrature, FineGrid, Grid, mirrored_cos, mix, passed_share};
+
+/// Reflected plus transmitted fraction of lossless rough glass in single scattering, by which its lobes
+/// are divided [after Turquin 2019, "Practical multiple scattering compensation for microfacet models"].
+///
+/// There are tables for the index and for those with ¼, 1/16 and 1/64 of its F₀; weights of the
+/// reflection between interpolate in √F₀, below the last is used.
+///
+/// Greatest error over η in [1.2, 2.4]: 0.005 from outside and 0.015 from inside at weight 1, twice that
+/// for weights down to 1/64 at η = 1.5.
+#[derive(Clone, Debug)]
+pub struct GlassTable {
+    eta: f32,
+    // For F₀ · 4⁻ᵏ, computed when first asked for.
+    levels: [OnceLock<Sides>; LEVELS],
+}
+
+/// Number of levels of F₀.
+const LEVELS: usize = 4;
+
+#[derive(Clone, Debug)]
+struct Sides {
+    from_outside: FineGrid,
+    from_inside: FineGrid,
+}
+
+impl GlassTable {
+    /// The table of an index of refraction ≥ 1; it is computed when first asked for.
+    #[must_use]
+    pub fn new(eta: f32) -> Self {
+        Self { eta, levels: [const { OnceLock::new() }; LEVELS] }
+    }
+
+    /// The fraction for light seen from outside at cosine `mu`, where the reflectance at normal incidence
+    /// is scaled by `weight`; 1 for a mirror.
+    #[must_use]
+    pub fn from_outside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
+        self.eval(mu, roughness, weight, |sides| &sides.from_outside)
+    }
+
+    /// … seen from inside.
+    #[must_use]
+    pub fn from_inside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
+        self.eval(mu, roughness, weight, |sides| &sides.from_inside)
+    }
+
+    fn eval(&self, mu: f32, roughness: f32, weight: f32, side: impl Fn(&Sides) -> &FineGrid) -> f32 {
+        let ggx = Ggx::from_roughness(roughness);
+        if ggx.is_smooth() {
+            return 1.0;
+        }
+        let level = |k: usize| {
+            let sides =
+                self.levels[k].get_or_init(|| Sides::new(scaled_ior(self.eta, 0.25_f32.powi(k as i32))));
+            side(sides).eval(mu, roughness)
+        };
+        let root = weight.sqrt();
+        let (mut above, mut step) = (0, 1.0);
+        while above + 1 < LEVELS && root < 0.5 * step {
+            above += 1;
+            step *= 0.5;
+        }
+        let kept = if above + 1 == LEVELS || root >= 1.0 {
+            level(above)
+        } else {
+            mix(level(above + 1), level(above), 2.0 * root / step - 1.0)
+        };
+        kept.clamp(0.1, 1.0)
+    }
+}
+
+impl Sides {
+    fn new(eta: f32) -> Self {
+        // From inside, total reflection breaks the integrand: it needs more nodes.
+        Self { from_outside: kept::<12, 8>(eta), from_inside: kept::<24, 16>(1.0 / eta) }
+    }
+}
+
+fn kept<const CAP: usize, const TURN: usize>(eta: f32) -> FineGrid {
+    let facets = FacetQuadrature::<CAP, TURN>::new();
+    Grid::new(|mu, roughness| {
+        let ggx = Ggx::from_roughness(roughness);
+        facets.mean(mu, roughness, |wo, h| {
+            let fresnel = fresnel_dielectric(wo.dot(h), eta);
+            let transmitted = refract(wo, h, eta).map_or(0.0, |wi| passed_share(&ggx, wo, -wi.z));
+            fresnel * passed_share(&ggx, wo, mirrored_cos(wo, h)) + (1.0 - fresnel) * transmitted
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::brute_force::{COSINES, ROUGHNESSES, brute_force};
+    use super::*;
+
+    /// Greatest difference from brute force, outside and inside.
+    fn worst(eta: f64, weight: f32) -> (f64, f64) {
+        let table = GlassTable::new(eta as f32);
+        let scaled = f64::from(scaled_ior(eta as f32, weight));
+        let (mut outside, mut inside) = (0.0_f64, 0.0_f64);
+        for rho in ROUGHNESSES {
+            for mu in COSINES {
+                let (r, t) = brute_force(mu, rho, scaled);
+                outside =
+                    outside.max((f64::from(table.from_outside(mu as f32, rho as f32, weight)) - r - t).abs());
+                let (r, t) = brute_force(mu, rho, 1.0 / scaled);
+                inside =
+                    inside.max((f64::from(table.from_inside(mu as f32, rho as f32, weight)) - r - t).abs());
+            }
+        }
+        (outside, inside)
+    }
+
+    #[test]
+    fn glass_table_meets_brute_force() {
+        for eta in [1.2, 1.5, 2.4] {
+            let (outside, inside) = worst(eta, 1.0);
+            assert!(outside < 5e-3 && inside < 1.5e-2, "{eta}: {outside} {inside}");
+        }
+    }
+
+    #[test]
+    fn glass_table_interpolates_weights() {
+        for weight in [0.02, 0.1, 0.5] {
+            let (outside, inside) = worst(1.5, weight);
+            assert!(outside < 1e-2 && inside < 3e-2, "{weight}: {outside} {inside}");
+        }
+    }
+}
