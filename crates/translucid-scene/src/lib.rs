@@ -35,7 +35,10 @@ pub use camera::Camera;
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
-pub use load::{GltfScene, decode_image, load_gltf, load_image, load_ply, parse_gltf, parse_ply};
+pub use load::{
+    GltfScene, ObjPart, ObjScene, decode_image, load_gltf, load_image, load_obj, load_ply, parse_gltf,
+    parse_obj, parse_ply,
+};
 pub use load::{LoadOptions, SceneFile, load_scene};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};

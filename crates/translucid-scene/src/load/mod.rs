@@ -6,6 +6,8 @@ mod gltf;
 mod image;
 mod jpeg;
 mod model;
+mod mtl;
+mod obj;
 mod ply;
 mod png;
 mod polygon;
@@ -17,6 +19,7 @@ use std::path::{Path, PathBuf};
 
 pub use gltf::{GltfScene, load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
+pub use obj::{ObjPart, ObjScene, load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use toml::SceneFile;
 
