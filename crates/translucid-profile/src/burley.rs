@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use crate::burley_kernel as kernel;
 use crate::elementary::Double;
 use crate::error::{ParameterError, require, require_fraction, require_non_negative};
+use crate::slices::{elementwise, map_slice};
 use crate::{Configuration, Parameterization, d_from_surface_albedo};
 
 /// Least width that the arithmetic holds.
@@ -97,19 +98,19 @@ impl NormalizedDiffusion {
     /// R grows like A/(4πdr).
     /// So that it stays finite, r below the least normal number 2.2e-308 counts as that number and R above
     /// the greatest number as that one; near 0 prefer [`eval_times_r`](Self::eval_times_r).
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, r: f64) -> f64 {
         finite_quotient(self.eval_times_r(r), r)
     }
 
     /// Profile times radius, g(r) = r R(r) \[L⁻¹\]; A/(4πd) at r = 0.
-    #[inline]
+    #[inline(always)]
     pub fn eval_times_r(&self, r: f64) -> f64 {
         self.surface_albedo * (self.pdf(r) / (2.0 * PI))
     }
 
     /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\]; 1/(2d) at r = 0. It does not depend on A.
-    #[inline]
+    #[inline(always)]
     pub fn pdf(&self, r: f64) -> f64 {
         kernel::density::<Double>(self.t(r)) * self.inverse_3d
     }
@@ -121,7 +122,7 @@ impl NormalizedDiffusion {
     }
 
     /// Share of the energy that leaves within r: 1 − ¼e^{−r/d} − ¾e^{−r/3d}, exact for small r too.
-    #[inline]
+    #[inline(always)]
     pub fn cdf(&self, r: f64) -> f64 {
         kernel::within::<Double>(self.t(r))
     }
@@ -149,7 +150,7 @@ impl NormalizedDiffusion {
     /// Exact for every u; but numbers near 1 are 1e-16 apart, which is coarse for the tail:
     /// [`quantile_complement`](Self::quantile_complement) resolves it.
     /// u is clamped to [0, 1], NaN counts as 0, and u = 1 gives the radius of the complement 2.2e-308.
-    #[inline]
+    #[inline(always)]
     pub fn quantile(&self, u: f64) -> f64 {
         let u = u.max(0.0).min(1.0);
         3.0 * self.d * kernel::quantile::<Double>(u, (1.0 - u).max(f64::MIN_POSITIVE))
@@ -169,7 +170,7 @@ impl NormalizedDiffusion {
     /// # Ok(())
     /// # }
     /// ```
-    #[inline]
+    #[inline(always)]
     pub fn quantile_complement(&self, u: f64) -> f64 {
         let u = u.min(1.0).max(f64::MIN_POSITIVE);
         3.0 * self.d * kernel::quantile::<Double>(1.0 - u, u)
@@ -181,7 +182,7 @@ impl NormalizedDiffusion {
     /// Cheaper than [`quantile`](Self::quantile), but not monotone in u: a stratified u becomes two strata
     /// that overlap in r.
     /// u is clamped to [0, 1]; NaN counts as 0.
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, u: f64) -> f64 {
         3.0 * self.d * kernel::sample::<Double>(u.max(0.0).min(1.0))
     }
@@ -200,27 +201,27 @@ impl NormalizedDiffusion {
 
     /// [`eval`](Self::eval) of every radius, as far as the shorter slice goes.
     pub fn eval_slice(&self, radii: &[f64], reflectances: &mut [f64]) {
-        map_slice(radii, reflectances, |r| self.eval(r));
+        map_slice(radii, reflectances, elementwise!(*self, NormalizedDiffusion, f64, eval));
     }
 
     /// [`cdf`](Self::cdf) of every radius, as far as the shorter slice goes.
     pub fn cdf_slice(&self, radii: &[f64], shares: &mut [f64]) {
-        map_slice(radii, shares, |r| self.cdf(r));
+        map_slice(radii, shares, elementwise!(*self, NormalizedDiffusion, f64, cdf));
     }
 
     /// [`quantile`](Self::quantile) of every share, as far as the shorter slice goes.
     pub fn quantile_slice(&self, shares: &[f64], radii: &mut [f64]) {
-        map_slice(shares, radii, |u| self.quantile(u));
+        map_slice(shares, radii, elementwise!(*self, NormalizedDiffusion, f64, quantile));
     }
 
     /// [`quantile_complement`](Self::quantile_complement) of every share, as far as the shorter slice goes.
     pub fn quantile_complement_slice(&self, shares: &[f64], radii: &mut [f64]) {
-        map_slice(shares, radii, |u| self.quantile_complement(u));
+        map_slice(shares, radii, elementwise!(*self, NormalizedDiffusion, f64, quantile_complement));
     }
 
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(&self, randoms: &[f64], radii: &mut [f64]) {
-        map_slice(randoms, radii, |u| self.sample(u));
+        map_slice(randoms, radii, elementwise!(*self, NormalizedDiffusion, f64, sample));
     }
 
     /// r/3d, the argument of the kernel.
@@ -234,14 +235,6 @@ impl NormalizedDiffusion {
 #[inline(always)]
 fn finite_quotient(numerator: f64, r: f64) -> f64 {
     (numerator / r.max(f64::MIN_POSITIVE)).min(f64::MAX)
-}
-
-/// Applies a function without branches element by element, in a loop that becomes vector code.
-#[inline(always)]
-pub(crate) fn map_slice<T: Copy>(from: &[T], to: &mut [T], f: impl Fn(T) -> T) {
-    for (to, from) in to.iter_mut().zip(from) {
-        *to = f(*from);
-    }
 }
 
 #[cfg(test)]

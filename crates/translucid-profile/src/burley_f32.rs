@@ -8,9 +8,9 @@
 
 use std::f64::consts::PI;
 
-use crate::burley::map_slice;
 use crate::burley_kernel as kernel;
 use crate::elementary::Single;
+use crate::slices::{elementwise, map_slice};
 
 /// Least width that the arithmetic holds.
 const D_MIN: f32 = 1e-18;
@@ -72,7 +72,7 @@ impl NormalizedDiffusionF32 {
     ///
     /// It grows like 1/(4πdr); so that it stays finite, r below the least normal number 1.2e-38 counts as that
     /// number and a density above the greatest number as that one.
-    #[inline]
+    #[inline(always)]
     pub fn pdf_area(self, r: f32) -> f32 {
         self.unrounded_pdf_area(r).min(f64::from(f32::MAX)) as f32
     }
@@ -108,7 +108,7 @@ impl NormalizedDiffusionF32 {
     ///
     /// It maps a uniform random number to a radius of density p, monotonically.
     /// u is clamped to [2⁻³³, 1], so that a generator's 0 gives 68 d instead of an infinity; NaN counts as 1.
-    #[inline]
+    #[inline(always)]
     pub fn quantile_complement(self, u: f32) -> f32 {
         let u = f64::from(u.min(1.0)).max(LEAST_COMPLEMENT);
         (self.three_d * kernel::quantile::<Single>(1.0 - u, u)) as f32
@@ -118,7 +118,7 @@ impl NormalizedDiffusionF32 {
     /// [`NormalizedDiffusion::sample`](crate::NormalizedDiffusion::sample).
     ///
     /// u is clamped to [0, 1 − 2⁻³³]; NaN counts as 0.
-    #[inline]
+    #[inline(always)]
     pub fn sample(self, u: f32) -> f32 {
         let u = f64::from(u.max(0.0)).min(1.0 - LEAST_COMPLEMENT);
         (self.three_d * kernel::sample::<Single>(u)) as f32
@@ -138,17 +138,17 @@ impl NormalizedDiffusionF32 {
 
     /// [`pdf_area`](Self::pdf_area) of every radius, as far as the shorter slice goes.
     pub fn pdf_area_slice(self, radii: &[f32], densities: &mut [f32]) {
-        map_slice(radii, densities, |r| self.pdf_area(r));
+        map_slice(radii, densities, elementwise!(self, NormalizedDiffusionF32, f32, pdf_area));
     }
 
     /// [`quantile_complement`](Self::quantile_complement) of every share, as far as the shorter slice goes.
     pub fn quantile_complement_slice(self, shares: &[f32], radii: &mut [f32]) {
-        map_slice(shares, radii, |u| self.quantile_complement(u));
+        map_slice(shares, radii, elementwise!(self, NormalizedDiffusionF32, f32, quantile_complement));
     }
 
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(self, randoms: &[f32], radii: &mut [f32]) {
-        map_slice(randoms, radii, |u| self.sample(u));
+        map_slice(randoms, radii, elementwise!(self, NormalizedDiffusionF32, f32, sample));
     }
 
     #[inline(always)]

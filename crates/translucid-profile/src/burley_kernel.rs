@@ -44,9 +44,8 @@ pub(crate) fn quantile<P: Accuracy>(u: f64, complement: f64) -> f64 {
     // Solve w³ + 3b w² + a w = 4v for w = y below the median, w = x above it
     let below = u < complement;
     let v = if below { u } else { complement };
-    let start = if below { P::lower_start(v) } else { P::upper_start(v) };
     let (a, b) = if below { (6.0, -1.0) } else { (3.0, 0.0) };
-    let w = halley_step(v * start, a, b, 4.0 * v);
+    let w = halley_step(v * P::root_start(below, v), a, b, 4.0 * v);
 
     // Take the logarithm of the one root from both
     let other = 1.0 - w;
@@ -70,8 +69,8 @@ pub(crate) fn sample<P: Accuracy>(u: f64) -> f64 {
     let rescaled = if narrow { 4.0 * u } else { (u - 0.25) * (4.0 / 3.0) };
     // The greatest u below 1 may round up to 1.
     let rescaled = rescaled.min(1.0 - f64::EPSILON / 2.0);
-    let t = negative_log::<P>(1.0 - rescaled, rescaled);
-    if narrow { t / 3.0 } else { t }
+    let width = if narrow { 1.0 / 3.0 } else { 1.0 };
+    width * negative_log::<P>(1.0 - rescaled, rescaled)
 }
 
 #[cfg(test)]

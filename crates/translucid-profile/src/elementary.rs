@@ -23,10 +23,9 @@ pub(crate) trait Accuracy {
     fn exp_tail(g: f64) -> f64;
     /// (atanh(s)/s − 1) / z with z = s² ≤ 0.0295.
     fn atanh_tail(z: f64) -> f64;
-    /// Starting value of 2 sinh(asinh(2v)/3) for v ∈ [0, ½], divided by v.
-    fn upper_start(v: f64) -> f64;
-    /// Starting value of 1 − 2 sinh(asinh(2 − 2v)/3) for v ∈ [0, ½], divided by v.
-    fn lower_start(v: f64) -> f64;
+    /// Start for the root of normalized diffusion's cubic for v ∈ [0, ½], divided by v: below the median that
+    /// of 1 − 2 sinh(asinh(2 − 2v)/3), above it that of 2 sinh(asinh(2v)/3).
+    fn root_start(below: bool, v: f64) -> f64;
 }
 
 /// Polynomials for results in double precision.
@@ -45,12 +44,8 @@ impl Accuracy for Double {
         polynomial(&INVERSE_ODDS, z)
     }
     #[inline(always)]
-    fn upper_start(v: f64) -> f64 {
-        polynomial(&UPPER_START_7, v)
-    }
-    #[inline(always)]
-    fn lower_start(v: f64) -> f64 {
-        polynomial(&LOWER_START_7, v)
+    fn root_start(below: bool, v: f64) -> f64 {
+        polynomial(&select(below, &LOWER_START_7, &UPPER_START_7), v)
     }
 }
 
@@ -64,12 +59,8 @@ impl Accuracy for Single {
         polynomial(INVERSE_ODDS.first_chunk::<4>().unwrap_or(&[0.0; 4]), z)
     }
     #[inline(always)]
-    fn upper_start(v: f64) -> f64 {
-        polynomial(&UPPER_START_3, v)
-    }
-    #[inline(always)]
-    fn lower_start(v: f64) -> f64 {
-        polynomial(&LOWER_START_3, v)
+    fn root_start(below: bool, v: f64) -> f64 {
+        polynomial(&select(below, &LOWER_START_3, &UPPER_START_3), v)
     }
 }
 
@@ -128,6 +119,12 @@ const LOWER_START_7: [f64; 7] = [
 ];
 /// As [`LOWER_START_7`] at 3 nodes; relative error 2.6e-4.
 const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512];
+
+/// One of two coefficient sets, chosen number by number: a branch here would keep a loop from being vectorized.
+#[inline(always)]
+fn select<const N: usize>(first: bool, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
+    std::array::from_fn(|i| if first { a[i] } else { b[i] })
+}
 
 /// Σ cᵢ xⁱ, even and odd terms apart: half the latency of one Horner chain.
 #[inline(always)]

@@ -1,4 +1,53 @@
 //! Reflectance profiles for subsurface scattering, as pure mathematics.
+//!
+//! Light that enters a translucent surface at one point leaves it at others.
+//! A *reflectance profile* R(r) says how much of it leaves at the distance r, per unit of area.
+//! This crate holds what a renderer, a fit or a reference needs to know about profiles:
+//!
+//! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact
+//!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
+//! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
+//!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
+//! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
+//! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
+//!   into the parameters of a profile.
+//! - [`fresnel_from_outside`] and its kin: reflectance of a dielectric boundary, exact and approximate, and
+//!   its angular moments.
+//!
+//! ```
+//! use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
+//!
+//! # fn main() -> Result<(), translucid_profile::ParameterError> {
+//! // A surface that returns half of the light, with a mean free path of 2 mm.
+//! let profile = NormalizedDiffusion::new(0.5, 2.0, Parameterization::Mfp, Configuration::Searchlight)?;
+//! let near = profile.enclosed(2.0);
+//! assert!(near > 0.25 && near < 0.26); // half of that half leaves within 2 mm
+//! let r = profile.sample(0.7); // one random number in, one radius in mm out
+//! let weight = profile.eval(r) / profile.pdf_area(r);
+//! assert!((weight - 0.5).abs() < 1e-15); // the surface albedo: sampling is exact
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Units
+//! Lengths are in any one unit that the caller keeps to; documentation writes it L.
+//! A profile and a density per area are in L⁻², a density per length and coefficients in L⁻¹, albedos, cosines,
+//! shares and reflectances are pure numbers.
+//! η is n_inside/n_outside.
+//!
+//! # Promises
+//! Only constructors fail, with a [`ParameterError`] that names parameter, value and range.
+//! No function panics or returns a NaN or an infinity, whatever the argument: what is infinite by nature (R at
+//! r = 0, the diffuse mean free path without absorption) is a greatest finite number, as documented there.
+//! A slice method gives the bits of the scalar one.
+//!
+//! # Out of scope
+//! Rays, colors and channels (a channel is the caller's loop), random generators (random numbers are
+//! arguments), threads and files.
+//! The crate has no dependencies.
+//!
+//! The normalized diffusion profile is the subject of US patent 9,659,404 B2; this notice is not legal
+//! advice.
 
 #![allow(
     clippy::manual_clamp,
@@ -15,6 +64,7 @@ mod half_space;
 mod media;
 mod quadrature;
 mod scaling;
+mod slices;
 
 pub use burley::NormalizedDiffusion;
 pub use burley_f32::NormalizedDiffusionF32;
