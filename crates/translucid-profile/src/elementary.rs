@@ -52,11 +52,11 @@ impl Accuracy for Double {
 impl Accuracy for Single {
     #[inline(always)]
     fn exp_tail(g: f64) -> f64 {
-        polynomial(INVERSE_FACTORIALS.first_chunk::<7>().unwrap_or(&[0.0; 7]), g)
+        polynomial(const { &leading::<7, 12>(&INVERSE_FACTORIALS) }, g)
     }
     #[inline(always)]
     fn atanh_tail(z: f64) -> f64 {
-        polynomial(INVERSE_ODDS.first_chunk::<4>().unwrap_or(&[0.0; 4]), z)
+        polynomial(const { &leading::<4, 10>(&INVERSE_ODDS) }, z)
     }
     #[inline(always)]
     fn root_start(below: bool, v: f64) -> f64 {
@@ -124,6 +124,17 @@ const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512]
 #[inline(always)]
 fn select<const N: usize>(first: bool, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
     std::array::from_fn(|i| if first { a[i] } else { b[i] })
+}
+
+/// The first N of M coefficients.
+const fn leading<const N: usize, const M: usize>(all: &[f64; M]) -> [f64; N] {
+    let mut first = [0.0; N];
+    let mut i = 0;
+    while i < N {
+        first[i] = all[i];
+        i += 1;
+    }
+    first
 }
 
 /// Σ cᵢ xⁱ, even and odd terms apart: half the latency of one Horner chain.
