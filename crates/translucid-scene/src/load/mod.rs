@@ -104,6 +104,9 @@ fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<Model, SceneEr
     if extension(path) == "ply" {
         return load_ply(path, warnings).map(|mesh| Model::from_mesh(path, mesh));
     }
+    if extension(path) == "obj" {
+        return load_obj(path, warnings).map(|scene| Model::from_obj(path, scene));
+    }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),
         other => format!("a .{other} file is neither a scene nor a mesh"),

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::gltf::GltfScene;
+use super::obj::{ObjPart, ObjScene};
 use crate::{Camera, Image, Light, Material, Mesh, Object};
 
 /// The contents of a mesh file, in its own unit and axes; indices are into the model's own lists.
@@ -26,6 +27,30 @@ impl Model {
         let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let object = Object { name, mesh, material: 0, subsurface_group: 0 };
         Self { objects: vec![object], ..Self::default() }
+    }
+
+    /// An OBJ file's parts; those without a material get a default one if others have one, and those of
+    /// one name share subsurface scattering, so that a change of material does not stop it.
+    pub(crate) fn from_obj(path: &Path, scene: ObjScene) -> Self {
+        let ObjScene { parts, mut materials, images } = scene;
+        let plain = materials.len();
+        if plain > 0 && parts.iter().any(|part| part.material.is_none()) {
+            materials.push(Material::default());
+        }
+        let mut names: Vec<String> = Vec::new();
+        let mut object = |part: ObjPart| {
+            let group = names.iter().position(|name| *name == part.name).unwrap_or_else(|| {
+                names.push(part.name.clone());
+                names.len() - 1
+            });
+            let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let name = if part.name.is_empty() { stem() } else { part.name };
+            let material = part.material.unwrap_or(plain);
+            // A file's parts are far fewer than 2³².
+            Object { name, mesh: part.mesh, material, subsurface_group: group as u32 }
+        };
+        let objects = parts.into_iter().map(&mut object).collect();
+        Self { objects, materials, images, ..Self::default() }
     }
 }
 
@@ -86,4 +111,21 @@ pub(crate) fn shift_images(material: &mut Material, shift: usize) {
         .chain(scalars.map(|(texture, _)| texture))
         .chain(normal)
         .for_each(|texture| texture.image += shift);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn model_of_an_obj_groups_parts_by_name_and_gives_every_part_a_material() {
+        let part = |name: &str, material| ObjPart { name: name.to_owned(), mesh: Mesh::default(), material };
+        let parts = vec![part("a", Some(0)), part("", None), part("a", None)];
+        let scene = ObjScene { parts, materials: vec![Material::default()], images: Vec::new() };
+        let model = Model::from_obj(Path::new("folder/file.obj"), scene);
+        let objects: Vec<_> =
+            model.objects.iter().map(|o| (o.name.as_str(), o.material, o.subsurface_group)).collect();
+        assert_eq!(objects, [("a", 0, 0), ("file", 1, 1), ("a", 1, 0)]);
+        assert_eq!(model.materials.len(), 2);
+    }
 }
