@@ -36,7 +36,8 @@ fn main() {
         .position(|a| a == "--reference-samples")
         .and_then(|i| arguments.get(i + 1)?.parse().ok())
         .unwrap_or(1024);
-    let chosen = |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
+    let chosen =
+        |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
     for case in CASES.iter().filter(|case| chosen(case)) {
         match load(case) {
             Some(scene) => run(case, scene, reference_samples),

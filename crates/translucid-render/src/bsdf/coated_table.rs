@@ -36,9 +36,10 @@ impl Loss {
             let coat_roughness = row as f32 / (COAT_ROWS - 1) as f32;
             Grid::new(|mu, roughness| {
                 let ggx = Ggx::from_roughness(roughness);
+                let seen = coat.eval(mu, coat_roughness);
                 facets.mean(mu, roughness, |wo, h| {
                     let cos_i = mirrored_cos(wo, h);
-                    let more = coat.eval(cos_i.max(0.0), coat_roughness) - coat.eval(wo.z, coat_roughness);
+                    let more = coat.eval(cos_i.max(0.0), coat_roughness) - seen;
                     fresnel(wo.dot(h)) * passed_share(&ggx, wo, cos_i) * more.max(0.0)
                 })
             })

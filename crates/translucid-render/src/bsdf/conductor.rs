@@ -33,10 +33,11 @@ impl MetalFresnel {
         (self.f0 + (Vec3::ONE - self.f0) * m5 - self.a * ((1.0 - m) * m5 * m)).max(Vec3::ZERO)
     }
 
-    /// Cosine-weighted mean 2 ∫ F(μ) μ dμ = F₀ + (1 − F₀)/21 − a/126.
+    /// Cosine-weighted mean 2 ∫ F(μ) μ dμ = F₀ + (1 − F₀)/21 − a/126, or 0 where that is negative: [`Self::eval`]
+    /// clips the dip of dark metals with a dark tint.
     #[must_use]
     pub fn average(&self) -> Vec3 {
-        self.f0 + (Vec3::ONE - self.f0) / 21.0 - self.a / 126.0
+        (self.f0 + (Vec3::ONE - self.f0) / 21.0 - self.a / 126.0).max(Vec3::ZERO)
     }
 
     /// Reflectance of the light that leaves after several reflections between facets, when

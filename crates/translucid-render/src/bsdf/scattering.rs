@@ -216,8 +216,7 @@ impl<'a> Bsdf<'a> {
         self.subsurface = coat_tint_one_way(p) * subsurface * active_mask(p);
         let matte_albedo = self.coat_tint * p.matte_albedo() * (opaque * transmittance);
         let subsurface_albedo = self.coat_tint * subsurface_color * subsurface;
-        let reflection = (p.specular_color * (opaque * specular) + self.metal.eval(mu) * self.metal_weight)
-            * self.coat_tint;
+        let reflection = (p.specular_color * (opaque * specular) + self.metal_albedo()) * self.coat_tint;
         self.choose(coat, reflection, matte_albedo, subsurface_albedo);
     }
 
@@ -229,7 +228,7 @@ impl<'a> Bsdf<'a> {
         let bare = p.matte_albedo() + p.subsurface_albedo_active() * p.subsurface_weight;
         self.matte = bare * (opaque * FRAC_1_PI);
         self.matte_is_bare = true;
-        self.choose(0.0, self.metal.eval(self.wo.z) * self.metal_weight, bare * opaque, Vec3::ZERO);
+        self.choose(0.0, self.metal_albedo(), bare * opaque, Vec3::ZERO);
     }
 
     fn fill_metal(&mut self, weight: f32) {
@@ -244,6 +243,17 @@ impl<'a> Bsdf<'a> {
                 self.metal.multiple_scattering(1.0 - self.tables.metal.average_deficit(self.roughness));
             self.facet_exchange = self.coat_tint * color * (weight * out * FRAC_1_PI / average);
         }
+    }
+
+    /// About the albedo of a metal in single scattering.
+    fn metal_albedo(&self) -> Vec3 {
+        if self.metal_weight == 0.0 {
+            return Vec3::ZERO;
+        }
+        let single = 1.0 - self.tables.metal.deficit(self.wo.z, self.roughness);
+        // Rough facets are seen from all angles.
+        let color = self.metal.eval(self.wo.z).lerp(self.metal.average(), self.roughness);
+        color * (self.metal_weight * single)
     }
 
     fn fill_glass(&mut self, p: &SurfaceParameters, weight: f32, eta: f32) {
@@ -267,30 +277,38 @@ impl<'a> Bsdf<'a> {
     /// Chooses lobes in proportion to their albedos at `wo`; the arguments are without the coat's shadow
     /// on specular lobes.
     fn choose(&mut self, coat: f32, reflection: Vec3, matte: Vec3, subsurface: Vec3) {
-        let glass = self.glass.weight;
         let exchange = self.facet_exchange * (PI * self.layers.average_metal_exchange());
-        let clear = if self.glass.is_straight { 0.0 } else { glass };
-        let mut facets = mean(reflection) + clear;
-        if self.dielectric.max_element() > 0.0 && self.layers.specular_reflectance(1.0) > 0.0
-            || self.metal_weight > 0.0
-        {
-            facets = facets.max(MIN_LOBE);
-        }
+        let (glass, has_step) = (self.glass_albedo(), !self.glass.is_straight);
         let under_coat = self.coat_transmittance;
+        let has_coat = self.coat_weight > 0.0 && self.tables.coat_ior() > 1.0;
+        let has_facets = self.metal_weight > 0.0
+            || self.dielectric.max_element() > 0.0 && self.tables.specular_ior() > 1.0
+            || self.glass.weight > 0.0 && has_step;
+        let facets = mean(reflection) + if has_step { mean(glass) } else { 0.0 };
         self.strategies = Strategies {
-            coat: if coat > 0.0 || self.coat_weight > 0.0 && self.tables.coat_ior() > 1.0 {
-                coat.max(MIN_LOBE)
-            } else {
-                0.0
-            },
-            facets: facets * under_coat,
-            straight: if self.glass.is_straight { glass * under_coat } else { 0.0 },
+            coat: if has_coat { coat.max(MIN_LOBE) } else { 0.0 },
+            facets: if has_facets { facets.max(MIN_LOBE) * under_coat } else { 0.0 },
+            straight: if has_step { 0.0 } else { mean(glass) * under_coat },
             diffuse: mean(matte) + mean(exchange),
             subsurface: mean(subsurface),
         }
         .normalized();
-        let under = reflection + self.glass.transmission_tint * glass;
-        self.albedo = (Vec3::splat(coat) + under * under_coat + exchange + matte + subsurface).min(Vec3::ONE);
+        let under = (reflection + glass) * under_coat;
+        self.albedo = (Vec3::splat(coat) + under + exchange + matte + subsurface).min(Vec3::ONE);
+    }
+
+    /// About what glass reflects and transmits.
+    fn glass_albedo(&self) -> Vec3 {
+        let glass = &self.glass;
+        if glass.weight == 0.0 {
+            return Vec3::ZERO;
+        }
+        let f = match glass.eta {
+            _ if glass.is_straight => 0.0,
+            eta if eta > 1.0 => self.layers.specular_reflectance(self.wo.z),
+            eta => fresnel_dielectric(self.wo.z, eta),
+        };
+        (glass.reflection_tint * self.coat_tint * f + glass.transmission_tint * (1.0 - f)) * glass.weight
     }
 
     /// Whether light sampling finds nothing: only mirror lobes, subsurface scattering or black.
