@@ -35,7 +35,6 @@ impl Discrete {
             sum += if weight.is_finite() { weight.max(0.0) } else { 0.0 };
             cumulated.push(sum);
         }
-        // Dividing twice by numbers in range keeps sums near the smallest and largest doubles usable.
         if !(sum > 0.0 && sum.is_finite()) {
             return None;
         }

@@ -259,7 +259,7 @@ fn grid_direction(column: u32, row: u32, columns: u32, rows: u32) -> Vec3 {
 
 #[test]
 fn environment_map_irradiance_is_that_of_quadrature() {
-    // The second has four pixels to the cell of the table, the third is one pixel.
+    // The second has nine pixels to the cell of the table, the third is one pixel.
     for (width, height) in [(64, 32), (2050, 1030), (1, 1)] {
         let lights = light_set(Vec::new(), Vec::new(), Some(sunny(width, height)));
         for normal in [Vec3::X, Vec3::NEG_X, Vec3::new(0.48, 0.6, 0.64)] {
