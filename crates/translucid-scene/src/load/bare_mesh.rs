@@ -76,7 +76,7 @@ fn stage(mut model: Model, unit: Unit, options: &LoadOptions) -> Scene {
     let frame = Frame::of(&model.objects);
     let aspect = f64::from(film.width) / f64::from(film.height);
     let dark = model.lights.is_empty() && !model.materials.iter().any(|m| m.emission_luminance > 0.0);
-    let camera = model.camera.unwrap_or_else(|| frame.camera(&model.objects, aspect));
+    let camera = model.camera_for(aspect).unwrap_or_else(|| frame.camera(&model.objects, aspect));
     if dark {
         model.lights = frame.lights();
         if model.camera.is_none() {

@@ -19,6 +19,8 @@ pub(crate) struct Model {
     pub(crate) lights: Vec<Light>,
     /// The file's first camera.
     pub(crate) camera: Option<Camera>,
+    /// Its full vertical field of view in degrees, if that is what the file states.
+    pub(crate) vertical_fov: Option<f32>,
 }
 
 impl Model {
@@ -52,12 +54,22 @@ impl Model {
         let objects = parts.into_iter().map(&mut object).collect();
         Self { objects, materials, images, ..Self::default() }
     }
+
+    /// The file's camera for a picture of an aspect ratio a: a stated vertical field of view v makes the
+    /// horizontal one 2 atan(a tan(v/2)).
+    pub(crate) fn camera_for(&self, aspect: f64) -> Option<Camera> {
+        let camera = self.camera?;
+        let Some(vertical) = self.vertical_fov else { return Some(camera) };
+        let tangent = aspect * (0.5 * f64::from(vertical).to_radians()).tan();
+        let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
+        Some(Camera { horizontal_fov, ..camera })
+    }
 }
 
 impl From<GltfScene> for Model {
     fn from(scene: GltfScene) -> Self {
-        let GltfScene { objects, materials, images, lights, camera, .. } = scene;
-        Self { objects, materials, images, lights, camera }
+        let GltfScene { objects, materials, images, lights, camera, vertical_fov } = scene;
+        Self { objects, materials, images, lights, camera, vertical_fov }
     }
 }
 
@@ -115,6 +127,8 @@ pub(crate) fn shift_images(material: &mut Material, shift: usize) {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec3;
+
     use super::*;
 
     #[test]
@@ -127,5 +141,23 @@ mod tests {
             model.objects.iter().map(|o| (o.name.as_str(), o.material, o.subsurface_group)).collect();
         assert_eq!(objects, [("a", 0, 0), ("file", 1, 1), ("a", 1, 0)]);
         assert_eq!(model.materials.len(), 2);
+    }
+
+    #[test]
+    fn camera_for_a_square_picture_sees_as_wide_as_high() {
+        let camera = Camera {
+            position: Vec3::ZERO,
+            target: Vec3::Z,
+            up: Vec3::Y,
+            horizontal_fov: 60.0,
+            lens_radius: 0.0,
+            focus_distance: 1.0,
+        };
+        let mut model = Model { camera: Some(camera), ..Model::default() };
+        assert_eq!(model.camera_for(2.0), Some(camera));
+        model.vertical_fov = Some(40.0);
+        assert!((model.camera_for(1.0).unwrap().horizontal_fov - 40.0).abs() < 1e-4);
+        let wide = f64::from(model.camera_for(2.0).unwrap().horizontal_fov).to_radians();
+        assert!(((wide / 2.0).tan() - 2.0 * 20f64.to_radians().tan()).abs() < 1e-6);
     }
 }

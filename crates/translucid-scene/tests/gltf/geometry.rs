@@ -139,7 +139,7 @@ fn quantized_positions_and_normalized_attributes_are_read() {
 fn vertex_colors_are_read_with_and_without_alpha() {
     let expected = [Vec3::new(1.0, 0.0, 51.0 / 255.0); 4];
     for (shape, color) in [("VEC3", vec![255, 0, 51]), ("VEC4", vec![255, 0, 51, 128])] {
-        let mut file = File::tetrahedron();
+        let mut file = File::with_material(json!({}));
         let bytes = color.repeat(4);
         let colors = file.accessor(shape, 5121, bytes.len(), &bytes);
         file.json["accessors"][colors]["normalized"] = json!(true);

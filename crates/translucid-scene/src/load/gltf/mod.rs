@@ -34,6 +34,7 @@ use self::geometry::Budget;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
+use super::read_file;
 use crate::{Camera, Image, Light, Material, Object, Place, SceneError, Unit, Warning, repair_mesh};
 
 /// The content of a glTF file in world space and scene units.
@@ -44,7 +45,9 @@ pub struct GltfScene {
     /// The primitives of one node share a [`subsurface_group`](Object::subsurface_group); the groups are
     /// counted from 0.
     pub objects: Vec<Object>,
-    /// Materials that [`Object::material`] refers to.
+    /// Materials that [`Object::material`] refers to; empty if the file has none at all.
+    ///
+    /// Among others, a surface without material has the specification's default: a rough white metal.
     pub materials: Vec<Material>,
     /// Images that the materials refer to.
     pub images: Vec<Image>,
@@ -66,14 +69,7 @@ pub struct GltfScene {
 /// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
 /// usable triangle; the message names the element at fault.
 pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<GltfScene, SceneError> {
-    let failure =
-        |reason: String| SceneError::at(Place::file(path), format!("cannot read the file: {reason}"));
-    let metadata = std::fs::metadata(path).map_err(|error| failure(error.to_string()))?;
-    if !metadata.is_file() {
-        return Err(failure(String::from("not a file")));
-    }
-    let bytes = std::fs::read(path).map_err(|error| failure(error.to_string()))?;
-    parse_gltf(&bytes, path, unit, warnings)
+    parse_gltf(&read_file(path)?, path, unit, warnings)
 }
 
 /// Reads glTF from memory; `path` is for messages and for the buffers and images beside it.
@@ -267,7 +263,10 @@ impl Assembly<'_> {
                 || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
             return Err(self.unusable.unwrap_or_else(none));
         }
-        let MaterialShelf { materials, images, .. } = self.materials;
+        let MaterialShelf { mut materials, images, .. } = self.materials;
+        if self.arrays.document.materials.as_slice().is_empty() {
+            materials.clear();
+        }
         self.warnings.extend(images.warnings);
         Ok(GltfScene { materials, images: images.images, ..self.scene })
     }

@@ -68,9 +68,9 @@ fn read_file(uri: &str, gltf: &Path) -> Result<Vec<u8>, String> {
     let mut failure = String::new();
     for relative in candidates.into_iter().flatten() {
         let path = beside(&relative, gltf)?;
-        match read_regular_file(&path) {
+        match crate::load::read_file(&path) {
             Ok(bytes) => return Ok(bytes),
-            Err(reason) if failure.is_empty() => failure = reason,
+            Err(error) if failure.is_empty() => failure = format!("{} {}", path.display(), error.message),
             Err(_) => (),
         }
     }
@@ -86,15 +86,6 @@ fn beside(relative: &str, gltf: &Path) -> Result<PathBuf, String> {
         return Err(format!("\"{}\" is not a path relative to the glTF file", clip(relative)));
     }
     Ok(gltf.parent().unwrap_or(Path::new("")).join(path))
-}
-
-fn read_regular_file(path: &Path) -> Result<Vec<u8>, String> {
-    let failure = |error: std::io::Error| format!("cannot read {}: {error}", path.display());
-    // A device or pipe would block or never end.
-    if !std::fs::metadata(path).map_err(failure)?.is_file() {
-        return Err(format!("cannot read {}: not a file", path.display()));
-    }
-    std::fs::read(path).map_err(failure)
 }
 
 /// Percent decoding (RFC 3986, section 2.1), if there is something to decode and the result is UTF-8.
@@ -169,7 +160,7 @@ mod tests {
             assert!(message.contains("is not a path relative to the glTF file"), "{uri}: {message}");
         }
         assert!(
-            read("no such.bin", Path::new("a.gltf")).unwrap_err().starts_with("cannot read no such.bin:")
+            read("no such.bin", Path::new("a.gltf")).unwrap_err().starts_with("no such.bin cannot be read: ")
         );
         assert!(read("", Path::new("/tmp/a.gltf")).unwrap_err().contains("not a file"));
     }
