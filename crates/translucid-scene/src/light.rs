@@ -7,9 +7,9 @@ use glam::{Mat3, Vec3};
 pub enum Light {
     /// One-sided rectangle that emits uniformly along `edge_x × edge_y`.
     Rectangle {
-        /// Center [L].
+        /// Center \[L\].
         center: Vec3,
-        /// Full edge vectors [L], perpendicular to each other.
+        /// Full edge vectors \[L\], perpendicular to each other.
         edge_x: Vec3,
         /// See `edge_x`.
         edge_y: Vec3,
@@ -20,9 +20,9 @@ pub enum Light {
     },
     /// Sphere that emits uniformly outward.
     Sphere {
-        /// Center [L].
+        /// Center \[L\].
         center: Vec3,
-        /// Radius [L], > 0.
+        /// Radius \[L\], > 0.
         radius: f32,
         /// Emitted radiance.
         radiance: Vec3,
@@ -40,7 +40,7 @@ pub enum Light {
     },
     /// Point light with a cone.
     Spot {
-        /// Position [L].
+        /// Position \[L\].
         position: Vec3,
         /// Unit direction of the cone's axis.
         direction: Vec3,
@@ -53,11 +53,11 @@ pub enum Light {
     },
     /// Parallel beam of finite radius: a laser spot.
     Beam {
-        /// Center of the disc that the beam leaves from [L].
+        /// Center of the disc that the beam leaves from \[L\].
         origin: Vec3,
         /// Unit direction of travel.
         direction: Vec3,
-        /// Radius of the beam [L], > 0.
+        /// Radius of the beam \[L\], > 0.
         radius: f32,
         /// Total power; irradiance within the beam is power / (π radius²).
         power: Vec3,

@@ -72,13 +72,13 @@ pub struct Material {
     pub transmission_weight: ScalarInput,
     /// Color after `transmission_depth`, or the tint of each crossing where that is 0.
     pub transmission_color: ColorInput,
-    /// Depth at which `transmission_color` is reached [L]; 0: tint at the surface.
+    /// Depth at which `transmission_color` is reached \[L\]; 0: tint at the surface.
     pub transmission_depth: f32,
     /// Fraction of the dielectric base that scatters light under the surface.
     pub subsurface_weight: ScalarInput,
     /// Surface albedo A of the medium, relative to the light that enters.
     pub subsurface_color: ColorInput,
-    /// Mean free path (or diffuse mean free path, see `subsurface_parameter`) [L], ≥ 0.
+    /// Mean free path (or diffuse mean free path, see `subsurface_parameter`) \[L\], ≥ 0.
     pub subsurface_radius: ScalarInput,
     /// Factor on `subsurface_radius` for each channel.
     pub subsurface_radius_scale: ColorInput,

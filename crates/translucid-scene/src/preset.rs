@@ -68,7 +68,7 @@ impl Preset {
         }
     }
 
-    /// Mean free path ℓ for red, green, blue [mm].
+    /// Mean free path ℓ for red, green, blue \[mm\].
     #[must_use]
     pub fn mfp_in_millimeters(&self) -> DVec3 {
         match self.medium {
