@@ -10,9 +10,10 @@
 //!                              draw a cosine direction, go on from there
 //! ```
 //!
-//! With `caustics` off, once a path has been scattered diffusely clear surfaces let it pass straight
-//! through with their Fresnel transmittance and color (so do shadow rays, always), and smooth
-//! reflections are roughened: no energy is dropped, but no light is focused.
+//! With `caustics` off, clear surfaces let light that falls on a matte surface pass straight through, with
+//! their Fresnel transmittance and color: shadow rays of matte surfaces pass, and so do paths from there
+//! on. Later reflections of such *soft* paths are roughened. No energy is dropped, but no light is
+//! focused. What shadow rays pass and what paths pass has to be the same for MIS to be right.
 
 use glam::Vec3;
 use translucid_scene::{Material, Scene};
@@ -21,7 +22,7 @@ use crate::Frame;
 use crate::bsdf::{Bsdf, BsdfSample, EntryBsdf, Lobe, SurfaceParameters};
 use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
-use crate::light::LightSet;
+use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
 use crate::sampler::Sampler;
 use crate::shadow;
@@ -86,6 +87,8 @@ struct Path {
     depth: u32,
     diffuse_depth: u32,
     passes: u32,
+    /// Whether the path left a matte surface with caustics off; see the head of the file.
+    soft: bool,
     /// Number of the vertex, the camera's being 0.
     vertex: u32,
     /// Absorption coefficient of the clear medium around the ray [1/L].
@@ -103,6 +106,7 @@ impl Path {
             depth: 0,
             diffuse_depth: 0,
             passes: 0,
+            soft: false,
             vertex: 0,
             absorption: Vec3::ZERO,
             sample: PixelSample::default(),
@@ -195,8 +199,7 @@ impl<'a> PathTracer<'a> {
         }
         let subsurface = material::subsurface_at(&world.scene, material, point);
         let mut surface = material::surface_at(&world.scene, material, point, &subsurface);
-        let softened = !world.scene.integrator.caustics && path.diffuse_depth > 0;
-        if softened {
+        if path.soft {
             let clear = surface.transmission_weight * (1.0 - surface.metalness);
             if clear > 0.0 && u[2] < clear {
                 return self.pass_clear(path, point, material, &surface);
@@ -205,6 +208,8 @@ impl<'a> PathTracer<'a> {
             surface.specular_roughness = surface.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
             surface.coat_roughness = surface.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
         }
+        let is_matte = surface.metalness < 1.0 && surface.transmission_weight < 1.0;
+        let soft = path.soft || (is_matte && !world.scene.integrator.caustics);
         let normal = material::shading_normal_at(&world.scene, material, point);
         let frame = Frame::from_normal(normal);
         let bsdf = Bsdf::new(&surface, world.materials.tables(index), frame.to_local(-path.ray.direction));
@@ -218,7 +223,7 @@ impl<'a> PathTracer<'a> {
         if path.depth >= world.scene.integrator.max_depth || !survives(path, u[1]) {
             return false;
         }
-        let vertex = Vertex { point, frame, normal, subsurface, material };
+        let vertex = Vertex { point, frame, normal, subsurface, material, soft };
         if !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
@@ -272,6 +277,8 @@ impl<'a> PathTracer<'a> {
         };
         let ray = Ray::new(vertex.point.ray_origin(direction), direction);
         path.diffuse_depth += u32::from(next.is_diffuse);
+        // A mirror direction takes no part in MIS and sees clear bodies as they are.
+        path.soft |= vertex.soft && next.pdf > 0.0;
         path.scatter(next.layer, ray, next.weight, origin);
         path.throughput != Vec3::ZERO
     }
@@ -309,6 +316,7 @@ impl<'a> PathTracer<'a> {
         }
         let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
         path.diffuse_depth += 1;
+        path.soft |= !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
         path.throughput != Vec3::ZERO
     }
@@ -334,7 +342,7 @@ impl<'a> PathTracer<'a> {
         };
         let mut weight = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
         weight /= light.pdf;
-        let received = self.unoccluded(vertex.point, &light) * weight * path.throughput;
+        let received = self.unoccluded(vertex.point, &light, vertex.soft) * weight * path.throughput;
         if received != Vec3::ZERO {
             path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * diffuse);
             path.add_to(path.layer_after(Layer::Surface(Vec3::ZERO)), received * value.specular);
@@ -360,24 +368,34 @@ impl<'a> PathTracer<'a> {
         }
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
         let value = entry.eval(cosine) * (mis / light.pdf);
-        let received = self.unoccluded(point, &light) * value * path.throughput;
+        let soft = !self.world.scene.integrator.caustics;
+        let received = self.unoccluded(point, &light, soft) * value * path.throughput;
         path.add_to(path.layer_after(Layer::Subsurface), received);
     }
 
     /// Radiance of a light sample that reaches the point.
-    fn unoccluded(&self, point: &SurfacePoint, light: &crate::light::LightSample) -> Vec3 {
+    fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, soft: bool) -> Vec3 {
         let world = self.world;
+        let target = point.position + light.direction * light.distance;
         let radiance = match light.primitive {
-            Some(primitive) => self.emitted_at(primitive, point.position + light.direction * light.distance),
+            Some(primitive) => self.emitted_at(primitive, target),
             None => light.radiance,
         };
         if radiance == Vec3::ZERO {
             return Vec3::ZERO;
         }
         let origin = point.ray_origin(light.direction);
-        // Ends short of the light, so that the light itself does not count as an obstacle.
-        let ray = Ray::segment(origin, light.direction, light.distance * (1.0 - 1e-4));
-        radiance * shadow::transmittance(world, &ray)
+        let length = if light.distance.is_finite() {
+            // Ends short of the light, so that the light itself does not count as an obstacle.
+            let whole = (target - origin).dot(light.direction);
+            whole - (1e-4 * whole).max(point.offset)
+        } else {
+            f32::INFINITY
+        };
+        if length <= 0.0 {
+            return radiance;
+        }
+        radiance * shadow::transmittance(world, &Ray::segment(origin, light.direction, length), soft)
     }
 
     /// Emission of a triangle at a point of it.
@@ -470,6 +488,8 @@ struct Vertex<'a> {
     normal: Vec3,
     subsurface: Subsurface,
     material: &'a Material,
+    /// Whether light that falls here has come straight through clear surfaces.
+    soft: bool,
 }
 
 impl Vertex<'_> {

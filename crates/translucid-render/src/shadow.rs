@@ -11,11 +11,11 @@ use crate::triangle::Ray;
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
 
-/// Transmittance of the segment: 0 or 1 between opaque things, a color where clear or partly opaque ones
-/// are in the way.
-pub(crate) fn transmittance(world: &World, ray: &Ray) -> Vec3 {
+/// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones or, for
+/// soft light, clear ones are in the way.
+pub(crate) fn transmittance(world: &World, ray: &Ray, soft: bool) -> Vec3 {
     if world.materials.any_lets_light_through() {
-        through_surfaces(world, *ray)
+        through_surfaces(world, *ray, soft)
     } else if world.geometry.occluded(ray) {
         Vec3::ZERO
     } else {
@@ -24,7 +24,7 @@ pub(crate) fn transmittance(world: &World, ray: &Ray) -> Vec3 {
 }
 
 /// Marches from surface to surface.
-fn through_surfaces(world: &World, mut ray: Ray) -> Vec3 {
+fn through_surfaces(world: &World, mut ray: Ray, soft: bool) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
     for _ in 0..MOST_SURFACES {
@@ -38,11 +38,7 @@ fn through_surfaces(world: &World, mut ray: Ray) -> Vec3 {
         let opacity = material::opacity_at(scene, material, &point);
         let subsurface = material::subsurface_at(scene, material, &point);
         let surface = material::surface_at(scene, material, &point, &subsurface);
-        let clear = if scene.integrator.caustics {
-            0.0
-        } else {
-            surface.transmission_weight * (1.0 - surface.metalness)
-        };
+        let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
         if ray.direction.dot(point.geometric_normal) > 0.0 && clear > 0.0 {
             // Leaving a clear body: what lies behind was inside.
             result *= (-material::absorption(material) * hit.t).exp();

@@ -3,13 +3,13 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5
 //! per comparison, about 0.2 % over all comparisons of this file).
 
-use glam::{Mat3, Vec3};
+mod common;
+
+use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
+use glam::Vec3;
 use translucid_profile::{Configuration, Parameterization, d_from_surface_albedo};
 use translucid_render::Renderer;
-use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    Unit,
-};
+use translucid_scene::{ColorInput, Light, Material, ScalarInput};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.4, 0.05);
@@ -23,78 +23,6 @@ fn translucent() -> Material {
         subsurface_color: ColorInput::constant(ALBEDO),
         subsurface_radius_scale: ColorInput::constant(LENGTH),
         ..Material::default()
-    }
-}
-
-/// Two triangles spanning center ± x ± y, normal along x × y.
-fn quad(center: Vec3, x: Vec3, y: Vec3) -> Mesh {
-    Mesh {
-        positions: vec![center - x - y, center + x - y, center + x + y, center - x + y],
-        triangles: vec![[0, 1, 2], [0, 2, 3]],
-        ..Mesh::default()
-    }
-}
-
-fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
-    let objects = meshes
-        .into_iter()
-        .map(|mesh| Object { name: "object".into(), mesh, material: 0, subsurface_group: 0 })
-        .collect();
-    Scene {
-        unit: Unit::Millimeter,
-        camera: Camera {
-            position: Vec3::Z,
-            target: Vec3::ZERO,
-            up: Vec3::Y,
-            horizontal_fov: 45.0,
-            lens_radius: 0.0,
-            focus_distance: 1.0,
-        },
-        film: Film { width: 16, height: 16, ..Film::default() },
-        integrator: Integrator { max_depth: 1, ..Integrator::default() },
-        objects,
-        materials: vec![material],
-        images: Vec::new(),
-        lights: Vec::new(),
-        environment: None,
-    }
-}
-
-fn uniform_environment(radiance: Vec3) -> Option<Environment> {
-    Some(Environment { radiance, image: None, world_from_environment: Mat3::IDENTITY, visible: false })
-}
-
-/// Mean radiance along a ray with its standard error per channel.
-///
-/// Sobol samples within one block are not independent: the error comes from 32 independent scrambles.
-fn measure(renderer: &Renderer, origin: Vec3, direction: Vec3, samples: u32) -> (Vec3, Vec3) {
-    let blocks = 32;
-    let mut means = Vec::new();
-    for block in 0..blocks {
-        let mut sum = [0.0_f64; 3];
-        for index in 0..samples / blocks {
-            let light = renderer.sample_ray(origin, direction, u64::from(block) + 1000, index).radiance();
-            for (s, l) in sum.iter_mut().zip(light.to_array()) {
-                *s += f64::from(l);
-            }
-        }
-        let scale = f64::from(samples / blocks).recip();
-        means.push(sum.map(|s| s * scale));
-    }
-    let n = f64::from(blocks);
-    let mean: [f64; 3] = std::array::from_fn(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
-    let error: [f64; 3] = std::array::from_fn(|c| {
-        let variance = means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
-        (variance / n).sqrt()
-    });
-    (Vec3::from_array(mean.map(|x| x as f32)), Vec3::from_array(error.map(|x| x as f32)))
-}
-
-fn assert_within(name: &str, (mean, error): (Vec3, Vec3), expected: Vec3) {
-    for c in 0..3 {
-        let z = (mean[c] - expected[c]) / error[c].max(1e-6 * expected[c]);
-        assert!(z.abs() < 4.0, "{name}, channel {c}: {mean} ± {error}, expected {expected}, z = {z}");
-        assert!(error[c] <= 0.05 * expected[c].max(1e-3), "{name}, channel {c}: too noisy to tell, {error}");
     }
 }
 
@@ -121,11 +49,6 @@ fn plane_under_uniform_light_returns_surface_albedo() {
         let result = measure(&renderer, point - direction, direction, 1 << 17);
         assert_within("plane", result, ALBEDO);
     }
-}
-
-/// A distant delta light of irradiance 1 on a surface that faces it.
-fn distant(toward: Vec3) -> Light {
-    Light::Distant { direction: toward.normalize(), angular_radius: 0.0, irradiance: Vec3::ONE }
 }
 
 /// Energy of the unit profile beyond r, cut at `tail` and renormalized.
@@ -300,36 +223,6 @@ fn each_probe_axis_alone_has_the_same_mean() {
             assert!(error[c] < 0.03 * expected, "axes {shares:?}, channel {c}: too noisy, {mean} ± {error}");
         }
     }
-}
-
-/// A UV sphere with outward normals.
-fn sphere(radius: f32, rows: u32) -> Mesh {
-    let mut mesh = Mesh::default();
-    let columns = 2 * rows;
-    for i in 0..=rows {
-        for j in 0..columns {
-            let (theta, phi) = (
-                std::f32::consts::PI * i as f32 / rows as f32,
-                std::f32::consts::TAU * j as f32 / columns as f32,
-            );
-            let n = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-            mesh.positions.push(n * radius);
-            mesh.normals.push(n);
-        }
-    }
-    for i in 0..rows {
-        for j in 0..columns {
-            let (a, b) = (i * columns + j, i * columns + (j + 1) % columns);
-            let (c, e) = (a + columns, b + columns);
-            if i > 0 {
-                mesh.triangles.push([a, c, b]);
-            }
-            if i + 1 < rows {
-                mesh.triangles.push([b, c, e]);
-            }
-        }
-    }
-    mesh
 }
 
 #[test]
