@@ -11,6 +11,8 @@
 //! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and
 //! skips.
 
+#![allow(clippy::print_stdout, reason = "the table is the bench's output")]
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -40,7 +42,7 @@ fn main() {
         |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
     for case in CASES.iter().filter(|case| chosen(case)) {
         match load(case) {
-            Some(scene) => run(case, scene, reference_samples),
+            Some(scene) => run(case, &scene, reference_samples),
             None => println!("{}: skipped, ../shared/assets/{} is not there", case.name, case.mesh),
         }
     }
@@ -66,12 +68,12 @@ fn load(case: &Case) -> Option<Scene> {
     }
 }
 
-fn run(case: &Case, scene: Scene, reference_samples: u32) {
+fn run(case: &Case, scene: &Scene, reference_samples: u32) {
     let (width, height) = (scene.film.width, scene.film.height);
     let start = cpu_seconds();
     let renderer = Renderer::new(scene.clone());
     println!("{}: {width}×{height}, prepared in {:.2} CPU s", case.name, cpu_seconds() - start);
-    let mut other_seed = scene;
+    let mut other_seed = scene.clone();
     other_seed.integrator.seed ^= 0x5eed;
     let (reference, seconds) = render(&Renderer::new(other_seed), width, height, reference_samples);
     println!("reference: {reference_samples} spp in {seconds:.0} CPU s");

@@ -395,6 +395,10 @@ impl<'a> PathTracer<'a> {
         if length <= 0.0 {
             return radiance;
         }
+        // Paths end at rectangle and sphere lights, so what shadow rays bring has to end there, too.
+        if world.lights.intersect(origin, light.direction, length).is_some() {
+            return Vec3::ZERO;
+        }
         radiance * shadow::transmittance(world, &Ray::segment(origin, light.direction, length), soft)
     }
 
@@ -455,7 +459,11 @@ impl<'a> PathTracer<'a> {
             return;
         }
         let direction = path.ray.direction;
-        let radiance = lights.environment_radiance(direction);
+        let radiance = if path.depth == 0 {
+            lights.background_radiance(direction)
+        } else {
+            lights.environment_radiance(direction)
+        };
         let weight = if pdf.is_finite() {
             power_heuristic(pdf, lights.environment_pdf(point, normal, direction))
         } else {

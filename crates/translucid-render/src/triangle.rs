@@ -157,8 +157,9 @@ impl TriangleBlock {
     ///
     /// The vertices are sheared so that the ray becomes the z axis; a vertex gets the same two numbers in
     /// all its triangles. The sign of an edge function of such points, a difference of two rounded
-    /// products, is never wrong (rounding keeps order; at worst it is zero, and zero counts as inside),
-    /// so no ray slips through a shared edge or vertex.
+    /// products, is never wrong (rounding keeps order; at worst it is zero), so no ray slips through a
+    /// shared edge or vertex. Zeros are decided in double precision, where the products are exact: a probe
+    /// that counts all hits must not meet both triangles of an edge because it passes close by.
     #[inline(always)]
     fn intersect(&self, ray: &Ray) -> BlockHits {
         let Shear { axes: [x, y, z], factors } = ray.shear;
@@ -173,11 +174,21 @@ impl TriangleBlock {
             }
         }
         let [a, b, c] = &p;
+        let mut edges = [[0.0_f32; LANES]; 3];
         let mut hits = BlockHits { t: [f32::INFINITY; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
         for lane in 0..LANES {
             let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
             let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
             let w = b[0][lane] * a[1][lane] - b[1][lane] * a[0][lane];
+            edges[0][lane] = u;
+            edges[1][lane] = v;
+            edges[2][lane] = w;
+        }
+        if edges.iter().flatten().any(|&e| e == 0.0) {
+            decide_zeros(&p, &mut edges);
+        }
+        for lane in 0..LANES {
+            let [u, v, w] = [edges[0][lane], edges[1][lane], edges[2][lane]];
             let inside = (u >= 0.0) & (v >= 0.0) & (w >= 0.0) | (u <= 0.0) & (v <= 0.0) & (w <= 0.0);
             let determinant = u + v + w;
             let inverse = 1.0 / determinant;
@@ -189,6 +200,21 @@ impl TriangleBlock {
             hits.b2[lane] = w * inverse;
         }
         hits
+    }
+}
+
+/// Replaces edge functions that came out as zero by their exact values.
+#[cold]
+#[inline(never)]
+fn decide_zeros(p: &[[[f32; LANES]; 3]; 3], edges: &mut [[f32; LANES]; 3]) {
+    let [a, b, c] = p;
+    for (edge, (from, to)) in edges.iter_mut().zip([(c, b), (a, c), (b, a)]) {
+        for lane in 0..LANES {
+            if edge[lane] == 0.0 {
+                let product = |i: usize, j: usize| f64::from(from[i][lane]) * f64::from(to[j][lane]);
+                edge[lane] = (product(0, 1) - product(1, 0)) as f32;
+            }
+        }
     }
 }
 
