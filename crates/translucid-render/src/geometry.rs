@@ -277,7 +277,7 @@ mod tests {
         let direction = (b - a).cross(c - a).normalize();
         let mut count = 0;
         geometry.all_in_group(&Ray::new(center - direction, direction), objects[0].subsurface_group, |_| {
-            count += 1
+            count += 1;
         });
         assert_eq!(count, 30_000);
     }
