@@ -521,4 +521,9 @@ fn endless_names_are_clipped() {
         },
         &["node 0 \"xxxx", "…"],
     );
+    let mode = json!("x".repeat(100_000));
+    refused(
+        &File::with_material(json!({ "alphaMode": mode })).glb(),
+        &["material 0", "unknown variant `xxxx", "…"],
+    );
 }

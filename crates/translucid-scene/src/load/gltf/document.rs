@@ -393,7 +393,7 @@ pub(super) fn extension<T: DeserializeOwned>(
     let Some(value) = extensions.get(name) else { return Ok(None) };
     T::deserialize(value)
         .map(Some)
-        .map_err(|error| SceneError::at(Place::part(path, format!("{part}, {name}")), error.to_string()))
+        .map_err(|error| SceneError::at(Place::part(path, format!("{part}, {name}")), reason(&error)))
 }
 
 fn syntax_error(error: &serde_json::Error, path: &Path) -> SceneError {
@@ -402,6 +402,16 @@ fn syntax_error(error: &serde_json::Error, path: &Path) -> SceneError {
     let place =
         Place::part(path, format!("line {} column {} of the JSON text", error.line(), error.column()));
     SceneError::at(place, format!("this is not glTF: {reason}"))
+}
+
+/// A parser's message; it quotes what it found, however long that is.
+fn reason(error: &serde_json::Error) -> String {
+    let mut text = error.to_string();
+    if let Some((cut, _)) = text.char_indices().nth(200) {
+        text.truncate(cut);
+        text.push('…');
+    }
+    text
 }
 
 fn check_version(root: &Extensions, path: &Path) -> Result<(), SceneError> {
@@ -425,7 +435,7 @@ fn field<T: DeserializeOwned>(
     let Some(value) = root.remove(key) else { return Ok(None) };
     serde_json::from_value(value)
         .map(Some)
-        .map_err(|error| SceneError::at(Place::part(path, format!("\"{key}\"")), error.to_string()))
+        .map_err(|error| SceneError::at(Place::part(path, format!("\"{key}\"")), reason(&error)))
 }
 
 /// A top-level array; none is an empty one.
@@ -436,7 +446,7 @@ fn elements<T: Element>(root: &mut Extensions, path: &Path) -> Result<Elements<T
         let name = value.get("name").and_then(Value::as_str).map(String::from);
         let item = serde_json::from_value(value).map_err(|error| {
             let place = Place::part(path, label(T::KIND, index, name.as_deref()));
-            SceneError::at(place, error.to_string())
+            SceneError::at(place, reason(&error))
         })?;
         found.items.push(item);
         found.names.push(name);
