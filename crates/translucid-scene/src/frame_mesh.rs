@@ -221,3 +221,151 @@ impl View {
         (shift, (0.5 * (right + left)).max(0.5 * (top + bottom)).max(nearest + 0.5))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn object(positions: Vec<Vec3>) -> Object {
+        let triangles = (0..positions.len() as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
+        let mesh = Mesh { positions, triangles, ..Mesh::default() };
+        Object { name: String::new(), mesh, material: 0, subsurface_group: 0 }
+    }
+
+    /// Points of a lopsided blob, scaled and moved.
+    fn blob(scale: f32, offset: Vec3) -> Object {
+        let point = |i: i32| {
+            let t = i as f32 * 0.37;
+            Vec3::new(1.6 * t.sin(), 0.9 * (1.7 * t).cos() + 0.2 * t.sin(), 0.7 * (2.3 * t).sin().max(-0.5))
+        };
+        object((0..200).map(|i| offset + scale * point(i)).collect())
+    }
+
+    /// Lowest and highest image coordinates of an object, ±1 at the frame's edges.
+    fn extent(object: &Object, camera: &Camera, aspect: f64) -> [[f64; 2]; 2] {
+        let position = camera.position.as_dvec3();
+        let backward = (position - camera.target.as_dvec3()).normalize();
+        let right = DVec3::Y.cross(backward).normalize();
+        let up = backward.cross(right);
+        let tangent = (0.5 * f64::from(camera.horizontal_fov)).to_radians().tan();
+        let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+        for point in &object.mesh.positions {
+            let p = point.as_dvec3() - position;
+            let depth = -p.dot(backward);
+            assert!(depth > 0.0, "{point} is behind the camera");
+            let image = [p.dot(right) / (tangent * depth), p.dot(up) * aspect / (tangent * depth)];
+            for (range, x) in extent.iter_mut().zip(image) {
+                *range = [range[0].min(x), range[1].max(x)];
+            }
+        }
+        extent
+    }
+
+    #[test]
+    fn camera_fills_three_quarters_of_the_frame_at_any_scale_and_aspect() {
+        for (scale, offset) in
+            [(1.0, Vec3::ZERO), (1e-6, Vec3::ZERO), (1e6, Vec3::ZERO), (2.0, Vec3::new(30.0, -50.0, 10.0))]
+        {
+            for aspect in [0.3, 1.0, 16.0 / 9.0, 5.0] {
+                let object = blob(scale, offset);
+                let objects = [object];
+                let camera = Frame::of(&objects).camera(&objects, aspect);
+                let [x, y] = extent(&objects[0], &camera, aspect);
+                let fill = x[1].max(-x[0]).max(y[1]).max(-y[0]);
+                assert!((fill - FILL).abs() < 0.01, "scale {scale}, aspect {aspect}: {x:?} {y:?}");
+                // The axis that decides is centered.
+                let limit = if (x[1] - x[0]) > (y[1] - y[0]) { x } else { y };
+                assert!((limit[0] + limit[1]).abs() < 0.01, "{x:?} {y:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn frame_is_the_same_picture_at_any_scale() {
+        let lights_and_camera = |scale: f32| {
+            let objects = [blob(scale, Vec3::ZERO)];
+            let frame = Frame::of(&objects);
+            (frame.camera(&objects, 1.5), frame.lights(), frame.backdrop().0)
+        };
+        let (camera, lights, backdrop) = lights_and_camera(1.0);
+        for scale in [1e-6_f32, 1e-3, 1e6] {
+            let near = |a: Vec3, b: Vec3| (a / scale).distance(b) < 1e-4 * b.length().max(1.0);
+            let (camera_here, lights_here, backdrop_here) = lights_and_camera(scale);
+            assert!(near(camera_here.position, camera.position), "{scale}");
+            assert!((camera_here.focus_distance / scale / camera.focus_distance - 1.0).abs() < 1e-4);
+            for (here, there) in lights_here.iter().zip(&lights) {
+                let (
+                    Light::Rectangle { center, edge_x, radiance, .. },
+                    Light::Rectangle { center: c, edge_x: e, radiance: r, .. },
+                ) = (here, there)
+                else {
+                    panic!("an automatic light is a rectangle")
+                };
+                assert!(near(*center, *c) && near(*edge_x, *e) && radiance == r, "{scale}");
+            }
+            for (here, there) in backdrop_here.positions.iter().zip(&backdrop.positions) {
+                assert!(near(*here, *there), "{scale}: {here} {there}");
+            }
+        }
+    }
+
+    #[test]
+    fn frame_stands_flat_and_tiny_bounds() {
+        let quad = |u: Vec3, v: Vec3| object(vec![Vec3::ZERO, u, v, u + v]);
+        let far = Vec3::splat(1e8);
+        let speck = object(vec![far, far + Vec3::new(8.0, 0.0, 0.0), far + Vec3::new(0.0, 8.0, 0.0)]);
+        for object in [
+            quad(Vec3::X, Vec3::Y),
+            quad(Vec3::Y, Vec3::Z),
+            quad(Vec3::Z, Vec3::X),
+            quad(Vec3::X, Vec3::new(0.0, 1e-9, 0.0)),
+            object(vec![Vec3::ONE; 3]),
+            object(vec![Vec3::ZERO; 3]),
+            speck,
+        ] {
+            let objects = [object];
+            let frame = Frame::of(&objects);
+            let camera = frame.camera(&objects, 1.0);
+            assert!(camera.position.is_finite() && camera.position != camera.target, "{camera:?}");
+            assert!(camera.focus_distance > 0.0);
+            let view = (camera.target - camera.position).normalize();
+            assert!(view.cross(Vec3::Y).length() > 0.1 && view.is_finite());
+            for light in frame.lights() {
+                let Light::Rectangle { edge_x, edge_y, .. } = light else { panic!() };
+                assert!(edge_x.is_finite() && edge_y.is_finite() && edge_x.cross(edge_y) != Vec3::ZERO);
+            }
+        }
+    }
+
+    #[test]
+    fn automatic_lights_face_the_mesh() {
+        let objects = [blob(3.0, Vec3::X)];
+        let frame = Frame::of(&objects);
+        for light in frame.lights() {
+            let Light::Rectangle { center, edge_x, edge_y, .. } = light else { panic!() };
+            let to_mesh = (frame.center.as_vec3() - center).normalize();
+            assert!(edge_x.cross(edge_y).normalize().distance(to_mesh) < 1e-5);
+            assert!(edge_x.dot(edge_y).abs() < 1e-4 * edge_x.length() * edge_y.length());
+        }
+    }
+
+    #[test]
+    fn backdrop_is_below_the_mesh_and_behind_everything() {
+        let objects = [blob(2.0, Vec3::Y)];
+        let frame = Frame::of(&objects);
+        let (mesh, material) = frame.backdrop();
+        let lowest = objects[0].mesh.bounds().0.y;
+        let (low, _) = mesh.bounds();
+        assert!(low.y < lowest && low.y > lowest - 0.01 * frame.radius as f32);
+        assert!(material.specular_weight.factor == 0.0);
+        for triangle in &mesh.triangles {
+            let [a, b, c] = triangle.map(|i| mesh.positions[i as usize]);
+            let normal = (b - a).cross(c - a).normalize();
+            // Wound so that it faces up and toward the camera, as its shading normals do.
+            assert!(normal.dot(mesh.normals[triangle[0] as usize]) > 0.9);
+            assert!(normal.dot(Vec3::Y + frame.to_camera.as_vec3()) > 0.0);
+        }
+        let camera = frame.camera(&objects, 1.0);
+        assert!(camera.position.y > low.y, "the camera is above the floor");
+    }
+}

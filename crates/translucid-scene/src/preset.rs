@@ -84,13 +84,14 @@ impl Preset {
     pub fn material(&self, unit: Unit) -> Material {
         let mfp = self.mfp_in_millimeters() / unit.in_millimeters();
         let radius = mfp.max_element();
+        let surface_albedo = ColorInput::constant(self.surface_albedo().as_vec3());
         Material {
             name: String::from(self.name),
-            base_color: ColorInput::constant(self.surface_albedo().as_vec3()),
+            base_color: surface_albedo,
             specular_ior: self.eta,
             specular_roughness: ScalarInput::constant(self.roughness),
             subsurface_weight: ScalarInput::constant(1.0),
-            subsurface_color: ColorInput::constant(self.surface_albedo().as_vec3()),
+            subsurface_color: surface_albedo,
             subsurface_radius: ScalarInput::constant(radius as f32),
             subsurface_radius_scale: ColorInput::constant((mfp / radius).as_vec3()),
             subsurface_parameter: SubsurfaceParameter::Mfp,

@@ -115,23 +115,6 @@ fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<Model, SceneEr
     Err(SceneError::at(Place::file(path), message).with_help(help))
 }
 
-/// Reads a file whole if it is no longer than `limit` bytes.
-fn read_file_up_to(path: &Path, limit: u64) -> Result<Vec<u8>, SceneError> {
-    use std::io::Read;
-
-    let refuse = |message: String| Err(SceneError::at(Place::file(path), message));
-    let cannot =
-        |error: std::io::Error| SceneError::at(Place::file(path), format!("cannot be read: {error}"));
-    let file = std::fs::File::open(path).map_err(cannot)?;
-    let mut bytes = Vec::new();
-    // The length that the system states may be wrong: a device or a growing file.
-    file.take(limit + 1).read_to_end(&mut bytes).map_err(cannot)?;
-    if bytes.len() as u64 > limit {
-        return refuse(format!("has more than {limit} bytes, the most that is allowed"));
-    }
-    Ok(bytes)
-}
-
 /// Reads a file whole.
 ///
 /// # Errors

@@ -4,11 +4,12 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::input::ImageRequest;
+use super::interval::Interval;
 use super::object::{Geometry, ObjectEntry};
 use super::{LARGEST_FILE, SceneFile};
 use crate::frame_mesh::Frame;
 use crate::load::model::{Model, scale_lengths, shift_images};
-use crate::load::{LoadOptions, is_gltf, load_image, load_model};
+use crate::load::{LoadOptions, is_gltf, load_image, load_model, read_file};
 use crate::nearest::nearest;
 use crate::{
     Image, Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
@@ -71,7 +72,12 @@ impl SceneFile {
 }
 
 fn read_text(path: &Path) -> Result<String, SceneError> {
-    let bytes = crate::load::read_file_up_to(path, LARGEST_FILE)?;
+    let length = std::fs::metadata(path).map_or(0, |metadata| metadata.len());
+    if length > LARGEST_FILE {
+        let message = format!("the scene file has {length} bytes, but at most {LARGEST_FILE} are allowed");
+        return Err(SceneError::at(Place::file(path), message));
+    }
+    let bytes = read_file(path)?;
     String::from_utf8(bytes).map_err(|error| {
         let place = Place::part(path, format!("byte {}", error.utf8_error().valid_up_to()));
         SceneError::at(place, "a scene file must be UTF-8 text, but this is not")
@@ -247,6 +253,7 @@ impl Builder<'_> {
             return Err(SceneError::at(entry.place.clone(), message));
         }
         let mut mesh = mesh.transformed(&entry.world_from_object);
+        check_bounds(&mesh, &entry.place)?;
         repair_mesh(&mut mesh, &entry.place, self.warnings)?;
         let group = match &entry.subsurface_group {
             Some(name) => Group::Named(name.clone()),
@@ -271,6 +278,18 @@ impl Builder<'_> {
         let emits = |object: &Object| self.materials[object.material].emission_luminance > 0.0;
         self.lights.is_empty() && !self.objects.iter().any(emits)
     }
+}
+
+/// A mesh out of bounds is refused here; the repair would cut it off.
+fn check_bounds(mesh: &Mesh, place: &Place) -> Result<(), SceneError> {
+    let (low, high) = mesh.bounds();
+    let reach = low.abs().max(high.abs()).max_element();
+    if Interval::COORDINATE.contains(f64::from(reach)) {
+        return Ok(());
+    }
+    let range = Interval::COORDINATE;
+    let message = format!("the object reaches to {reach:e} in x, y or z, but coordinates must be in {range}");
+    Err(SceneError::at(place.clone(), message))
 }
 
 fn override_help(name: &str) -> String {

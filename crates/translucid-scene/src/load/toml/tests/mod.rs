@@ -1,9 +1,17 @@
+//! Tests of the scene file; the broken ones have a file of their own.
+
+mod broken;
+mod examples;
+mod mutation;
+mod valid;
+
 use std::path::Path;
 
 use super::SceneFile;
 use crate::{LoadOptions, Scene, SceneError};
 
 const PATH: &str = "scenes/test.toml";
+/// The least object.
 const BALL: &str = "[[object]]\nshape = \"sphere\"\n";
 
 fn parse(text: &str) -> Result<SceneFile, SceneError> {
@@ -18,13 +26,4 @@ fn load(text: &str) -> Scene {
         scene.load(&LoadOptions::default(), &mut warnings).unwrap_or_else(|error| panic!("{error}\n{text}"));
     assert_eq!(warnings, []);
     scene
-}
-
-#[test]
-fn scene_file_of_a_ball_is_complete() {
-    let scene = load(&format!("unit = \"cm\"\n{BALL}"));
-    assert_eq!(scene.objects.len(), 1);
-    assert_eq!(scene.objects[0].name, "sphere");
-    assert_eq!(scene.unit.name(), "cm");
-    assert!(!scene.lights.is_empty() && scene.environment.is_some());
 }
