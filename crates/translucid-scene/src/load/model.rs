@@ -1,5 +1,6 @@
 //! What a mesh file holds.
 
+use std::collections::HashMap;
 use std::path::Path;
 
 use super::gltf::GltfScene;
@@ -39,17 +40,14 @@ impl Model {
         if plain > 0 && parts.iter().any(|part| part.material.is_none()) {
             materials.push(Material::default());
         }
-        let mut names: Vec<String> = Vec::new();
+        let mut groups: HashMap<String, u32> = HashMap::new();
+        let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut object = |part: ObjPart| {
-            let group = names.iter().position(|name| *name == part.name).unwrap_or_else(|| {
-                names.push(part.name.clone());
-                names.len() - 1
-            });
-            let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-            let name = if part.name.is_empty() { stem() } else { part.name };
-            let material = part.material.unwrap_or(plain);
             // A file's parts are far fewer than 2³².
-            Object { name, mesh: part.mesh, material, subsurface_group: group as u32 }
+            let next = groups.len() as u32;
+            let subsurface_group = *groups.entry(part.name.clone()).or_insert(next);
+            let name = if part.name.is_empty() { stem.clone() } else { part.name };
+            Object { name, mesh: part.mesh, material: part.material.unwrap_or(plain), subsurface_group }
         };
         let objects = parts.into_iter().map(&mut object).collect();
         Self { objects, materials, images, ..Self::default() }
