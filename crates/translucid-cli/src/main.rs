@@ -1,2 +1,73 @@
-//! The `translucid` command.
-fn main() {}
+//! The `translucid` command: renders, profiles and samples translucent materials.
+//!
+//! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
+//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
+
+mod failure;
+mod machine;
+mod messages;
+mod model;
+mod outputs;
+mod presets;
+mod profile;
+mod progress;
+mod render;
+mod sample;
+mod session;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::Failure;
+
+/// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
+///
+/// Without a verb it renders the built-in still life to still-life.exr and still-life.png.
+#[derive(Parser)]
+#[command(name = "translucid", version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Render(render::Arguments),
+    Profile(profile::Arguments),
+    Sample(sample::Arguments),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  translucid
+  translucid render bust.glb --preset marble --size 800x800 --spp 128
+  translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
+  translucid help render";
+
+fn main() -> ExitCode {
+    let cli = Cli::parse();
+    // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
+    // fault. The message has then been printed by the panic itself.
+    match std::panic::catch_unwind(|| run(cli)) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(failure)) => {
+            messages::print_failure(&failure);
+            ExitCode::from(failure.exit_code())
+        }
+        Err(_) => {
+            messages::print_note("this is a defect of translucid: please report it with the message above");
+            ExitCode::from(1)
+        }
+    }
+}
+
+fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.verb {
+        None => render::run(&render::Arguments::default()),
+        Some(Verb::Render(arguments)) => render::run(&arguments),
+        Some(Verb::Profile(arguments)) => profile::run(&arguments),
+        Some(Verb::Sample(arguments)) => sample::run(&arguments),
+    }
+}

@@ -82,35 +82,49 @@ pub fn write_exr(path: &Path, film: &FilmSums, info: &ImageInfo) -> Result<(), O
     write_atomically(path, |out| image.write().to_buffered(out).map_err(io::Error::other))
 }
 
-/// All channels of the file, sorted by name as the format demands.
+/// All channels of the file, sorted by name as the format demands; in one pass over the film, since a
+/// second copy of its sums would be as large as the first.
 fn channels(film: &FilmSums) -> AnyChannels<FlatSamples> {
-    let means: Vec<_> = pixels(film).map(|(x, y)| film.mean(x, y)).collect();
-    let mut list = Vec::new();
-    let mut add = |name: String, samples| list.push(AnyChannel::new(Text::new_or_panic(name), samples));
-    for (index, name) in ["R", "G", "B"].iter().enumerate() {
-        let light = |m: &[f64; layer::COUNT]| {
-            [layer::DIFFUSE, layer::SPECULAR, layer::SUBSURFACE, layer::EMISSION]
-                .into_iter()
-                .map(|range| m[range.start + index])
-                .sum()
-        };
-        add((*name).to_owned(), single(&means, light));
+    let halves = half_channels();
+    let count = film.width as usize * film.height as usize;
+    let mut single_data = [(); SINGLE_CHANNELS.len()].map(|()| Vec::with_capacity(count));
+    let mut half_data: Vec<Vec<f16>> = halves.iter().map(|_| Vec::with_capacity(count)).collect();
+    for (x, y) in pixels(film) {
+        let (mean, [r, g, b]) = (film.mean(x, y), film.radiance(x, y));
+        for (data, value) in single_data.iter_mut().zip([r, g, b, mean[layer::ALPHA], mean_depth(&mean)]) {
+            data.push(finite(value, f64::from(f32::MAX)) as f32);
+        }
+        for (data, (_, index)) in half_data.iter_mut().zip(&halves) {
+            data.push(f16::from_f64(finite(mean[*index], f64::from(f16::MAX.to_f32()))));
+        }
     }
-    add(String::from("A"), single(&means, |m| m[layer::ALPHA]));
-    add(String::from("depth.Z"), single(&means, mean_depth));
-    for (name, range, components) in [
+    let singles = SINGLE_CHANNELS.iter().zip(single_data);
+    let singles =
+        singles.map(|(name, data)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(data)));
+    let halves = halves.iter().zip(half_data);
+    let halves =
+        halves.map(|((name, _), data)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F16(data)));
+    AnyChannels::sort(singles.chain(halves).collect())
+}
+
+/// Channels of 32 bits.
+const SINGLE_CHANNELS: [&str; 5] = ["R", "G", "B", "A", "depth.Z"];
+
+/// Channels of 16 bits: name and index among the sums.
+fn half_channels() -> Vec<(String, usize)> {
+    [
         ("diffuse", layer::DIFFUSE, "RGB"),
         ("specular", layer::SPECULAR, "RGB"),
         ("subsurface", layer::SUBSURFACE, "RGB"),
         ("emission", layer::EMISSION, "RGB"),
         ("albedo", layer::ALBEDO, "RGB"),
         ("normal", layer::NORMAL, "XYZ"),
-    ] {
-        for (index, component) in range.zip(components.chars()) {
-            add(format!("{name}.{component}"), half(&means, index));
-        }
-    }
-    AnyChannels::sort(list.into_iter().collect())
+    ]
+    .into_iter()
+    .flat_map(|(name, range, components)| {
+        range.zip(components.chars()).map(move |(index, component)| (format!("{name}.{component}"), index))
+    })
+    .collect()
 }
 
 /// Coordinates of all pixels, row by row.
@@ -122,15 +136,6 @@ pub(super) fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> {
 /// Mean distance over the samples that see a surface.
 fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
     if mean[layer::SURFACE] > 0.0 { mean[layer::DEPTH] / mean[layer::SURFACE] } else { 0.0 }
-}
-
-fn single(means: &[[f64; layer::COUNT]], value: impl Fn(&[f64; layer::COUNT]) -> f64) -> FlatSamples {
-    FlatSamples::F32(means.iter().map(|mean| finite(value(mean), f64::from(f32::MAX)) as f32).collect())
-}
-
-fn half(means: &[[f64; layer::COUNT]], index: usize) -> FlatSamples {
-    let limit = f64::from(f16::MAX.to_f32());
-    FlatSamples::F16(means.iter().map(|mean| f16::from_f64(finite(mean[index], limit))).collect())
 }
 
 /// The value within ±limit; NaN is 0.

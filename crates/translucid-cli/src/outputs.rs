@@ -1,0 +1,96 @@
+//! The files of a rendering.
+
+use std::path::{Path, PathBuf};
+
+use translucid_render::{FilmSums, ImageInfo, OutputError, check_writable, write_exr, write_png};
+use translucid_scene::Film;
+
+use crate::failure::Failure;
+
+/// The files that a rendering writes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Outputs {
+    /// Float image, if any.
+    pub(crate) exr: Option<PathBuf>,
+    /// Display image.
+    pub(crate) png: PathBuf,
+    /// Where an unfinished rendering is kept.
+    pub(crate) checkpoint: PathBuf,
+}
+
+impl Outputs {
+    /// `FILE.exr` means that file and a PNG beside it, `FILE.png` only that.
+    pub(crate) fn from_option(path: &Path) -> Result<Self, Failure> {
+        let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        let exr = match extension.as_str() {
+            "exr" => Some(path.to_owned()),
+            "png" => None,
+            _ => {
+                let message = format!("--output is {}, but must end in .exr or .png", path.display());
+                return Err(Failure::input(message)
+                    .with_help("FILE.exr writes that and a PNG beside it, FILE.png only that"));
+            }
+        };
+        let png = if exr.is_some() { path.with_extension("png") } else { path.to_owned() };
+        let mut checkpoint = path.as_os_str().to_owned();
+        checkpoint.push(".checkpoint");
+        Ok(Self { exr, png, checkpoint: checkpoint.into() })
+    }
+
+    /// Both images in the current directory.
+    pub(crate) fn from_stem(stem: &str) -> Self {
+        let exr = PathBuf::from(format!("{stem}.exr"));
+        let png = PathBuf::from(format!("{stem}.png"));
+        Self { exr: Some(exr), png, checkpoint: format!("{stem}.exr.checkpoint").into() }
+    }
+
+    /// The image files.
+    pub(crate) fn images(&self) -> impl Iterator<Item = &Path> {
+        self.exr.iter().map(PathBuf::as_path).chain([self.png.as_path()])
+    }
+
+    /// Finds out before the work whether its result can be written.
+    pub(crate) fn check(&self) -> Result<(), OutputError> {
+        self.images().chain([self.checkpoint.as_path()]).try_for_each(check_writable)
+    }
+
+    /// Writes the images.
+    pub(crate) fn write(
+        &self,
+        film: &FilmSums,
+        settings: &Film,
+        info: &ImageInfo,
+    ) -> Result<(), OutputError> {
+        if let Some(exr) = &self.exr {
+            write_exr(exr, film, info)?;
+        }
+        write_png(&self.png, film, settings, info)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn outputs_follow_the_extension() {
+        let both = Outputs::from_option(Path::new("out/a.b.EXR")).unwrap();
+        assert_eq!(both.exr.as_deref(), Some(Path::new("out/a.b.EXR")));
+        assert_eq!(both.png, Path::new("out/a.b.png"));
+        assert_eq!(both.checkpoint, Path::new("out/a.b.EXR.checkpoint"));
+        let one = Outputs::from_option(Path::new("a.png")).unwrap();
+        assert_eq!((one.exr, one.png), (None, PathBuf::from("a.png")));
+        for odd in ["a", "a.jpg", "", ".exr/", "exr"] {
+            assert!(Outputs::from_option(Path::new(odd)).is_err() || odd == ".exr/", "{odd}");
+        }
+    }
+
+    #[test]
+    fn outputs_of_a_stem_keep_its_dots() {
+        let outputs = Outputs::from_stem("head.v2");
+        assert_eq!(
+            outputs.images().collect::<Vec<_>>(),
+            [Path::new("head.v2.exr"), Path::new("head.v2.png")]
+        );
+    }
+}

@@ -1,0 +1,169 @@
+//! Progress of a rendering on stderr: a bar on a terminal, a line now and then elsewhere.
+
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use crate::messages;
+
+/// Time between two lines where there is no terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Steps of the bar.
+const STEPS: u64 = 1000;
+
+/// Shows how far a rendering is.
+pub(crate) struct Meter {
+    start: Instant,
+    /// Camera paths that were there at the start, from an earlier run.
+    done_before: u64,
+    /// When the time is up, if it is limited.
+    deadline: Option<Instant>,
+    display: Display,
+}
+
+enum Display {
+    Quiet,
+    Bar(ProgressBar),
+    Lines { next: Mutex<Instant> },
+}
+
+impl Meter {
+    /// A meter that shows nothing.
+    pub(crate) fn quiet(done_before: u64, deadline: Option<Instant>) -> Self {
+        Self { start: Instant::now(), done_before, deadline, display: Display::Quiet }
+    }
+
+    /// A meter that draws a bar on a terminal and prints lines elsewhere.
+    pub(crate) fn new(done_before: u64, deadline: Option<Instant>) -> Self {
+        let display = if messages::is_interactive() {
+            let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{bar:32} {percent:>3} % {msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            Display::Bar(bar)
+        } else {
+            Display::Lines { next: Mutex::new(Instant::now() + LINE_INTERVAL) }
+        };
+        Self { display, ..Self::quiet(done_before, deadline) }
+    }
+
+    /// Time since the start.
+    pub(crate) fn elapsed(&self) -> Duration {
+        self.start.elapsed()
+    }
+
+    /// Shows that `done` of `total` camera paths are done. Any thread may call it at any time.
+    pub(crate) fn update(&self, done: u64, total: u64) {
+        match &self.display {
+            Display::Quiet => {}
+            Display::Bar(bar) => {
+                let state = self.state(done, total);
+                bar.set_position((state.fraction * STEPS as f64) as u64);
+                bar.set_message(state.text());
+            }
+            Display::Lines { next } => {
+                // Another thread that is printing has just said the same.
+                let Ok(mut next) = next.try_lock() else { return };
+                let now = Instant::now();
+                if now >= *next {
+                    *next = now + LINE_INTERVAL;
+                    let state = self.state(done, total);
+                    messages::line(&format!("{:3.0} % {}", 100.0 * state.fraction, state.text()));
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away, so that messages start on a clean line.
+    pub(crate) fn finish(&self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+
+    fn state(&self, done: u64, total: u64) -> State {
+        let elapsed = self.start.elapsed().as_secs_f64();
+        let rate = done.saturating_sub(self.done_before) as f64 / elapsed.max(1e-3);
+        let by_samples = total.saturating_sub(done) as f64 / rate.max(1e-3);
+        let by_time = self.deadline.map_or(f64::INFINITY, |deadline| {
+            deadline.saturating_duration_since(Instant::now()).as_secs_f64()
+        });
+        let fraction = if by_time < by_samples {
+            elapsed / (elapsed + by_time)
+        } else {
+            done as f64 / total.max(1) as f64
+        };
+        State { fraction: fraction.clamp(0.0, 1.0), rate, elapsed, left: by_samples.min(by_time) }
+    }
+}
+
+/// What there is to show.
+struct State {
+    /// Part of the work done, in [0, 1].
+    fraction: f64,
+    /// Camera paths per second.
+    rate: f64,
+    /// Seconds since the start.
+    elapsed: f64,
+    /// Seconds that remain, as far as one can tell.
+    left: f64,
+}
+
+impl State {
+    fn text(&self) -> String {
+        format!(
+            "{:.2} M samples/s, {} passed, {} left",
+            self.rate * 1e-6,
+            duration(self.elapsed),
+            duration(self.left)
+        )
+    }
+}
+
+/// A duration in the units that one would say it in.
+pub(crate) fn duration(seconds: f64) -> String {
+    match seconds {
+        s if !s.is_finite() || s >= 360_000.0 => String::from("many hours"),
+        s if s >= 3600.0 => format!("{} h {:02} min", s as u64 / 3600, s as u64 % 3600 / 60),
+        s if s >= 100.0 => format!("{} min {:02} s", s as u64 / 60, s as u64 % 60),
+        s if s >= 10.0 => format!("{s:.0} s"),
+        s => format!("{s:.1} s"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn duration_reads_well() {
+        for (seconds, text) in [
+            (0.04, "0.0 s"),
+            (9.94, "9.9 s"),
+            (42.0, "42 s"),
+            (130.0, "2 min 10 s"),
+            (7260.0, "2 h 01 min"),
+            (f64::INFINITY, "many hours"),
+            (f64::NAN, "many hours"),
+        ] {
+            assert_eq!(duration(seconds), text);
+        }
+    }
+
+    #[test]
+    fn state_counts_only_what_this_run_did() {
+        let meter = Meter::quiet(500, None);
+        std::thread::sleep(Duration::from_millis(20));
+        let state = meter.state(750, 1000);
+        assert_eq!(state.fraction, 0.75);
+        // 250 paths took as long as the 250 that remain will.
+        assert!((state.left / state.elapsed - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn state_goes_by_the_clock_when_that_ends_first() {
+        let meter = Meter::quiet(0, Some(Instant::now() + Duration::from_secs(100)));
+        let state = meter.state(1, u64::MAX);
+        assert!(state.fraction < 0.01 && (99.0..=100.0).contains(&state.left));
+    }
+}

@@ -1,0 +1,277 @@
+//! `translucid render`: a scene or mesh becomes a picture.
+
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use clap::{Args, ValueEnum};
+use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, load_scene};
+
+use crate::failure::Failure;
+use crate::model::Model;
+use crate::outputs::Outputs;
+use crate::presets::print_presets;
+use crate::session::{self, Session};
+use crate::{machine, messages};
+
+/// Most samples per pixel, as the scene's settings have it.
+const MAX_SAMPLES: u32 = 1 << 24;
+
+const EXAMPLES: &str = "\
+Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; --resume goes on from there,
+and the result is the same as if nothing had happened.
+
+Examples:
+  translucid render
+  translucid render bust.glb --preset marble --unit mm -o bust.exr
+  translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
+  translucid render scene.toml --time 60
+  translucid render --preset list";
+
+/// Renders a scene file or a mesh; without one the built-in still life
+#[derive(Args, Debug, Default)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply)
+    #[arg(value_name = "SCENE|MESH")]
+    scene: Option<PathBuf>,
+    /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WxH", value_parser = parse_size)]
+    size: Option<[u32; 2]>,
+    /// Samples per pixel
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
+    spp: Option<u32>,
+    /// Render for this long; with --spp until whichever comes first
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    time: Option<Duration>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Threads to render with [default: one per processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Go on from the checkpoint of an unfinished rendering, and keep one at the end
+    #[arg(long)]
+    resume: bool,
+    /// Model of the transport under all surfaces, in place of the scene's
+    #[arg(long, value_name = "MODEL")]
+    subsurface: Option<Model>,
+    /// Material of a bare mesh; `list` shows all
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
+    #[arg(long)]
+    unit: Option<UnitName>,
+    /// Mesh file in place of that of the scene's object NAME, or of its only one
+    #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh)]
+    mesh: Vec<(Option<String>, PathBuf)>,
+    /// Print errors and warnings only
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print what takes how long
+    #[arg(short, long)]
+    verbose: bool,
+}
+
+/// Length units of a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum UnitName {
+    /// Millimeters
+    Mm,
+    /// Centimeters
+    Cm,
+    /// Meters
+    M,
+}
+
+impl From<UnitName> for Unit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::Mm => Self::Millimeter,
+            UnitName::Cm => Self::Centimeter,
+            UnitName::M => Self::Meter,
+        }
+    }
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if arguments.preset.as_deref() == Some("list") {
+        return print_presets();
+    }
+    let outputs = outputs(arguments)?;
+    outputs.check()?;
+    let start = Instant::now();
+    let scene = scene(arguments)?;
+    if arguments.verbose {
+        let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        let seconds = start.elapsed().as_secs_f64();
+        messages::line(&format!(
+            "loaded {} objects, {triangles} triangles, {} images in {seconds:.2} s",
+            scene.objects.len(),
+            scene.images.len()
+        ));
+    }
+    require_memory(&scene)?;
+    session::render(
+        scene,
+        &Session {
+            scene_name: scene_name(arguments),
+            outputs,
+            limit: arguments.time,
+            threads: arguments.threads.map_or(0, usize::from),
+            resume: arguments.resume,
+            quiet: arguments.quiet,
+            verbose: arguments.verbose,
+        },
+    )
+}
+
+/// The scene with the options' changes, its warnings printed.
+fn scene(arguments: &Arguments) -> Result<Scene, Failure> {
+    let options = load_options(arguments)?;
+    let mut scene = match &arguments.scene {
+        Some(path) => {
+            let mut warnings = Vec::new();
+            let scene = load_scene(path, &options, &mut warnings);
+            messages::print_warnings(&warnings);
+            scene?
+        }
+        None => built_in(arguments, &options)?,
+    };
+    if let Some(seed) = arguments.seed {
+        scene.integrator.seed = seed;
+    }
+    scene.integrator.samples_per_pixel = match (arguments.spp, arguments.time) {
+        (Some(spp), _) => spp,
+        (None, Some(_)) => MAX_SAMPLES,
+        (None, None) => scene.integrator.samples_per_pixel,
+    };
+    Ok(scene)
+}
+
+/// The still life, with what of the options applies to it.
+fn built_in(arguments: &Arguments, options: &LoadOptions) -> Result<Scene, Failure> {
+    for (given, option) in [
+        (arguments.preset.is_some(), "--preset"),
+        (arguments.unit.is_some(), "--unit"),
+        (!arguments.mesh.is_empty(), "--mesh"),
+    ] {
+        if given {
+            return Err(Failure::input(format!("{option} needs a scene or a mesh")));
+        }
+    }
+    let _ = options;
+    Err(Failure::input("there is no scene").with_help("name a scene file or a mesh"))
+}
+
+fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
+    Ok(LoadOptions {
+        preset: arguments.preset.clone(),
+        unit: arguments.unit.map(Unit::from),
+        mesh_overrides: arguments.mesh.clone(),
+        size: arguments.size,
+        subsurface_model: match arguments.subsurface {
+            Some(Model::NormalizedDiffusion) => Some(SubsurfaceModel::NormalizedDiffusion),
+            Some(Model::None) => Some(SubsurfaceModel::None),
+            Some(Model::NotYet(name)) => return Err(Model::not_available(name)),
+            None => None,
+        },
+    })
+}
+
+fn scene_name(arguments: &Arguments) -> String {
+    arguments
+        .scene
+        .as_ref()
+        .map_or_else(|| String::from("built-in still life"), |path| path.display().to_string())
+}
+
+fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
+    match (&arguments.output, &arguments.scene) {
+        (Some(path), _) => Outputs::from_option(path),
+        (None, Some(scene)) => {
+            Ok(Outputs::from_stem(&scene.file_stem().unwrap_or_default().to_string_lossy()))
+        }
+        (None, None) => Ok(Outputs::from_stem("still-life")),
+    }
+}
+
+/// Refuses a picture that does not fit into memory: the system would end the process without a word.
+fn require_memory(scene: &Scene) -> Result<(), Failure> {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let needed = u64::from(width) * u64::from(height) * session::BYTES_PER_PIXEL;
+    match machine::available_memory() {
+        Some(available) if needed > available => {
+            let [needed, available] = [needed, available].map(|bytes| bytes as f64 / f64::from(1 << 30));
+            let message = format!(
+                "a picture of {width}x{height} pixels needs {needed:.1} GiB of memory, but {available:.1} GiB are free"
+            );
+            Err(Failure::input(message).with_help("choose a smaller --size"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn parse_size(text: &str) -> Result<[u32; 2], String> {
+    let wrong = || String::from("a size is WIDTHxHEIGHT, each in [1, 16384], like 960x540");
+    let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
+    let edge =
+        |text: &str| text.parse::<u32>().ok().filter(|edge| (1..=16_384).contains(edge)).ok_or_else(wrong);
+    Ok([edge(width)?, edge(height)?])
+}
+
+fn parse_seconds(text: &str) -> Result<Duration, String> {
+    let seconds = text.parse::<f64>().ok().filter(|seconds| *seconds > 0.0 && *seconds <= 1e9);
+    seconds
+        .map(Duration::from_secs_f64)
+        .ok_or_else(|| String::from("a time is a number of seconds in (0, 1e9]"))
+}
+
+fn parse_mesh(text: &str) -> Result<(Option<String>, PathBuf), String> {
+    match text.split_once('=') {
+        // A path may itself contain the sign.
+        Some((name, path)) if !Path::new(text).exists() => {
+            if name.is_empty() || path.is_empty() {
+                return Err(String::from("a mesh is NAME=PATH or PATH"));
+            }
+            Ok((Some(name.to_owned()), path.into()))
+        }
+        _ if text.is_empty() => Err(String::from("the path is empty")),
+        _ => Ok((None, text.into())),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn size_is_two_edges_in_range() {
+        assert_eq!(parse_size("960x540"), Ok([960, 540]));
+        assert_eq!(parse_size("1X16384"), Ok([1, 16384]));
+        for wrong in ["", "960", "x", "0x1", "16385x1", "-1x1", "1x1x1", "1.5x2", "99999999999x1"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn seconds_are_positive_and_finite() {
+        assert_eq!(parse_seconds("1.5"), Ok(Duration::from_millis(1500)));
+        for wrong in ["", "0", "-1", "nan", "inf", "1e10", "1s"] {
+            assert!(parse_seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn mesh_may_have_a_name() {
+        assert_eq!(parse_mesh("head=a.obj"), Ok((Some(String::from("head")), "a.obj".into())));
+        assert_eq!(parse_mesh("a.obj"), Ok((None, "a.obj".into())));
+        for wrong in ["", "=a.obj", "head="] {
+            assert!(parse_mesh(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,180 @@
+//! `translucid profile` and `translucid sample`: the contract that scripts depend on.
+
+mod common;
+
+use std::io::Read;
+use std::process::Stdio;
+
+use common::{run, stderr, stdout, translucid};
+use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
+
+const MODEL: &str = "--surface-albedo 0.8 --mfp 2";
+
+fn here() -> std::path::PathBuf {
+    std::env::temp_dir()
+}
+
+fn numbers(csv: &str) -> Vec<Vec<f64>> {
+    csv.lines().skip(1).map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect()
+}
+
+fn profile(parameterization: Parameterization, configuration: Configuration) -> NormalizedDiffusion {
+    NormalizedDiffusion::new(0.8, 2.0, parameterization, configuration).unwrap()
+}
+
+#[test]
+fn profile_prints_the_columns_and_numbers_of_the_library() {
+    let csv =
+        stdout(&here(), &format!("profile --model normalized-diffusion {MODEL} --at 0,0.1,1,7.3,1e-9,300"));
+    assert_eq!(csv.lines().next(), Some("r,reflectance,enclosed"));
+    let expected = profile(Parameterization::Mfp, Configuration::Diffuse);
+    let rows = numbers(&csv);
+    assert_eq!(rows.len(), 6);
+    for (row, r) in rows.iter().zip([0.0, 0.1, 1.0, 7.3, 1e-9, 300.0]) {
+        // Not nearly: the text reads back exactly.
+        assert_eq!(row, &[r, expected.eval(r), expected.enclosed(r)]);
+    }
+}
+
+#[test]
+fn profile_knows_every_parameterization() {
+    for (options, parameterization, configuration) in [
+        ("--mfp 2", Parameterization::Mfp, Configuration::Diffuse),
+        ("--mfp 2 --configuration diffuse", Parameterization::Mfp, Configuration::Diffuse),
+        ("--mfp 2 --configuration searchlight", Parameterization::Mfp, Configuration::Searchlight),
+        ("--dmfp 2", Parameterization::Dmfp, Configuration::Searchlight),
+        (
+            "--dmfp 2 --configuration searchlight --eta 1 --g 0",
+            Parameterization::Dmfp,
+            Configuration::Searchlight,
+        ),
+    ] {
+        let rows = numbers(&stdout(&here(), &format!("profile --surface-albedo 0.8 {options} --at 1.5")));
+        assert_eq!(rows[0][1], profile(parameterization, configuration).eval(1.5), "{options}");
+    }
+}
+
+#[test]
+fn profile_points_are_even_and_end_at_the_maximum() {
+    let rows = numbers(&stdout(&here(), &format!("profile {MODEL} --points 4 --max 10")));
+    assert_eq!(rows.iter().map(|row| row[0]).collect::<Vec<_>>(), [2.5, 5.0, 7.5, 10.0]);
+}
+
+#[test]
+fn json_holds_what_csv_holds() {
+    let json = stdout(&here(), &format!("profile {MODEL} --at 0.1,3 --format json"));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rows = numbers(&stdout(&here(), &format!("profile {MODEL} --at 0.1,3")));
+    assert_eq!(json.as_array().unwrap().len(), 2);
+    for (object, row) in json.as_array().unwrap().iter().zip(rows) {
+        for (name, value) in ["r", "reflectance", "enclosed"].iter().zip(row) {
+            // This parser may miss by the last digit.
+            assert!((object[name].as_f64().unwrap() / value - 1.0).abs() < 1e-15, "{name}");
+        }
+    }
+}
+
+#[test]
+fn sample_follows_the_profile() {
+    let csv = stdout(&here(), &format!("sample {MODEL} --count 20000 --seed 3"));
+    assert_eq!(csv.lines().next(), Some("r"));
+    let mut radii: Vec<f64> = numbers(&csv).into_iter().map(|row| row[0]).collect();
+    radii.sort_by(f64::total_cmp);
+    // Kolmogorov–Smirnov: √n D > 2.23 has probability 1e-4; the seed is fixed.
+    let expected = profile(Parameterization::Mfp, Configuration::Diffuse);
+    let n = radii.len() as f64;
+    assert_eq!(n, 20_000.0);
+    let distance = |(i, r): (usize, &f64)| {
+        let share = expected.cdf(*r);
+        (share - i as f64 / n).abs().max(((i + 1) as f64 / n - share).abs())
+    };
+    let worst = radii.iter().enumerate().map(distance).fold(0.0, f64::max);
+    assert!(n.sqrt() * worst < 2.23, "{worst}");
+}
+
+#[test]
+fn sample_depends_on_the_seed_alone() {
+    let long = stdout(&here(), &format!("sample {MODEL} --count 100"));
+    let short = stdout(&here(), &format!("sample {MODEL} --count 10 --seed 0"));
+    assert!(long.starts_with(&short));
+    assert_ne!(short, stdout(&here(), &format!("sample {MODEL} --count 10 --seed 1")));
+    assert_eq!(stdout(&here(), &format!("sample {MODEL} --count 0")), "r\n");
+}
+
+#[test]
+fn output_file_replaces_stdout() {
+    let directory = tempfile::tempdir().unwrap();
+    let printed = stdout(directory.path(), &format!("sample {MODEL} --count 5"));
+    assert_eq!(stdout(directory.path(), &format!("sample {MODEL} --count 5 -o radii.csv")), "");
+    assert_eq!(std::fs::read_to_string(directory.path().join("radii.csv")).unwrap(), printed);
+    assert_eq!(common::files(directory.path()), ["radii.csv"]);
+}
+
+#[test]
+fn reader_that_leaves_early_is_no_error() {
+    let words = format!("sample {MODEL} --count 100000000");
+    let mut child = translucid(&here())
+        .args(words.split_whitespace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut start = [0; 100];
+    child.stdout.take().unwrap().read_exact(&mut start).unwrap();
+    // The pipe is closed by now.
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(0));
+    assert_eq!(stderr(&output), "");
+}
+
+/// Every wrong command line: exit code 2, nothing on stdout, and the message names what is in brackets.
+#[test]
+fn wrong_options_are_refused_with_a_reason() {
+    for (words, named) in [
+        ("profile", "--surface-albedo"),
+        ("profile --surface-albedo 0.8", "--mfp"),
+        ("profile --surface-albedo 0.8 --mfp 1", "--at"),
+        ("profile --surface-albedo 0.8 --mfp 1 --dmfp 1 --at 1", "--dmfp"),
+        ("profile --surface-albedo 1.2 --mfp 1 --at 1", "--surface-albedo is 1.2"),
+        ("profile --surface-albedo -0.1 --mfp 1 --at 1", "--surface-albedo is -0.1"),
+        ("profile --surface-albedo nan --mfp 1 --at 1", "--surface-albedo is NaN"),
+        ("profile --surface-albedo 0.8 --mfp -1 --at 1", "--mfp is -1"),
+        ("profile --surface-albedo 0.8 --mfp inf --at 1", "--mfp is inf"),
+        ("profile --surface-albedo 0.8 --dmfp 0 --at 1", "Lambertian"),
+        ("profile --surface-albedo zero --mfp 1 --at 1", "zero"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1,-2", "-2"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at nan", "NaN"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1,x", "x"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --points 2 --max 1", "--points"),
+        ("profile --surface-albedo 0.8 --mfp 1 --points 3", "--max"),
+        ("profile --surface-albedo 0.8 --mfp 1 --points 0 --max 1", "0"),
+        ("profile --surface-albedo 0.8 --mfp 1 --points 3 --max 0", "--max"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --eta 1.4", "--eta is 1.4"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --g 0.9", "--g is 0.9"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole", "dipole is not available yet"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model normalised-diffusion", "normalized-diffusion"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --configuration searchlite", "searchlight"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --format xml", "csv"),
+        ("profile --surface-albdo 0.8 --mfp 1 --at 1", "--surface-albedo"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 -o missing-directory/a.csv", "missing-directory"),
+        ("sample --surface-albedo 0.8 --mfp 1", "--count"),
+        ("sample --surface-albedo 0.8 --mfp 1 --count -1", "-1"),
+        ("sample --surface-albedo 0.8 --mfp 1 --count 1 --seed -1", "-1"),
+        ("sampel --count 1", "sample"),
+    ] {
+        let output = run(&here(), words);
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        assert!(output.stdout.is_empty(), "{words}");
+        assert!(message.contains(named), "{words}: {message}");
+    }
+}
+
+#[test]
+fn every_verb_explains_itself_with_an_example() {
+    for words in ["--help", "render --help", "profile --help", "sample --help", "help profile"] {
+        let help = stdout(&here(), words);
+        assert!(help.contains("Example") && help.contains("\n  translucid "), "{words}: {help}");
+    }
+    assert!(stdout(&here(), "--version").starts_with("translucid "));
+}
