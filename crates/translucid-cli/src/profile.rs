@@ -8,8 +8,8 @@ use crate::table::TableArguments;
 
 const EXAMPLES: &str = "\
 Columns: r, reflectance R(r) per area, enclosed = integral of R 2 pi r' dr' from 0 to r.
-Radii are in the unit of --mfp or --dmfp. R grows like 1/r towards r = 0, where the greatest finite number
-stands for it.
+Radii are in the unit of --mfp or --dmfp.
+R grows like 1/r towards r = 0, where a huge finite number stands for infinity.
 
 Examples:
   translucid profile --surface-albedo 0.8 --mfp 1 --at 0.1,1,10

@@ -18,8 +18,8 @@ const MAX_SAMPLES: u32 = 1 << 24;
 
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
-Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; --resume goes on from there,
-and the result is the same as if nothing had happened.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it.
+--resume goes on from there; the result is the same as if nothing had happened.
 
 Examples:
   translucid render
@@ -38,16 +38,16 @@ pub(crate) struct Arguments {
     /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// Width and height in pixels
+    /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
-    /// Samples per pixel
+    /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     spp: Option<u32>,
     /// Render for this long; with --spp until whichever comes first
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
-    /// Seed of the random numbers
+    /// Seed of the random numbers [default: the scene's]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
     /// Threads to render with [default: one per processor]

@@ -76,6 +76,8 @@ fn catch_interrupts() -> Result<(), Failure> {
 struct Work<'a> {
     renderer: &'a Renderer,
     session: &'a Session,
+    /// Of scene and settings.
+    fingerprint: u64,
     film: FilmSums,
     /// Seconds that earlier runs spent.
     seconds_before: f64,
@@ -85,11 +87,12 @@ impl<'a> Work<'a> {
     /// An empty film, or that of the checkpoint.
     fn start(renderer: &'a Renderer, session: &'a Session) -> Result<Self, Failure> {
         let size = &renderer.scene().film;
-        let (film, seconds_before) = match checkpoint(renderer, session)? {
+        let fingerprint = renderer.fingerprint();
+        let (film, seconds_before) = match checkpoint(session, fingerprint)? {
             Some((film, info)) => (film, info.elapsed_seconds),
             None => (FilmSums::new(size.width, size.height), 0.0),
         };
-        Ok(Self { renderer, session, film, seconds_before })
+        Ok(Self { renderer, session, fingerprint, film, seconds_before })
     }
 
     /// Renders until the goal, the time limit or Ctrl-C, then writes the files.
@@ -154,7 +157,7 @@ impl<'a> Work<'a> {
 
     fn save_checkpoint(&self, seconds: f64) -> Result<(), Failure> {
         let info = CheckpointInfo {
-            fingerprint: self.renderer.fingerprint(),
+            fingerprint: self.fingerprint,
             seed: self.renderer.scene().integrator.seed,
             elapsed_seconds: self.seconds_before + seconds,
         };
@@ -206,11 +209,11 @@ impl<'a> Work<'a> {
 }
 
 /// What an earlier run left, if it is wanted and there.
-fn checkpoint(renderer: &Renderer, session: &Session) -> Result<Option<(FilmSums, CheckpointInfo)>, Failure> {
+fn checkpoint(session: &Session, fingerprint: u64) -> Result<Option<(FilmSums, CheckpointInfo)>, Failure> {
     let path = &session.outputs.checkpoint;
     match (session.resume, path.exists()) {
         (true, true) => {
-            let (film, info) = load_checkpoint(path, renderer.fingerprint())?;
+            let (film, info) = load_checkpoint(path, fingerprint)?;
             if !session.quiet {
                 messages::line(&format!("going on from {} samples per pixel", film.samples()));
             }
