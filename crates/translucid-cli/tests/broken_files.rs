@@ -114,7 +114,7 @@ fn obj_files() -> Vec<Broken> {
         text("mesh.obj", "", &["mesh.obj"]),
         text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1\nf 1 2 3\n", &["mesh.obj:3"]),
         text("mesh.obj", "v 0 0 0\nv 1 0 x\nv 0 1 0\nf 1 2 3\n", &["mesh.obj:2"]),
-        text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", &["mesh.obj:4", "7"]),
+        text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", &["mesh.obj:4", "out of range"]),
         text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n", &["mesh.obj:4"]),
         text("mesh.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2\n", &["mesh.obj"]),
         text("mesh.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", &["mesh.obj"]),
@@ -131,7 +131,7 @@ fn gltf_files() -> Vec<Broken> {
     let mesh = r#""meshes":[{"name":"thing","primitives":[{"attributes":{"POSITION":0}}]}]"#;
     vec![
         gltf("", &["model.gltf"]),
-        gltf("{\"asset\":\n{\"version\": }}", &["model.gltf:2"]),
+        gltf("{\"asset\":\n{\"version\": }}", &["model.gltf, line 2"]),
         gltf("{}", &["model.gltf", "asset"]),
         gltf(r#"{"asset":{"version":"1.0"}}"#, &["model.gltf", "1.0"]),
         gltf(&with(r#""nodes":[]"#), &["model.gltf"]),

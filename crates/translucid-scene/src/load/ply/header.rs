@@ -115,6 +115,10 @@ impl Header {
             match words[..] {
                 [] | ["comment" | "obj_info", ..] => (),
                 ["end_header"] => break,
+                ["format", _, version] if version != "1.0" => {
+                    let message = format!("PLY version {version} is not known, only 1.0 is");
+                    return Err(at(lines.number, message));
+                }
                 ["format", name, _] => format = Some(parse_format(name).map_err(|m| at(lines.number, m))?),
                 ["element", name, count] => {
                     elements.push(parse_element(name, count).map_err(|m| at(lines.number, m))?);
