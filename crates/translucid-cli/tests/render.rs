@@ -73,6 +73,18 @@ fn render_ends_in_time_and_can_be_resumed() {
 }
 
 #[test]
+fn render_cut_off_in_the_middle_resumes_to_the_same_bits() {
+    let (_keep, directory) = directory_with_ball();
+    let settings = "render ball.toml -q --size 96x64 --spp 24";
+    stdout(&directory, &format!("{settings} --threads 2 -o whole.exr"));
+    // Times that end between tiles: some have more samples than others.
+    stdout(&directory, &format!("{settings} --threads 1 --time 0.1 --resume -o parts.exr"));
+    stdout(&directory, &format!("{settings} --threads 2 --time 0.1 --resume -o parts.exr"));
+    stdout(&directory, &format!("{settings} --threads 2 --resume -o parts.exr"));
+    assert_eq!(exr_values(&directory.join("whole.exr")), exr_values(&directory.join("parts.exr")));
+}
+
+#[test]
 fn resume_refuses_what_does_not_belong_to_the_scene() {
     let (_keep, directory) = directory_with_ball();
     stdout(&directory, "render ball.toml -q --spp 1 --resume -o a.exr");
