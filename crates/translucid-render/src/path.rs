@@ -44,7 +44,7 @@ pub(crate) struct World {
     pub(crate) geometry: Geometry,
     pub(crate) materials: Materials,
     pub(crate) lights: LightSet,
-    pub(crate) axis_shares: [f32; 3],
+    pub(crate) axis_probes: [f32; 3],
 }
 
 impl World {
@@ -157,7 +157,7 @@ impl Path {
 impl<'a> PathTracer<'a> {
     pub(crate) fn new(world: &'a World) -> Self {
         let truncation = Truncation::new(world.scene.integrator.subsurface_tail);
-        Self { world, prober: Prober::new(truncation, world.axis_shares) }
+        Self { world, prober: Prober::new(truncation, world.axis_probes) }
     }
 
     /// Light that arrives at the ray's origin along the ray.
@@ -297,7 +297,7 @@ impl<'a> PathTracer<'a> {
             subsurface: vertex.subsurface,
             importance: path.throughput,
         };
-        let Some(found) = self.prober.sample(&world.geometry, &exit, sampler.next_4d()) else { return false };
+        let Some(found) = self.prober.sample(&world.geometry, &exit, sampler) else { return false };
         path.throughput *= found.weight;
         let point = world.geometry.surface_point(&world.scene, &found.hit);
         let (index, material) = world.material(&point);

@@ -15,7 +15,7 @@ use crate::light::{EmissiveTriangle, LightSet};
 use crate::material::{self, Materials};
 use crate::path::{PathTracer, World};
 use crate::sampler::Sampler;
-use crate::subsurface::AXIS_SHARES;
+use crate::subsurface::AXIS_PROBES;
 use crate::triangle::Ray;
 
 /// A scene made ready to render: the hierarchy built, lights and materials tabulated.
@@ -61,7 +61,7 @@ impl Renderer {
         let lights = LightSet::new(&scene, emissive_triangles(&scene, &geometry), geometry.bounds());
         let materials = Materials::new(&scene);
         let camera = CameraRays::new(&scene.camera, &scene.film);
-        Self { world: World { scene, geometry, materials, lights, axis_shares: AXIS_SHARES }, camera }
+        Self { world: World { scene, geometry, materials, lights, axis_probes: AXIS_PROBES }, camera }
     }
 
     /// The scene as it was given.
@@ -150,11 +150,11 @@ impl Renderer {
         PathTracer::new(&self.world).trace(Ray::new(origin, direction), &mut sampler)
     }
 
-    /// Restricts subsurface probes to some axes, by shares of (tangent, tangent, normal) that sum to one.
+    /// Sets the probabilities, in [0, 1], of probing along (tangent, tangent, normal) at an exit point.
     /// Every choice has the same mean where no surface is parallel to all axes in use.
     #[must_use]
-    pub fn with_probe_axes(mut self, shares: [f32; 3]) -> Self {
-        self.world.axis_shares = shares;
+    pub fn with_probe_axes(mut self, probabilities: [f32; 3]) -> Self {
+        self.world.axis_probes = probabilities;
         self
     }
 }

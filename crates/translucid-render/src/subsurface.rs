@@ -1,19 +1,21 @@
 //! Where light that leaves at a point has entered: ray-traced probes.
 //!
-//! A probe is a segment through the neighborhood of the exit point P: along one of three axes, at a
+//! Probes are segments through the neighborhood of the exit point P: along each of three axes, at a
 //! distance r from P that is drawn from the profile of one of three channels.
-//! Every surface point x that it meets could have been found along each axis and by each channel; its
-//! density in area measure is the sum over all of them,
+//! Every surface point x that they meet could have been found along each axis and by each channel; the
+//! expected number of probes that find it, per area, is the sum over all of them,
 //!
 //! ```text
 //! p(x) = Σ_axis a_j |n·axis_j| Σ_channel q_c p_c(r_j) / (2π r_j),   p_c = 0 where |x − P| > R_m,c
 //! ```
 //!
-//! with r_j the distance of x from P *projected* along axis j, and its weight is R(|x − P|) / p(x)
-//! [Walter et al. and King et al. 2013, "BSSRDF Importance Sampling", combined over channels].
+//! with a_j the probability that axis j is probed and r_j the distance of x from P *projected* along it,
+//! and its weight is R(|x − P|) / p(x) [King et al. 2013, "BSSRDF Importance Sampling", with the axes as
+//! strategies of several samples each, combined over channels].
+//! One probe along one axis chosen at random would be cheaper, but misses the surface half of the time.
 //! The profile is cut at R_m, where all but a small tail of its energy is inside, and renormalized; the
 //! ball |x − P| ≤ R_m is the same for all axes, so the density is exact.
-//! All hits count: one is drawn in proportion to its weight and stands for their sum.
+//! All hits count: one of them is drawn in proportion to its weight and stands for their sum.
 
 use glam::Vec3;
 use translucid_profile::NormalizedDiffusionF32;
@@ -21,10 +23,11 @@ use translucid_profile::NormalizedDiffusionF32;
 use crate::Frame;
 use crate::geometry::{Geometry, Hit};
 use crate::material::Subsurface;
+use crate::sampler::Sampler;
 use crate::triangle::Ray;
 
-/// Shares of probes along the two tangents and the normal.
-pub(crate) const AXIS_SHARES: [f32; 3] = [0.25, 0.25, 0.5];
+/// Probabilities of probing along the two tangents and the normal.
+pub(crate) const AXIS_PROBES: [f32; 3] = [1.0, 1.0, 1.0];
 
 /// |n · axis| below which a hit is left out: its density would be rounding noise.
 const GRAZING: f32 = 1e-6;
@@ -68,48 +71,65 @@ pub(crate) struct Entry {
 /// Finds entry points; keeps its memory between calls.
 pub(crate) struct Prober {
     truncation: Truncation,
-    axis_shares: [f32; 3],
+    axis_probes: [f32; 3],
     hits: Vec<Hit>,
+    /// Weight of each hit, and the sum of importances up to it.
     weights: Vec<(Vec3, f32)>,
 }
 
 impl Prober {
-    pub(crate) fn new(truncation: Truncation, axis_shares: [f32; 3]) -> Self {
-        Self { truncation, axis_shares, hits: Vec::new(), weights: Vec::new() }
+    pub(crate) fn new(truncation: Truncation, axis_probes: [f32; 3]) -> Self {
+        Self { truncation, axis_probes, hits: Vec::new(), weights: Vec::new() }
     }
 
-    /// Draws an entry point; `None` where the probe meets nothing.
-    pub(crate) fn sample(&mut self, geometry: &Geometry, exit: &Exit, u: [f32; 4]) -> Option<Entry> {
+    /// Draws an entry point; `None` where the probes meet nothing.
+    pub(crate) fn sample(
+        &mut self,
+        geometry: &Geometry,
+        exit: &Exit,
+        sampler: &mut Sampler,
+    ) -> Option<Entry> {
         let channels = Channels::new(exit, &self.truncation)?;
-        let (channel, u0) = choose(channels.shares, u[0]);
-        let (axis, _) = choose(self.axis_shares, u0);
         let frame = Frame::from_normal(exit.normal);
-        let ray = probe_segment(exit, &frame, axis, &channels, channel, [u[1], u[2]]);
-        let hits = &mut self.hits;
-        hits.clear();
-        geometry.all_in_group(&ray, exit.group, |hit| hits.push(hit));
-        // The tree's order must not show in the picture.
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+        self.hits.clear();
         self.weights.clear();
         let mut sum = 0.0;
-        for hit in &self.hits {
-            let normal = geometry.normal(hit);
-            let weight = if frame.axis(axis).dot(normal).abs() < GRAZING {
-                Vec3::ZERO
-            } else {
-                let offset = geometry.position(hit) - exit.position;
-                channels.weight(frame.to_local(offset), frame.to_local(normal), self.axis_shares)
-            };
-            sum += (weight * exit.importance).element_sum();
-            self.weights.push((weight, sum));
+        let mut pick = 0.0;
+        for axis in 0..3 {
+            let u = sampler.next_4d();
+            pick = u[3];
+            if u[0] >= self.axis_probes[axis] {
+                continue;
+            }
+            let (channel, _) = choose(channels.shares, u[0] / self.axis_probes[axis]);
+            let first = self.hits.len();
+            let ray = probe_segment(exit, &frame, axis, &channels, channel, [u[1], u[2]]);
+            geometry.all_in_group(&ray, exit.group, |hit| self.hits.push(hit));
+            // The tree's order must not show in the picture.
+            self.hits[first..].sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+            for hit in &self.hits[first..] {
+                let normal = geometry.normal(hit);
+                let weight = if frame.axis(axis).dot(normal).abs() < GRAZING {
+                    Vec3::ZERO
+                } else {
+                    let offset = geometry.position(hit) - exit.position;
+                    channels.weight(frame.to_local(offset), frame.to_local(normal), self.axis_probes)
+                };
+                sum += (weight * exit.importance).element_sum();
+                self.weights.push((weight, sum));
+            }
         }
+        self.pick(pick * sum, exit.importance, sum)
+    }
+
+    /// The hit at which the running sum of importances passes `goal` stands for all of them.
+    fn pick(&self, goal: f32, importance: Vec3, sum: f32) -> Option<Entry> {
         if !(sum > 0.0 && sum.is_finite()) {
             return None;
         }
-        let goal = u[3] * sum;
         let index = self.weights.partition_point(|&(_, cumulative)| cumulative <= goal);
         let (weight, _) = *self.weights.get(index)?;
-        let own = (weight * exit.importance).element_sum();
+        let own = (weight * importance).element_sum();
         (own > 0.0).then(|| Entry { hit: self.hits[index], weight: weight * (sum / own) })
     }
 }
@@ -149,13 +169,13 @@ impl Channels {
     ///
     /// Both R and the densities go like 1/r: each is multiplied with |x − P|, so that they stay finite.
     /// The factors 2π and 1/(1 − tail) are in both and cancel.
-    fn weight(&self, offset: Vec3, normal: Vec3, axis_shares: [f32; 3]) -> Vec3 {
+    fn weight(&self, offset: Vec3, normal: Vec3, axis_probes: [f32; 3]) -> Vec3 {
         let squared = offset.length_squared();
         let distance = squared.sqrt();
         let inside = self.longest.to_array().map(|longest| distance <= longest);
         let mut density = 0.0;
         for axis in 0..3 {
-            let cosine = axis_shares[axis] * normal[axis].abs();
+            let cosine = axis_probes[axis] * normal[axis].abs();
             if cosine == 0.0 {
                 continue;
             }
