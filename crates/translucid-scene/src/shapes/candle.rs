@@ -13,7 +13,7 @@ pub(super) const CANDLE: &[ShapeParameter] = &[
     height(9.0),
     ShapeParameter::ratio("slenderness", "height over diameter", 1.6, 0.5, 6.0),
     ShapeParameter::count("seed", "varies drips and rim", 1.0, 0.0, 65535.0),
-    detail(170.0),
+    detail(120.0),
 ];
 
 /// Radius of the wax before scaling.

@@ -10,6 +10,7 @@ mod bust;
 mod candle;
 mod distance;
 mod fruit;
+mod furniture;
 mod grapes;
 mod lathe;
 mod noise;
@@ -58,6 +59,7 @@ const SHAPES: &[Shape] = &[
     Shape { name: "candle", meaning: "a candle's wax with molten rim and drips", parameters: candle::CANDLE, build: candle::candle },
     Shape { name: "wick", meaning: "a candle's wick; vertex colors", parameters: candle::WICK, build: candle::wick },
     Shape { name: "flame", meaning: "a candle's flame; vertex colors for its emission", parameters: candle::FLAME, build: candle::flame },
+    Shape { name: "table-top", meaning: "a board table's top, its upper side at y = 0; vertex colors", parameters: furniture::TABLE_TOP, build: furniture::table_top },
     Shape { name: "drinking-glass", meaning: "a tumbler with thick walls", parameters: tableware::DRINKING_GLASS, build: tableware::drinking_glass },
     Shape { name: "drink", meaning: "the contents of a drinking-glass", parameters: tableware::DRINK, build: tableware::drink },
 ];
