@@ -10,7 +10,7 @@ use crate::{Mesh, SceneError};
 
 pub(super) const BUST: &[ShapeParameter] = &[
     height(22.0),
-    detail(220.0),
+    detail(190.0),
     ShapeParameter::count("seed", "varies the veins", 1.0, 0.0, 65535.0),
     ShapeParameter::ratio("veins", "strength of the veins", 0.5, 0.0, 1.0),
 ];
@@ -146,6 +146,10 @@ fn figure(p: Vec3) -> f32 {
     blend(head, body, 0.9)
 }
 
+/// Surface albedo of white marble (H. W. Jensen et al., "A practical model for subsurface light transport",
+/// 2001, table 1, as the albedo of a half space).
+const MARBLE: Vec3 = Vec3::new(0.931, 0.913, 0.894);
+
 /// Grey veins where folded noise passes through zero, on a faintly clouded ground.
 fn marble(p: Vec3, seed: u32, strength: f32) -> Vec3 {
     let warp = Vec3::new(noise(0.25 * p, seed), noise(0.25 * p, seed + 1), noise(0.25 * p, seed + 2));
@@ -158,7 +162,7 @@ fn marble(p: Vec3, seed: u32, strength: f32) -> Vec3 {
     let veins = presence * (0.75 * vein(0.16, 0.035, seed + 3) + 0.4 * vein(0.34, 0.03, seed + 5)).min(1.0);
     let clouds = 0.5 + 0.5 * fractal_noise(0.3 * q, 3, seed + 7);
     let ground = Vec3::ONE.lerp(Vec3::new(0.955, 0.955, 0.96), strength * clouds);
-    ground.lerp(Vec3::new(0.62, 0.64, 0.68), strength * veins)
+    MARBLE * ground.lerp(Vec3::new(0.62, 0.64, 0.68), strength * veins)
 }
 
 pub(super) fn bust(values: &Values) -> Result<Mesh, SceneError> {

@@ -13,7 +13,7 @@ pub(super) const CANDLE: &[ShapeParameter] = &[
     height(9.0),
     ShapeParameter::ratio("slenderness", "height over diameter", 1.6, 0.5, 6.0),
     ShapeParameter::count("seed", "varies drips and rim", 1.0, 0.0, 65535.0),
-    detail(120.0),
+    detail(100.0),
 ];
 
 /// Radius of the wax before scaling.
@@ -77,7 +77,7 @@ pub(super) fn wick(values: &Values) -> Result<Mesh, SceneError> {
 pub(super) const FLAME: &[ShapeParameter] = &[
     height(3.0),
     ShapeParameter::ratio("width", "width over height", 0.3, 0.05, 1.0),
-    ShapeParameter::count("segments", "pieces around the axis", 24.0, 6.0, 1024.0),
+    ShapeParameter::count("segments", "pieces around the axis", 12.0, 6.0, 1024.0),
 ];
 
 /// A teardrop.

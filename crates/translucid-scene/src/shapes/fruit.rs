@@ -120,7 +120,7 @@ fn orange_peel_color(p: Vec3, seed: u32) -> Vec3 {
     skin.lerp(srgb(0x6c6a34), stalk)
 }
 
-pub(super) const ORANGE: &[ShapeParameter] = &[height(7.4), detail(120.0), SEED];
+pub(super) const ORANGE: &[ShapeParameter] = &[height(7.4), detail(96.0), SEED];
 
 pub(super) fn orange(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
@@ -205,7 +205,7 @@ pub(super) fn orange_half(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt(&Sculpture { bounds, distance, color }, values))
 }
 
-pub(super) const MELON_SLICE: &[ShapeParameter] = &[height(5.2), detail(170.0), SEED];
+pub(super) const MELON_SLICE: &[ShapeParameter] = &[height(5.2), detail(110.0), SEED];
 
 /// A wedge of watermelon lying on its rind's edge: red flesh, pale and green rind, dark seeds.
 pub(super) fn melon_slice(values: &Values) -> Result<Mesh, SceneError> {

@@ -15,7 +15,7 @@ pub(super) const TABLE_TOP: &[ShapeParameter] = &[
     ShapeParameter::length("thickness", "length along y, downward from 0", 3.0),
     ShapeParameter::length_or_zero("edge_radius", "rounding of the edges", 0.4),
     ShapeParameter::count("boards", "number of boards side by side", 4.0, 1.0, 64.0),
-    ShapeParameter::count("detail", "grid cells across the grain", 640.0, 8.0, 4096.0),
+    ShapeParameter::count("detail", "grid cells across the grain", 480.0, 8.0, 4096.0),
     ShapeParameter::count("seed", "varies the grain", 1.0, 0.0, 65535.0),
 ];
 

@@ -7,7 +7,7 @@ use super::parameters::{ShapeParameter, Values};
 use super::sculpture::{Sculpture, detail, height, sculpt, srgb};
 use crate::{Mesh, SceneError};
 
-pub(super) const DUCK: &[ShapeParameter] = &[height(6.4), detail(140.0)];
+pub(super) const DUCK: &[ShapeParameter] = &[height(6.4), detail(100.0)];
 
 /// Center of the duck's head.
 const HEAD: Vec3 = Vec3::new(0.0, 4.55, 1.25);
@@ -63,7 +63,7 @@ pub(super) const BRICK: &[ShapeParameter] = &[
     height(2.2),
     ShapeParameter::count("columns", "studs along x", 4.0, 1.0, 8.0),
     ShapeParameter::count("rows", "studs along z", 2.0, 1.0, 8.0),
-    detail(130.0),
+    detail(90.0),
 ];
 
 /// Distance between studs in units of the brick's own design.
