@@ -27,6 +27,7 @@ mod repair;
 mod scene;
 mod settings;
 mod shapes;
+mod still_life;
 #[cfg(test)]
 mod test_assets;
 mod texture;
@@ -50,4 +51,5 @@ pub use shapes::{
     FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_meaning,
     shape_names, shape_parameters,
 };
+pub use still_life::still_life;
 pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};

@@ -183,8 +183,12 @@ pub(super) fn orange_half(values: &Values) -> Result<Mesh, SceneError> {
     };
     let distance = move |p: Vec3| {
         let body = orange_skin(p, seed);
-        if p.y < -0.4 {
+        // Away from the cut face its relief does not matter.
+        if p.y < -0.4 || body > 0.5 {
             return body;
+        }
+        if p.y > 0.5 {
+            return body.max(p.y);
         }
         let face = cut_face(p, wedges, seed);
         let relief = pulp_amount(&face) * (0.05 - 0.05 * sacs(p, &face)) - 0.03;

@@ -16,7 +16,7 @@ pub(super) struct Sculpture<D, C> {
     pub(super) color: C,
 }
 
-impl<D: Fn(Vec3) -> f32, C: Fn(Vec3, Vec3) -> Vec3> Solid for Sculpture<D, C> {
+impl<D: Fn(Vec3) -> f32 + Sync, C: Fn(Vec3, Vec3) -> Vec3 + Sync> Solid for Sculpture<D, C> {
     fn bounds(&self) -> [Vec3; 2] {
         self.bounds
     }

@@ -12,11 +12,12 @@
 //! ```
 
 use glam::{IVec3, Vec3};
+use rayon::prelude::*;
 
 use crate::Mesh;
 
 /// A solid with a distance function and a color for each of its points.
-pub(super) trait Solid {
+pub(super) trait Solid: Sync {
     /// Two opposite corners of a box that contains the solid.
     fn bounds(&self) -> [Vec3; 2];
 
@@ -42,6 +43,7 @@ pub(super) fn mesh_solid(solid: &impl Solid, cells: usize) -> Mesh {
     nets.evaluate_nodes();
     while nets.fill_ambiguous_faces() {}
     nets.place_vertices();
+    nets.settle_vertices();
     nets.connect();
     nets.mend_creases();
     nets.separate_folds();
@@ -54,6 +56,13 @@ pub(super) fn mesh_solid(solid: &impl Solid, cells: usize) -> Mesh {
 struct Pieces {
     first: u32,
     of_edge: [u8; 12],
+}
+
+/// Where a vertex begins: its cell, the mean of the crossings within it, and whether it is the only one there.
+struct Start {
+    cell: IVec3,
+    offset: Vec3,
+    alone: bool,
 }
 
 /// What surrounds a vertex: sums over its triangles, and the least cosine between their normals and its own.
@@ -78,6 +87,7 @@ struct Nets<'a, S: Solid> {
     /// Index into `pieces` of each cell, or `NONE`.
     pieces_of_cell: Vec<u32>,
     pieces: Vec<Pieces>,
+    starts: Vec<Start>,
     mesh: Mesh,
 }
 
@@ -99,6 +109,7 @@ impl<'a, S: Solid> Nets<'a, S> {
             blocks: Vec::new(),
             pieces_of_cell: vec![NONE; count(size)],
             pieces: Vec::new(),
+            starts: Vec::new(),
             mesh: Mesh::default(),
         }
     }
@@ -121,14 +132,21 @@ impl<'a, S: Solid> Nets<'a, S> {
         for corner in grid(self.size / COARSE) {
             self.visit_block(corner * COARSE, COARSE);
         }
+        let mut wanted = Vec::new();
         for block in 0..self.blocks.len() {
             for offset in grid(IVec3::splat(BLOCK + 1)) {
                 let node = self.blocks[block] + offset;
                 let index = self.node_index(node);
                 if self.nodes[index].is_nan() {
-                    self.nodes[index] = self.solid.distance(self.position(node));
+                    self.nodes[index] = f32::INFINITY;
+                    wanted.push((index, node));
                 }
             }
+        }
+        let values: Vec<f32> =
+            wanted.par_iter().map(|&(_, node)| self.solid.distance(self.position(node))).collect();
+        for ((index, _), value) in wanted.into_iter().zip(values) {
+            self.nodes[index] = value;
         }
     }
 
@@ -196,7 +214,7 @@ impl<'a, S: Solid> Nets<'a, S> {
 
     fn place_cell(&mut self, cell: IVec3, corners: &[f32; 8], inside: u8) {
         let of_edge = pieces_of_edges(inside);
-        let first = self.mesh.positions.len() as u32;
+        let first = self.starts.len() as u32;
         let index = self.cell_index(cell);
         self.pieces_of_cell[index] = self.pieces.len() as u32;
         self.pieces.push(Pieces { first, of_edge });
@@ -209,11 +227,21 @@ impl<'a, S: Solid> Nets<'a, S> {
             }
             // Two pieces in a cell must not be moved into one place.
             let alone = of_edge.iter().all(|&other| other == piece || other == 12);
-            let low = self.position(cell);
-            let (settled, normal) = self.settle(low, low + self.cell * (sum / count));
-            self.mesh.positions.push(if alone { settled } else { low + self.cell * (sum / count) });
-            self.mesh.normals.push(normal);
+            self.starts.push(Start { cell, offset: sum / count, alone });
         }
+    }
+
+    /// Moves all vertices onto the surface.
+    fn settle_vertices(&mut self) {
+        let settled: Vec<(Vec3, Vec3)> = self.starts.par_iter().map(|start| self.settled(start)).collect();
+        (self.mesh.positions, self.mesh.normals) = settled.into_iter().unzip();
+    }
+
+    fn settled(&self, start: &Start) -> (Vec3, Vec3) {
+        let low = self.position(start.cell);
+        let guess = low + self.cell * start.offset;
+        let (settled, normal) = self.settle(low, guess);
+        (if start.alone { settled } else { guess }, normal)
     }
 
     /// Moves a point onto the surface by two Newton steps without leaving its cell, and gives the normal.
@@ -334,10 +362,8 @@ impl<'a, S: Solid> Nets<'a, S> {
 
     fn color(&mut self) {
         let Mesh { positions, normals, colors, .. } = &mut self.mesh;
-        colors.extend(positions.iter().zip(normals.iter()).map(|(&p, &n)| {
-            let color = self.solid.color(p, n);
-            color.clamp(Vec3::ZERO, Vec3::ONE)
-        }));
+        let points = positions.par_iter().zip(normals.par_iter());
+        *colors = points.map(|(&p, &n)| self.solid.color(p, n).clamp(Vec3::ZERO, Vec3::ONE)).collect();
     }
 }
 
