@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, load_scene};
+use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, load_scene, still_life};
 
 use crate::failure::Failure;
 use crate::model::Model;
@@ -164,8 +164,7 @@ fn built_in(arguments: &Arguments, options: &LoadOptions) -> Result<Scene, Failu
             return Err(Failure::input(format!("{option} needs a scene or a mesh")));
         }
     }
-    let _ = options;
-    Err(Failure::input("there is no scene").with_help("name a scene file or a mesh"))
+    Ok(still_life(options)?)
 }
 
 fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
