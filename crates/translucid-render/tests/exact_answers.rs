@@ -208,7 +208,14 @@ fn each_probe_axis_alone_has_the_same_mean() {
     let inclined = quad(normal * h, side * 1e3, normal.cross(side) * 1e3);
     // The exit face is small, so that the inclined plane does not cut it where probes look.
     let face = quad(Vec3::ZERO, Vec3::X * 1e-3, Vec3::Y * 1e-3);
-    for shares in [[1.0, 1.0, 1.0], [0.25, 0.25, 0.5], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]] {
+    for shares in [
+        [1.0, 1.0, 1.0],
+        [0.25, 0.25, 1.0],
+        [0.25, 0.25, 0.5],
+        [1.0, 0.0, 0.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, 1.0],
+    ] {
         let mut scene = scene(vec![face.clone(), inclined.clone()], translucent());
         scene.lights.push(distant(normal));
         let tail = f64::from(scene.integrator.subsurface_tail);
