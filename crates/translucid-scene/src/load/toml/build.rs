@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::input::ImageRequest;
 use super::interval::Interval;
 use super::object::{Geometry, ObjectEntry};
-use super::{LARGEST_FILE, SceneFile};
+use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::frame_mesh::Frame;
 use crate::load::model::{Model, scale_lengths, shift_images};
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, read_file};
@@ -35,6 +35,7 @@ impl SceneFile {
         let overrides = resolve_overrides(&self.objects, &options.mesh_overrides)?;
         let mut builder = Builder {
             unit: self.unit,
+            grouping: self.grouping,
             objects: Vec::new(),
             images: load_images(&self.images, warnings)?,
             lights: self.lights,
@@ -139,6 +140,8 @@ fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
 #[derive(PartialEq, Eq, Hash)]
 enum Group {
     Named(String),
+    /// Index of the material.
+    Material(usize),
     /// Entry of the scene file and group within the mesh file.
     Own(usize, u32),
 }
@@ -151,6 +154,7 @@ struct LoadedModel {
 
 struct Builder<'a> {
     unit: Unit,
+    grouping: Grouping,
     objects: Vec<Object>,
     materials: Vec<Material>,
     default_material: Option<usize>,
@@ -257,6 +261,7 @@ impl Builder<'_> {
         repair_mesh(&mut mesh, &entry.place, self.warnings)?;
         let group = match &entry.subsurface_group {
             Some(name) => Group::Named(name.clone()),
+            None if self.grouping == Grouping::Material => Group::Material(material),
             None => Group::Own(index, model_group),
         };
         let next = self.groups.len() as u32;

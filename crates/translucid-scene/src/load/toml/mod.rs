@@ -27,7 +27,29 @@ pub(super) const LARGEST_FILE: u64 = 16 << 20;
 /// Most entries of each list: objects, materials, lights.
 const MOST_ENTRIES: usize = 65_536;
 
-const KEYS: &[&str] = &["unit", "camera", "film", "integrator", "material", "object", "light", "environment"];
+const KEYS: &[&str] = &[
+    "unit",
+    "subsurface_grouping",
+    "camera",
+    "film",
+    "integrator",
+    "material",
+    "object",
+    "light",
+    "environment",
+];
+
+/// Which objects share light under the surface where they name no group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Grouping {
+    /// None: each is a body of its own.
+    #[default]
+    Object,
+    /// All of the same material.
+    Material,
+}
+
+const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("material", Grouping::Material)];
 
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
@@ -36,6 +58,7 @@ const KEYS: &[&str] = &["unit", "camera", "film", "integrator", "material", "obj
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     unit: Unit,
+    grouping: Grouping,
     camera: Option<Camera>,
     film: Film,
     integrator: Integrator,
@@ -80,6 +103,7 @@ impl SceneFile {
         let lights = root.tables("light", MOST_ENTRIES)?;
         Ok(Self {
             unit,
+            grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
             camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
             film: film.map_or(Ok(Film::default()), |table| settings::read_film(&table))?,
             integrator: integrator

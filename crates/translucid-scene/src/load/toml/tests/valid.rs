@@ -186,6 +186,21 @@ fn object_shape_parameters_reach_the_shape() {
 }
 
 #[test]
+fn objects_share_subsurface_scattering_by_material_on_request() {
+    let object = |keys: &str| format!("[[object]]\nshape = \"box\"\n{keys}\n");
+    let (wax, milk) = ("material = \"wax\"", "material = \"milk\"");
+    let named = "material = \"wax\"\nsubsurface_group = \"apart\"";
+    let objects: String = [wax, milk, wax, named].map(object).concat();
+    let groups = |grouping: &str| -> Vec<u32> {
+        let materials = "[[material]]\nname = \"wax\"\n[[material]]\nname = \"milk\"\n";
+        let scene = load(&format!("unit = \"mm\"\n{grouping}\n{materials}{objects}"));
+        scene.objects.iter().map(|object| object.subsurface_group).collect()
+    };
+    assert_eq!(groups("subsurface_grouping = \"material\""), [0, 1, 0, 2]);
+    assert_eq!(groups(""), [0, 1, 2, 3]);
+}
+
+#[test]
 fn objects_share_subsurface_scattering_by_group_name() {
     let object = |group: &str| format!("[[object]]\nshape = \"box\"\n{group}\n");
     let (a, b) = ("subsurface_group = \"a\"", "subsurface_group = \"b\"");
