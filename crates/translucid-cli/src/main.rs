@@ -4,6 +4,7 @@
 //! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
 
 mod failure;
+mod interrupt;
 mod machine;
 mod messages;
 mod model;

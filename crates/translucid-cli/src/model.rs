@@ -6,6 +6,7 @@ use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
 
 use crate::failure::Failure;
 use crate::messages;
+use crate::table::exact;
 
 /// Every model that the command's contract names; those that are not available yet are not listed by
 /// `--help`, but known.
@@ -118,7 +119,7 @@ impl ModelArguments {
         NormalizedDiffusion::new(self.surface_albedo, length, parameterization, configuration).map_err(
             |error| {
                 let name = if error.parameter == "surface_albedo" { "--surface-albedo" } else { option };
-                let message = format!("{name} is {}, but must be {}", error.value, error.allowed);
+                let message = format!("{name} is {}, but must be {}", exact(error.value), error.allowed);
                 if length == 0.0 && name == option {
                     let help =
                         "length 0 is a Lambertian surface: light leaves where it enters, there is no profile";
@@ -146,6 +147,7 @@ impl ModelArguments {
         if found == fitted {
             return Ok(());
         }
+        let found = exact(found);
         let message = format!("{option} is {found}, but normalized-diffusion is fitted for {fitted} only");
         Err(Failure::input(message)
             .with_help(format!("the model's coefficients were fitted to {meaning}; leave {option} out")))

@@ -1,5 +1,7 @@
 //! The files of a rendering.
 
+use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 
 use translucid_render::{FilmSums, ImageInfo, OutputError, check_writable, write_exr, write_png};
@@ -38,10 +40,13 @@ impl Outputs {
     }
 
     /// Both images in the current directory.
-    pub(crate) fn from_stem(stem: &str) -> Self {
-        let exr = PathBuf::from(format!("{stem}.exr"));
-        let png = PathBuf::from(format!("{stem}.png"));
-        Self { exr: Some(exr), png, checkpoint: format!("{stem}.exr.checkpoint").into() }
+    pub(crate) fn from_stem(stem: &OsStr) -> Self {
+        let file = |end: &str| {
+            let mut name = stem.to_owned();
+            name.push(end);
+            PathBuf::from(name)
+        };
+        Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
     }
 
     /// The image files.
@@ -52,6 +57,19 @@ impl Outputs {
     /// Finds out before the work whether its result can be written.
     pub(crate) fn check(&self) -> Result<(), OutputError> {
         self.images().chain([self.checkpoint.as_path()]).try_for_each(check_writable)
+    }
+
+    /// Refuses to write over a file that the scene was read from, whatever paths both go by.
+    pub(crate) fn spare<'a>(&self, inputs: impl Iterator<Item = &'a Path>) -> Result<(), OutputError> {
+        let inputs: Vec<PathBuf> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
+        let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path));
+        match self.images().chain([self.checkpoint.as_path()]).find(|path| is_input(path)) {
+            Some(path) => {
+                let message = "is a file that the scene is read from, and would be written over";
+                Err(OutputError::new(path, message).with_help("name another picture with -o FILE"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Writes the images.
@@ -87,7 +105,7 @@ mod tests {
 
     #[test]
     fn outputs_of_a_stem_keep_its_dots() {
-        let outputs = Outputs::from_stem("head.v2");
+        let outputs = Outputs::from_stem(OsStr::new("head.v2"));
         assert_eq!(
             outputs.images().collect::<Vec<_>>(),
             [Path::new("head.v2.exr"), Path::new("head.v2.png")]

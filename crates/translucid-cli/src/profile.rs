@@ -4,7 +4,7 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::model::ModelArguments;
-use crate::table::TableArguments;
+use crate::table::{TableArguments, exact};
 
 const EXAMPLES: &str = "\
 Columns: r, reflectance R(r) per area, enclosed = integral of R 2 pi r' dr' from 0 to r.
@@ -67,5 +67,6 @@ fn require_radius(option: &str, r: f64) -> Result<(), Failure> {
     if r >= 0.0 && r.is_finite() {
         return Ok(());
     }
+    let r = exact(r);
     Err(Failure::input(format!("{option} has the radius {r}, but radii must be finite and at least 0")))
 }

@@ -1,5 +1,6 @@
 //! `translucid render`: a scene or mesh becomes a picture.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -106,6 +107,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     outputs.check()?;
     let start = Instant::now();
     let scene = scene(arguments)?;
+    outputs.spare(inputs(arguments, &scene))?;
     if arguments.verbose {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
         let seconds = start.elapsed().as_secs_f64();
@@ -182,6 +184,13 @@ fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
     })
 }
 
+/// The files that a picture of the scene must not replace.
+fn inputs<'a>(arguments: &'a Arguments, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
+    let images = scene.images.iter().filter_map(|image| image.path.as_deref());
+    let meshes = arguments.mesh.iter().map(|(_, path)| path.as_path());
+    arguments.scene.as_deref().into_iter().chain(meshes).chain(images)
+}
+
 fn scene_name(arguments: &Arguments) -> String {
     arguments
         .scene
@@ -192,10 +201,8 @@ fn scene_name(arguments: &Arguments) -> String {
 fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
     match (&arguments.output, &arguments.scene) {
         (Some(path), _) => Outputs::from_option(path),
-        (None, Some(scene)) => {
-            Ok(Outputs::from_stem(&scene.file_stem().unwrap_or_default().to_string_lossy()))
-        }
-        (None, None) => Ok(Outputs::from_stem("still-life")),
+        (None, Some(scene)) => Ok(Outputs::from_stem(scene.file_stem().unwrap_or_default())),
+        (None, None) => Ok(Outputs::from_stem(OsStr::new("still-life"))),
     }
 }
 

@@ -1,7 +1,6 @@
 //! A rendering from start to end: threads, checkpoints, Ctrl-C, files.
 
 use std::fs;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use translucid_render::{
@@ -12,16 +11,13 @@ use translucid_scene::Scene;
 use crate::failure::Failure;
 use crate::outputs::Outputs;
 use crate::progress::{Meter, duration};
-use crate::{machine, messages};
+use crate::{interrupt, machine, messages};
 
 /// Time between two checkpoints: what a power cut may cost.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 /// Memory that a pixel takes: its sums, and while it is written its values in all channels.
 pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 64;
-
-/// Set by the first Ctrl-C.
-static STOP: AtomicBool = AtomicBool::new(false);
 
 /// How a scene is to be rendered, besides its own settings.
 #[derive(Debug)]
@@ -48,7 +44,7 @@ pub(crate) fn render(scene: Scene, session: &Session) -> Result<(), Failure> {
         .num_threads(session.threads)
         .build()
         .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
-    catch_interrupts()?;
+    interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
     pool.install(|| {
         let start = Instant::now();
         let renderer = Renderer::new(scene);
@@ -59,17 +55,6 @@ pub(crate) fn render(scene: Scene, session: &Session) -> Result<(), Failure> {
         let work = Work::start(&renderer, session)?;
         work.finish()
     })
-}
-
-/// The first Ctrl-C asks the rendering to stop, the second ends the process at once.
-fn catch_interrupts() -> Result<(), Failure> {
-    ctrlc::set_handler(|| {
-        if STOP.swap(true, Ordering::Relaxed) {
-            std::process::exit(1);
-        }
-        messages::line("\nstopping; press Ctrl-C again to lose the work");
-    })
-    .map_err(|error| Failure::work(format!("cannot catch Ctrl-C: {error}")))
 }
 
 /// A film on its way.
@@ -135,7 +120,7 @@ impl<'a> Work<'a> {
                 &mut self.film,
                 goal,
                 &|progress| meter.update(progress.samples_done, progress.samples_total),
-                &STOP,
+                &interrupt::STOP,
             );
             let time_is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
             if outcome != Outcome::TimeUp || time_is_up {

@@ -2,11 +2,13 @@
 
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use translucid_render::write_atomically;
 
 use crate::failure::Failure;
+use crate::interrupt;
 
 /// Where a table goes, and how.
 #[derive(Args, Debug)]
@@ -59,7 +61,31 @@ impl TableArguments {
         rows: impl Iterator<Item = [f64; N]>,
     ) -> Result<(), Failure> {
         translucid_render::check_writable(path)?;
-        write_atomically(path, |out| write_rows(out, self.format, columns, rows)).map_err(Failure::late)
+        interrupt::catch("\nstopping")?;
+        let written = write_atomically(path, |out| write_rows(&mut Guarded(out), self.format, columns, rows));
+        match written {
+            Err(_) if interrupt::STOP.load(Ordering::Relaxed) => {
+                Err(Failure::Interrupted { help: format!("{} was not written", path.display()) })
+            }
+            other => other.map_err(Failure::late),
+        }
+    }
+}
+
+/// A writer that fails once Ctrl-C was pressed, so that an unfinished file goes away.
+struct Guarded<W>(W);
+
+impl<W: Write> Write for Guarded<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if interrupt::STOP.load(Ordering::Relaxed) {
+            // Not `ErrorKind::Interrupted`, which callers answer by trying again.
+            return Err(io::Error::other("interrupted"));
+        }
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
     }
 }
 

@@ -225,3 +225,72 @@ fn preset_list_is_a_table() {
         assert!(table.lines().any(|line| line.starts_with(name)), "{table}");
     }
 }
+
+/// A picture that the scene reads: the image stays as it is, whatever name leads to it.
+#[test]
+fn render_never_writes_over_its_inputs() {
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q --spp 1 -o bark.png");
+    let scene =
+        BALL.replace("subsurface_color = [0.8, 0.5, 0.3]", "subsurface_color = { file = \"bark.png\" }");
+    fs::write(directory.join("bark.toml"), &scene).unwrap();
+    let gltf = r#"{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0,"TEXCOORD_0":1},"material":0}]}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3","min":[0,0,0],"max":[1,1,0]},
+                     {"bufferView":0,"componentType":5126,"count":3,"type":"VEC2"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"uri":"bark.bin","byteLength":36}],
+        "textures":[{"source":0}],"images":[{"uri":"bark.png"}],
+        "materials":[{"pbrMetallicRoughness":{"baseColorTexture":{"index":0}}}]}"#;
+    fs::write(directory.join("bark.gltf"), gltf).unwrap();
+    let corners: [f32; 9] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0];
+    let bytes: Vec<u8> = corners.iter().flat_map(|x| x.to_le_bytes()).collect();
+    fs::write(directory.join("bark.bin"), bytes).unwrap();
+    let triangle = "mtllib bark.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n";
+    fs::write(directory.join("bark.obj"), triangle).unwrap();
+    fs::write(directory.join("bark.mtl"), "newmtl a\nmap_Kd bark.png\n").unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(directory.join("bark.png"), directory.join("link.png")).unwrap();
+    let before = fs::read(directory.join("bark.png")).unwrap();
+    let files_before = files(&directory);
+    for words in [
+        "render bark.toml --spp 2",
+        "render bark.toml --spp 2 -o ./bark.png",
+        "render bark.gltf --spp 2 --size 8x8",
+        "render bark.obj --spp 2 --size 8x8",
+        #[cfg(unix)]
+        "render bark.toml --spp 2 -o link.png",
+    ] {
+        let output = run(&directory, words);
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
+        assert!(stderr(&output).contains("written over"), "{words}: {}", stderr(&output));
+        assert_eq!(fs::read(directory.join("bark.png")).unwrap(), before, "{words}");
+        assert_eq!(files(&directory), files_before, "{words}");
+    }
+    stdout(&directory, "render bark.toml -q --spp 1 -o other.png");
+}
+
+#[test]
+fn output_names_that_cannot_be_are_refused_before_the_work() {
+    let (_keep, directory) = directory_with_ball();
+    let long = "x".repeat(300);
+    for output in [format!("{long}.png"), String::from("ball.exr/"), String::from("/dev/stdout.png")] {
+        let output = run(&directory, &format!("render ball.toml -o {output}"));
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert_eq!(files(&directory), ["ball.toml"]);
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn names_that_are_not_unicode_are_kept() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let (_keep, directory) = directory_with_ball();
+    let path = |end: &str| directory.join(OsStr::from_bytes(&[b"b\xff", end.as_bytes()].concat()));
+    fs::write(path(".toml"), BALL).unwrap();
+    let output =
+        translucid(&directory).args(["render", "-q", "--spp", "1"]).arg(path(".toml")).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(path(".exr").exists() && path(".png").exists());
+}

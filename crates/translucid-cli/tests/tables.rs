@@ -127,6 +127,30 @@ fn reader_that_leaves_early_is_no_error() {
     assert_eq!(stderr(&output), "");
 }
 
+#[cfg(unix)]
+#[test]
+fn interrupted_table_leaves_no_file() {
+    use std::process::Command;
+    use std::time::{Duration, Instant};
+
+    let directory = tempfile::tempdir().unwrap();
+    let words = format!("sample {MODEL} --count 1000000000000 -o radii.csv");
+    let child =
+        translucid(directory.path()).args(words.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
+    // Once a part of the file is there Ctrl-C is caught.
+    let start = Instant::now();
+    let grows = |entry: std::fs::DirEntry| entry.metadata().is_ok_and(|found| found.len() > 0);
+    while !std::fs::read_dir(directory.path()).unwrap().any(|entry| entry.is_ok_and(grows)) {
+        assert!(start.elapsed() < Duration::from_secs(60), "nothing is written");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("radii.csv was not written"), "{}", stderr(&output));
+    assert!(common::files(directory.path()).is_empty());
+}
+
 /// Every wrong command line: exit code 2, nothing on stdout, and the message names what is in brackets.
 #[test]
 fn wrong_options_are_refused_with_a_reason() {
@@ -141,6 +165,12 @@ fn wrong_options_are_refused_with_a_reason() {
         ("profile --surface-albedo 0.8 --mfp -1 --at 1", "--mfp is -1"),
         ("profile --surface-albedo 0.8 --mfp inf --at 1", "--mfp is inf"),
         ("profile --surface-albedo 0.8 --dmfp 0 --at 1", "Lambertian"),
+        ("profile --surface-albedo 0.5 --mfp 1e300 --at 1", "--mfp is 1e300, "),
+        ("profile --surface-albedo 0.5 --mfp 1 --at ,", "--at"),
+        ("profile --surface-albedo 0.5 --mfp 1 --at -1e300", "radius -1e300,"),
+        ("profile --surface-albedo 0.5 --mfp 1 --points 3 --max inf", "--max"),
+        ("sample --surface-albedo 0.5 --mfp 1 --count 1 -o /dev/null", "not a regular file"),
+        ("sample --surface-albedo 0.5 --mfp 1 --count 1 -o .", "does not name a file"),
         ("profile --surface-albedo zero --mfp 1 --at 1", "zero"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1,-2", "-2"),
         ("profile --surface-albedo 0.8 --mfp 1 --at nan", "NaN"),

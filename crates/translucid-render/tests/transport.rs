@@ -165,6 +165,7 @@ fn normal_map_tilts_the_shading_normal() {
     let mut scene = scene(vec![mesh], matte(Vec3::ONE));
     scene.images.push(Image {
         name: "tilt".into(),
+        path: None,
         width: 1,
         height: 1,
         color_space: ColorSpace::Linear,

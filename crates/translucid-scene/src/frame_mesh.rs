@@ -59,61 +59,64 @@ impl Frame {
     }
 
     /// A soft key from the upper left and a strong rim from behind on the right, which shines through.
+    ///
+    /// The rim is a sphere: a rectangle behind the meshes would leave the backdrop behind its own plane
+    /// dark, with an edge across the picture.
     pub(crate) fn lights(&self) -> Vec<Light> {
+        let (key, toward_key) = self.place(-58.0, 40.0, 4.0);
+        let across = DVec3::Y.cross(-toward_key).normalize_or(DVec3::X);
+        let size = 3.2 * self.radius;
+        let (rim, _) = self.place(146.0, 42.0, 5.0);
         vec![
-            self.light(&LightPlan {
-                azimuth: -50.0,
-                elevation: 40.0,
-                distance: 4.0,
-                size: 2.2,
-                radiance: Vec3::new(8.0, 7.7, 7.2),
-            }),
-            self.light(&LightPlan {
-                azimuth: 145.0,
-                elevation: 32.0,
-                distance: 3.5,
-                size: 1.4,
-                radiance: Vec3::new(23.0, 22.0, 20.0),
-            }),
+            Light::Rectangle {
+                center: key.as_vec3(),
+                edge_x: (size * across).as_vec3(),
+                edge_y: (size * (-toward_key).cross(across)).as_vec3(),
+                radiance: Vec3::new(6.6, 6.4, 6.1),
+                visible: false,
+            },
+            Light::Sphere {
+                center: rim.as_vec3(),
+                radius: (1.1 * self.radius) as f32,
+                radiance: Vec3::new(92.0, 87.0, 79.0),
+                visible: false,
+            },
         ]
     }
 
     /// Dim light from all around, so that no shadow is black.
     pub(crate) fn environment(&self) -> Environment {
         Environment {
-            radiance: Vec3::new(0.20, 0.21, 0.23),
+            radiance: Vec3::new(0.16, 0.17, 0.19),
             image: None,
             world_from_environment: glam::Mat3::IDENTITY,
             visible: true,
         }
     }
 
-    /// A neutral floor a little below the meshes, curving up to a wall behind them.
+    /// A dark neutral sweep: a floor a little below the meshes that curves up to a wall behind them, so wide
+    /// that the rim light fades over it without an edge.
     pub(crate) fn backdrop(&self) -> (Mesh, Material) {
         let material = Material {
             name: String::from("backdrop"),
-            base_color: ColorInput::constant(Vec3::new(0.30, 0.30, 0.31)),
+            base_color: ColorInput::constant(Vec3::splat(0.085)),
             specular_weight: ScalarInput::constant(0.0),
             ..Material::default()
         };
         (self.backdrop_mesh(), material)
     }
 
-    fn light(&self, plan: &LightPlan) -> Light {
+    /// A point about the meshes, and the unit direction to it from their middle.
+    ///
+    /// `azimuth` is about y from the camera, positive to its right, `elevation` above the horizon, both in
+    /// degrees; `distance` is in the frame's radius.
+    fn place(&self, azimuth: f64, elevation: f64, distance: f64) -> (DVec3, DVec3) {
         let horizontal = horizontal_of(self.to_camera);
-        let (sine, cosine) = plan.azimuth.to_radians().sin_cos();
         let right = DVec3::Y.cross(horizontal);
-        let (height, reach) = plan.elevation.to_radians().sin_cos();
+        let (sine, cosine) = azimuth.to_radians().sin_cos();
+        let (height, reach) = elevation.to_radians().sin_cos();
         let outward = reach * (cosine * horizontal + sine * right) + height * DVec3::Y;
-        let across = DVec3::Y.cross(-outward).normalize_or(DVec3::X);
-        let size = plan.size * self.radius;
-        Light::Rectangle {
-            center: (self.center + plan.distance * self.radius * outward).as_vec3(),
-            edge_x: (size * across).as_vec3(),
-            edge_y: (size * (-outward).cross(across)).as_vec3(),
-            radiance: plan.radiance,
-            visible: false,
-        }
+        (self.center + distance * self.radius * outward, outward)
     }
 
     /// A strip across the view with the profile floor, quarter circle, wall.
@@ -138,29 +141,22 @@ impl Frame {
     }
 }
 
-/// A light as seen from the camera; lengths in the frame's radius, angles in degrees.
-struct LightPlan {
-    /// About y from the camera, positive to its right.
-    azimuth: f64,
-    elevation: f64,
-    distance: f64,
-    size: f64,
-    radiance: Vec3,
-}
-
 /// Points (distance behind the center, height) and normals of the backdrop, from before the camera
 /// to the top of the wall, in the frame's radius.
 fn backdrop_profile() -> Vec<([f64; 2], [f64; 2])> {
-    const STEPS: i32 = 24;
+    const STEPS: i32 = 32;
     const FRONT: f64 = -60.0;
-    const BEND: f64 = 8.0;
+    /// Where the floor begins to rise.
+    const START: f64 = 3.0;
+    /// Radius of the curve.
+    const BEND: f64 = 9.0;
     const TOP: f64 = 60.0;
     let mut profile = vec![([FRONT, 0.0], [0.0, 1.0])];
     for step in 0..=STEPS {
         let (sine, cosine) = (std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(STEPS)).sin_cos();
-        profile.push(([BEND + BEND * sine, BEND - BEND * cosine], [-sine, cosine]));
+        profile.push(([START + BEND * sine, BEND - BEND * cosine], [-sine, cosine]));
     }
-    profile.push(([2.0 * BEND, TOP], [-1.0, 0.0]));
+    profile.push(([START + BEND, TOP], [-1.0, 0.0]));
     profile
 }
 
@@ -280,6 +276,15 @@ mod tests {
         }
     }
 
+    /// Middle, size and radiance of an automatic light.
+    fn summary(light: &Light) -> (Vec3, Vec3, Vec3) {
+        match *light {
+            Light::Rectangle { center, edge_x, radiance, .. } => (center, edge_x, radiance),
+            Light::Sphere { center, radius, radiance, .. } => (center, Vec3::splat(radius), radiance),
+            _ => panic!("an automatic light is a rectangle or a sphere"),
+        }
+    }
+
     #[test]
     fn frame_is_the_same_picture_at_any_scale() {
         let lights_and_camera = |scale: f32| {
@@ -294,14 +299,8 @@ mod tests {
             assert!(near(camera_here.position, camera.position), "{scale}");
             assert!((camera_here.focus_distance / scale / camera.focus_distance - 1.0).abs() < 1e-4);
             for (here, there) in lights_here.iter().zip(&lights) {
-                let (
-                    Light::Rectangle { center, edge_x, radiance, .. },
-                    Light::Rectangle { center: c, edge_x: e, radiance: r, .. },
-                ) = (here, there)
-                else {
-                    panic!("an automatic light is a rectangle")
-                };
-                assert!(near(*center, *c) && near(*edge_x, *e) && radiance == r, "{scale}");
+                let ((center, size, radiance), (c, s, r)) = (summary(here), summary(there));
+                assert!(near(center, c) && near(size, s) && radiance == r, "{scale}");
             }
             for (here, there) in backdrop_here.positions.iter().zip(&backdrop.positions) {
                 assert!(near(*here, *there), "{scale}: {here} {there}");
@@ -331,21 +330,35 @@ mod tests {
             let view = (camera.target - camera.position).normalize();
             assert!(view.cross(Vec3::Y).length() > 0.1 && view.is_finite());
             for light in frame.lights() {
-                let Light::Rectangle { edge_x, edge_y, .. } = light else { panic!() };
-                assert!(edge_x.is_finite() && edge_y.is_finite() && edge_x.cross(edge_y) != Vec3::ZERO);
+                let (center, size, _) = summary(&light);
+                assert!(center.is_finite() && size.is_finite() && size != Vec3::ZERO, "{light:?}");
+                if let Light::Rectangle { edge_x, edge_y, .. } = light {
+                    assert!(edge_y.is_finite() && edge_x.cross(edge_y) != Vec3::ZERO);
+                }
             }
         }
     }
 
     #[test]
-    fn automatic_lights_face_the_mesh() {
+    fn automatic_key_faces_the_mesh_from_the_camera_side_and_the_rim_is_behind() {
         let objects = [blob(3.0, Vec3::X)];
         let frame = Frame::of(&objects);
-        for light in frame.lights() {
-            let Light::Rectangle { center, edge_x, edge_y, .. } = light else { panic!() };
-            let to_mesh = (frame.center.as_vec3() - center).normalize();
-            assert!(edge_x.cross(edge_y).normalize().distance(to_mesh) < 1e-5);
-            assert!(edge_x.dot(edge_y).abs() < 1e-4 * edge_x.length() * edge_y.length());
+        let [key, rim] = frame.lights().try_into().unwrap();
+        let Light::Rectangle { center, edge_x, edge_y, .. } = key else { panic!() };
+        let to_mesh = (frame.center.as_vec3() - center).normalize();
+        assert!(edge_x.cross(edge_y).normalize().distance(to_mesh) < 1e-5);
+        assert!(edge_x.dot(edge_y).abs() < 1e-4 * edge_x.length() * edge_y.length());
+        assert!(to_mesh.dot(frame.to_camera.as_vec3()) < 0.0);
+        let Light::Sphere { center, radius, .. } = rim else { panic!() };
+        let from_mesh = center - frame.center.as_vec3();
+        assert!(from_mesh.dot(frame.to_camera.as_vec3()) < 0.0);
+        // Outside of the meshes, and before the backdrop.
+        assert!(radius + (frame.radius as f32) < from_mesh.length());
+        let (backdrop, _) = frame.backdrop();
+        for triangle in &backdrop.triangles {
+            let [a, b, c] = triangle.map(|i| backdrop.positions[i as usize]);
+            let normal = (b - a).cross(c - a).normalize();
+            assert!(normal.dot(center - a) > radius, "the rim light is in the backdrop");
         }
     }
 

@@ -1,5 +1,6 @@
 //! Decoded images and their lookup.
 
+use std::path::PathBuf;
 use std::sync::LazyLock;
 
 use crate::Wrap;
@@ -27,6 +28,8 @@ pub enum Pixels {
 pub struct Image {
     /// Name for messages, usually the file's.
     pub name: String,
+    /// The file that holds the image alone; none if it came out of another file or no file.
+    pub path: Option<PathBuf>,
     /// Width in pixels.
     pub width: u32,
     /// Height in pixels.
@@ -146,6 +149,7 @@ mod tests {
         let pixels = (0..6).map(|i| [i as f32, 0.0, 0.0, 1.0]).collect();
         Image {
             name: String::from("ramp"),
+            path: None,
             width: 3,
             height: 2,
             color_space: ColorSpace::Linear,
@@ -155,7 +159,7 @@ mod tests {
 
     fn bytes(color_space: ColorSpace, pixels: Vec<[u8; 4]>) -> Image {
         let width = pixels.len() as u32;
-        Image { name: String::new(), width, height: 1, color_space, pixels: Pixels::Byte(pixels) }
+        Image { name: String::new(), path: None, width, height: 1, color_space, pixels: Pixels::Byte(pixels) }
     }
 
     #[test]

@@ -72,7 +72,8 @@ fn constant_sky() -> (SceneEnvironment, Vec<Image>) {
 fn image_sky(width: u32, height: u32, color: impl Fn(u32, u32) -> Vec3) -> (SceneEnvironment, Vec<Image>) {
     let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let pixels = Pixels::Float(data.map(|(x, y)| color(x, y).extend(1.0).to_array()).collect());
-    let image = Image { name: "sky".into(), width, height, color_space: ColorSpace::Linear, pixels };
+    let image =
+        Image { name: "sky".into(), path: None, width, height, color_space: ColorSpace::Linear, pixels };
     let turn = Mat3::from_quat(Quat::from_axis_angle(Vec3::new(0.6, 0.0, 0.8), 1.1));
     let (environment, _) = constant_sky();
     let environment =

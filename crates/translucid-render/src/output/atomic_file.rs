@@ -49,6 +49,9 @@ fn checked_target(path: &Path) -> Result<PathBuf, OutputError> {
     if path.file_name().is_none() {
         return Err(OutputError::new(path, "does not name a file"));
     }
+    if is_of_the_system(path) {
+        return Err(OutputError::new(path, "is not a regular file"));
+    }
     let target = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let directory = directory_of(&target);
     match fs::metadata(directory) {
@@ -66,8 +69,18 @@ fn checked_target(path: &Path) -> Result<PathBuf, OutputError> {
         Ok(found) if found.is_dir() => Err(OutputError::new(path, "is a directory, not a file")),
         Ok(found) if !found.is_file() => Err(OutputError::new(path, "is not a regular file")),
         Ok(found) if found.permissions().readonly() => Err(OutputError::new(path, "is write-protected")),
+        Err(error) if error.kind() != io::ErrorKind::NotFound => {
+            Err(OutputError::new(path, format!("cannot be written: {error}")))
+        }
         _ => Ok(target),
     }
+}
+
+/// Whether a path leads into /dev or /proc: /dev/stdout, say, may be a link to a regular file that other
+/// programs are writing at the same time, and a new file in its place would take that from them.
+fn is_of_the_system(path: &Path) -> bool {
+    cfg!(unix)
+        && std::path::absolute(path).is_ok_and(|path| path.starts_with("/dev") || path.starts_with("/proc"))
 }
 
 /// The directory that holds a file.
@@ -178,6 +191,22 @@ mod tests {
         assert!(check_writable(&file.join("picture.exr")).is_err());
         assert!(check_writable(Path::new("/")).is_err());
         assert!(check_writable(Path::new("")).is_err());
+    }
+
+    #[test]
+    fn check_refuses_names_that_are_too_long() {
+        let directory = tempfile::tempdir().unwrap();
+        let error = check_writable(&directory.path().join("x".repeat(300))).unwrap_err();
+        assert!(error.message.starts_with("cannot be written"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn check_refuses_devices_even_where_they_lead_to_a_file() {
+        for path in ["/dev/stdout", "/dev/null", "/proc/self/fd/1"] {
+            let error = check_writable(Path::new(path)).unwrap_err();
+            assert_eq!(error.message, "is not a regular file", "{path}");
+        }
     }
 
     #[test]

@@ -29,7 +29,8 @@ pub fn load_image(
     color_space: ColorSpace,
     warnings: &mut Vec<Warning>,
 ) -> Result<Image, SceneError> {
-    decode_image(&Place::file(path), &read_file(path)?, color_space, warnings)
+    let image = decode_image(&Place::file(path), &read_file(path)?, color_space, warnings)?;
+    Ok(Image { path: Some(path.to_owned()), ..image })
 }
 
 /// Decodes an image from bytes as [`load_image`] does; `place` is where messages say it came from.
@@ -113,7 +114,7 @@ impl Raster {
         };
         // `check_size` has bounded both edges.
         let [width, height] = [self.width, self.height].map(|edge| edge as u32);
-        Image { name: place.to_string(), width, height, color_space, pixels: self.pixels }
+        Image { name: place.to_string(), path: None, width, height, color_space, pixels: self.pixels }
     }
 }
 

@@ -140,12 +140,15 @@ impl ImageShelf {
     fn decode(&mut self, index: usize, space: ColorSpace, arrays: &Arrays<'_>) -> Result<Image, String> {
         let image = &arrays.document.images.as_slice()[index];
         let mut label = arrays.document.images.label(index);
+        let mut path = None;
         let bytes = match (&image.uri, image.buffer_view) {
             (Some(uri), _) => {
                 if !uri.starts_with("data:") {
                     label = format!("{label} ({})", uri::clip(uri));
                 }
-                Cow::Owned(uri::read(uri, arrays.notes.path)?)
+                let contents = uri::read(uri, arrays.notes.path)?;
+                path = contents.path;
+                Cow::Owned(contents.bytes)
             }
             (None, Some(view)) => {
                 let view = arrays.buffers.view(view, arrays.document, &label, arrays.notes);
@@ -154,7 +157,8 @@ impl ImageShelf {
             (None, None) => return Err(String::from("it has neither a URI nor a bufferView")),
         };
         let place = Place::part(arrays.notes.path, label);
-        decode_image(&place, &bytes, space, &mut self.warnings).map_err(|error| error.message)
+        let image = decode_image(&place, &bytes, space, &mut self.warnings);
+        image.map(|image| Image { path, ..image }).map_err(|error| error.message)
     }
 }
 
@@ -213,7 +217,14 @@ mod tests {
     #[test]
     fn masked_alpha_is_zero_below_the_cutoff_and_one_from_it_on() {
         let pixels = Pixels::Byte(vec![[1, 2, 3, 127], [4, 5, 6, 128]]);
-        let image = Image { name: "a".into(), width: 2, height: 1, color_space: ColorSpace::Srgb, pixels };
+        let image = Image {
+            name: "a".into(),
+            path: None,
+            width: 2,
+            height: 1,
+            color_space: ColorSpace::Srgb,
+            pixels,
+        };
         assert_eq!(masked(&image, 0.5).pixels, Pixels::Byte(vec![[1, 2, 3, 0], [4, 5, 6, 255]]));
     }
 }

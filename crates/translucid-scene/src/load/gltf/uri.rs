@@ -2,13 +2,21 @@
 
 use std::path::{Component, Path, PathBuf};
 
+/// What a URI stands for.
+#[derive(Debug)]
+pub(super) struct Contents {
+    pub(super) bytes: Vec<u8>,
+    /// The file that they came from, if they did.
+    pub(super) path: Option<PathBuf>,
+}
+
 /// Bytes behind a URI of a buffer or image.
 ///
 /// # Errors
 /// What is wrong, in words that go on after the name of the buffer or image.
-pub(super) fn read(uri: &str, gltf: &Path) -> Result<Vec<u8>, String> {
+pub(super) fn read(uri: &str, gltf: &Path) -> Result<Contents, String> {
     match uri.strip_prefix("data:") {
-        Some(data) => read_data(data),
+        Some(data) => read_data(data).map(|bytes| Contents { bytes, path: None }),
         None => read_file(uri, gltf),
     }
 }
@@ -63,13 +71,13 @@ fn base64_value(character: u8) -> Option<u32> {
     Some(u32::from(value))
 }
 
-fn read_file(uri: &str, gltf: &Path) -> Result<Vec<u8>, String> {
+fn read_file(uri: &str, gltf: &Path) -> Result<Contents, String> {
     let candidates = [percent_decoded(uri), Some(uri.to_owned())];
     let mut failure = String::new();
     for relative in candidates.into_iter().flatten() {
         let path = beside(&relative, gltf)?;
         match crate::load::read_file(&path) {
-            Ok(bytes) => return Ok(bytes),
+            Ok(bytes) => return Ok(Contents { bytes, path: Some(path) }),
             Err(error) if failure.is_empty() => failure = format!("{} {}", path.display(), error.message),
             Err(_) => (),
         }
