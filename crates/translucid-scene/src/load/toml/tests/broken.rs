@@ -43,7 +43,8 @@ fn broken_toml_is_a_syntax_error() {
     refuse_file("unit = \"mm\"\nunit = \"m\"\n", "this is not valid TOML: duplicate key", "unit", "");
 }
 
-const ROOT_KEYS: &str = "the keys are unit, subsurface_grouping, camera, film, integrator, material, object, light, environment";
+const ROOT_KEYS: &str =
+    "the keys are unit, subsurface_grouping, camera, film, integrator, material, object, light, environment";
 
 #[test]
 fn broken_top_level_is_refused() {

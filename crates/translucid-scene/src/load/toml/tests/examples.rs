@@ -121,3 +121,12 @@ fn format_description_names_every_key() {
         assert!(page.contains(&format!("`{key}`")), "docs/scene-format.md does not describe {key}");
     }
 }
+
+#[test]
+fn description_has_every_shape() {
+    let page = std::fs::read_to_string(workspace().join("docs/scene-format.md")).unwrap();
+    for name in crate::shape_names() {
+        let row = format!("| `{name}` | {} |", crate::shape_meaning(name).unwrap());
+        assert!(page.contains(&row), "docs/scene-format.md lacks the row {row}");
+    }
+}
