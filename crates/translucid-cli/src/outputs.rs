@@ -2,6 +2,7 @@
 
 use std::ffi::OsStr;
 use std::fs;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use translucid_render::{FilmSums, ImageInfo, OutputError, check_writable, write_exr, write_png};
@@ -72,6 +73,18 @@ impl Outputs {
         }
     }
 
+    /// Refuses to write over pictures that are not this program's own: for names that nobody asked for,
+    /// which may be those of a texture beside a mesh.
+    pub(crate) fn spare_others(&self) -> Result<(), OutputError> {
+        match self.images().find(|path| path.exists() && !is_own(path)) {
+            Some(path) => {
+                let message = "is there already, and translucid has not made it";
+                Err(OutputError::new(path, message).with_help("name the picture with -o FILE"))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Writes the images.
     pub(crate) fn write(
         &self,
@@ -84,6 +97,14 @@ impl Outputs {
         }
         write_png(&self.png, film, settings, info)
     }
+}
+
+/// Whether a file says at its start, where images keep their notes, that this program has made it.
+fn is_own(path: &Path) -> bool {
+    const NAME: &[u8] = b"translucid";
+    let mut start = Vec::new();
+    let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut start));
+    read.is_ok() && start.windows(NAME.len()).any(|bytes| bytes == NAME)
 }
 
 #[cfg(test)]

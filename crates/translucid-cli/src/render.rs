@@ -105,6 +105,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let outputs = outputs(arguments)?;
     outputs.check()?;
+    if arguments.output.is_none() {
+        outputs.spare_others()?;
+    }
     let start = Instant::now();
     let scene = scene(arguments)?;
     outputs.spare(inputs(arguments, &scene))?;

@@ -95,6 +95,11 @@ impl<'a> Work<'a> {
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
         let outcome = outcome?;
+        if self.paths() == 0 {
+            // An empty picture must not take the place of one that may be there.
+            let message = "the rendering ended before its first samples, so nothing was written";
+            return Err(Failure::work(message).with_help("give it more time"));
+        }
 
         self.write_images(seconds)?;
         self.settle_checkpoint(outcome, seconds)?;

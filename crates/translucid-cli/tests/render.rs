@@ -254,6 +254,7 @@ fn render_never_writes_over_its_inputs() {
     let files_before = files(&directory);
     for words in [
         "render bark.toml --spp 2",
+        "render bark.toml --spp 2 -o bark.exr",
         "render bark.toml --spp 2 -o ./bark.png",
         "render bark.gltf --spp 2 --size 8x8",
         "render bark.obj --spp 2 --size 8x8",
@@ -267,6 +268,31 @@ fn render_never_writes_over_its_inputs() {
         assert_eq!(files(&directory), files_before, "{words}");
     }
     stdout(&directory, "render bark.toml -q --spp 1 -o other.png");
+}
+
+#[test]
+fn empty_picture_replaces_nothing() {
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q --spp 1 -o a.png");
+    let before = fs::read(directory.join("a.png")).unwrap();
+    let output = run(&directory, "render ball.toml --time 0.000000001 -o a.png");
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("nothing was written"), "{}", stderr(&output));
+    assert_eq!(fs::read(directory.join("a.png")).unwrap(), before);
+    assert_eq!(files(&directory), ["a.png", "ball.toml"]);
+}
+
+#[test]
+fn default_names_replace_own_pictures_only() {
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q --spp 1");
+    stdout(&directory, "render ball.toml -q --spp 1");
+    fs::write(directory.join("ball.png"), "a texture, say").unwrap();
+    let output = run(&directory, "render ball.toml -q --spp 1");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("-o FILE") && stderr(&output).contains("ball.png"));
+    assert_eq!(fs::read(directory.join("ball.png")).unwrap(), b"a texture, say");
+    stdout(&directory, "render ball.toml -q --spp 1 -o ball.png");
 }
 
 #[test]
