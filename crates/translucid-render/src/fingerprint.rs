@@ -27,6 +27,7 @@ pub(crate) fn fingerprint(scene: &Scene) -> u64 {
         hash.bytes(bytemuck::cast_slice(&mesh.positions));
         hash.bytes(bytemuck::cast_slice(&mesh.normals));
         hash.bytes(bytemuck::cast_slice(&mesh.uvs));
+        hash.bytes(bytemuck::cast_slice(&mesh.tangents));
         hash.bytes(bytemuck::cast_slice(&mesh.colors));
         hash.bytes(bytemuck::cast_slice(&mesh.triangles));
     }

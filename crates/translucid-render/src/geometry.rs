@@ -172,15 +172,16 @@ fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> Surface
 }
 
 /// Coordinates of vertices 1 and 2, clamped into the triangle.
-fn barycentric([a, b, c]: &[Vec3; 3], position: Vec3) -> [f32; 2] {
-    let (e1, e2, p) = (b - a, c - a, position - a);
+fn barycentric(&[a, b, c]: &[Vec3; 3], position: Vec3) -> [f32; 2] {
+    // In double precision: fourth powers of lengths.
+    let [e1, e2, p] = [b - a, c - a, position - a].map(Vec3::as_dvec3);
     let normal = e1.cross(e2);
     let squared = normal.length_squared();
     if squared == 0.0 {
         return [0.0, 0.0];
     }
-    let b1 = (p.cross(e2).dot(normal) / squared).clamp(0.0, 1.0);
-    let b2 = (e1.cross(p).dot(normal) / squared).clamp(0.0, 1.0 - b1);
+    let b1 = ((p.cross(e2).dot(normal) / squared) as f32).clamp(0.0, 1.0);
+    let b2 = ((e1.cross(p).dot(normal) / squared) as f32).clamp(0.0, 1.0 - b1);
     [b1, b2]
 }
 

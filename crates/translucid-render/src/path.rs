@@ -25,7 +25,7 @@ use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
 use crate::sampler::Sampler;
-use crate::shadow;
+use crate::shadow::{self, Medium};
 use crate::subsurface::{Exit, Prober, Truncation};
 use crate::triangle::Ray;
 
@@ -181,9 +181,7 @@ impl<'a> PathTracer<'a> {
             self.add_environment(path);
             return false;
         };
-        if path.absorption != Vec3::ZERO {
-            path.throughput *= (-path.absorption * hit.t).exp();
-        }
+        path.throughput *= shadow::absorbed(path.absorption, hit.t);
         let point = world.geometry.surface_point(&world.scene, &hit);
         self.interact(path, &point, &hit, sampler)
     }
@@ -197,6 +195,8 @@ impl<'a> PathTracer<'a> {
         if opacity < 1.0 && u[3] >= opacity {
             return path.pass(point, Vec3::ONE);
         }
+        // Before a clear surface is passed: light samples of it bring all of its emission, too.
+        self.add_emission(path, point, material, hit);
         let subsurface = material::subsurface_at(&world.scene, material, point);
         let mut surface = material::surface_at(&world.scene, material, point, &subsurface);
         if path.soft {
@@ -217,9 +217,9 @@ impl<'a> PathTracer<'a> {
             path.sample.alpha = 1.0;
             path.sample.albedo = bsdf.albedo();
             path.sample.normal = normal;
-            path.sample.depth = (point.position - path.ray.origin).length();
+            // From the lens, also if surfaces that are partly opaque were passed.
+            path.sample.depth = point.position.distance(path.origin.point);
         }
-        self.add_emission(path, point, material, hit);
         if path.depth >= world.scene.integrator.max_depth || !survives(path, u[1]) {
             return false;
         }
@@ -250,8 +250,7 @@ impl<'a> PathTracer<'a> {
         material: &Material,
         surface: &SurfaceParameters,
     ) -> bool {
-        let entering = path.ray.direction.dot(point.geometric_normal) < 0.0;
-        path.absorption = if entering { material::absorption(material) } else { Vec3::ZERO };
+        path.absorption = shadow::absorption_behind(material, point, path.ray.direction);
         path.pass(point, shadow::straight_transmittance(surface, point, path.ray.direction))
     }
 
@@ -268,7 +267,7 @@ impl<'a> PathTracer<'a> {
             return false;
         }
         if next.transmitted {
-            path.absorption = if to < 0.0 { material::absorption(vertex.material) } else { Vec3::ZERO };
+            path.absorption = shadow::absorption_behind(vertex.material, vertex.point, direction);
         }
         let origin = Origin {
             point: vertex.point.position,
@@ -342,7 +341,13 @@ impl<'a> PathTracer<'a> {
         };
         let mut weight = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
         weight /= light.pdf;
-        let received = self.unoccluded(vertex.point, &light, vertex.soft) * weight * path.throughput;
+        let absorption = if same_side {
+            path.absorption
+        } else {
+            shadow::absorption_behind(vertex.material, vertex.point, light.direction)
+        };
+        let medium = Medium { absorption, soft: vertex.soft };
+        let received = self.unoccluded(vertex.point, &light, medium) * weight * path.throughput;
         if received != Vec3::ZERO {
             path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * diffuse);
             path.add_to(path.layer_after(Layer::Surface(Vec3::ZERO)), received * value.specular);
@@ -368,13 +373,13 @@ impl<'a> PathTracer<'a> {
         }
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
         let value = entry.eval(cosine) * (mis / light.pdf);
-        let soft = !self.world.scene.integrator.caustics;
-        let received = self.unoccluded(point, &light, soft) * value * path.throughput;
+        let medium = Medium { absorption: path.absorption, soft: !self.world.scene.integrator.caustics };
+        let received = self.unoccluded(point, &light, medium) * value * path.throughput;
         path.add_to(path.layer_after(Layer::Subsurface), received);
     }
 
     /// Radiance of a light sample that reaches the point.
-    fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, soft: bool) -> Vec3 {
+    fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, medium: Medium) -> Vec3 {
         let world = self.world;
         let target = point.position + light.direction * light.distance;
         let radiance = match light.primitive {
@@ -399,15 +404,16 @@ impl<'a> PathTracer<'a> {
         if world.lights.intersect(origin, light.direction, length).is_some() {
             return Vec3::ZERO;
         }
-        radiance * shadow::transmittance(world, &Ray::segment(origin, light.direction, length), soft)
+        radiance * shadow::transmittance(world, &Ray::segment(origin, light.direction, length), medium)
     }
 
-    /// Emission of a triangle at a point of it.
+    /// Emission of a triangle at a point of it, on average: none where the surface is not there.
     fn emitted_at(&self, primitive: u32, position: Vec3) -> Vec3 {
         let world = self.world;
         let point = world.geometry.point_on(&world.scene, primitive, position);
         let (_, material) = world.material(&point);
-        material::emission_at(&world.scene, material, &point)
+        let opacity = material::opacity_at(&world.scene, material, &point);
+        material::emission_at(&world.scene, material, &point) * opacity
     }
 
     /// Emission of the surface that the path has met.
@@ -433,17 +439,16 @@ impl<'a> PathTracer<'a> {
     fn add_light_in_the_way(&self, path: &mut Path, t_max: f32) -> bool {
         let ray = &path.ray;
         let Origin { point, normal, pdf } = path.origin;
-        let Some(light) = self.world.lights.intersect(ray.origin, ray.direction, t_max) else { return false };
-        if path.depth == 0 && !light.visible {
-            // The camera looks through: the surface behind is next.
-            return false;
-        }
-        let weight = if pdf.is_finite() {
-            power_heuristic(pdf, light.pdf(&self.world.lights, point, normal))
+        let lights = &self.world.lights;
+        let light = if path.depth == 0 {
+            lights.intersect_visible(ray.origin, ray.direction, t_max)
         } else {
-            1.0
+            lights.intersect(ray.origin, ray.direction, t_max)
         };
-        let absorbed = (-path.absorption * light.t).exp();
+        let Some(light) = light else { return false };
+        let weight =
+            if pdf.is_finite() { power_heuristic(pdf, light.pdf(lights, point, normal)) } else { 1.0 };
+        let absorbed = shadow::absorbed(path.absorption, light.t);
         if path.depth == 0 {
             path.sample.alpha = 1.0;
         }

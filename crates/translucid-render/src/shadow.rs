@@ -1,6 +1,7 @@
 //! How much light comes through between two points.
 
 use glam::Vec3;
+use translucid_scene::Material;
 
 use crate::bsdf::{SurfaceParameters, fresnel_dielectric};
 use crate::geometry::SurfacePoint;
@@ -11,24 +12,35 @@ use crate::triangle::Ray;
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
 
-/// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones or, for
-/// soft light, clear ones are in the way.
-pub(crate) fn transmittance(world: &World, ray: &Ray, soft: bool) -> Vec3 {
+/// What a shadow ray starts in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Medium {
+    /// Absorption coefficient of the clear medium around its origin [1/L].
+    pub(crate) absorption: Vec3,
+    /// Whether the light may come straight through clear surfaces.
+    pub(crate) soft: bool,
+}
+
+/// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
+/// media or, for soft light, clear surfaces are in the way.
+pub(crate) fn transmittance(world: &World, ray: &Ray, medium: Medium) -> Vec3 {
     if world.materials.any_lets_light_through() {
-        through_surfaces(world, *ray, soft)
+        through_surfaces(world, *ray, medium)
     } else if world.geometry.occluded(ray) {
         Vec3::ZERO
     } else {
-        Vec3::ONE
+        absorbed(medium.absorption, ray.t_max)
     }
 }
 
-/// Marches from surface to surface.
-fn through_surfaces(world: &World, mut ray: Ray, soft: bool) -> Vec3 {
+/// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
+fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }: Medium) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
     for _ in 0..MOST_SURFACES {
-        let Some(hit) = world.geometry.closest(&ray) else { return result };
+        let Some(hit) = world.geometry.closest(&ray) else {
+            return result * absorbed(absorption, ray.t_max);
+        };
         let index = scene.objects[world.geometry.object(&hit) as usize].material;
         if !world.materials.lets_light_through(index) {
             return Vec3::ZERO;
@@ -39,9 +51,9 @@ fn through_surfaces(world: &World, mut ray: Ray, soft: bool) -> Vec3 {
         let subsurface = material::subsurface_at(scene, material, &point);
         let surface = material::surface_at(scene, material, &point, &subsurface);
         let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
-        if ray.direction.dot(point.geometric_normal) > 0.0 && clear > 0.0 {
-            // Leaving a clear body: what lies behind was inside.
-            result *= (-material::absorption(material) * hit.t).exp();
+        result *= absorbed(absorption, hit.t);
+        if clear > 0.0 {
+            absorption = absorption_behind(material, &point, ray.direction);
         }
         let straight = straight_transmittance(&surface, &point, ray.direction);
         result *= Vec3::splat(1.0 - opacity) + straight * (opacity * clear);
@@ -52,6 +64,20 @@ fn through_surfaces(world: &World, mut ray: Ray, soft: bool) -> Vec3 {
         ray = Ray::segment(point.ray_origin(ray.direction), ray.direction, rest);
     }
     Vec3::ZERO
+}
+
+/// Absorption coefficient of the clear medium that a direction across a surface leads into [1/L].
+pub(crate) fn absorption_behind(material: &Material, point: &SurfacePoint, direction: Vec3) -> Vec3 {
+    if direction.dot(point.geometric_normal) < 0.0 { material::absorption(material) } else { Vec3::ZERO }
+}
+
+/// Transmittance of a clear medium over a distance; what never ends (an open mesh) absorbs nothing.
+pub(crate) fn absorbed(absorption: Vec3, distance: f32) -> Vec3 {
+    if absorption == Vec3::ZERO || distance == f32::INFINITY {
+        Vec3::ONE
+    } else {
+        (-absorption * distance.max(0.0)).exp()
+    }
 }
 
 /// Transmittance of a clear surface that is passed without refraction: Fresnel and tint, as of a wall

@@ -52,7 +52,7 @@ impl Distant {
     /// Estimate of the irradiance; 0 only below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
         let sin = self.disc.map_or(0.0, |disc| disc.sin2.sqrt());
-        luminance(self.irradiance) * receiver.cosine_to_ball(receiver.point + self.direction, sin)
+        luminance(self.irradiance) * receiver.cosine_to_cone(self.direction, sin)
     }
 
     /// The one direction that the light comes from, if it is no disc.

@@ -251,6 +251,22 @@ impl LightSet {
     /// Nearest rectangle or sphere light that a ray meets, on the side that emits, before `t_max`.
     #[must_use]
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
+        self.nearest(origin, direction, t_max, |_| true)
+    }
+
+    /// The same among the lights that the camera sees: it looks through the others.
+    #[must_use]
+    pub fn intersect_visible(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
+        self.nearest(origin, direction, t_max, |is_visible| is_visible)
+    }
+
+    fn nearest(
+        &self,
+        origin: Vec3,
+        direction: Vec3,
+        t_max: f32,
+        counts: fn(bool) -> bool,
+    ) -> Option<LightHit> {
         let mut nearest: Option<LightHit> = None;
         for &source in &self.surfaces {
             let (t, radiance, visible) = match &self.sources[source] {
@@ -261,7 +277,7 @@ impl LightSet {
                 _ => continue,
             };
             let limit = nearest.map_or(t_max, |hit| hit.t);
-            if let Some(t) = t.filter(|&t| t < limit) {
+            if let Some(t) = t.filter(|&t| t < limit && counts(visible)) {
                 nearest = Some(LightHit { t, radiance, visible, position: origin + direction * t, source });
             }
         }

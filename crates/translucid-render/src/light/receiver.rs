@@ -24,10 +24,14 @@ impl Receiver {
     /// Bound from above, in [0, 1], on the cosine of any direction to a ball; 0 only if the ball is below the
     /// horizon.
     pub(crate) fn cosine_to_ball(&self, center: Vec3, radius: f32) -> f32 {
+        self.cosine_to_cone(center - self.point, radius)
+    }
+
+    /// The same for the ball of a radius whose center is at `to_center` from the point.
+    pub(crate) fn cosine_to_cone(&self, to_center: Vec3, radius: f32) -> f32 {
         if !self.has_normal() {
             return 1.0;
         }
-        let to_center = center - self.point;
         let highest = self.normal.dot(to_center) + radius;
         if highest <= 0.0 { 0.0 } else { (highest / to_center.length()).min(1.0) }
     }
