@@ -390,21 +390,23 @@ impl<'a> PathTracer<'a> {
             return Vec3::ZERO;
         }
         let origin = point.ray_origin(light.direction);
-        let length = if light.distance.is_finite() {
+        let (direction, length) = if light.distance.is_finite() {
+            // Aimed anew: parallel to the old direction, a ray from beside the point would meet the light
+            // beside the target, and at a slant early enough for the light to shadow itself.
+            let (direction, whole) = (target - origin).normalize_and_length();
             // Ends short of the light, so that the light itself does not count as an obstacle.
-            let whole = (target - origin).dot(light.direction);
-            whole - (1e-4 * whole).max(point.offset)
+            (direction, whole - (1e-4 * whole).max(point.offset))
         } else {
-            f32::INFINITY
+            (light.direction, f32::INFINITY)
         };
         if length <= 0.0 {
             return radiance;
         }
         // Paths end at rectangle and sphere lights, so what shadow rays bring has to end there, too.
-        if world.lights.intersect(origin, light.direction, length).is_some() {
+        if world.lights.intersect(origin, direction, length).is_some() {
             return Vec3::ZERO;
         }
-        radiance * shadow::transmittance(world, &Ray::segment(origin, light.direction, length), medium)
+        radiance * shadow::transmittance(world, &Ray::segment(origin, direction, length), medium)
     }
 
     /// Emission of a triangle at a point of it, on average: none where the surface is not there.

@@ -73,6 +73,27 @@ fn emitter_sheds_its_light_whatever_it_is_made_of() {
     }
 }
 
+/// Shadow rays start off a large floor by its rounding error; the lamp must not shadow itself for that.
+#[test]
+fn lamp_close_to_a_large_floor_is_not_its_own_obstacle() {
+    let emitter = Material { emission_luminance: 1.0, ..matte(Vec3::ZERO) };
+    let mut by_mesh = floor_and(lamp(), emitter);
+    by_mesh.objects[0].mesh = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
+    let mut by_rectangle = scene(vec![by_mesh.objects[0].mesh.clone()], matte(GRAY));
+    by_rectangle.lights.push(Light::Rectangle {
+        center: Vec3::Z * 0.5,
+        edge_x: Vec3::Y * 2.0,
+        edge_y: Vec3::X * 2.0,
+        radiance: Vec3::ONE,
+        visible: true,
+    });
+    for (name, scene) in [("mesh", by_mesh), ("rectangle", by_rectangle)] {
+        let (mean, _) = look(scene);
+        // Paths start 2e-3 off the floor.
+        assert!((mean.x / near_lamp().x - 1.0).abs() < 3e-3, "{name}: {mean}, expected {}", near_lamp());
+    }
+}
+
 /// Lights inside an absorbing body: the light has the way from the light to the body's surface to go.
 #[test]
 fn light_inside_a_clear_body_is_absorbed() {
