@@ -208,6 +208,12 @@ impl<'a> PathTracer<'a> {
             surface.specular_roughness = surface.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
             surface.coat_roughness = surface.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE);
         }
+        if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
+            // A black matte base: light samples and paths then leave out the same.
+            surface.subsurface_weight = 1.0;
+            surface.subsurface_color = Vec3::ZERO;
+            surface.subsurface_active = [false; 3];
+        }
         let is_matte = surface.metalness < 1.0 && surface.transmission_weight < 1.0;
         let soft = path.soft || (is_matte && !world.scene.integrator.caustics);
         let normal = material::shading_normal_at(&world.scene, material, point);
@@ -256,9 +262,6 @@ impl<'a> PathTracer<'a> {
 
     /// Goes on in a direction drawn from the surface's BSDF.
     fn follow(&self, path: &mut Path, vertex: &Vertex<'_>, next: &Next) -> bool {
-        if next.is_diffuse && path.diffuse_depth >= self.world.scene.integrator.max_diffuse_depth {
-            return false;
-        }
         let direction = vertex.frame.to_world(next.wi).normalize();
         let geometric = vertex.point.geometric_normal;
         let to = direction.dot(geometric);
@@ -285,9 +288,6 @@ impl<'a> PathTracer<'a> {
     /// Leaves the surface through the volume below: probe, light at the entry, cosine direction.
     fn scatter_below(&mut self, path: &mut Path, vertex: &Vertex<'_>, sampler: &mut Sampler) -> bool {
         let world = self.world;
-        if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
-            return false;
-        }
         let side = if path.ray.direction.dot(vertex.point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let exit = Exit {
             position: vertex.point.position,
@@ -334,11 +334,6 @@ impl<'a> PathTracer<'a> {
         if same_side != shading_side || (value.diffuse + value.specular) == Vec3::ZERO {
             return;
         }
-        let diffuse = if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
-            Vec3::ZERO
-        } else {
-            value.diffuse
-        };
         let mut weight = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
         weight /= light.pdf;
         let absorption = if same_side {
@@ -349,7 +344,7 @@ impl<'a> PathTracer<'a> {
         let medium = Medium { absorption, soft: vertex.soft };
         let received = self.unoccluded(vertex.point, &light, medium) * weight * path.throughput;
         if received != Vec3::ZERO {
-            path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * diffuse);
+            path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * value.diffuse);
             path.add_to(path.layer_after(Layer::Surface(Vec3::ZERO)), received * value.specular);
         }
     }
