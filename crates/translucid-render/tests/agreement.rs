@@ -8,20 +8,10 @@ mod common;
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
-use common::{assert_within, distant, measure, quad, scene};
+use common::{GRAY, assert_within, distant, matte, measure, quad, scene};
 use glam::{Vec3, Vec4};
 use translucid_render::Renderer;
 use translucid_scene::{ColorInput, Light, Material, Mesh, ScalarInput, Scene};
-
-const GRAY: Vec3 = Vec3::splat(0.5);
-
-fn matte(color: Vec3) -> Material {
-    Material {
-        base_color: ColorInput::constant(color),
-        specular_weight: ScalarInput::constant(0.0),
-        ..Material::default()
-    }
-}
 
 /// Clear, without a step of the index.
 fn straight() -> Material {

@@ -5,22 +5,12 @@
 
 mod common;
 
-use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
+use common::{GRAY, assert_within, distant, matte, measure, quad, scene, sphere, uniform_environment};
 use glam::{Vec2, Vec3};
 use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, NormalMap, Object, Pixels, ScalarInput, TextureRef,
 };
-
-const GRAY: Vec3 = Vec3::splat(0.5);
-
-fn matte(color: Vec3) -> Material {
-    Material {
-        base_color: ColorInput::constant(color),
-        specular_weight: ScalarInput::constant(0.0),
-        ..Material::default()
-    }
-}
 
 fn clear(ior: f32) -> Material {
     Material {

@@ -4,7 +4,22 @@
 
 use glam::{Mat3, Vec3};
 use translucid_render::Renderer;
-use translucid_scene::{Camera, Environment, Film, Integrator, Light, Material, Mesh, Object, Scene, Unit};
+use translucid_scene::{
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
+    Unit,
+};
+
+/// A middle gray.
+pub(crate) const GRAY: Vec3 = Vec3::splat(0.5);
+
+/// A Lambertian material without an interface.
+pub(crate) fn matte(color: Vec3) -> Material {
+    Material {
+        base_color: ColorInput::constant(color),
+        specular_weight: ScalarInput::constant(0.0),
+        ..Material::default()
+    }
+}
 
 /// Two triangles spanning center ± x ± y, normal along x × y.
 pub(crate) fn quad(center: Vec3, x: Vec3, y: Vec3) -> Mesh {
