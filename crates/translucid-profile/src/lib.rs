@@ -62,7 +62,7 @@ mod error;
 mod fresnel;
 mod half_space;
 mod media;
-mod quadrature;
+pub mod quadrature;
 mod scaling;
 mod slices;
 

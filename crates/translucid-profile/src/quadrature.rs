@@ -1,4 +1,4 @@
-//! Gauss–Legendre quadrature, for the few integrals that have no closed form.
+//! Gauss–Legendre quadrature, for integrals that have no closed form.
 
 use std::f64::consts::PI;
 
@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 ///
 /// Newton's iteration on the Legendre polynomial Pₙ from Tricomi's guess cos(π (i + ¾)/(n + ½)); exact to
 /// rounding for polynomials up to degree 2n − 1.
-pub(crate) fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
+pub fn gauss_legendre(n: usize) -> Vec<(f64, f64)> {
     (0..n).map(|i| gauss_legendre_point(n, i)).collect()
 }
 
@@ -33,7 +33,7 @@ fn legendre(n: usize, x: f64) -> (f64, f64) {
 }
 
 /// ∫ f from a to b with the rule given.
-pub(crate) fn integrate(rule: &[(f64, f64)], a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+pub fn integrate(rule: &[(f64, f64)], a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
     let (center, half) = (0.5 * (a + b), 0.5 * (b - a));
     half * rule.iter().map(|&(x, weight)| weight * f(center + half * x)).sum::<f64>()
 }

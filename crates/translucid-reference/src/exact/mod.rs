@@ -1,0 +1,1 @@
+//! The exact half space of isotropic scatterers (g = 0).

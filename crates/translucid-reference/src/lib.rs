@@ -1,0 +1,28 @@
+//! Ground truth for subsurface scattering.
+//!
+//! Every approximation of light under a surface needs a judge. This crate holds two, on the same parameters:
+//!
+//! - [`exact`]: the half space of isotropic scatterers, solved. Its figures carry an estimate of their numerical
+//!   error, some 1e-10 of the value.
+//! - [`walk`]: a Monte Carlo walk for everything else (phase functions, slabs, spots of light), whose figures
+//!   carry a standard error, and whose tables serve every albedo at once.
+//!
+//! # Conventions
+//! *Lengths are mean free paths* (ℓ = 1/σ_t = 1): a medium of another ℓ has the profile R(r/ℓ)/ℓ².
+//!
+//! *One unit of flux has entered the medium.* What the boundary reflects from outside is not part of it, as in
+//! the BSSRDF S = C F_t R F_t, where the factor F_t stands for entering; light that is reflected on its way out
+//! stays inside, and R counts what gets through. [`specular_reflectance`] is the part that never entered.
+//!
+//! A reflectance profile is the exitance at the distance r from the point of entry, in ℓ⁻².
+//!
+//! # Out of scope
+//! Approximate profiles (`translucid-profile`), fits, colors, files of tables other than the walk's own.
+
+mod entry;
+mod estimate;
+pub mod exact;
+pub mod walk;
+
+pub use entry::{Entry, specular_reflectance};
+pub use estimate::Estimate;
