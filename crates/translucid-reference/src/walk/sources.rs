@@ -1,0 +1,129 @@
+//! Launching photons, 16 at a time.
+
+use fearless_simd::prelude::*;
+use fearless_simd::{Simd, mask32x16};
+
+use super::Problem;
+use super::lanes::{Floats, Words, circle, complement, unit};
+use super::random::Stream;
+use super::scatter::Directions;
+use crate::Entry;
+
+/// Where and in which directions photons start, just inside the medium.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source {
+    directions: SourceDirections,
+    spot_radius: f32,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum SourceDirections {
+    /// One direction, in the plane y = 0.
+    Pencil { sine: f32, cosine: f32 },
+    /// All directions of equal radiance outside, refracted.
+    Cosine { eta: f32 },
+    /// Uniform in the cosine inside.
+    UniformCosine,
+}
+
+impl Source {
+    pub(crate) fn new(problem: &Problem) -> Self {
+        let parameters = problem.parameters();
+        let eta = parameters.eta;
+        let directions = match parameters.entry {
+            Entry::Pencil { cos_theta } => {
+                let sine = (1.0 - cos_theta * cos_theta).sqrt() / eta;
+                let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+                SourceDirections::Pencil { sine: sine as f32, cosine: cosine as f32 }
+            }
+            Entry::Cosine => SourceDirections::Cosine { eta: eta as f32 },
+            Entry::UniformCosine => SourceDirections::UniformCosine,
+        };
+        Self { directions, spot_radius: parameters.spot_radius as f32 }
+    }
+
+    /// Draws points of entry.
+    #[inline(always)]
+    pub(crate) fn positions<S: Simd>(
+        &self,
+        simd: S,
+        streams: &mut Stream<Words<S>>,
+    ) -> (Floats<S>, Floats<S>) {
+        if self.spot_radius == 0.0 {
+            return (Floats::splat(simd, 0.0), Floats::splat(simd, 0.0));
+        }
+        let radius = unit(streams.next()).sqrt() * self.spot_radius;
+        let (x, y) = circle(simd, streams.next());
+        (radius * x, radius * y)
+    }
+
+    /// Draws directions.
+    #[inline(always)]
+    pub(crate) fn directions<S: Simd>(&self, simd: S, streams: &mut Stream<Words<S>>) -> Directions<S> {
+        let splat = |value| Floats::splat(simd, value);
+        match self.directions {
+            SourceDirections::Pencil { sine, cosine } => {
+                Directions { x: splat(sine), y: splat(0.0), z: splat(cosine) }
+            }
+            SourceDirections::UniformCosine => {
+                let cosine = unit(streams.next());
+                around_normal(simd, complement(cosine), cosine, streams)
+            }
+            SourceDirections::Cosine { eta: 1.0 } => {
+                let cosine = unit(streams.next()).sqrt();
+                around_normal(simd, complement(cosine), cosine, streams)
+            }
+            SourceDirections::Cosine { eta } => {
+                let rarer = transmitted_cosines(simd, eta.max(1.0 / eta), streams);
+                if eta < 1.0 {
+                    return around_normal(simd, complement(rarer), rarer, streams);
+                }
+                let sine = complement(rarer) / eta;
+                around_normal(simd, sine, complement(sine), streams)
+            }
+        }
+    }
+}
+
+/// Directions of given sine and cosine to the normal, with uniform azimuth.
+#[inline(always)]
+fn around_normal<S: Simd>(
+    simd: S,
+    sine: Floats<S>,
+    cosine: Floats<S>,
+    streams: &mut Stream<Words<S>>,
+) -> Directions<S> {
+    let (x, y) = circle(simd, streams.next());
+    Directions { x: sine * x, y: sine * y, z: cosine }
+}
+
+/// Cosines μ on the side of lower index with density ∝ μ (1 − F(μ)), for an index ratio above 1.
+///
+/// That is what enters on the rarer side, and by reciprocity of F what light of equal radiance brings to it
+/// from the denser. Candidates √u are accepted with probability 1 − F, which is near 1 on this side. A lane
+/// that is done draws no more: how often its neighbours try is none of its business.
+#[inline(always)]
+fn transmitted_cosines<S: Simd>(simd: S, ratio: f32, streams: &mut Stream<Words<S>>) -> Floats<S> {
+    let mut accepted = Floats::splat(simd, 1.0);
+    let mut pending = mask32x16::splat(simd, true);
+    while pending.any_true() {
+        let before = *streams;
+        let cosine = unit(streams.next()).sqrt();
+        let transmits = unit(streams.next()).simd_gt(reflectance(simd, ratio, cosine));
+        accepted = (pending & transmits).select(cosine, accepted);
+        for (after, before) in streams.0.iter_mut().zip(before.0) {
+            *after = pending.select(*after, before);
+        }
+        pending = pending & !transmits;
+    }
+    accepted
+}
+
+/// Fresnel's reflectance from the rarer side.
+#[inline(always)]
+fn reflectance<S: Simd>(simd: S, ratio: f32, cosine: Floats<S>) -> Floats<S> {
+    let refracted = complement(complement(cosine) / ratio);
+    let perpendicular = (cosine - refracted * ratio) / (cosine + refracted * ratio);
+    let parallel = (cosine * ratio - refracted) / (cosine * ratio + refracted);
+    (perpendicular * perpendicular + parallel * parallel) * 0.5
+}
