@@ -3,6 +3,7 @@
 mod boundary;
 mod exit;
 mod lanes;
+mod measure;
 mod problem;
 mod random;
 mod scatter;
@@ -11,5 +12,7 @@ mod trace;
 
 pub use exit::Side;
 pub(crate) use exit::{Exit, PhotonCounts};
+#[doc(hidden)]
+pub use measure::count_collisions_and_exits;
 pub use problem::{Parameters, PhaseFunction, Problem};
 pub(crate) use trace::trace;

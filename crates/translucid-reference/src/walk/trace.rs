@@ -28,20 +28,22 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch};
+use fearless_simd::{Level, Simd, dispatch, mask32x16};
 
 use super::boundary::{Boundary, Ray};
 use super::lanes::{Floats, Words, exponential};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{Directions, Scatter, WithScatter, with_scatter};
 use super::sources::Source;
-use super::{Exit, PhotonCounts, Problem};
+use super::{Exit, PhotonCounts, Problem, Side};
 
 /// Groups of lanes in a block: enough that a group's stores have long been done when it is loaded again, few
 /// enough that the block stays in the first-level cache.
 const GROUPS: usize = 32;
 /// Photons in a block.
 const BLOCK: usize = GROUPS * LANES;
+/// Places in a structure of photons: a vector may start at the last photon.
+const PLACES: usize = BLOCK + LANES;
 /// Exits that are handed on at a time.
 const EXITS: usize = 1024;
 
@@ -110,31 +112,25 @@ struct Setup {
 /// Photons that are about to collide, as a structure of arrays.
 #[repr(align(64))]
 struct Photons {
-    x: [[f32; LANES]; GROUPS],
-    y: [[f32; LANES]; GROUPS],
-    z: [[f32; LANES]; GROUPS],
-    ux: [[f32; LANES]; GROUPS],
-    uy: [[f32; LANES]; GROUPS],
-    uz: [[f32; LANES]; GROUPS],
-    stream: [[[u32; LANES]; GROUPS]; 4],
+    x: [f32; PLACES],
+    y: [f32; PLACES],
+    z: [f32; PLACES],
+    /// Directions before the collision; unused where scattering forgets them.
+    ux: [f32; PLACES],
+    uy: [f32; PLACES],
+    uz: [f32; PLACES],
+    stream: [[u32; PLACES]; 4],
     /// Collisions that it will yet survive.
-    left: [[u32; LANES]; GROUPS],
+    left: [u32; PLACES],
     /// Collisions that it will survive in all.
-    budget: [[u32; LANES]; GROUPS],
-}
-
-/// One of them.
-#[derive(Clone, Copy)]
-struct Photon {
-    ray: Ray,
-    stream: Stream<u32>,
-    left: u32,
-    budget: u32,
+    budget: [u32; PLACES],
+    /// How many there are, from place 0 on.
+    count: usize,
 }
 
 impl Photons {
-    fn new() -> Box<Self> {
-        let (floats, words) = ([[0.0; LANES]; GROUPS], [[0; LANES]; GROUPS]);
+    fn none() -> Box<Self> {
+        let (floats, words) = ([0.0; PLACES], [0; PLACES]);
         Box::new(Self {
             x: floats,
             y: floats,
@@ -145,50 +141,42 @@ impl Photons {
             stream: [words; 4],
             left: words,
             budget: words,
+            count: 0,
         })
     }
 
+    /// Copies one photon; `to` and `from` are places in this and the other structure.
     #[inline(always)]
-    fn get(&self, index: usize) -> Photon {
-        let (group, lane) = (index / LANES % GROUPS, index % LANES);
-        Photon {
-            ray: Ray {
-                x: self.x[group][lane],
-                y: self.y[group][lane],
-                z: self.z[group][lane],
-                ux: self.ux[group][lane],
-                uy: self.uy[group][lane],
-                uz: self.uz[group][lane],
-            },
-            stream: Stream([
-                self.stream[0][group][lane],
-                self.stream[1][group][lane],
-                self.stream[2][group][lane],
-                self.stream[3][group][lane],
-            ]),
-            left: self.left[group][lane],
-            budget: self.budget[group][lane],
+    fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
+        self.x[to] = photons.x[from];
+        self.y[to] = photons.y[from];
+        self.z[to] = photons.z[from];
+        self.ux[to] = photons.ux[from];
+        self.uy[to] = photons.uy[from];
+        self.uz[to] = photons.uz[from];
+        for (array, other) in self.stream.iter_mut().zip(&photons.stream) {
+            array[to] = other[from];
         }
+        self.left[to] = photons.left[from];
+        self.budget[to] = photons.budget[from];
     }
 
-    #[inline(always)]
-    fn set(&mut self, index: usize, photon: &Photon) {
-        let (group, lane) = (index / LANES % GROUPS, index % LANES);
-        self.x[group][lane] = photon.ray.x;
-        self.y[group][lane] = photon.ray.y;
-        self.z[group][lane] = photon.ray.z;
-        self.ux[group][lane] = photon.ray.ux;
-        self.uy[group][lane] = photon.ray.uy;
-        self.uz[group][lane] = photon.ray.uz;
-        for (array, word) in self.stream.iter_mut().zip(photon.stream.0) {
-            array[group][lane] = word;
+    /// Closes the gap that an ended photon leaves by the last one.
+    fn swap_remove(&mut self, place: usize) {
+        self.count -= 1;
+        let last = self.count;
+        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.ux, &mut self.uy, &mut self.uz] {
+            array[place] = array[last];
         }
-        self.left[group][lane] = photon.left;
-        self.budget[group][lane] = photon.budget;
+        for array in &mut self.stream {
+            array[place] = array[last];
+        }
+        self.left[place] = self.left[last];
+        self.budget[place] = self.budget[last];
     }
 }
 
-/// A group of photons in registers.
+/// Sixteen photons in registers.
 #[derive(Clone, Copy)]
 struct Group<S: Simd> {
     x: Floats<S>,
@@ -197,18 +185,37 @@ struct Group<S: Simd> {
     directions: Directions<S>,
     streams: Stream<Words<S>>,
     left: Words<S>,
+    budget: Words<S>,
+}
+
+/// The sixteen elements of an array from `first` on.
+#[inline(always)]
+fn window<T>(array: &[T; PLACES], first: usize) -> &[T] {
+    &array[first..first + LANES]
+}
+
+#[inline(always)]
+fn window_mut<T>(array: &mut [T; PLACES], first: usize) -> &mut [T] {
+    &mut array[first..first + LANES]
 }
 
 impl<S: Simd> Group<S> {
+    /// Loads the photons from the place `first` on.
     #[inline(always)]
-    fn load(simd: S, photons: &Photons, group: usize) -> Self {
-        let floats = |array: &[[f32; LANES]; GROUPS]| Floats::load_array(simd, array[group]);
-        let words = |array: &[[u32; LANES]; GROUPS]| Words::load_array(simd, array[group]);
+    fn load<P: Scatter>(simd: S, photons: &Photons, first: usize) -> Self {
+        let floats = |array| Floats::from_slice(simd, window(array, first));
+        let words = |array| Words::from_slice(simd, window(array, first));
+        let directions = if P::REMEMBERS {
+            Directions { x: floats(&photons.ux), y: floats(&photons.uy), z: floats(&photons.uz) }
+        } else {
+            let nothing = Floats::splat(simd, 0.0);
+            Directions { x: nothing, y: nothing, z: nothing }
+        };
         Self {
             x: floats(&photons.x),
             y: floats(&photons.y),
             z: floats(&photons.z),
-            directions: Directions { x: floats(&photons.ux), y: floats(&photons.uy), z: floats(&photons.uz) },
+            directions,
             streams: Stream([
                 words(&photons.stream[0]),
                 words(&photons.stream[1]),
@@ -216,21 +223,58 @@ impl<S: Simd> Group<S> {
                 words(&photons.stream[3]),
             ]),
             left: words(&photons.left),
+            budget: words(&photons.budget),
         }
     }
 
     #[inline(always)]
-    fn store(&self, photons: &mut Photons, group: usize) {
-        self.x.store_array(&mut photons.x[group]);
-        self.y.store_array(&mut photons.y[group]);
-        self.z.store_array(&mut photons.z[group]);
-        self.directions.x.store_array(&mut photons.ux[group]);
-        self.directions.y.store_array(&mut photons.uy[group]);
-        self.directions.z.store_array(&mut photons.uz[group]);
-        for (array, words) in photons.stream.iter_mut().zip(self.streams.0) {
-            words.store_array(&mut array[group]);
+    fn store<P: Scatter>(&self, photons: &mut Photons, first: usize) {
+        self.x.store_slice(window_mut(&mut photons.x, first));
+        self.y.store_slice(window_mut(&mut photons.y, first));
+        self.z.store_slice(window_mut(&mut photons.z, first));
+        if P::REMEMBERS {
+            self.directions.x.store_slice(window_mut(&mut photons.ux, first));
+            self.directions.y.store_slice(window_mut(&mut photons.uy, first));
+            self.directions.z.store_slice(window_mut(&mut photons.uz, first));
         }
-        self.left.store_array(&mut photons.left[group]);
+        for (array, words) in photons.stream.iter_mut().zip(self.streams.0) {
+            words.store_slice(window_mut(array, first));
+        }
+        self.left.store_slice(window_mut(&mut photons.left, first));
+        self.budget.store_slice(window_mut(&mut photons.budget, first));
+    }
+
+    /// Applies a permutation of lanes to everything.
+    #[inline(always)]
+    fn map(
+        &self,
+        other: &Self,
+        floats: impl Fn(Floats<S>, Floats<S>) -> Floats<S>,
+        words: impl Fn(Words<S>, Words<S>) -> Words<S>,
+    ) -> Self {
+        let (u, v) = (self.directions, other.directions);
+        let (s, t) = (self.streams.0, other.streams.0);
+        Self {
+            x: floats(self.x, other.x),
+            y: floats(self.y, other.y),
+            z: floats(self.z, other.z),
+            directions: Directions { x: floats(u.x, v.x), y: floats(u.y, v.y), z: floats(u.z, v.z) },
+            streams: Stream([words(s[0], t[0]), words(s[1], t[1]), words(s[2], t[2]), words(s[3], t[3])]),
+            left: words(self.left, other.left),
+            budget: words(self.budget, other.budget),
+        }
+    }
+
+    /// Moves the photons of a mask to the first lanes, in order.
+    #[inline(always)]
+    fn compress(&self, mask: mask32x16<S>) -> Self {
+        self.map(self, |a, _| a.compress(mask), |a, _| a.compress(mask))
+    }
+
+    /// Puts the first of other photons, in order, into the lanes of a mask.
+    #[inline(always)]
+    fn refill(&self, fresh: &Self, mask: mask32x16<S>) -> Self {
+        self.map(fresh, |a, b| b.expand_merge(mask, a), |a, b| b.expand_merge(mask, a))
     }
 
     /// Flies without regard to faces.
@@ -243,21 +287,97 @@ impl<S: Simd> Group<S> {
     }
 }
 
+/// Exits on their way to the caller, as a structure of arrays.
+struct Exits<'a> {
+    x: [f32; EXITS + LANES],
+    y: [f32; EXITS + LANES],
+    cos_theta: [f32; EXITS + LANES],
+    order: [u32; EXITS + LANES],
+    transmitted: [u32; EXITS + LANES],
+    count: usize,
+    total: u64,
+    batch: Vec<Exit>,
+    hand_on: &'a mut dyn FnMut(&[Exit]),
+}
+
+impl<'a> Exits<'a> {
+    fn new(hand_on: &'a mut dyn FnMut(&[Exit])) -> Self {
+        Self {
+            x: [0.0; EXITS + LANES],
+            y: [0.0; EXITS + LANES],
+            cos_theta: [0.0; EXITS + LANES],
+            order: [0; EXITS + LANES],
+            transmitted: [0; EXITS + LANES],
+            count: 0,
+            total: 0,
+            batch: Vec::with_capacity(EXITS + LANES),
+            hand_on,
+        }
+    }
+
+    /// Adds the first `count` lanes.
+    #[inline(always)]
+    fn push<S: Simd>(&mut self, [x, y, cos_theta]: [Floats<S>; 3], [order, transmitted]: [Words<S>; 2], count: usize) {
+        let range = self.count..self.count + LANES;
+        x.store_slice(&mut self.x[range.clone()]);
+        y.store_slice(&mut self.y[range.clone()]);
+        cos_theta.store_slice(&mut self.cos_theta[range.clone()]);
+        order.store_slice(&mut self.order[range.clone()]);
+        transmitted.store_slice(&mut self.transmitted[range]);
+        self.added(count);
+    }
+
+    #[inline(always)]
+    fn push_one(&mut self, ray: &Ray, order: u32, side: Side) {
+        let i = self.count;
+        self.x[i] = ray.x;
+        self.y[i] = ray.y;
+        self.cos_theta[i] = ray.uz.abs();
+        self.order[i] = order;
+        self.transmitted[i] = u32::from(side == Side::Transmitted);
+        self.added(1);
+    }
+
+    #[inline(always)]
+    fn added(&mut self, count: usize) {
+        self.count += count;
+        if self.count >= EXITS {
+            self.flush();
+        }
+    }
+
+    #[inline(never)]
+    fn flush(&mut self) {
+        self.batch.clear();
+        for i in 0..self.count {
+            self.batch.push(Exit {
+                x: self.x[i],
+                y: self.y[i],
+                cos_theta: self.cos_theta[i],
+                order: self.order[i],
+                side: if self.transmitted[i] == 0 { Side::Reflected } else { Side::Transmitted },
+            });
+        }
+        self.total += self.count as u64;
+        self.count = 0;
+        (self.hand_on)(&self.batch);
+    }
+}
+
 struct Walk<'a, S: Simd, P: Scatter> {
     simd: S,
     scatter: P,
     setup: Setup,
     /// Photons not launched yet.
     waiting: Range<u64>,
-    /// Launched photons that wait for a place, and the places in `pool` where they are.
+    /// Launched photons that wait for a place.
     pool: Box<Photons>,
-    pooled: Vec<u16>,
+    /// Photons under way.
     block: Box<Photons>,
-    /// Photons in the block.
-    alive: usize,
-    buffer: Vec<Exit>,
-    exits: &'a mut dyn FnMut(&[Exit]),
-    counts: PhotonCounts,
+    exits: Exits<'a>,
+    absorbed: u64,
+    /// Collisions survived.
+    scattered: u64,
 }
 
 impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
@@ -268,196 +388,251 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
         waiting: Range<u64>,
         exits: &'a mut dyn FnMut(&[Exit]),
     ) -> Self {
-        let launched = waiting.end.saturating_sub(waiting.start);
         Self {
             simd,
             scatter,
             setup,
             waiting,
-            pool: Photons::new(),
-            pooled: Vec::with_capacity(BLOCK),
-            block: Photons::new(),
-            alive: 0,
-            buffer: Vec::with_capacity(EXITS),
-            exits,
-            counts: PhotonCounts { launched, ..PhotonCounts::default() },
+            pool: Photons::none(),
+            block: Photons::none(),
+            exits: Exits::new(exits),
+            absorbed: 0,
+            scattered: 0,
         }
     }
 
     #[inline(always)]
     fn run(mut self) -> PhotonCounts {
-        while self.alive < BLOCK {
-            let Some(photon) = self.fresh() else { break };
-            self.block.set(self.alive, &photon);
-            self.alive += 1;
-        }
-        while self.alive > 0 {
-            let mut group = 0;
-            while group * LANES < self.alive {
-                self.advance(group);
-                group += 1;
+        let launched = self.waiting.end.saturating_sub(self.waiting.start);
+        self.fill_block();
+        while self.block.count > 0 {
+            let mut first = 0;
+            while first < self.block.count {
+                self.advance(first);
+                first += LANES;
             }
         }
-        (self.exits)(&self.buffer);
-        self.counts
+        self.exits.flush();
+        debug_assert_eq!(launched, self.exits.total + self.absorbed);
+        PhotonCounts { launched, absorbed: self.absorbed, collisions: self.scattered + self.absorbed }
+    }
+
+    fn fill_block(&mut self) {
+        while self.block.count < BLOCK && self.pool_holds(1) {
+            self.pool.count -= 1;
+            let (to, from) = (self.block.count, self.pool.count);
+            self.block.copy_from(to, &self.pool, from);
+            self.block.count += 1;
+        }
     }
 
     /// Steps a group until one of its photons reaches a face or its last collision, then sees to those.
     #[inline(always)]
-    fn advance(&mut self, group: usize) {
+    fn advance(&mut self, first: usize) {
         let (simd, boundary) = (self.simd, self.setup.boundary);
         let (top, bottom) = (Floats::splat(simd, 0.0), Floats::splat(simd, boundary.thickness));
-        let present = self.alive - group * LANES;
-        let present = if present >= LANES { 0xffff } else { (1u64 << present) - 1 };
+        let present = (self.block.count - first).min(LANES);
+        let present_mask = (1u64 << present) - 1;
 
-        let mut photons = Group::load(simd, &self.block, group);
-        let (ended, crossed) = loop {
+        let mut photons = Group::load::<P>(simd, &self.block, first);
+        let (crossed, last) = loop {
             let words = [photons.streams.next(), photons.streams.next()];
             photons.directions = self.scatter.scatter(simd, photons.directions, words);
             photons.fly(simd);
             photons.left -= 1;
-            let crossed = photons.z.simd_lt(top) | photons.z.simd_gt(bottom);
-            let last = photons.left.simd_eq(0);
-            let ended = (crossed | last).to_bitmask() & present;
-            if ended != 0 {
-                break (ended, crossed.to_bitmask());
+            self.scattered += present as u64;
+            let mut crossed = photons.z.simd_lt(top) | photons.z.simd_gt(bottom);
+            if !boundary.matched {
+                crossed = reflect_totally(simd, &boundary, &mut photons, crossed);
+            }
+            let crossed = crossed.to_bitmask() & present_mask;
+            let last = photons.left.simd_eq(0).to_bitmask() & present_mask;
+            if crossed | last != 0 {
+                break (crossed, last);
             }
         };
-        photons.store(&mut self.block, group);
-        self.settle(group, ended, crossed);
+        let (left, mut photons) = if boundary.matched {
+            (self.leave(&photons, crossed), photons)
+        } else if crossed != 0 {
+            self.leave_by_chance(photons, crossed)
+        } else {
+            (0, photons)
+        };
+        let ended = left | last;
+        self.absorbed += u64::from((last & !left).count_ones());
+
+        // Fill the places of those that ended
+        let count = ended.count_ones() as usize;
+        if self.pool_holds(count) {
+            self.pool.count -= count;
+            let fresh = Group::load::<P>(simd, &self.pool, self.pool.count);
+            photons = photons.refill(&fresh, mask32x16::from_bitmask(simd, ended));
+            photons.store::<P>(&mut self.block, first);
+        } else {
+            photons.store::<P>(&mut self.block, first);
+            self.close_gaps(first, ended);
+        }
     }
 
-    /// Looks at the photons of a group that ended a flight beyond a face or at their last collision.
-    ///
-    /// From the highest lane down, so that the block's last photon, which fills a gap, is never one of those.
+    /// Lets all photons beyond a face out, η = 1.
     #[inline(always)]
-    fn settle(&mut self, group: usize, mut ended: u64, crossed: u64) {
+    fn leave(&mut self, photons: &Group<S>, crossed: u64) -> u64 {
+        if crossed == 0 {
+            return 0;
+        }
+        let simd = self.simd;
+        let thickness = self.setup.boundary.thickness;
+        let mask: mask32x16<S> = mask32x16::from_bitmask(simd, crossed);
+        let transmitted = photons.z.simd_ge(0.0);
+        let face = transmitted.select(Floats::splat(simd, thickness), Floats::splat(simd, 0.0));
+        let Directions { x: ux, y: uy, z: uz } = photons.directions;
+        let beyond = (photons.z - face) / uz;
+        let x = (-beyond).mul_add(ux, photons.x);
+        let y = (-beyond).mul_add(uy, photons.y);
+        let order = photons.budget - photons.left;
+        let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
+        self.exits.push(
+            [x.compress(mask), y.compress(mask), uz.abs().compress(mask)],
+            [order.compress(mask), transmitted.compress(mask)],
+            crossed.count_ones() as usize,
+        );
+        crossed
+    }
+
+    /// Sees to photons beyond a face one by one, η ≠ 1: which of them left, and the group with the others
+    /// reflected.
+    #[inline(always)]
+    fn leave_by_chance(&mut self, photons: Group<S>, crossed: u64) -> (u64, Group<S>) {
+        let mut photons = photons;
+        let mut rest = crossed;
+        let mut left = 0;
+        while rest != 0 {
+            let lane = rest.trailing_zeros() as usize % LANES;
+            rest &= rest - 1;
+            let directions = &mut photons.directions;
+            let mut ray = Ray {
+                x: photons.x[lane],
+                y: photons.y[lane],
+                z: photons.z[lane],
+                ux: directions.x[lane],
+                uy: directions.y[lane],
+                uz: directions.z[lane],
+            };
+            let mut stream = Stream(photons.streams.0.map(|words| words[lane]));
+            if let Some(side) = self.setup.boundary.cross(&mut ray, &mut stream) {
+                self.exits.push_one(&ray, photons.budget[lane] - photons.left[lane], side);
+                left |= 1 << lane;
+            } else {
+                photons.z[lane] = ray.z;
+                directions.z[lane] = ray.uz;
+                for (words, word) in photons.streams.0.iter_mut().zip(stream.0) {
+                    words[lane] = word;
+                }
+            }
+        }
+        (left, photons)
+    }
+
+    /// Without enough fresh photons: fills with what there is, then with the block's last.
+    ///
+    /// From the highest lane down, so that the block's last photon is never one that ended.
+    #[inline(never)]
+    fn close_gaps(&mut self, first: usize, mut ended: u64) {
         while ended != 0 {
             let lane = ended.ilog2() as usize;
             ended ^= 1 << lane;
-            let index = group * LANES + lane;
-            let mut photon = self.block.get(index);
-            if crossed >> lane & 1 == 1 {
-                let order = photon.budget - photon.left;
-                let out = self.cross(&mut photon, order);
-                if !out && photon.left > 0 {
-                    self.block.set(index, &photon);
-                    continue;
-                }
-                if !out {
-                    self.absorb(photon.budget);
-                }
+            if self.pool.count > 0 {
+                self.pool.count -= 1;
+                self.block.copy_from(first + lane, &self.pool, self.pool.count);
             } else {
-                self.absorb(photon.budget);
+                self.block.swap_remove(first + lane);
             }
-            self.replace(index);
         }
     }
 
-    /// Sees to a photon beyond a face; whether it left.
+    /// Whether so many photons are in the pool, after launching if need be.
     #[inline(always)]
-    fn cross(&mut self, photon: &mut Photon, order: u32) -> bool {
-        let Some(side) = self.setup.boundary.cross(&mut photon.ray, &mut photon.stream) else {
-            return false;
-        };
-        let Ray { x, y, uz, .. } = photon.ray;
-        self.buffer.push(Exit { x, y, cos_theta: uz.abs(), order, side });
-        self.counts.collisions += u64::from(order);
-        if self.buffer.len() == EXITS {
-            (self.exits)(&self.buffer);
-            self.buffer.clear();
-        }
-        true
-    }
-
-    #[inline(always)]
-    fn absorb(&mut self, budget: u32) {
-        self.counts.absorbed += 1;
-        self.counts.collisions += u64::from(budget) + 1;
-    }
-
-    /// Gives the place of a photon that ended to a fresh one, or to the block's last.
-    #[inline(always)]
-    fn replace(&mut self, index: usize) {
-        if let Some(photon) = self.fresh() {
-            self.block.set(index, &photon);
-        } else {
-            self.alive -= 1;
-            let last = self.block.get(self.alive);
-            self.block.set(index, &last);
-        }
-    }
-
-    /// The next photon that has a collision to survive.
-    #[inline(always)]
-    fn fresh(&mut self) -> Option<Photon> {
-        while self.pooled.is_empty() && !self.waiting.is_empty() {
+    fn pool_holds(&mut self, count: usize) -> bool {
+        if self.pool.count < count && !self.waiting.is_empty() {
             self.launch();
         }
-        self.pooled.pop().map(|place| self.pool.get(usize::from(place)))
+        self.pool.count >= count
     }
 
-    /// Fills the pool: photons up to their first collision.
+    /// Fills the pool up.
+    #[inline(never)]
     fn launch(&mut self) {
         let simd = self.simd;
         simd.vectorize(
             #[inline(always)]
             || {
-                for group in 0..GROUPS {
-                    if self.waiting.is_empty() {
-                        break;
-                    }
-                    self.launch_group(group);
+                while self.pool.count <= BLOCK - LANES && !self.waiting.is_empty() {
+                    self.launch_group();
                 }
             },
         );
     }
 
+    /// Walks sixteen photons up to their first collision and adds those that survive it to the pool.
     #[inline(always)]
-    fn launch_group(&mut self, group: usize) {
+    fn launch_group(&mut self) {
         let Setup { key, source, boundary, collisions_per_unit } = self.setup;
         let simd = self.simd;
-        let first = self.waiting.start;
-        let count = (self.waiting.end - first).min(LANES as u64);
+        let index = self.waiting.start;
+        let count = (self.waiting.end - index).min(LANES as u64);
         self.waiting.start += count;
 
         // Draw number of collisions, direction and position
-        let mut streams = Stream::of_16(simd, key, first);
+        let mut streams = Stream::of_16(simd, key, index);
         let tries = exponential(simd, streams.next()).max(1e-10) * collisions_per_unit;
         let budget: Words<S> = tries.min(4_294_967_040.0).to_int();
         let directions = source.directions(simd, &mut streams);
         let (x, y) = source.positions(simd, &mut streams);
 
-        // Fly to the first collision
+        // Fly to the first collision, or through a slab
         let z = Floats::splat(simd, 0.0);
-        let mut photons = Group { x, y, z, directions, streams, left: budget };
+        let mut photons = Group { x, y, z, directions, streams, left: budget, budget };
         photons.fly(simd);
-        photons.store(&mut self.pool, group);
-        budget.store_array(&mut self.pool.budget[group]);
-
-        // See who is still there
-        let crossed = photons.z.simd_gt(Floats::splat(simd, boundary.thickness)).to_bitmask();
-        for lane in 0..count as usize {
-            let index = group * LANES + lane;
-            if crossed >> lane & 1 == 1 {
-                let mut photon = self.pool.get(index);
-                if self.cross(&mut photon, 0) {
-                    continue;
-                }
-                self.pool.set(index, &photon);
-            }
-            if self.pool.budget[group][lane] == 0 {
-                self.absorb(0);
-            } else {
-                self.pooled.push(index as u16);
-            }
+        let mut inside = (1 << count) - 1;
+        let crossed = photons.z.simd_gt(boundary.thickness).to_bitmask() & inside;
+        if crossed != 0 {
+            let (left, others) = self.leave_by_chance(photons, crossed);
+            photons = others;
+            inside &= !left;
         }
+
+        // Keep those that survive it
+        let survive = budget.simd_gt(0).to_bitmask() & inside;
+        self.absorbed += u64::from((inside & !survive).count_ones());
+        let survivors = photons.compress(mask32x16::from_bitmask(simd, survive));
+        let end = self.pool.count;
+        survivors.store::<P>(&mut self.pool, end);
+        self.pool.count += survive.count_ones() as usize;
     }
+}
+
+/// Mirrors photons that the face reflects totally, where one reflection brings them inside; the photons beyond
+/// a face that remain.
+#[inline(always)]
+fn reflect_totally<S: Simd>(
+    simd: S,
+    boundary: &Boundary,
+    photons: &mut Group<S>,
+    crossed: mask32x16<S>,
+) -> mask32x16<S> {
+    let uz = photons.directions.z;
+    let thickness = Floats::splat(simd, boundary.thickness);
+    let mirrored = photons.z.simd_lt(0.0).select(-photons.z, thickness + thickness - photons.z);
+    let totally = crossed & (uz * uz).simd_lt(boundary.total_below);
+    let inside = totally & mirrored.simd_ge(0.0) & mirrored.simd_le(thickness);
+    photons.z = inside.select(mirrored, photons.z);
+    photons.directions.z = inside.select(-uz, uz);
+    crossed & !inside
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Parameters, PhaseFunction, Side};
+    use super::super::{Parameters, PhaseFunction};
     use super::*;
     use crate::Entry;
 
