@@ -52,6 +52,18 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(
     value
 }
 
+/// Evaluates a polynomial of degree 8 by Estrin's scheme: pairs, pairs of pairs, so that no step waits for
+/// eight before it.
+#[inline(always)]
+fn polynomial_8<S: Simd>(simd: S, x: Floats<S>, c: [f32; 9]) -> Floats<S> {
+    let pair = |i: usize| x.mul_add(c[i + 1], Floats::splat(simd, c[i]));
+    let x2 = x * x;
+    let x4 = x2 * x2;
+    let low = x2.mul_add(pair(2), pair(0));
+    let high = x2.mul_add(pair(6), pair(4));
+    x4.mul_add(x4.mul_add(c[8], high), low)
+}
+
 /// Uniform in (0, 1].
 #[inline(always)]
 pub(crate) fn unit<S: Simd>(word: Words<S>) -> Floats<S> {
@@ -77,7 +89,7 @@ pub(crate) fn exponential<S: Simd>(simd: S, word: Words<S>) -> Floats<S> {
     let k = (32 - (above >> 23)).bitcast::<i32x16<S>>().to_float::<Floats<S>>();
 
     let t = factor - 1.0;
-    k.mul_add(std::f32::consts::LN_2, -(t * polynomial(simd, t, LOG)))
+    k.mul_add(std::f32::consts::LN_2, -(t * polynomial_8(simd, t, LOG)))
 }
 
 /// Uniform on the unit circle.

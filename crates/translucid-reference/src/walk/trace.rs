@@ -317,7 +317,12 @@ impl<'a> Exits<'a> {
 
     /// Adds the first `count` lanes.
     #[inline(always)]
-    fn push<S: Simd>(&mut self, [x, y, cos_theta]: [Floats<S>; 3], [order, transmitted]: [Words<S>; 2], count: usize) {
+    fn push<S: Simd>(
+        &mut self,
+        [x, y, cos_theta]: [Floats<S>; 3],
+        [order, transmitted]: [Words<S>; 2],
+        count: usize,
+    ) {
         let range = self.count..self.count + LANES;
         x.store_slice(&mut self.x[range.clone()]);
         y.store_slice(&mut self.y[range.clone()]);
@@ -477,9 +482,6 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
     /// Lets all photons beyond a face out, η = 1.
     #[inline(always)]
     fn leave(&mut self, photons: &Group<S>, crossed: u64) -> u64 {
-        if crossed == 0 {
-            return 0;
-        }
         let simd = self.simd;
         let thickness = self.setup.boundary.thickness;
         let mask: mask32x16<S> = mask32x16::from_bitmask(simd, crossed);
