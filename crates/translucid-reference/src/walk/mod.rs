@@ -1,18 +1,34 @@
 //! The Monte Carlo walk: photons through a half space or a slab.
 
+mod at_albedo;
 mod boundary;
+mod edge_search;
 mod exit;
 mod lanes;
+mod layout;
 mod measure;
+mod orders;
+mod photon_ranges;
 mod problem;
 mod random;
+mod run;
 mod scatter;
 mod sources;
+mod table_error;
 mod trace;
+mod weights;
+mod white_table;
 
+pub use at_albedo::{AtAlbedo, AtRadius};
 pub use exit::Side;
 pub(crate) use exit::{Exit, PhotonCounts};
+pub use layout::{Layout, Region};
 #[doc(hidden)]
 pub use measure::count_collisions_and_exits;
+pub use orders::OrderBins;
+pub use photon_ranges::PhotonRange;
 pub use problem::{Parameters, PhaseFunction, Problem};
+pub use run::{Control, Forecast, Goal};
+pub use table_error::TableError;
 pub(crate) use trace::trace;
+pub use white_table::WhiteTable;

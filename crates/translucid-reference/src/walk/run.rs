@@ -1,0 +1,423 @@
+//! Runs that extend a table, on all cores.
+
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use super::exit::{Exit, PhotonCounts};
+use super::orders::Cell;
+use super::table_error::TableError;
+use super::trace;
+use super::white_table::WhiteTable;
+
+/// How the world outside takes part in a run.
+#[derive(Clone, Copy)]
+pub struct Control<'a> {
+    /// Set to true, from any thread, it ends the run within a fraction of a second; the table then holds the
+    /// photons that were done.
+    pub stop: &'a AtomicBool,
+    /// Called with the number of photons done since the run started, from any of its threads, some times a second.
+    pub progress: &'a (dyn Fn(u64) + Sync),
+    /// When to stop in any case, give or take a fraction of a second.
+    pub deadline: Option<Instant>,
+}
+
+impl Default for Control<'_> {
+    /// A run that nobody watches, to its end.
+    fn default() -> Self {
+        static NEVER: AtomicBool = AtomicBool::new(false);
+        Self { stop: &NEVER, progress: &|_| {}, deadline: None }
+    }
+}
+
+impl Control<'_> {
+    /// Whether the run is to end now.
+    fn stops(&self) -> bool {
+        self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+}
+
+/// When [`WhiteTable::run_until`] has done enough.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Goal {
+    /// Relative standard error to be reached.
+    pub relative_error: f64,
+    /// Most photons to run.
+    pub photons: u64,
+}
+
+/// What [`WhiteTable::run_until`] expects of the rest of its run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Forecast {
+    /// Relative standard error so far; infinite if something has not been seen yet.
+    pub relative_error: f64,
+    /// Photons done since the run started.
+    pub photons_done: u64,
+    /// Photons still to do, as the error falls with the square root of their number.
+    pub photons_left: u64,
+    /// Time that these take, as it was so far.
+    pub time_left: Duration,
+}
+
+impl WhiteTable {
+    /// Walks `photons` more photons of a seed, the first ones that the table does not hold yet, on all threads of
+    /// the current rayon pool. Returns how many were done: fewer where the run was stopped.
+    ///
+    /// The table's bits do not depend on the threads, on stops, or on how photons are split over runs: 10⁶ and then
+    /// 10⁶ more are 2·10⁶ at once.
+    ///
+    /// # Errors
+    /// The seed does not have so many photons left (of 2⁶⁴ − 1), or a sum overflows. The table is then unchanged.
+    pub fn run(&mut self, seed: u64, photons: u64, control: &Control) -> Result<u64, TableError> {
+        let pieces = Pieces::new(self.missing(seed, photons));
+        if pieces.left < photons || self.photons().checked_add(photons).is_none() {
+            return Err(TableError::TooMany);
+        }
+        let threads = photons.div_ceil(SMALLEST_PIECE).clamp(1, rayon::current_num_threads() as u64);
+        let tallies = (TALLY_BYTES / size_of_val(self.all_cells())).clamp(1, threads as usize);
+        let run = Run {
+            table: self,
+            seed,
+            control,
+            threads,
+            pieces: Mutex::new(pieces),
+            tallies: (0..tallies).map(|_| Mutex::default()).collect(),
+            done: Mutex::default(),
+            photons_done: AtomicU64::new(0),
+        };
+        rayon::scope(|scope| {
+            let run = &run;
+            (0..threads as usize).for_each(|worker| scope.spawn(move |_| run.work(worker)));
+        });
+
+        // Nothing of the table has changed so far, whatever happened
+        let Run { tallies, done, photons_done, .. } = run;
+        self.take_in(seed, &into_inner(done), tallies.into_iter().map(into_inner).collect())?;
+        Ok(photons_done.into_inner())
+    }
+
+    /// Walks photons of a seed until a relative standard error is reached, and returns how many were done.
+    ///
+    /// `error` computes this error from the table: the greatest of those that matter. It is asked after 2¹⁶ photons
+    /// at the earliest, then at most every few seconds, and so is `report` called, with the table as it is by then
+    /// (to show the time left, or to save the table).
+    ///
+    /// Stopping as soon as an estimated error is small favors runs that underestimate it. With many photons this
+    /// is a small part of the error; it is no concern unless rare photons decide.
+    ///
+    /// # Errors
+    /// As for [`run`](Self::run); the table then holds what was done before.
+    pub fn run_until(
+        &mut self,
+        seed: u64,
+        goal: Goal,
+        control: &Control,
+        error: &dyn Fn(&Self) -> f64,
+        report: &mut dyn FnMut(&Self, &Forecast),
+    ) -> Result<u64, TableError> {
+        let start = Instant::now();
+        let mut done = 0;
+        loop {
+            // Judge what there is
+            let enough = self.photons() >= FIRST_ROUND;
+            let relative_error = if enough { error(self) } else { f64::INFINITY };
+            let wanted = photons_wanted(self.photons(), relative_error, goal.relative_error);
+            let photons_left = wanted.min(goal.photons.saturating_sub(done));
+            if done > 0 {
+                let seconds = start.elapsed().as_secs_f64() * photons_left as f64 / done as f64;
+                let time_left = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
+                report(self, &Forecast { relative_error, photons_done: done, photons_left, time_left });
+            }
+            if photons_left == 0 || control.stops() {
+                return Ok(done);
+            }
+
+            // Do the rest, but no more than doubles the table: an error estimated from few photons is itself far off
+            let round = photons_left.min(self.photons().max(FIRST_ROUND));
+            let end = Instant::now() + ROUND_TIME;
+            let deadline = Some(control.deadline.map_or(end, |deadline| deadline.min(end)));
+            let progress = |more: u64| (control.progress)(done + more);
+            done += self.run(seed, round, &Control { progress: &progress, deadline, ..*control })?;
+        }
+    }
+}
+
+/// Photons before an error is first looked at.
+const FIRST_ROUND: u64 = 1 << 16;
+/// Time after which it is looked at again.
+const ROUND_TIME: Duration = Duration::from_secs(5);
+/// Time that a piece of work is to take: the longest that a stop is waited for. The kernel's lanes run empty at
+/// a piece's end, which takes as long as one photon.
+const PIECE_TIME: Duration = Duration::from_millis(150);
+/// Photons in the smallest piece of work.
+const SMALLEST_PIECE: u64 = 1 << 10;
+/// Memory for the tallies of all threads together; threads share them where it is not enough for one each.
+const TALLY_BYTES: usize = 64 << 20;
+/// Exits that a thread collects before it takes a tally.
+const PENDING: usize = 1 << 13;
+
+/// Photons that a table of some photons wants in addition, to bring its relative error down to a goal.
+fn photons_wanted(photons: u64, relative_error: f64, goal: f64) -> u64 {
+    if relative_error <= goal {
+        return 0;
+    }
+    // 1 % more than the square root law says, or the last rounds would get ever shorter. Casts saturate.
+    let factor = 1.01 * (relative_error / goal).powi(2) - 1.0;
+    if factor.is_nan() { u64::MAX } else { (factor * photons.max(1) as f64).ceil() as u64 }
+}
+
+/// A run under way, as its threads see it.
+struct Run<'a> {
+    table: &'a WhiteTable,
+    seed: u64,
+    control: &'a Control<'a>,
+    threads: u64,
+    pieces: Mutex<Pieces>,
+    tallies: Vec<Mutex<Vec<Cell>>>,
+    done: Mutex<Vec<(Range<u64>, PhotonCounts)>>,
+    photons_done: AtomicU64,
+}
+
+impl Run<'_> {
+    /// Walks pieces until there are no more or the run is stopped.
+    fn work(&self, worker: usize) {
+        let tally = &self.tallies[worker % self.tallies.len()];
+        let mut pending = Vec::with_capacity(2 * PENDING);
+        let mut size = SMALLEST_PIECE;
+        while !self.control.stops() {
+            let Some(piece) = lock(&self.pieces).take(size, self.threads) else { break };
+            let start = Instant::now();
+            let (problem, albedo) = (self.table.problem(), self.table.reference_albedo());
+            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[Exit]| {
+                pending.extend(exits.iter().map(|exit| (self.table.cell_index(exit), exit.order)));
+                if pending.len() >= PENDING {
+                    self.flush(&mut pending, tally);
+                }
+            });
+            self.flush(&mut pending, tally);
+
+            let photons = piece.end - piece.start;
+            lock(&self.done).push((piece, counts));
+            let done = self.photons_done.fetch_add(photons, Ordering::Relaxed) + photons;
+            (self.control.progress)(done);
+            let speed_up = PIECE_TIME.as_secs_f64() / start.elapsed().as_secs_f64();
+            size = (photons as f64 * speed_up.clamp(0.25, 4.0)) as u64;
+        }
+    }
+
+    fn flush(&self, pending: &mut Vec<(u32, u32)>, tally: &Mutex<Vec<Cell>>) {
+        let mut tally = lock(tally);
+        tally.resize(self.table.all_cells().len(), Cell::default());
+        for (index, order) in pending.drain(..) {
+            let cell = &mut tally[index as usize];
+            cell.count += 1;
+            cell.order_sum += u64::from(order);
+        }
+    }
+}
+
+/// Photons to be walked.
+struct Pieces {
+    /// The next range last.
+    ranges: Vec<Range<u64>>,
+    /// Photons in all of them.
+    left: u64,
+}
+
+impl Pieces {
+    fn new(mut ranges: Vec<Range<u64>>) -> Self {
+        ranges.reverse();
+        let left = ranges.iter().map(|range| range.end - range.start).sum();
+        Self { ranges, left }
+    }
+
+    /// The next piece, of at most `size` photons; towards the end of less, so that all threads end together.
+    fn take(&mut self, size: u64, threads: u64) -> Option<Range<u64>> {
+        let range = self.ranges.last_mut()?;
+        let size = size.min(self.left / (2 * threads)).max(SMALLEST_PIECE).min(range.end - range.start);
+        let piece = range.start..range.start + size;
+        range.start = piece.end;
+        self.left -= size;
+        if range.is_empty() {
+            self.ranges.pop();
+        }
+        Some(piece)
+    }
+}
+
+/// A lock that another thread's panic does not spoil: that panic ends the run anyway.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn into_inner<T>(mutex: Mutex<T>) -> T {
+    mutex.into_inner().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Layout, OrderBins, Parameters, PhotonRange, Problem, Region, Side};
+    use super::*;
+
+    fn empty(reference_albedo: f64) -> WhiteTable {
+        let bins = OrderBins::new(0.125).unwrap();
+        let layout = Layout::with_order_bins(&[0.3, 1.0, 3.0], 3, bins).unwrap();
+        WhiteTable::new(Problem::new(Parameters::default()).unwrap(), layout, reference_albedo).unwrap()
+    }
+
+    fn on_threads<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(run)
+    }
+
+    #[test]
+    fn runs_do_not_depend_on_threads_or_pieces() {
+        let mut once = empty(0.99);
+        assert_eq!(once.run(7, 60_000, &Control::default()).unwrap(), 60_000);
+        for threads in [1, 2, 7] {
+            let mut table = empty(0.99);
+            on_threads(threads, || {
+                for photons in [1, 999, 0, 30_000, 29_000] {
+                    assert_eq!(table.run(7, photons, &Control::default()).unwrap(), photons);
+                }
+            });
+            assert_eq!(table, once, "{threads} threads");
+        }
+        assert_eq!(once.photon_ranges(), [PhotonRange { seed: 7, start: 0, end: 60_000 }]);
+        let exits = once.exits(Side::Reflected, Region::Everywhere);
+        let at = once.at_albedo(0.99).unwrap();
+        assert_eq!(at.absorbed().value, 1.0 - exits as f64 / 60_000.0);
+    }
+
+    #[test]
+    fn run_fills_gaps_first() {
+        let mut part = empty(0.9);
+        let (all, gap) = (0..5000, 1000..2000);
+        let mut whole = empty(0.9);
+        whole.run(1, all.end, &Control::default()).unwrap();
+        // Hold the range's ends
+        for range in [0..gap.start, gap.end..all.end] {
+            let mut cells = vec![Cell::default(); part.all_cells().len()];
+            let counts = trace(part.problem(), 0.9, 1, range.clone(), &mut |exits: &[Exit]| {
+                for exit in exits {
+                    let cell = &mut cells[part.cell_index(exit) as usize];
+                    cell.count += 1;
+                    cell.order_sum += u64::from(exit.order);
+                }
+            });
+            part.take_in(1, &[(range, counts)], vec![cells]).unwrap();
+        }
+        assert_eq!(part.photon_ranges().len(), 2);
+        part.run(1, gap.end - gap.start, &Control::default()).unwrap();
+        assert_eq!(part, whole);
+    }
+
+    /// Stopped at a moment that cannot be foreseen, a table holds what it says, and goes on from there.
+    #[test]
+    fn stopped_runs_go_on_where_they_were() {
+        let mut whole = empty(0.99);
+        whole.run(3, 400_000, &Control::default()).unwrap();
+        let mut table = empty(0.99);
+        let mut stops = 0;
+        while table.photons() < 400_000 {
+            let stop = AtomicBool::new(false);
+            let limit = 20_000 + 7919 * stops;
+            let progress = |done: u64| {
+                if done > limit {
+                    stop.store(true, Ordering::Relaxed);
+                }
+            };
+            let before = table.photons();
+            let control = Control { stop: &stop, progress: &progress, deadline: None };
+            let done = on_threads(3, || table.run(3, 400_000 - before, &control)).unwrap();
+            assert_eq!(table.photons(), before + done);
+            let held: u64 = table.photon_ranges().iter().map(PhotonRange::len).sum();
+            assert_eq!(held, table.photons());
+            stops += 1;
+        }
+        assert!(stops > 2, "{stops}");
+        assert_eq!(table, whole);
+    }
+
+    #[test]
+    fn stop_and_deadline_come_soon() {
+        for albedo in [0.9, 0.9999] {
+            for by_deadline in [false, true] {
+                let stop = AtomicBool::new(false);
+                let (start, wait) = (Instant::now(), Duration::from_millis(200));
+                let mut table = empty(albedo);
+                let deadline = by_deadline.then(|| start + wait);
+                std::thread::scope(|scope| {
+                    if !by_deadline {
+                        scope.spawn(|| {
+                            std::thread::sleep(wait);
+                            stop.store(true, Ordering::Relaxed);
+                        });
+                    }
+                    let control = Control { stop: &stop, deadline, ..Control::default() };
+                    let done = table.run(1, u64::MAX / 2, &control).unwrap();
+                    assert_eq!(done, table.photons());
+                });
+                // A piece more, on a machine that may be busy.
+                let taken = start.elapsed();
+                assert!(taken >= wait && taken < wait + Duration::from_secs(3), "{taken:?}");
+                assert!(table.photons() > 0);
+            }
+        }
+    }
+
+    #[test]
+    fn stopped_at_once_changes_nothing() {
+        let stop = AtomicBool::new(true);
+        let mut table = empty(0.9);
+        assert_eq!(table.run(1, 1000, &Control { stop: &stop, ..Control::default() }).unwrap(), 0);
+        assert_eq!(table, empty(0.9));
+    }
+
+    #[test]
+    fn seeds_end() {
+        let mut table = empty(0.5);
+        assert!(matches!(
+            table.run(1, u64::MAX, &Control { deadline: Some(Instant::now()), ..Control::default() }),
+            Ok(0)
+        ));
+        table.run(1, 10, &Control::default()).unwrap();
+        assert!(matches!(table.run(1, u64::MAX - 9, &Control::default()), Err(TableError::TooMany)));
+        assert!(matches!(table.run(2, u64::MAX - 9, &Control::default()), Err(TableError::TooMany)));
+        assert_eq!(table.photons(), 10);
+    }
+
+    #[test]
+    fn run_until_reaches_its_goal() {
+        let worst = |table: &WhiteTable| {
+            let at = table.at_albedo(0.9).unwrap();
+            at.total(Side::Reflected).relative_error().max(at.ring(Side::Reflected, 1).relative_error())
+        };
+        let goal = Goal { relative_error: 2e-3, photons: u64::MAX };
+        let (mut table, mut forecasts) = (empty(0.95), Vec::new());
+        let mut report = |_: &WhiteTable, forecast: &Forecast| forecasts.push(*forecast);
+        let done = table.run_until(1, goal, &Control::default(), &worst, &mut report).unwrap();
+        assert_eq!(done, table.photons());
+        assert!(worst(&table) <= 2e-3 && worst(&table) > 1.9e-3, "{}", worst(&table));
+        let (first, last) = (forecasts[0], forecasts[forecasts.len() - 1]);
+        assert_eq!((last.photons_left, last.time_left), (0, Duration::ZERO));
+        let expected = first.photons_done + first.photons_left;
+        assert!((expected as f64 / done as f64 - 1.0).abs() < 0.1, "{first:?} {done}");
+        // There is nothing more to do.
+        assert_eq!(table.run_until(1, goal, &Control::default(), &worst, &mut |_, _| ()).unwrap(), 0);
+    }
+
+    #[test]
+    fn run_until_keeps_its_limits() {
+        for error in [f64::INFINITY, f64::NAN, 1.0] {
+            let mut table = empty(0.9);
+            let goal = Goal { relative_error: 1e-9, photons: 150_000 };
+            let done = table.run_until(1, goal, &Control::default(), &|_| error, &mut |_, _| ()).unwrap();
+            assert_eq!((done, table.photons()), (150_000, 150_000));
+        }
+        let stop = AtomicBool::new(true);
+        let goal = Goal { relative_error: 0.0, photons: u64::MAX };
+        let control = Control { stop: &stop, ..Control::default() };
+        assert_eq!(empty(0.9).run_until(1, goal, &control, &|_| 1.0, &mut |_, _| ()).unwrap(), 0);
+    }
+}

@@ -1,0 +1,513 @@
+//! The table of a white walk: one run, every albedo.
+
+use std::ops::Range;
+
+use translucid_profile::ParameterError;
+
+use super::at_albedo::AtAlbedo;
+use super::exit::{Exit, PhotonCounts, Side};
+use super::layout::{Layout, Region};
+use super::orders::Cell;
+use super::photon_ranges::{PhotonRange, PhotonRanges};
+use super::problem::{Parameters, Problem};
+use super::table_error::TableError;
+use super::weights::{Weighed, Weights};
+use crate::Estimate;
+
+/// Photons that left a medium, counted over place and order of scattering at a reference albedo α_ref.
+///
+/// A photon that leaves after n collisions does so at any other albedo as well, with a probability (α/α_ref)ⁿ
+/// times that at α_ref: one table serves all α ≤ α_ref, see [`WhiteTable::at_albedo`]. (*White Monte Carlo*: E.
+/// Alerstam, S. Andersson-Engels and T. Svensson 2008, *J. Biomed. Opt.* 13, 041304.)
+///
+/// Counts and sums of orders are whole numbers, so a table depends on its photons alone: not on the number of
+/// threads, nor on the sequence in which parts of it were run and merged. It knows which photons it holds and
+/// takes none twice.
+///
+/// ```
+/// use translucid_profile::{Configuration, half_space_surface_albedo};
+/// use translucid_reference::walk::{Control, Layout, Parameters, Problem, Side, WhiteTable};
+///
+/// let problem = Problem::new(Parameters::default())?;
+/// let layout = Layout::new(&[0.5, 1.0, 2.0], 1)?;
+/// let mut table = WhiteTable::new(problem, layout, 0.99)?;
+/// table.run(1, 20_000, &Control::default())?;
+///
+/// // Any albedo up to the reference.
+/// for alpha in [0.5, 0.9, 0.99] {
+///     let total = table.at_albedo(alpha)?.total(Side::Reflected);
+///     let exact = half_space_surface_albedo(alpha, Configuration::Searchlight);
+///     assert!((total.value - exact).abs() < 4.0 * total.error);
+/// }
+/// # Ok::<(), translucid_reference::walk::TableError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct WhiteTable {
+    problem: Problem,
+    layout: Layout,
+    reference_albedo: f64,
+    ranges: PhotonRanges,
+    counts: PhotonCounts,
+    /// By face, place and order bin, the last varying fastest.
+    cells: Vec<Cell>,
+}
+
+impl WhiteTable {
+    /// Highest reference albedo. The mean number of collisions in a half space grows like (1 − α)^(−1/2) and is
+    /// infinite without absorption.
+    pub const HIGHEST_REFERENCE_ALBEDO: f64 = 0.999999;
+
+    /// A table without photons.
+    ///
+    /// # Errors
+    /// The reference albedo is not in (0, 0.999999].
+    pub fn new(problem: Problem, layout: Layout, reference_albedo: f64) -> Result<Self, ParameterError> {
+        if !(reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO) {
+            let parameter = "reference_albedo";
+            return Err(ParameterError { parameter, value: reference_albedo, allowed: "in (0, 0.999999]" });
+        }
+        let cells = vec![Cell::default(); faces(&problem) * layout.entries()];
+        let (ranges, counts) = (PhotonRanges::default(), PhotonCounts::default());
+        Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
+    }
+
+    /// What the photons walked through.
+    pub fn problem(&self) -> &Problem {
+        &self.problem
+    }
+
+    /// The bins.
+    pub fn layout(&self) -> &Layout {
+        &self.layout
+    }
+
+    /// Single-scattering albedo α_ref of the walk.
+    pub fn reference_albedo(&self) -> f64 {
+        self.reference_albedo
+    }
+
+    /// The photons that the table holds: sorted, joined, not empty.
+    pub fn photon_ranges(&self) -> &[PhotonRange] {
+        self.ranges.as_slice()
+    }
+
+    /// Number of photons that entered the medium.
+    pub fn photons(&self) -> u64 {
+        self.counts.launched
+    }
+
+    /// Number of photons that left through a region of a face, at the reference albedo.
+    pub fn exits(&self, side: Side, region: Region) -> u64 {
+        self.cells(side, region).iter().map(|cell| cell.count).sum()
+    }
+
+    /// Mean number of collisions of a photon at the reference albedo, the absorbing one included; 0 for a table
+    /// without photons.
+    pub fn mean_collisions(&self) -> f64 {
+        if self.photons() == 0 { 0.0 } else { self.counts.collisions as f64 / self.photons() as f64 }
+    }
+
+    /// Adds the photons of another table, exactly.
+    ///
+    /// # Errors
+    /// The tables differ in problem, layout or reference albedo, or share photons. `self` is then unchanged.
+    pub fn merge(&mut self, other: &Self) -> Result<(), TableError> {
+        self.require_same_walk(other)?;
+        self.add(&other.ranges, other.counts, &other.cells)
+    }
+
+    fn require_same_walk(&self, other: &Self) -> Result<(), TableError> {
+        let differ = |what, here: String, there: String| Err(TableError::Differs { what, here, there });
+        if let Some((what, here, there)) = difference(self.problem.parameters(), other.problem.parameters()) {
+            return differ(what, here, there);
+        }
+        if self.reference_albedo != other.reference_albedo {
+            let (here, there) = (self.reference_albedo, other.reference_albedo);
+            return differ("reference albedo", here.to_string(), there.to_string());
+        }
+        let (a, b) = (&self.layout, &other.layout);
+        if a.radii() != b.radii() {
+            let unlike = |(x, y): (&f64, &f64)| x != y;
+            return match a.radii().iter().zip(b.radii()).position(unlike) {
+                Some(i) => {
+                    differ("a radius of the layout", a.radii()[i].to_string(), b.radii()[i].to_string())
+                }
+                None => {
+                    differ("the number of radii", a.radii().len().to_string(), b.radii().len().to_string())
+                }
+            };
+        }
+        if a.sectors() != b.sectors() {
+            return differ("the number of sectors", a.sectors().to_string(), b.sectors().to_string());
+        }
+        if a.order_bins() != b.order_bins() {
+            let bins = |layout: &Layout| format!("{} bins", layout.order_bins().len());
+            return differ("the bins of orders of scattering", bins(a), bins(b));
+        }
+        Ok(())
+    }
+
+    /// The table as seen at one albedo, per unit of flux that entered.
+    ///
+    /// # Errors
+    /// The albedo is not in [0, reference albedo].
+    pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
+        let value = single_scattering_albedo;
+        if !(0.0..=self.reference_albedo).contains(&value) {
+            let allowed = "at least 0 and at most the table's reference albedo";
+            return Err(ParameterError { parameter: "single_scattering_albedo", value, allowed });
+        }
+        Ok(AtAlbedo::new(self, value))
+    }
+
+    /// Probability, without absorption, that a photon leaves through a region after a number of collisions in a
+    /// bin of orders: the coefficients Pₙ of R(α) = Σ Pₙ αⁿ.
+    ///
+    /// ```text
+    /// Pₙ = (photons of order n) / (N α_refⁿ)
+    /// ```
+    pub fn order_probability(&self, side: Side, region: Region, bin: usize) -> Estimate {
+        let bins = self.layout.order_bins();
+        if bin >= bins.len() {
+            return Estimate::ZERO;
+        }
+        let weights = Weights::new(bins, 1.0, self.reference_albedo);
+        let mut sum = Weighed::default();
+        let cells = self.cells(side, region);
+        if cells.is_empty() {
+            return Estimate::ZERO;
+        }
+        for orders in cells.chunks_exact(bins.len()) {
+            sum += weights.weigh(bin, orders[bin]);
+        }
+        let greatest = self.reference_albedo.powf(-f64::from(bins.orders(bin).0));
+        sum.mean(self.photons(), greatest)
+    }
+
+    /// Single-scattering albedo at which the face where light enters returns a share A of what entered, the
+    /// inverse of `at_albedo(α).total(Side::Reflected)`, with the standard error σ(A)/(dA/dα).
+    ///
+    /// # Errors
+    /// A is outside the range that α from 0 to the reference albedo makes.
+    pub fn single_scattering_albedo(&self, surface_albedo: f64) -> Result<Estimate, ParameterError> {
+        let total = |alpha: f64| {
+            let weights = Weights::new(self.layout.order_bins(), alpha, self.reference_albedo);
+            self.weigh(&weights, self.cells(Side::Reflected, Region::Everywhere))
+        };
+        let target = surface_albedo * self.photons() as f64;
+        let (mut low, mut high) = (0.0, self.reference_albedo);
+        let reached = total(low).first <= target && target <= total(high).first;
+        if self.photons() == 0 || !reached {
+            let allowed =
+                "among those of the table's albedos: from that at 0 to that at its reference albedo";
+            return Err(ParameterError { parameter: "surface_albedo", value: surface_albedo, allowed });
+        }
+        // R(α) is a power series without negative terms, hence convex: Newton's method comes down from the
+        // right without overshooting. The bracket is for rounding.
+        let mut alpha = high;
+        for _ in 0..100 {
+            let sum = total(alpha);
+            if sum.first > target {
+                high = alpha;
+            } else {
+                low = alpha;
+            }
+            let next = alpha - (sum.first - target) / sum.slope;
+            let next = if next >= low && next <= high { next } else { 0.5 * (low + high) };
+            if (next - alpha).abs() <= 1e-15 * alpha {
+                break;
+            }
+            alpha = next;
+        }
+        let sum = total(alpha);
+        let error = sum.mean(self.photons(), self.greatest_weight(alpha)).error;
+        let slope = sum.slope / self.photons() as f64;
+        let error = if slope > 0.0 { error / slope } else { f64::INFINITY };
+        Ok(Estimate { value: alpha, error })
+    }
+
+    /// Weighs cells, whole sets of order bins.
+    pub(crate) fn weigh(&self, weights: &Weights, cells: &[Cell]) -> Weighed {
+        let mut sum = Weighed::default();
+        for orders in cells.chunks_exact(self.layout.order_bins().len()) {
+            for (bin, &cell) in orders.iter().enumerate() {
+                if cell.count > 0 {
+                    sum += weights.weigh(bin, cell);
+                }
+            }
+        }
+        sum
+    }
+
+    /// Greatest weight that a photon can have: only a slab lets some through without a collision.
+    pub(crate) fn greatest_weight(&self, alpha: f64) -> f64 {
+        if faces(&self.problem) == 2 { 1.0 } else { alpha / self.reference_albedo }
+    }
+
+    /// The cells of a region; none on the far face of a half space.
+    pub(crate) fn cells(&self, side: Side, region: Region) -> &[Cell] {
+        let (start, bins) = (side as usize * self.layout.entries(), self.layout.order_bins().len());
+        let places = self.layout.places(region);
+        self.cells.get(start + places.start * bins..start + places.end * bins).unwrap_or(&[])
+    }
+}
+
+/// For runs.
+impl WhiteTable {
+    /// All cells.
+    pub(crate) fn all_cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// Index of the cell in which an exit counts.
+    pub(crate) fn cell_index(&self, exit: &Exit) -> u32 {
+        let place = exit.side as usize * self.layout.place_count() + self.layout.place(exit.x, exit.y);
+        let bins = self.layout.order_bins();
+        (place * bins.len() + bins.bin(exit.order)) as u32
+    }
+
+    /// The first photons of a seed that the table does not hold.
+    pub(crate) fn missing(&self, seed: u64, photons: u64) -> Vec<Range<u64>> {
+        self.ranges.missing(seed, photons)
+    }
+
+    /// Adds what a run has done: pieces of a seed that are new, and cells, as a whole or none (an empty list).
+    ///
+    /// # Errors
+    /// A number does not fit. `self` is then unchanged.
+    pub(crate) fn take_in(
+        &mut self,
+        seed: u64,
+        done: &[(Range<u64>, PhotonCounts)],
+        tallies: Vec<Vec<Cell>>,
+    ) -> Result<(), TableError> {
+        let (mut ranges, mut counts) = (Vec::new(), PhotonCounts::default());
+        for (piece, more) in done {
+            ranges.push(PhotonRange { seed, start: piece.start, end: piece.end });
+            counts = add_counts(counts, *more).ok_or(TableError::TooMany)?;
+        }
+        let mut tallies = tallies.into_iter().filter(|tally| !tally.is_empty());
+        let Some(mut cells) = tallies.next() else { return Ok(()) };
+        tallies.try_for_each(|tally| add_cells(&mut cells, &tally)).ok_or(TableError::TooMany)?;
+        let ranges = PhotonRanges::new(ranges).map_err(TableError::Repeated)?;
+        self.add(&ranges, counts, &cells)
+    }
+
+    /// Adds photons, all or none.
+    fn add(&mut self, ranges: &PhotonRanges, counts: PhotonCounts, cells: &[Cell]) -> Result<(), TableError> {
+        let ranges = self.ranges.union(ranges).map_err(TableError::Repeated)?;
+        let counts = add_counts(self.counts, counts).ok_or(TableError::TooMany)?;
+        add_cells(&mut self.cells, cells).ok_or(TableError::TooMany)?;
+        (self.ranges, self.counts) = (ranges, counts);
+        Ok(())
+    }
+}
+
+/// Adds cell by cell: all, or nothing where a number does not fit.
+fn add_cells(cells: &mut [Cell], more: &[Cell]) -> Option<()> {
+    cells.iter().zip(more).try_for_each(|(cell, more)| cell.checked_add(*more).map(drop))?;
+    for (cell, more) in cells.iter_mut().zip(more) {
+        cell.count += more.count;
+        cell.order_sum += more.order_sum;
+    }
+    Some(())
+}
+
+/// Faces through which light can leave.
+pub(crate) fn faces(problem: &Problem) -> usize {
+    if problem.parameters().thickness.is_finite() { 2 } else { 1 }
+}
+
+/// Sum of counts, or nothing where a number does not fit.
+pub(crate) fn add_counts(a: PhotonCounts, b: PhotonCounts) -> Option<PhotonCounts> {
+    Some(PhotonCounts {
+        launched: a.launched.checked_add(b.launched)?,
+        absorbed: a.absorbed.checked_add(b.absorbed)?,
+        collisions: a.collisions.checked_add(b.collisions)?,
+    })
+}
+
+/// The first parameter in which problems differ, with its values.
+fn difference(a: &Parameters, b: &Parameters) -> Option<(&'static str, String, String)> {
+    if a.phase_function != b.phase_function {
+        let name = |p: &Parameters| format!("{:?}", p.phase_function);
+        return Some(("phase function", name(a), name(b)));
+    }
+    if a.entry != b.entry {
+        return Some(("entry", format!("{:?}", a.entry), format!("{:?}", b.entry)));
+    }
+    let numbers =
+        |p: &Parameters| [("eta", p.eta), ("thickness", p.thickness), ("spot radius", p.spot_radius)];
+    let mut pairs = numbers(a).into_iter().zip(numbers(b));
+    let (here, there) = pairs.find(|(here, there)| here.1 != there.1)?;
+    Some((here.0, here.1.to_string(), there.1.to_string()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Control, OrderBins, PhaseFunction};
+    use super::*;
+    use crate::Entry;
+
+    fn table(radii: &[f64], sectors: u32, reference_albedo: f64) -> WhiteTable {
+        let layout = Layout::with_order_bins(radii, sectors, OrderBins::new(0.125).unwrap()).unwrap();
+        WhiteTable::new(Problem::new(Parameters::default()).unwrap(), layout, reference_albedo).unwrap()
+    }
+
+    fn after(mut table: WhiteTable, seed: u64, photons: u64) -> WhiteTable {
+        table.run(seed, photons, &Control::default()).unwrap();
+        table
+    }
+
+    #[test]
+    fn merged_tables_are_the_table_of_all_photons() {
+        let empty = table(&[0.1, 1.0], 2, 0.95);
+        let whole = after(after(empty.clone(), 1, 7000), 2, 2000);
+        let first = after(empty.clone(), 1, 3000);
+        let rest = {
+            let mut rest = after(empty.clone(), 2, 2000);
+            let done = [(3000..7000, super::super::trace(&rest.problem, 0.95, 1, 3000..7000, &mut |_| {}))];
+            let mut cells = vec![Cell::default(); rest.cells.len()];
+            super::super::trace(&rest.problem, 0.95, 1, 3000..7000, &mut |exits| {
+                for exit in exits {
+                    let cell = &mut cells[rest.cell_index(exit) as usize];
+                    cell.count += 1;
+                    cell.order_sum += u64::from(exit.order);
+                }
+            });
+            rest.take_in(1, &done, vec![cells]).unwrap();
+            rest
+        };
+        let (mut one, mut other) = (first.clone(), rest.clone());
+        one.merge(&rest).unwrap();
+        other.merge(&first).unwrap();
+        assert_eq!(one, whole);
+        assert_eq!(other, whole);
+        assert_eq!(whole.photons(), 9000);
+        let exits = whole.exits(Side::Reflected, Region::Everywhere);
+        assert_eq!(exits + whole.counts.absorbed, 9000);
+    }
+
+    #[test]
+    fn merge_refuses_photons_that_it_holds() {
+        let empty = table(&[1.0], 1, 0.5);
+        let (mut a, b) = (after(empty.clone(), 1, 3000), after(after(empty, 2, 10), 1, 20));
+        let before = a.clone();
+        let error = a.merge(&b).unwrap_err();
+        assert_eq!(error.to_string(), "photons 0..20 of seed 1 would count twice");
+        assert_eq!(a, before);
+    }
+
+    #[test]
+    fn merge_says_in_what_tables_differ() {
+        let make = |parameters, radii: &[f64], sectors, growth, albedo| {
+            let bins = OrderBins::new(growth).unwrap();
+            let layout = Layout::with_order_bins(radii, sectors, bins).unwrap();
+            WhiteTable::new(Problem::new(parameters).unwrap(), layout, albedo).unwrap()
+        };
+        let base = Parameters::default();
+        let hg = PhaseFunction::HenyeyGreenstein { g: 0.5 };
+        for (other, expected) in [
+            (
+                make(Parameters { eta: 1.4, ..base }, &[1.0], 1, 0.1, 0.9),
+                "the tables differ in eta: 1 in one, 1.4 in the other",
+            ),
+            (make(Parameters { thickness: 2.0, ..base }, &[1.0], 1, 0.1, 0.9), "thickness: inf in one, 2 in"),
+            (
+                make(Parameters { spot_radius: 2.0, ..base }, &[1.0], 1, 0.1, 0.9),
+                "spot radius: 0 in one, 2 in",
+            ),
+            (make(Parameters { entry: Entry::Cosine, ..base }, &[1.0], 1, 0.1, 0.9), "entry: Pencil"),
+            (make(Parameters { phase_function: hg, ..base }, &[1.0], 1, 0.1, 0.9), "phase function: Henyey"),
+            (make(base, &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
+            (make(base, &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
+            (make(base, &[1.0], 2, 0.1, 0.9), "the number of sectors: 1 in one, 2 in"),
+            (make(base, &[1.0], 1, 0.2, 0.9), "the bins of orders of scattering: "),
+            (make(base, &[1.0], 1, 0.1, 0.91), "reference albedo: 0.9 in one, 0.91 in"),
+        ] {
+            let mut table = make(base, &[1.0], 1, 0.1, 0.9);
+            let error = table.merge(&other).unwrap_err().to_string();
+            assert!(error.contains(expected), "{error}");
+        }
+    }
+
+    #[test]
+    fn merge_refuses_sums_that_do_not_fit() {
+        let mut a = after(table(&[1.0], 1, 0.5), 1, 100);
+        let mut b = after(table(&[1.0], 1, 0.5), 2, 100);
+        let last = b.cells.len() - 1;
+        b.cells[last].order_sum = u64::MAX;
+        a.cells[last].order_sum = 1;
+        let before = a.clone();
+        assert!(matches!(a.merge(&b), Err(TableError::TooMany)));
+        assert_eq!(a, before);
+    }
+
+    #[test]
+    fn reference_albedo_has_a_range() {
+        for albedo in [0.0, -0.5, 1.0, 0.9999999, f64::NAN, f64::INFINITY] {
+            let layout = Layout::new(&[1.0], 1).unwrap();
+            assert!(
+                WhiteTable::new(Problem::new(Parameters::default()).unwrap(), layout, albedo).is_err(),
+                "{albedo}"
+            );
+        }
+    }
+
+    /// Orders of scattering of entry uniform in the cosine (physics.md §3): Pₙ = 2(qₙ − qₙ₊₁), qₙ = C(2n,n)/4ⁿ.
+    /// |z| < 4.5, false alarm 7e-6 each.
+    #[test]
+    fn order_probabilities_are_those_of_the_half_space() {
+        let problem =
+            Problem::new(Parameters { entry: Entry::UniformCosine, ..Parameters::default() }).unwrap();
+        let layout = Layout::new(&[1.0], 1).unwrap();
+        let table = after(WhiteTable::new(problem, layout, 0.99).unwrap(), 5, 400_000);
+        let mut q = 1.0;
+        for n in 0..=20u32 {
+            let next = q * f64::from(2 * n + 1) / f64::from(2 * n + 2);
+            let expected = if n == 0 { 0.0 } else { 2.0 * (q - next) };
+            q = next;
+            let found = table.order_probability(Side::Reflected, Region::Everywhere, n as usize);
+            let z = (found.value - expected) / found.error;
+            assert!(z.abs() < 4.5, "P_{n} = {expected}, found {found:?}");
+            assert_eq!(n > 0, found.value > 0.0);
+        }
+        let parts = [Region::Within(0), Region::Beyond(0)];
+        let parts = parts.map(|region| table.order_probability(Side::Reflected, region, 1).value);
+        let whole = table.order_probability(Side::Reflected, Region::Everywhere, 1).value;
+        assert!((parts[0] + parts[1] - whole).abs() < 1e-15);
+        assert_eq!(table.order_probability(Side::Transmitted, Region::Everywhere, 1), Estimate::ZERO);
+        assert_eq!(table.order_probability(Side::Reflected, Region::Everywhere, 99_999), Estimate::ZERO);
+    }
+
+    #[test]
+    fn single_scattering_albedo_inverts_the_total() {
+        let table = after(table(&[1.0], 1, 0.9999), 1, 50_000);
+        let most = table.at_albedo(0.9999).unwrap().total(Side::Reflected).value;
+        for surface_albedo in [0.0, 1e-9, 0.01, 0.2, 0.5, 0.9, 0.97, most] {
+            let found = table.single_scattering_albedo(surface_albedo).unwrap();
+            let at = table.at_albedo(found.value).unwrap();
+            let back = at.total(Side::Reflected);
+            assert!((back.value - surface_albedo).abs() < 1e-13, "{surface_albedo}: {found:?} {back:?}");
+            let slope = at.derivative(Side::Reflected, Region::Everywhere).value;
+            assert!((found.error * slope - back.error).abs() <= 1e-12 * back.error, "{found:?}");
+        }
+        for surface_albedo in [-0.1, most + 1e-9, 1.0, f64::NAN, f64::INFINITY] {
+            assert!(table.single_scattering_albedo(surface_albedo).is_err(), "{surface_albedo}");
+        }
+    }
+
+    /// |z| < 4.5 for the exact inverse, false alarm 7e-6 each.
+    #[test]
+    fn single_scattering_albedo_is_right_within_its_error() {
+        let table = after(table(&[1.0], 1, 0.999), 1, 200_000);
+        for surface_albedo in [0.1, 0.5, 0.8] {
+            let found = table.single_scattering_albedo(surface_albedo).unwrap();
+            let configuration = translucid_profile::Configuration::Searchlight;
+            let exact =
+                translucid_profile::half_space_single_scattering_albedo(surface_albedo, configuration);
+            assert!((found.value - exact).abs() < 4.5 * found.error, "{surface_albedo}: {found:?} {exact}");
+            assert!(found.error < 0.01 * (1.0 - exact), "{found:?}");
+        }
+    }
+}
