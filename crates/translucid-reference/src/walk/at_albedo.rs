@@ -96,16 +96,40 @@ impl<'a> AtAlbedo<'a> {
     /// # Errors
     /// The layout does not have rings of equal width on both sides of this radius.
     pub fn at_radius(&self, side: Side, radius: f64) -> Result<AtRadius, ParameterError> {
+        self.around_radius(side, radius, Region::Ring)
+    }
+
+    /// As [`at_radius`](Self::at_radius), the exitance being the mean over the sector in which the azimuth lies:
+    /// an angle from the direction towards which the beam is tilted [rad].
+    ///
+    /// # Errors
+    /// As for [`at_radius`](Self::at_radius).
+    pub fn at_radius_and_azimuth(
+        &self,
+        side: Side,
+        radius: f64,
+        azimuth: f64,
+    ) -> Result<AtRadius, ParameterError> {
+        let sector = self.table.layout().sector(azimuth);
+        self.around_radius(side, radius, |ring| Region::Sector { ring, sector })
+    }
+
+    fn around_radius(
+        &self,
+        side: Side,
+        radius: f64,
+        region: impl Fn(usize) -> Region,
+    ) -> Result<AtRadius, ParameterError> {
         let Some(edge) = self.table.layout().center(radius) else {
             let allowed = "one around which the table has a ring on both sides";
             return Err(ParameterError { parameter: "radius", value: radius, allowed });
         };
-        let rings = [edge, edge + 1].map(Region::Ring);
+        let regions = [edge, edge + 1].map(region);
         let mut both = Weighed::default();
-        rings.iter().for_each(|&ring| both += self.sum(side, ring).unwrap_or_default());
+        regions.iter().for_each(|&region| both += self.sum(side, region).unwrap_or_default());
         let energy =
             if self.sum(side, Region::Everywhere).is_some() { self.mean(both) } else { Estimate::ZERO };
-        let area: f64 = rings.iter().map(|&ring| self.table.layout().area(ring)).sum();
+        let area: f64 = regions.iter().map(|&region| self.table.layout().area(region)).sum();
         let reflectance = Estimate { value: energy.value / area, error: energy.error / area };
         Ok(AtRadius { reflectance, enclosed: self.enclosed(side, edge) })
     }
@@ -161,6 +185,7 @@ impl<'a> AtAlbedo<'a> {
 mod tests {
     use super::super::{Control, Layout, OrderBins, Parameters, Problem};
     use super::*;
+    use crate::Entry;
 
     fn table(parameters: Parameters, layout: Layout, reference_albedo: f64, photons: u64) -> WhiteTable {
         let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, reference_albedo).unwrap();
@@ -204,6 +229,29 @@ mod tests {
         assert_eq!(absorbed.error, at.total(side).error);
         let area = std::f64::consts::PI * (25.0 - 1.0);
         assert_eq!(at.reflectance(side, Region::Ring(2)).value, at.ring(side, 2).value / area);
+    }
+
+    #[test]
+    fn sectors_around_a_radius_share_its_light() {
+        let tilted = Parameters { entry: Entry::Pencil { cos_theta: 0.5 }, ..Parameters::default() };
+        let layout = Layout::around_in_sectors(&[0.5, 2.0], 6).unwrap();
+        let table = table(tilted, layout, 0.9, 100_000);
+        let at = table.at_albedo(0.9).unwrap();
+        for radius in [0.5, 2.0] {
+            let ring = at.at_radius(Side::Reflected, radius).unwrap();
+            let sectors: Vec<AtRadius> = (0..6)
+                .map(|i| (f64::from(i) + 0.5) * std::f64::consts::FRAC_PI_6)
+                .map(|azimuth| at.at_radius_and_azimuth(Side::Reflected, radius, azimuth).unwrap())
+                .collect();
+            let mean = sectors.iter().map(|sector| sector.reflectance.value).sum::<f64>() / 6.0;
+            assert!((mean / ring.reflectance.value - 1.0).abs() < 1e-12, "{radius}: {mean} {ring:?}");
+            // More comes out ahead of the beam than behind it
+            assert!(sectors[0].reflectance.value > 2.0 * sectors[5].reflectance.value, "{sectors:?}");
+            assert!(sectors.iter().all(|sector| sector.enclosed == ring.enclosed));
+            for turned in [0.3, -0.3, 0.3 + std::f64::consts::TAU] {
+                assert_eq!(at.at_radius_and_azimuth(Side::Reflected, radius, turned).unwrap(), sectors[0]);
+            }
+        }
     }
 
     #[test]

@@ -112,6 +112,15 @@ impl Layout {
     /// # Errors
     /// As for [`Layout::new`].
     pub fn around(radii: &[f64]) -> Result<Self, ParameterError> {
+        Self::around_in_sectors(radii, 1)
+    }
+
+    /// As [`Layout::around`], the rings cut into sectors, for
+    /// [`AtAlbedo::at_radius_and_azimuth`](super::AtAlbedo::at_radius_and_azimuth).
+    ///
+    /// # Errors
+    /// As for [`Layout::new`].
+    pub fn around_in_sectors(radii: &[f64], sectors: u32) -> Result<Self, ParameterError> {
         let mut radii = radii.to_vec();
         radii.sort_by(f64::total_cmp);
         radii.dedup_by(|next, kept| *next - *kept <= Self::SAME * *kept);
@@ -126,7 +135,7 @@ impl Layout {
             let width = (0.02 * r).min(0.05).min(nearest / 3.0);
             edges.extend([r - width, r, r + width]);
         }
-        Self::new(&edges, 1)
+        Self::new(&edges, sectors)
     }
 
     /// Radii between rings, in mean free paths.
@@ -183,6 +192,12 @@ impl Layout {
         }
         let sector = self.sector_bounds.partition_point(|(cos, sin)| cos * y.abs() > sin * x);
         ring * self.sectors() + sector
+    }
+
+    /// The sector of a direction, an angle from the plane of incidence [rad].
+    pub(crate) fn sector(&self, azimuth: f64) -> usize {
+        let (sin, cos) = azimuth.sin_cos();
+        self.sector_bounds.partition_point(|(bound_cos, bound_sin)| bound_cos * sin.abs() > bound_sin * cos)
     }
 
     /// The places of a region: there are no gaps between them.

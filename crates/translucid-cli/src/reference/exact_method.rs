@@ -1,0 +1,124 @@
+//! `translucid reference --method exact`.
+
+use std::cell::Cell;
+
+use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
+use translucid_reference::walk::{PhaseFunction, Problem};
+use translucid_reference::{Entry, Estimate};
+
+use super::{Arguments, COLUMNS};
+use crate::failure::Failure;
+use crate::progress::{Meter, Unit};
+use crate::table::exact;
+
+/// Prints the solution, albedo by albedo.
+pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+    refuse_what_is_not_solved(arguments, problem)?;
+    let albedos = albedos(arguments, problem)?;
+    let solve = |alpha: f64| Solution::new(arguments, problem, alpha);
+    // Whatever can be wrong with an albedo shows before the first line is printed.
+    let first = solve(albedos[0].1)?;
+    let failed: Cell<Option<Failure>> = Cell::new(None);
+
+    let meter = Meter::new(Unit::Albedos, 0, None);
+    let count = albedos.len() as u64;
+    let radii: Vec<f64> = arguments.radii.iter()?.collect();
+    let mut first = Some(first);
+    let rows = albedos.iter().enumerate().map_while(|(index, &(surface_albedo, alpha))| {
+        meter.update(index as u64, count);
+        let solution = match first.take().map_or_else(|| solve(alpha), Ok) {
+            Ok(solution) => solution,
+            Err(failure) => {
+                failed.set(Some(failure));
+                return None;
+            }
+        };
+        let surface_albedo = surface_albedo.unwrap_or_else(|| solution.total().value);
+        let row = move |&r: &f64| solution.row(r, arguments.mfp, [surface_albedo, alpha]);
+        Some(radii.iter().map(row).collect::<Vec<_>>())
+    });
+    let written = arguments.table.write(COLUMNS, rows.flatten());
+    meter.finish();
+    match failed.take() {
+        Some(failure) => Err(failure),
+        None => written,
+    }
+}
+
+/// Says of what is not solved what to use instead.
+fn refuse_what_is_not_solved(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+    let parameters = problem.parameters();
+    let refuse = |what: String| {
+        Err(Failure::input(format!("the exact method knows no {what}"))
+            .with_help("use --method monte-carlo, which does"))
+    };
+    match parameters.phase_function {
+        PhaseFunction::HenyeyGreenstein { g: 0.0 } => {}
+        PhaseFunction::HenyeyGreenstein { g } => {
+            return refuse(format!("anisotropic scattering, and --g is {}, not 0", exact(g)));
+        }
+        PhaseFunction::Rayleigh => return refuse(String::from("phase function but the isotropic one")),
+    }
+    if let Some(thickness) = arguments.thickness {
+        return refuse(format!("slab, and --thickness is {}", exact(thickness)));
+    }
+    if parameters.spot_radius > 0.0 {
+        return refuse(format!("spot of light, and --spot-radius is {}", exact(arguments.spot_radius)));
+    }
+    arguments.walk.refuse_all()
+}
+
+/// Surface albedo, where it was given, and single-scattering albedo of every part of the table.
+fn albedos(arguments: &Arguments, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
+    let parameters = problem.parameters();
+    if !arguments.single_scattering_albedo.is_empty() {
+        return Ok(arguments.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
+    }
+    let invert = |&surface_albedo: &f64| {
+        let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.entry);
+        alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| arguments.name_option(error))
+    };
+    arguments.surface_albedo.iter().map(invert).collect()
+}
+
+/// The solved half space of one albedo.
+enum Solution {
+    /// Around the normal, or its mean over all directions.
+    Radial(HalfSpace),
+    /// In one direction from the entry of a tilted beam.
+    Directed(ObliqueHalfSpace, f64),
+}
+
+impl Solution {
+    fn new(arguments: &Arguments, problem: &Problem, alpha: f64) -> Result<Self, Failure> {
+        let parameters = problem.parameters();
+        let solution = match (parameters.entry, arguments.azimuth) {
+            (Entry::Pencil { cos_theta }, Some(degrees)) => {
+                ObliqueHalfSpace::new(alpha, parameters.eta, cos_theta)
+                    .map(|solution| Self::Directed(solution, degrees.to_radians()))
+            }
+            _ => HalfSpace::with_boundary(alpha, parameters.eta, parameters.entry).map(Self::Radial),
+        };
+        solution.map_err(|error| arguments.name_option(error))
+    }
+
+    fn total(&self) -> Estimate {
+        match self {
+            Self::Radial(solution) => solution.total(),
+            Self::Directed(solution, _) => solution.total(),
+        }
+    }
+
+    /// One line of the table, lengths turned back into the unit of the mean free path.
+    fn row(&self, r: f64, mfp: f64, [surface_albedo, alpha]: [f64; 2]) -> [f64; 6] {
+        let (reflectance, enclosed) = match self {
+            Self::Radial(solution) => (solution.eval(r / mfp), solution.enclosed(r / mfp)),
+            Self::Directed(solution, azimuth) => {
+                (solution.eval(r / mfp, *azimuth), solution.enclosed(r / mfp))
+            }
+        };
+        let per_area = |value: f64| (value / mfp / mfp).min(f64::MAX);
+        let (reflectance, error) = (per_area(reflectance.value), per_area(reflectance.error));
+        [surface_albedo, alpha, r, reflectance, enclosed.value, error]
+    }
+}

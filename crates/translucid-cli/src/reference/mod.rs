@@ -1,0 +1,228 @@
+//! `translucid reference`: ground truth as a table.
+
+mod exact_method;
+mod walk_method;
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use translucid_reference::Entry;
+use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
+
+use crate::failure::Failure;
+use crate::model::ConfigurationName;
+use crate::radii::RadiiArguments;
+use crate::table::{TableArguments, exact};
+
+const EXAMPLES: &str = "\
+Columns: surface_albedo, single_scattering_albedo, r, reflectance R(r) per area, enclosed = integral of
+R 2 pi r' dr' from 0 to r, standard_error of reflectance (exact: an estimate of its numerical error).
+Lengths are in the unit of --mfp. All is per unit of flux that has entered the medium: what the boundary
+reflects from outside is not part of it.
+
+The exact method knows the half space with isotropic scattering (g = 0), with any boundary.
+The walk knows everything else, too. Its reflectance is the mean over a ring around r, of half width
+min(0.02 r, 0.05 mean free paths) or less where radii are dense; enclosed has no such width.
+
+One walk serves all albedos of the list. With --table its photons stay in a file, to be continued with
+--resume and joined with --merge; no photon counts twice.
+
+Examples:
+  translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
+  translucid reference --method exact --single-scattering-albedo 0.9 --eta 1.4 --points 100 --max 10
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
+  translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume";
+
+/// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct Arguments {
+    /// How to find the truth
+    #[arg(long, value_enum, default_value_t = Method::Exact)]
+    method: Method,
+    /// How light enters the medium [default: diffuse, but searchlight with --incidence-angle]
+    #[arg(long)]
+    configuration: Option<ConfigurationName>,
+    /// Single-scattering albedos, each in (0, 1], comma-separated
+    #[arg(
+        long,
+        value_name = "A1,A2,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        required_unless_present = "surface_albedo",
+        conflicts_with = "surface_albedo"
+    )]
+    single_scattering_albedo: Vec<f64>,
+    /// Surface albedos, each in (0, 1), comma-separated, from which the single-scattering albedos follow
+    #[arg(long, value_name = "A1,A2,...", value_delimiter = ',', allow_negative_numbers = true)]
+    surface_albedo: Vec<f64>,
+    /// Mean free path in the volume [any unit; all lengths are in the same]
+    #[arg(long, value_name = "L", default_value_t = 1.0, allow_negative_numbers = true)]
+    mfp: f64,
+    /// Mean cosine of the phase function, in (-1, 1)
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    g: f64,
+    /// Phase function
+    #[arg(long, value_enum, default_value_t = PhaseFunctionName::HenyeyGreenstein)]
+    phase_function: PhaseFunctionName,
+    /// Relative index of refraction, inside over outside
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    eta: f64,
+    /// Angle of incidence of the searchlight, outside, in degrees from the normal
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    incidence_angle: Option<f64>,
+    /// Direction in which to look from the entry, in degrees from where the tilted beam points to
+    /// [default: the mean over all directions]
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true, requires = "incidence_angle")]
+    azimuth: Option<f64>,
+    /// Thickness of a slab [default: a half space]
+    #[arg(long, value_name = "T", allow_negative_numbers = true)]
+    thickness: Option<f64>,
+    /// Side of the slab on which light is collected
+    #[arg(long, value_enum, default_value_t = SideName::Reflected)]
+    side: SideName,
+    /// Radius of the disc over which light enters evenly
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true)]
+    spot_radius: f64,
+    #[command(flatten)]
+    walk: walk_method::WalkArguments,
+    #[command(flatten)]
+    radii: RadiiArguments,
+    #[command(flatten)]
+    table: TableArguments,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Method {
+    /// The solved half space; isotropic scattering
+    Exact,
+    /// A walk of photons
+    MonteCarlo,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum PhaseFunctionName {
+    /// With the mean cosine --g
+    HenyeyGreenstein,
+    /// Of particles much smaller than the wavelength
+    Rayleigh,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum SideName {
+    /// Where light enters
+    Reflected,
+    /// The other face
+    Transmitted,
+}
+
+const COLUMNS: [&str; 6] =
+    ["surface_albedo", "single_scattering_albedo", "r", "reflectance", "enclosed", "standard_error"];
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let problem = arguments.problem()?;
+    arguments.check_albedos()?;
+    match arguments.method {
+        Method::Exact => exact_method::run(arguments, &problem),
+        Method::MonteCarlo => walk_method::run(arguments, &problem),
+    }
+}
+
+impl Arguments {
+    /// Checks what both methods share, and turns lengths into mean free paths.
+    fn problem(&self) -> Result<Problem, Failure> {
+        require_positive("--mfp", self.mfp)?;
+        if let Some(thickness) = self.thickness {
+            require_positive("--thickness", thickness)?;
+        }
+        if self.side == SideName::Transmitted && self.thickness.is_none() {
+            return Err(Failure::input("--side transmitted needs the thickness of a slab")
+                .with_help("give --thickness; nothing comes out at the far end of a half space"));
+        }
+        let phase_function = match self.phase_function {
+            PhaseFunctionName::HenyeyGreenstein => PhaseFunction::HenyeyGreenstein { g: self.g },
+            PhaseFunctionName::Rayleigh if self.g != 0.0 => {
+                let g = exact(self.g);
+                return Err(Failure::input(format!("--g is {g}, but Rayleigh's phase function has g = 0")));
+            }
+            PhaseFunctionName::Rayleigh => PhaseFunction::Rayleigh,
+        };
+        Problem::new(Parameters {
+            phase_function,
+            eta: self.eta,
+            thickness: self.thickness.unwrap_or(f64::INFINITY) / self.mfp,
+            entry: self.entry()?,
+            spot_radius: self.spot_radius / self.mfp,
+        })
+        .map_err(|error| self.name_option(error))
+    }
+
+    fn entry(&self) -> Result<Entry, Failure> {
+        let Some(degrees) = self.incidence_angle else {
+            return Ok(match self.configuration {
+                Some(ConfigurationName::Searchlight) => Entry::NORMAL,
+                Some(ConfigurationName::Diffuse) | None => Entry::Cosine,
+            });
+        };
+        if self.configuration == Some(ConfigurationName::Diffuse) {
+            return Err(Failure::input("--incidence-angle belongs to a beam, not to diffuse light")
+                .with_help("leave --configuration out, or let it be searchlight"));
+        }
+        if !(0.0..90.0).contains(&degrees) {
+            let degrees = exact(degrees);
+            return Err(Failure::input(format!("--incidence-angle is {degrees}, but must be in [0, 90)")));
+        }
+        if let Some(azimuth) = self.azimuth.filter(|azimuth| !azimuth.is_finite()) {
+            return Err(Failure::input(format!("--azimuth is {}, but must be finite", exact(azimuth))));
+        }
+        Ok(Entry::Pencil { cos_theta: degrees.to_radians().cos() })
+    }
+
+    /// A parameter's error in the words of the command line.
+    fn name_option(&self, error: translucid_profile::ParameterError) -> Failure {
+        let (option, value) = match error.parameter {
+            "g" => ("--g", self.g),
+            "eta" => ("--eta", self.eta),
+            "thickness" => ("--thickness over --mfp", error.value),
+            "cos_theta" => ("the cosine of --incidence-angle", error.value),
+            "spot_radius" => ("--spot-radius over --mfp", error.value),
+            "single_scattering_albedo" => ("--single-scattering-albedo", error.value),
+            "surface_albedo" => ("--surface-albedo", error.value),
+            other => (other, error.value),
+        };
+        Failure::input(format!("{option} is {}, but must be {}", exact(value), error.allowed))
+    }
+
+    fn check_albedos(&self) -> Result<(), Failure> {
+        for &alpha in &self.single_scattering_albedo {
+            if !(alpha > 0.0 && alpha <= 1.0) {
+                let alpha = exact(alpha);
+                let message = format!("--single-scattering-albedo has {alpha}, but must be in (0, 1]");
+                return Err(Failure::input(message));
+            }
+        }
+        for &albedo in &self.surface_albedo {
+            if !(albedo > 0.0 && albedo < 1.0) {
+                let albedo = exact(albedo);
+                return Err(Failure::input(format!("--surface-albedo has {albedo}, but must be in (0, 1)")));
+            }
+        }
+        Ok(())
+    }
+
+    fn side(&self) -> Side {
+        match self.side {
+            SideName::Reflected => Side::Reflected,
+            SideName::Transmitted => Side::Transmitted,
+        }
+    }
+}
+
+fn require_positive(option: &str, value: f64) -> Result<(), Failure> {
+    if value > 0.0 && value.is_finite() {
+        return Ok(());
+    }
+    Err(Failure::input(format!("{option} is {}, but must be finite and greater than 0", exact(value))))
+}
