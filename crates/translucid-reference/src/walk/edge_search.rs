@@ -1,11 +1,13 @@
 //! Finding the bin of a number in constant time.
 
+use std::fmt;
+
 /// Counts how many of a list of increasing edges lie at or below a value.
 ///
 /// A binary search over 300 edges mispredicts some eight branches, which costs as much as ten collisions of the
 /// walk. Here the upper bits of the value, read as an `f32`, name a bucket; all but the few edges in the same
 /// bucket are settled by a table.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub(crate) struct EdgeSearch {
     /// Increasing, at least 0.
     edges: Vec<f64>,
@@ -25,6 +27,7 @@ impl EdgeSearch {
     }
 
     /// Number of edges at or below a value that is at least 0: the index of its bin [edge, next edge).
+    #[inline]
     pub(crate) fn count_up_to(&self, value: f64) -> usize {
         // Rounding to f32 keeps the order, so edges in a lower bucket are below, those in a higher one above.
         let Some(bucket) = bucket(value).checked_sub(self.base) else { return 0 };
@@ -32,13 +35,23 @@ impl EdgeSearch {
         else {
             return self.edges.len();
         };
-        let (below, next) = (below as usize, next as usize);
-        below + self.edges[below..next].partition_point(|&edge| edge <= value)
+        let edges = &self.edges[below as usize..next as usize];
+        if edges.len() > 4 {
+            return below as usize + edges.partition_point(|&edge| edge <= value);
+        }
+        // The usual case, without a call: there are none or one.
+        below as usize + edges.iter().filter(|&&edge| edge <= value).count()
     }
 
     /// The edges.
     pub(crate) fn edges(&self) -> &[f64] {
         &self.edges
+    }
+}
+
+impl fmt::Debug for EdgeSearch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.edges.fmt(f)
     }
 }
 

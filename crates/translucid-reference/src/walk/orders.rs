@@ -27,7 +27,7 @@ use super::edge_search::EdgeSearch;
 ///
 /// let bins = OrderBins::new(0.125)?;
 /// assert_eq!(bins.orders(3), (3, Some(3))); // order 3 alone
-/// assert_eq!(bins.orders(bins.bin(100)), (97, Some(108)));
+/// assert_eq!(bins.orders(bins.bin(100)), (91, Some(101)));
 /// assert!(bins.weight_error_bound() < 0.0011);
 /// # Ok::<(), translucid_profile::ParameterError>(())
 /// ```

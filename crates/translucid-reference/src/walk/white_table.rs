@@ -1,5 +1,6 @@
 //! The table of a white walk: one run, every albedo.
 
+use std::fmt;
 use std::ops::Range;
 
 use translucid_profile::ParameterError;
@@ -41,7 +42,7 @@ use crate::Estimate;
 /// }
 /// # Ok::<(), translucid_reference::walk::TableError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 pub struct WhiteTable {
     problem: Problem,
     layout: Layout,
@@ -62,12 +63,27 @@ impl WhiteTable {
     /// # Errors
     /// The reference albedo is not in (0, 0.999999].
     pub fn new(problem: Problem, layout: Layout, reference_albedo: f64) -> Result<Self, ParameterError> {
+        let cells = vec![Cell::default(); faces(&problem) * layout.entries()];
+        let (ranges, counts) = (PhotonRanges::default(), PhotonCounts::default());
+        Self::with_contents(problem, layout, reference_albedo, ranges, counts, cells)
+    }
+
+    /// A table with photons, whose numbers are known to agree.
+    ///
+    /// # Errors
+    /// As for [`WhiteTable::new`].
+    pub(crate) fn with_contents(
+        problem: Problem,
+        layout: Layout,
+        reference_albedo: f64,
+        ranges: PhotonRanges,
+        counts: PhotonCounts,
+        cells: Vec<Cell>,
+    ) -> Result<Self, ParameterError> {
         if !(reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO) {
             let parameter = "reference_albedo";
             return Err(ParameterError { parameter, value: reference_albedo, allowed: "in (0, 0.999999]" });
         }
-        let cells = vec![Cell::default(); faces(&problem) * layout.entries()];
-        let (ranges, counts) = (PhotonRanges::default(), PhotonCounts::default());
         Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
     }
 
@@ -252,8 +268,27 @@ impl WhiteTable {
     }
 }
 
-/// For runs.
+/// Without the cells, of which there may be millions.
+impl fmt::Debug for WhiteTable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { problem, layout, reference_albedo, ranges, counts, .. } = self;
+        f.debug_struct("WhiteTable")
+            .field("problem", problem)
+            .field("layout", layout)
+            .field("reference_albedo", reference_albedo)
+            .field("ranges", ranges)
+            .field("counts", counts)
+            .finish_non_exhaustive()
+    }
+}
+
+/// For runs and files.
 impl WhiteTable {
+    /// What became of the photons.
+    pub(crate) fn counts(&self) -> &PhotonCounts {
+        &self.counts
+    }
+
     /// All cells.
     pub(crate) fn all_cells(&self) -> &[Cell] {
         &self.cells

@@ -1,0 +1,258 @@
+//! Archives of NumPy arrays: ZIP files with a member `NAME.npy` for every array, stored as they are.
+
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+
+use zip::read::{ArchiveOffset, Config, ZipFile};
+use zip::result::ZipError;
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
+
+use super::npy::{Header, write_header};
+use super::table_error::TableError;
+
+/// Longest text that is read.
+const LONGEST_TEXT: u64 = 64;
+
+/// An archive on its way.
+pub(crate) struct Writer<W: Write + Seek>(ZipWriter<W>);
+
+impl<W: Write + Seek> Writer<W> {
+    pub(crate) fn new(out: W) -> Self {
+        Self(ZipWriter::new(out))
+    }
+
+    /// Ends the archive.
+    pub(crate) fn finish(self) -> io::Result<W> {
+        Ok(self.0.finish()?)
+    }
+
+    /// Writes an array of eight-byte elements.
+    pub(crate) fn words(
+        &mut self,
+        name: &str,
+        descr: &str,
+        shape: &[usize],
+        words: impl IntoIterator<Item = u64>,
+    ) -> io::Result<()> {
+        self.begin(name, descr, shape)?;
+        let mut buffer = BufWriter::with_capacity(1 << 15, &mut self.0);
+        words.into_iter().try_for_each(|word| buffer.write_all(&word.to_le_bytes()))?;
+        buffer.flush()
+    }
+
+    /// Writes a whole number.
+    pub(crate) fn count(&mut self, name: &str, count: u64) -> io::Result<()> {
+        self.words(name, "<u8", &[], [count])
+    }
+
+    /// Writes a number.
+    pub(crate) fn number(&mut self, name: &str, number: f64) -> io::Result<()> {
+        self.words(name, "<f8", &[], [number.to_bits()])
+    }
+
+    /// Writes a text in ASCII.
+    pub(crate) fn text(&mut self, name: &str, text: &str) -> io::Result<()> {
+        self.begin(name, &format!("|S{}", text.len()), &[])?;
+        self.0.write_all(text.as_bytes())
+    }
+
+    fn begin(&mut self, name: &str, descr: &str, shape: &[usize]) -> io::Result<()> {
+        // A fixed time: equal tables make equal bytes.
+        let options = SimpleFileOptions::default()
+            .compression_method(CompressionMethod::Stored)
+            .last_modified_time(DateTime::DEFAULT);
+        self.0.start_file(format!("{name}.npy"), options)?;
+        write_header(&mut self.0, descr, shape)
+    }
+}
+
+/// An archive to be read.
+pub(crate) struct Reader<R> {
+    path: PathBuf,
+    length: u64,
+    archive: ZipArchive<R>,
+}
+
+impl Reader<BufReader<File>> {
+    /// Opens an archive of at most `longest` bytes that has no other members than the given ones.
+    ///
+    /// # Errors
+    /// The file cannot be read, or is not such an archive.
+    pub(crate) fn open(path: &Path, longest: u64, members: &[&str]) -> Result<Self, TableError> {
+        let unreadable = TableError::io(path, "read");
+        let file = File::open(path).map_err(&unreadable)?;
+        let metadata = file.metadata().map_err(&unreadable)?;
+        if !metadata.is_file() {
+            return Err(unreadable(io::Error::other("it is not a regular file")));
+        }
+        let length = metadata.len();
+        if length > longest {
+            let problem = format!("has {length} bytes, but at most {longest} are allowed");
+            return Err(TableError::File { path: path.to_owned(), member: String::new(), problem });
+        }
+        Self::new(path, BufReader::with_capacity(1 << 16, file), length, members)
+    }
+}
+
+impl<R: Read + Seek> Reader<R> {
+    /// As [`Reader::open`], of the bytes of a file.
+    pub(crate) fn new(path: &Path, input: R, length: u64, members: &[&str]) -> Result<Self, TableError> {
+        let error = |problem| Err(TableError::File { path: path.to_owned(), member: String::new(), problem });
+        let config = Config { archive_offset: ArchiveOffset::Known(0) };
+        let archive = match ZipArchive::with_config(config, input) {
+            Ok(archive) => archive,
+            Err(ZipError::Io(source)) => return Err(TableError::io(path, "read")(source)),
+            Err(problem) => {
+                return error(format!("is not an NPZ archive, or cut short or damaged ({problem})"));
+            }
+        };
+        if archive.has_duplicate_names() {
+            return error("has two members of one name".to_owned());
+        }
+        let known =
+            |name: &[u8]| members.iter().any(|member| name.strip_suffix(b".npy") == Some(member.as_bytes()));
+        if let Some(name) = archive.file_names_raw().find(|name| !known(name)) {
+            return error(format!("has an unknown member {:?}", String::from_utf8_lossy(name)));
+        }
+        Ok(Self { path: path.to_owned(), length, archive })
+    }
+
+    /// What is wrong with a member.
+    pub(crate) fn error(&self, member: &str, problem: impl Into<String>) -> TableError {
+        TableError::File { path: self.path.clone(), member: format!("{member}.npy"), problem: problem.into() }
+    }
+
+    /// Reads an array of eight-byte elements of a shape that `accept` accepts.
+    ///
+    /// What `take` gets is to be trusted only when all went well: the checksum is known at the end. It gets no more
+    /// than the file is long.
+    pub(crate) fn words(
+        &mut self,
+        name: &str,
+        descr: &str,
+        accept: impl FnOnce(&[u64]) -> Result<(), String>,
+        mut take: impl FnMut(u64),
+    ) -> Result<(), TableError> {
+        let size = |header: &Header| {
+            if header.descr != descr {
+                return Err(format!("has elements of type {:?}, but they must be {descr:?}", header.descr));
+            }
+            accept(&header.shape)?;
+            let bytes = header.elements().and_then(|elements| elements.checked_mul(8));
+            bytes.ok_or_else(|| format!("has the shape {:?}, which is too large", header.shape))
+        };
+        self.read(name, size, |bytes| {
+            bytes.as_chunks().0.iter().for_each(|word| take(u64::from_le_bytes(*word)));
+        })
+    }
+
+    /// Reads a list of eight-byte elements of a shape that `accept` accepts.
+    pub(crate) fn list(
+        &mut self,
+        name: &str,
+        descr: &str,
+        accept: impl FnOnce(&[u64]) -> Result<(), String>,
+    ) -> Result<Vec<u64>, TableError> {
+        let mut list = Vec::new();
+        self.words(name, descr, accept, |word| list.push(word))?;
+        Ok(list)
+    }
+
+    /// Reads a whole number.
+    pub(crate) fn count(&mut self, name: &str) -> Result<u64, TableError> {
+        self.single(name, "<u8")
+    }
+
+    /// Reads a number.
+    pub(crate) fn number(&mut self, name: &str) -> Result<f64, TableError> {
+        self.single(name, "<f8").map(f64::from_bits)
+    }
+
+    fn single(&mut self, name: &str, descr: &str) -> Result<u64, TableError> {
+        let mut word = 0;
+        self.words(name, descr, |shape| expect_shape(shape, &[]), |found| word = found)?;
+        Ok(word)
+    }
+
+    /// Reads a text that must be one of some.
+    pub(crate) fn text(&mut self, name: &str, allowed: &[&'static str]) -> Result<&'static str, TableError> {
+        let size = |header: &Header| {
+            expect_shape(&header.shape, &[])?;
+            let length = header.descr.strip_prefix("|S").and_then(|length| length.parse().ok());
+            let wrong =
+                || format!("has the type {:?}, but must be \"|S\" and a length up to 64", header.descr);
+            length.filter(|&length| length <= LONGEST_TEXT).ok_or_else(wrong)
+        };
+        let mut found = Vec::new();
+        self.read(name, size, |bytes| found.extend_from_slice(bytes))?;
+        let same = |text: &&str| text.as_bytes() == found;
+        allowed.iter().copied().find(same).ok_or_else(|| {
+            let found = String::from_utf8_lossy(&found);
+            self.error(name, format!("is {found:?}, but must be one of {}", allowed.join(", ")))
+        })
+    }
+
+    /// Reads a member, of whose data `size` says how many bytes there must be; `take` gets it in pieces whose length
+    /// is a multiple of eight, except for the last.
+    fn read(
+        &mut self,
+        name: &str,
+        size: impl FnOnce(&Header) -> Result<u64, String>,
+        take: impl FnMut(&[u8]),
+    ) -> Result<(), TableError> {
+        let found = match self.archive.by_name(&format!("{name}.npy")) {
+            Ok(mut file) => read_member(&mut file, self.length, size, take),
+            Err(ZipError::FileNotFound) => Err("is missing".to_owned()),
+            Err(error) => Err(format!("cannot be read: {error}")),
+        };
+        found.map_err(|problem| self.error(name, problem))
+    }
+}
+
+fn read_member<R: Read>(
+    file: &mut ZipFile<'_, R>,
+    archive_length: u64,
+    size: impl FnOnce(&Header) -> Result<u64, String>,
+    mut take: impl FnMut(&[u8]),
+) -> Result<(), String> {
+    let unreadable = |error: io::Error| format!("is cut short or damaged ({error})");
+
+    // Compare what directory and header say of its length with what the file has
+    let length = file.size();
+    if file.compression() != CompressionMethod::Stored || file.compressed_size() != length {
+        return Err("is compressed, but must be stored".to_owned());
+    }
+    if length > archive_length {
+        return Err(format!("claims {length} bytes in a file of {archive_length}"));
+    }
+    let header = Header::read(file)?;
+    let bytes = size(&header)?;
+    let found = length.saturating_sub(header.length);
+    if bytes != found {
+        return Err(format!("has {found} bytes of data, but its shape {:?} asks for {bytes}", header.shape));
+    }
+
+    // Pass the data on, and read its end, where the checksum is compared
+    let mut buffer = [0; 1 << 15];
+    let mut left = bytes;
+    while left > 0 {
+        let piece = left.min(buffer.len() as u64) as usize;
+        file.read_exact(&mut buffer[..piece]).map_err(unreadable)?;
+        take(&buffer[..piece]);
+        left -= piece as u64;
+    }
+    match file.read(&mut buffer).map_err(unreadable)? {
+        0 => Ok(()),
+        _ => Err("is longer than its directory says".to_owned()),
+    }
+}
+
+/// Demands a shape.
+pub(crate) fn expect_shape(found: &[u64], expected: &[u64]) -> Result<(), String> {
+    if found == expected {
+        return Ok(());
+    }
+    Err(format!("has the shape {found:?}, but must have {expected:?}"))
+}
