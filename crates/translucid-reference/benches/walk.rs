@@ -1,51 +1,72 @@
-//! CPU time of the walk's kernel per collision and per photon.
+//! CPU time of the walk's kernel, per collision and per photon, beside its scalar twin in the same run.
+//!
+//! `cargo bench -p translucid-reference --bench walk` runs all rows, `-- 'g=0.8'` those whose name contains the
+//! word. Times are of this thread's CPU, the best of several runs, with nothing done with the exits.
+
+#![allow(clippy::print_stdout, reason = "a bench prints its table")]
+
 use std::time::Instant;
 
 use translucid_reference::Entry;
-use translucid_reference::walk::{Parameters, PhaseFunction, Problem, count_collisions_and_exits};
-
-/// CPU time of this thread in seconds.
-fn cpu_time(start: Instant) -> f64 {
-    std::thread::yield_now(); // brings the account up to date
-    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = stat.and_then(|line| line.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
-}
+use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Walker};
 
 fn main() {
-    let start = Instant::now();
-    let filter: Vec<String> = std::env::args().skip(1).filter(|a| !a.starts_with('-')).collect();
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let hg = |g| PhaseFunction::HenyeyGreenstein { g };
     let matched = Parameters::default();
+    let cosine = Parameters { entry: Entry::Cosine, ..matched };
     let milk = Parameters { eta: 1.4, phase_function: hg(0.8), ..matched };
-    for (name, parameters) in [
-        ("g=0 eta=1", matched),
-        ("g=0 eta=1 cosine", Parameters { entry: Entry::Cosine, ..matched }),
-        ("g=0 eta=1.4", Parameters { eta: 1.4, ..matched }),
-        ("g=0.8 eta=1", Parameters { phase_function: hg(0.8), ..matched }),
-        ("g=0.8 eta=1.4", milk),
-        ("Rayleigh eta=1", Parameters { phase_function: PhaseFunction::Rayleigh, ..matched }),
-        ("g=0.8 eta=1.4 slab 2", Parameters { thickness: 2.0, ..milk }),
+    println!("{:32} {:>8} {:>12} {:>13} {:>10}", "", "albedo", "collisions", "ns/collision", "ns/photon");
+    for (name, parameters, albedos) in [
+        ("g=0 eta=1", matched, &[0.5, 0.9, 0.99, 0.999, 0.9999][..]),
+        ("g=0 eta=1 cosine", cosine, &[0.5, 0.9]),
+        ("g=0 eta=1.4", Parameters { eta: 1.4, ..matched }, &[0.5, 0.9, 0.999]),
+        ("g=0 eta=1.4 cosine", Parameters { eta: 1.4, ..cosine }, &[0.5, 0.9]),
+        ("g=0.8 eta=1", Parameters { phase_function: hg(0.8), ..matched }, &[0.9, 0.999]),
+        ("g=0.8 eta=1.4", milk, &[0.5, 0.9, 0.999]),
+        ("g=0.8 eta=1.4 slab 2", Parameters { thickness: 2.0, ..milk }, &[0.9, 0.999]),
+        ("Rayleigh eta=1", Parameters { phase_function: PhaseFunction::Rayleigh, ..matched }, &[0.9, 0.999]),
     ] {
-        if !filter.is_empty() && !filter.iter().any(|f| name == f) {
-            continue;
-        }
-        let problem = Problem::new(parameters).unwrap();
-        for albedo in [0.5, 0.9, 0.999] {
-            let photons = (4e6 * (1.0f64 - albedo).powf(0.7)) as u64;
-            let mut best = f64::INFINITY;
-            let mut collisions = 0;
-            for repeat in 0..7 {
-                let before = cpu_time(start);
-                collisions = count_collisions_and_exits(&problem, albedo, repeat..repeat + photons).0;
-                best = best.min(cpu_time(start) - before);
+        for &albedo in albedos {
+            for (walker, kind) in [
+                (Walker::Kernel, "kernel"),
+                (Walker::Avx2, "AVX2"),
+                (Walker::Baseline, "baseline"),
+                (Walker::Twin, "scalar f64"),
+            ] {
+                let row = format!("{name} {kind}");
+                if words.iter().all(|word| row.contains(word)) {
+                    measure(&row, walker, &Problem::new(parameters).unwrap(), albedo);
+                }
             }
-            let mean = collisions as f64 / photons as f64;
-            println!(
-                "{name:24} {albedo:<7} {mean:9.2} collisions, {:7.2} ns/collision {:9.1} ns/photon",
-                1e9 * best / collisions as f64,
-                1e9 * best / photons as f64
-            );
         }
     }
+}
+
+/// Prints one row: the best of seven runs of some 50 ms.
+fn measure(row: &str, walker: Walker, problem: &Problem, albedo: f64) {
+    let start = Instant::now();
+    let mut timed = |photons: u64| {
+        let before = cpu_seconds(start);
+        let (collisions, _) = walker.collisions_and_exits(problem, albedo, 0..photons)?;
+        Some((cpu_seconds(start) - before, collisions))
+    };
+    let Some((trial, _)) = timed(20_000) else { return };
+    let photons = (20_000.0 * 0.05 / trial.max(1e-6)) as u64;
+    let runs = (0..7).filter_map(|_| timed(photons));
+    let (seconds, collisions) = runs.min_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 1));
+    println!(
+        "{row:32} {albedo:8} {:12.2} {:13.2} {:10.1}",
+        collisions as f64 / photons as f64,
+        1e9 * seconds / collisions as f64,
+        1e9 * seconds / photons as f64
+    );
+}
+
+/// CPU time of this thread; elapsed time where the system does not tell.
+fn cpu_seconds(start: Instant) -> f64 {
+    std::thread::yield_now(); // Linux brings the account up to date when a thread yields
+    let account = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = account.and_then(|line| line.split(' ').next()?.parse::<f64>().ok());
+    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }

@@ -52,29 +52,54 @@ impl Boundary {
 
     /// Brings a photon back whose flight ended beyond a face, or lets it out.
     ///
-    /// `ray` is at the end of the flight that does not know of faces. A reflection mirrors what was beyond the
+    /// `ray` is at the end of a flight that does not know of faces, beyond one. A reflection mirrors what was beyond the
     /// face, the rest of the flight in one step. Returns the face that the photon left through, with `ray` on
     /// it, or nothing, with `ray` inside.
     pub(crate) fn cross(&self, ray: &mut Ray, stream: &mut Stream<u32>) -> Option<Side> {
-        while self.is_outside(ray.z) {
-            if ray.uz * ray.uz < self.total_below {
-                self.fold(ray);
-                continue;
-            }
-            let (side, face) =
-                if ray.z < 0.0 { (Side::Reflected, 0.0) } else { (Side::Transmitted, self.thickness) };
-            if self.matched || unit(stream.next()) >= self.reflectance(ray.uz.abs()) {
-                // Go back to the face
-                let beyond = (ray.z - face) / ray.uz;
-                ray.x -= beyond * ray.ux;
-                ray.y -= beyond * ray.uy;
-                ray.z = face;
-                return Some(side);
-            }
-            ray.z = 2.0 * face - ray.z;
-            ray.uz = -ray.uz;
+        debug_assert!(self.is_outside(ray.z), "{ray:?}");
+        if ray.uz * ray.uz < self.total_below {
+            self.fold(ray);
+            return None;
         }
+        let reflectance = if self.matched { 0.0 } else { self.reflectance(ray.uz.abs()) };
+        if self.matched || unit(stream.next()) >= reflectance {
+            return Some(self.leave(ray, 0.0));
+        }
+        let face = if ray.z < 0.0 { 0.0 } else { self.thickness };
+        ray.z = 2.0 * face - ray.z;
+        ray.uz = -ray.uz;
+        if !self.is_outside(ray.z) {
+            return None;
+        }
+
+        // A thin slab: draw at once how many more reflections in a row there are, and compare with the faces
+        // that the flight meets
+        let logs = [unit(stream.next()), reflectance].map(|share| f64::from(share).ln().abs());
+        let reflections = (logs[0] / logs[1]).floor();
+        let faces = 1.0 + (self.beyond(ray) / f64::from(self.thickness)).floor();
+        if reflections < faces {
+            return Some(self.leave(ray, reflections));
+        }
+        self.fold(ray);
         None
+    }
+
+    /// How far the depth is beyond the nearer face.
+    fn beyond(&self, ray: &Ray) -> f64 {
+        if ray.z < 0.0 { f64::from(-ray.z) } else { f64::from(ray.z) - f64::from(self.thickness) }
+    }
+
+    /// Takes a photon beyond a face back to it, or to the face that it meets after some reflections.
+    fn leave(&self, ray: &mut Ray, reflections: f64) -> Side {
+        let upwards = ray.z < 0.0;
+        let missed = if reflections == 0.0 { 0.0 } else { reflections * f64::from(self.thickness) };
+        let back = ((self.beyond(ray) - missed) / f64::from(ray.uz.abs())) as f32;
+        ray.x -= back * ray.ux;
+        ray.y -= back * ray.uy;
+        let upwards = upwards != (reflections % 2.0 == 1.0);
+        ray.uz = if upwards { -ray.uz.abs() } else { ray.uz.abs() };
+        ray.z = if upwards { 0.0 } else { self.thickness };
+        if upwards { Side::Reflected } else { Side::Transmitted }
     }
 
     /// All total reflections of a flight at once: the depth as a triangle wave of period 2 thickness.
@@ -95,7 +120,7 @@ impl Boundary {
 
     /// Fresnel's reflectance from inside (A.-J. Fresnel 1823) for η ≠ 1 and a cosine above the critical one.
     fn reflectance(&self, mu: f32) -> f32 {
-        let outside = (self.eta * self.eta * mu * mu + self.one_minus_square).max(0.0).min(1.0).sqrt();
+        let outside = (self.eta * self.eta * mu * mu + self.one_minus_square).clamp(0.0, 1.0).sqrt();
         let perpendicular = (self.eta * mu - outside) / (self.eta * mu + outside);
         let parallel = (self.eta * outside - mu) / (self.eta * outside + mu);
         0.5 * (perpendicular * perpendicular + parallel * parallel)
@@ -149,6 +174,9 @@ mod tests {
                     let start = boundary.thickness.min(1.0) * unit(stream.next());
                     let ux = (1.0 - uz * uz).sqrt();
                     let mut ray = Ray { x: flight * ux, y: 0.0, z: start + flight * uz, ux, uy: 0.0, uz };
+                    if !boundary.is_outside(ray.z) {
+                        continue;
+                    }
                     let side = boundary.cross(&mut ray, &mut stream);
                     match side {
                         None => assert!(!boundary.is_outside(ray.z), "{eta} {thickness}: {ray:?}"),

@@ -2,13 +2,53 @@
 
 use std::ops::Range;
 
-use super::{Problem, trace};
+use fearless_simd::Level;
 
-/// Walks photons and only counts: (collisions, exits). A sum over the exits keeps the compiler from leaving
-/// them out.
+use super::scalar::trace_scalar;
+use super::trace::trace_at_level;
+use super::{PhotonCounts, Problem};
+
+/// Code that walks photons.
 #[doc(hidden)]
-pub fn count_collisions_and_exits(problem: &Problem, albedo: f64, photons: Range<u64>) -> (u64, u64) {
-    let mut exits = 0;
-    let counts = trace(problem, albedo, 1, photons, &mut |batch| exits += batch.len() as u64);
-    (counts.collisions, exits)
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Walker {
+    /// The kernel with the widest instruction set of this machine.
+    Kernel,
+    /// The kernel with AVX2, if there is such.
+    Avx2,
+    /// The kernel with SSE2 or what else every machine of this architecture has.
+    Baseline,
+    /// The scalar twin in double precision.
+    Twin,
+}
+
+impl Walker {
+    /// Walks photons; the number of collisions and of exits. Nothing if the machine lacks the instructions.
+    #[doc(hidden)]
+    pub fn collisions_and_exits(
+        self,
+        problem: &Problem,
+        albedo: f64,
+        photons: Range<u64>,
+    ) -> Option<(u64, u64)> {
+        let seed = 1;
+        let kernel = |level| trace_at_level(level, problem, albedo, seed, photons.clone(), &mut |_| {});
+        let counts: PhotonCounts = match self {
+            Self::Kernel => kernel(Level::new()),
+            Self::Avx2 => kernel(avx2()?),
+            Self::Baseline => kernel(Level::baseline()),
+            Self::Twin => trace_scalar(problem, albedo, seed, photons, &mut |_| {}),
+        };
+        Some((counts.collisions, counts.launched - counts.absorbed))
+    }
+}
+
+#[cfg(target_arch = "x86_64")]
+fn avx2() -> Option<Level> {
+    Level::new().as_avx2().map(Level::Avx2)
+}
+
+#[cfg(not(target_arch = "x86_64"))]
+fn avx2() -> Option<Level> {
+    None
 }

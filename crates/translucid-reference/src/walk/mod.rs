@@ -14,6 +14,7 @@ mod photon_ranges;
 mod problem;
 mod random;
 mod run;
+mod scalar;
 mod scatter;
 mod sources;
 mod table_error;
@@ -28,7 +29,7 @@ pub use exit::Side;
 pub(crate) use exit::{Exit, PhotonCounts};
 pub use layout::{Layout, Region};
 #[doc(hidden)]
-pub use measure::count_collisions_and_exits;
+pub use measure::Walker;
 pub use orders::OrderBins;
 pub use photon_ranges::PhotonRange;
 pub use problem::{Parameters, PhaseFunction, Problem};
@@ -36,3 +37,14 @@ pub use run::{Control, Forecast, Goal};
 pub use table_error::TableError;
 pub(crate) use trace::trace;
 pub use white_table::WhiteTable;
+
+#[cfg(test)]
+mod chi_square;
+#[cfg(test)]
+mod replay;
+#[cfg(test)]
+mod trace_against_twin;
+#[cfg(test)]
+mod trace_angles;
+#[cfg(test)]
+mod trace_totals;

@@ -168,8 +168,149 @@ pub(crate) trait WithScatter {
 /// Picks the type for a phase function; g = 0 is isotropic, whatever its name.
 pub(crate) fn with_scatter<W: WithScatter>(phase_function: PhaseFunction, with: W) -> W::Output {
     match phase_function {
-        PhaseFunction::HenyeyGreenstein { g } if g == 0.0 => with.run(Isotropic),
+        PhaseFunction::HenyeyGreenstein { g: 0.0 } => with.run(Isotropic),
         PhaseFunction::HenyeyGreenstein { g } => with.run(HenyeyGreenstein::new(g)),
         PhaseFunction::Rayleigh => with.run(Rayleigh),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::{Level, dispatch};
+
+    use super::*;
+
+    /// Deflections for words that lie evenly: (cosine, sine) pairs.
+    fn deflections(phase_function: PhaseFunction, words: &[u32]) -> Vec<(f64, f64)> {
+        #[inline(always)]
+        fn map<S: Simd>(simd: S, phase_function: PhaseFunction, words: &[u32]) -> Vec<(f64, f64)> {
+            let deflect = |word| match phase_function {
+                PhaseFunction::HenyeyGreenstein { g } => HenyeyGreenstein::new(g).deflection(simd, word),
+                PhaseFunction::Rayleigh => Rayleigh::deflection(simd, word),
+            };
+            let pairs = words.chunks_exact(16).map(|chunk| deflect(Words::from_slice(simd, chunk)));
+            pairs.flat_map(|(c, s)| (0..16).map(move |i| (f64::from(c[i]), f64::from(s[i])))).collect()
+        }
+        dispatch!(Level::new(), simd => map(simd, phase_function, words))
+    }
+
+    /// The midpoints of 2ᵏ cells.
+    fn even_words(power: u32) -> Vec<u32> {
+        (0..1u32 << power).map(|i| (i << (32 - power)) + (1 << (31 - power))).collect()
+    }
+
+    const ANISOTROPIES: [f64; 11] = [-0.999, -0.8, -0.3, -1e-6, 1e-30, 1e-6, 0.1, 0.5, 0.8, 0.99, 0.9999];
+
+    #[test]
+    fn henyey_greenstein_has_its_legendre_moments() {
+        for g in ANISOTROPIES {
+            let found = deflections(PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
+            let n = found.len() as f64;
+            // Of Legendre's polynomials P₁ and P₂ the means are g and g²; 1 − P₁ where g is near 1
+            let first = found.iter().map(|(cosine, _)| cosine).sum::<f64>() / n;
+            let second = found.iter().map(|(cosine, _)| 1.5 * cosine * cosine - 0.5).sum::<f64>() / n;
+            assert!((first - g).abs() < 1e-6, "g = {g}: {first}");
+            assert!((second - g * g).abs() < 2e-6, "g = {g}: {second}");
+        }
+    }
+
+    /// Word by word against the textbook's inversion in double precision.
+    #[test]
+    fn henyey_greenstein_inverts_its_cumulative_distribution() {
+        for g in [-0.9f64, -0.3, 0.1, 0.5, 0.9, 0.999] {
+            let words = even_words(16);
+            for (&word, (cosine, sine)) in
+                words.iter().zip(deflections(PhaseFunction::HenyeyGreenstein { g }, &words))
+            {
+                let xi = f64::from(word | 1) / 4294967296.0;
+                let ratio = (1.0 - g * g) / (1.0 - g.abs() + 2.0 * g.abs() * xi);
+                let exact = (1.0 + g * g - ratio * ratio) / (2.0 * g);
+                // Five roundings of the versine, and those of ξ and of 1 − |g| + 2|g|ξ
+                let bound = 1.2e-7 + 6e-7 * (1.0 - exact * g.signum());
+                assert!((cosine - exact).abs() < bound, "g = {g}, {word:#x}: {cosine} {exact}");
+                assert!((sine * sine + cosine * cosine - 1.0).abs() < 3e-7);
+            }
+        }
+    }
+
+    /// With g near 1 the deflection has its digits although the cosine has none: the mean of sin² θ is
+    /// ⅔ (1 − g²).
+    #[test]
+    fn henyey_greenstein_keeps_small_angles() {
+        for g in [0.999, 0.999_999, -0.999_999] {
+            let found = deflections(PhaseFunction::HenyeyGreenstein { g }, &even_words(20));
+            // Without the rare large angles, which even words miss: medians
+            let mut sines: Vec<f64> = found.iter().map(|(_, sine)| *sine).collect();
+            sines.sort_by(f64::total_cmp);
+            let median = sines[sines.len() / 2];
+            // ξ = ½: 1 − cos θ = (1 − ½)(2 + |g|) (1 − |g|)²
+            let versine = 0.5 * (2.0 + g.abs()) * (1.0 - g.abs()).powi(2);
+            let exact = (versine * (2.0 - versine)).sqrt();
+            assert!((median / exact - 1.0).abs() < 1e-5, "g = {g}: {median} {exact}");
+        }
+    }
+
+    #[test]
+    fn rayleigh_inverts_its_cumulative_distribution() {
+        let words = even_words(16);
+        for (&word, (cosine, sine)) in words.iter().zip(deflections(PhaseFunction::Rayleigh, &words)) {
+            let x = f64::from((word | 1).cast_signed()) / 2147483648.0;
+            let exact = 2.0 * ((2.0 * x).asinh() / 3.0).sinh();
+            assert!((cosine - exact).abs() < 3e-7, "{word:#x}: {cosine} {exact}");
+            assert!((sine * sine + cosine * cosine - 1.0).abs() < 3e-7);
+        }
+    }
+
+    #[test]
+    fn deflections_are_numbers_at_every_edge() {
+        let words =
+            [0, 1, 2, 3, u32::MAX, u32::MAX - 1, 1 << 31, (1 << 31) - 1, 1 << 30, 7, 8, 9, 10, 11, 12, 13];
+        let nearest = 1.0 - f64::EPSILON / 2.0;
+        let gs = ANISOTROPIES.into_iter().chain([nearest, -nearest, f64::MIN_POSITIVE]);
+        let kinds = gs.map(|g| PhaseFunction::HenyeyGreenstein { g }).chain([PhaseFunction::Rayleigh]);
+        for kind in kinds {
+            for (cosine, sine) in deflections(kind, &words) {
+                assert!(cosine.abs() <= 1.0 && (0.0..=1.0).contains(&sine), "{kind:?}: {cosine} {sine}");
+            }
+        }
+    }
+
+    /// The new direction has the cosine asked for to the old one, unit length, and an azimuth that goes round
+    /// once as the point on the circle does, also from the poles.
+    #[test]
+    fn turning_keeps_angle_and_length() {
+        #[inline(always)]
+        fn turned<S: Simd>(simd: S, u: [f32; 3], cosine: f32, point: [f32; 2]) -> [f64; 3] {
+            let splat = |x| Floats::splat(simd, x);
+            let before = Directions { x: splat(u[0]), y: splat(u[1]), z: splat(u[2]) };
+            let sine = (1.0 - cosine * cosine).sqrt();
+            let v = turn(before, (splat(cosine), splat(sine)), (splat(point[0]), splat(point[1])));
+            [f64::from(v.x[0]), f64::from(v.y[0]), f64::from(v.z[0])]
+        }
+        let axis =
+            std::iter::once([0.0, 0.0, 1.0f32]).chain([[0.0, 0.0, -1.0], [1.0, 0.0, 0.0], [0.0, -1.0, -0.0]]);
+        let oblique = (0..200).map(|i| {
+            let (z, phi) = (i as f32 / 100.0 - 0.995, i as f32);
+            let s = (1.0 - z * z).sqrt();
+            [s * phi.cos(), s * phi.sin(), z]
+        });
+        for u in axis.chain(oblique) {
+            for cosine in [-1.0, -0.7, 0.0, 0.3, 0.999, 1.0f32] {
+                let mut sum = [0.0; 3];
+                for i in 0..8 {
+                    let (y, x) = (std::f32::consts::FRAC_PI_4 * i as f32).sin_cos();
+                    let v = dispatch!(Level::new(), simd => turned(simd, u, cosine, [x, y]));
+                    let dot: f64 = v.iter().zip(u).map(|(v, u)| v * f64::from(u)).sum();
+                    let square: f64 = v.iter().map(|v| v * v).sum();
+                    assert!((dot - f64::from(cosine)).abs() < 5e-7, "{u:?} {cosine}: {dot}");
+                    assert!((square - 1.0).abs() < 5e-7, "{u:?} {cosine}: {square}");
+                    sum.iter_mut().zip(v).for_each(|(sum, v)| *sum += v / 8.0);
+                }
+                // Around the circle the parts across u cancel
+                for (sum, u) in sum.iter().zip(u) {
+                    assert!((sum - f64::from(cosine * u)).abs() < 5e-7, "{u:?} {cosine}: {sum}");
+                }
+            }
+        }
     }
 }

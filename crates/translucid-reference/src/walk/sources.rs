@@ -32,8 +32,9 @@ impl Source {
         let eta = parameters.eta;
         let directions = match parameters.entry {
             Entry::Pencil { cos_theta } => {
-                let sine = (1.0 - cos_theta * cos_theta).sqrt() / eta;
-                let cosine = ((1.0 - sine) * (1.0 + sine)).sqrt();
+                let sine = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt() / eta;
+                // In a form that keeps its digits near grazing
+                let cosine = ((eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta).max(0.0).sqrt() / eta;
                 SourceDirections::Pencil { sine: sine as f32, cosine: cosine as f32 }
             }
             Entry::Cosine => SourceDirections::Cosine { eta: eta as f32 },
@@ -109,19 +110,19 @@ fn transmitted_cosines<S: Simd>(simd: S, ratio: f32, streams: &mut Stream<Words<
     while pending.any_true() {
         let before = *streams;
         let cosine = unit(streams.next()).sqrt();
-        let transmits = unit(streams.next()).simd_gt(reflectance(simd, ratio, cosine));
+        let transmits = unit(streams.next()).simd_gt(reflectance(ratio, cosine));
         accepted = (pending & transmits).select(cosine, accepted);
         for (after, before) in streams.0.iter_mut().zip(before.0) {
             *after = pending.select(*after, before);
         }
-        pending = pending & !transmits;
+        pending &= !transmits;
     }
     accepted
 }
 
 /// Fresnel's reflectance from the rarer side.
 #[inline(always)]
-fn reflectance<S: Simd>(simd: S, ratio: f32, cosine: Floats<S>) -> Floats<S> {
+fn reflectance<S: Simd>(ratio: f32, cosine: Floats<S>) -> Floats<S> {
     let refracted = complement(complement(cosine) / ratio);
     let perpendicular = (cosine - refracted * ratio) / (cosine + refracted * ratio);
     let parallel = (cosine * ratio - refracted) / (cosine * ratio + refracted);
