@@ -60,9 +60,10 @@ impl Dispersion {
             let slope = divided_difference_of_series(k0_squared, minus_k_squared);
             return ln(slope * from_branch * alpha);
         }
-        let kappa = minus_k_squared.sqrt();
+        let kappa = sqrt(minus_k_squared);
+        let k_is_small = minus_k_squared.norm_sqr() < SERIES_MAX * SERIES_MAX;
         // atanh κ = ½ ln[(1+κ)²/(1−κ²)], where 1 − κ² = K² + 1 is known better than 1 − κ
-        if k0_squared > 0.05 && from_zero.norm_sqr() < (0.25 * one_minus_k0_squared).powi(2) {
+        if !k_is_small && k0_squared > 0.05 && from_zero.norm_sqr() < (0.25 * one_minus_k0_squared).powi(2) {
             // atanh k₀/k₀ − atanh κ/κ from k₀ − κ = (K² + k₀²)/(k₀ + κ)
             let difference = from_zero / (kappa + k0);
             let atanh_difference =
@@ -76,8 +77,12 @@ impl Dispersion {
                 ln(from_branch * ((alpha / one_minus_k0_squared - 1.0) / (2.0 * k0_squared)))
             };
         }
-        let one_plus = 1.0 + kappa;
-        let atanh_ratio = 0.5 * ln(one_plus * one_plus / from_branch) / kappa;
+        let atanh_ratio = if k_is_small {
+            atanh_ratio_series(minus_k_squared)
+        } else {
+            let one_plus = 1.0 + kappa;
+            0.5 * ln(one_plus * one_plus / from_branch) / kappa
+        };
         // Λ̃ − 1, which is small for large K
         let excess = (one_minus_k0_squared - alpha * atanh_ratio * from_branch) / from_zero;
         ln_1p(excess)
@@ -122,6 +127,11 @@ fn atanh_ratio_minus_1(y: f64) -> (f64, f64) {
     (ratio - 1.0, (1.0 / (1.0 - y) - ratio) / (2.0 * y))
 }
 
+/// φ(y) = atanh(√y)/√y = Σ yⁿ/(2n+1) for small y.
+fn atanh_ratio_series(y: Complex64) -> Complex64 {
+    (0..=SERIES_TERMS).rev().fold(Complex64::ZERO, |sum, n| sum * y + 1.0 / f64::from(2 * n + 1))
+}
+
 /// [φ(a) − φ(b)]/(a − b) of φ(y) = atanh(√y)/√y = Σ yⁿ/(2n+1), for small a and b.
 fn divided_difference_of_series(a: f64, b: Complex64) -> Complex64 {
     // (aⁿ − bⁿ)/(a − b) = dₙ with dₙ₊₁ = a dₙ + bⁿ; from the top: Σ cₙ dₙ by Horner in both
@@ -135,7 +145,21 @@ fn divided_difference_of_series(a: f64, b: Complex64) -> Complex64 {
     value
 }
 
-/// ln z, less careful of overflow and faster than the library's.
+/// √z in the right half plane. Less careful of overflow and faster than the library's, like the others here.
+pub(crate) fn sqrt(z: Complex64) -> Complex64 {
+    let larger = (0.5 * (z.norm_sqr().sqrt() + z.re.abs())).sqrt();
+    if larger == 0.0 {
+        return Complex64::ZERO;
+    }
+    let smaller = 0.5 * z.im / larger;
+    if z.re >= 0.0 {
+        Complex64::new(larger, smaller)
+    } else {
+        Complex64::new(smaller.abs(), larger.copysign(z.im))
+    }
+}
+
+/// ln z.
 pub(crate) fn ln(z: Complex64) -> Complex64 {
     Complex64::new(0.5 * z.norm_sqr().ln(), z.im.atan2(z.re))
 }
@@ -149,8 +173,80 @@ pub(crate) fn ln_1p(z: Complex64) -> Complex64 {
 
 /// e^z − 1, with every digit for small z.
 pub(crate) fn exp_m1(z: Complex64) -> Complex64 {
-    // e^x cos y − 1 = (e^x − 1) cos y − 2 sin²(y/2)
-    let (growth, half_sine) = (z.re.exp_m1(), (0.5 * z.im).sin());
+    // e^x cos y − 1 = (e^x − 1) cos y − (1 − cos y)
+    let growth = z.re.exp_m1();
     let (sine, cosine) = z.im.sin_cos();
-    Complex64::new(growth * cosine - 2.0 * half_sine * half_sine, (growth + 1.0) * sine)
+    let versine = if cosine > 0.0 { sine * sine / (1.0 + cosine) } else { 1.0 - cosine };
+    Complex64::new(growth * cosine - versine, (growth + 1.0) * sine)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn k0_is_the_zero() {
+        for alpha in [0.05, 0.1, 0.3, 0.5, 0.7, 0.79, 0.81, 0.9, 0.99, 0.9999, 1.0 - 1e-12] {
+            let dispersion = Dispersion::new(alpha);
+            let k0 = dispersion.k0;
+            // atanh k₀ from 1 − k₀², so that no digit is lost near 1
+            let near_1 = 0.5 * ((1.0 + k0) * (1.0 + k0) / dispersion.one_minus_k0_squared).ln();
+            let atanh = if k0 > 0.9 { near_1 } else { k0.atanh() };
+            let off = alpha * atanh / k0 - 1.0;
+            assert!(off.abs() < 1e-14, "{alpha}: {off:e}");
+        }
+        assert_eq!(Dispersion::new(1.0).k0, 0.0);
+        // 1 − k₀ → 2e^{−2/α}
+        let gap = Dispersion::new(0.02).one_minus_k0_squared / 2.0;
+        assert!((gap / (2.0 * (-100f64).exp()) - 1.0).abs() < 1e-12, "{gap:e}");
+        assert_eq!(Dispersion::new(1e-320).one_minus_k0_squared, 0.0);
+    }
+
+    /// The ways to compute Λ̃ agree where they meet, and with the definition where that has its digits.
+    #[test]
+    fn regular_part_is_continuous() {
+        for alpha in [0.1, 0.5, 0.8, 0.9, 0.94, 0.95, 0.965, 0.967, 0.99, 1.0] {
+            let dispersion = Dispersion::new(alpha);
+            let k0_squared = dispersion.k0 * dispersion.k0;
+            for i in -12..=60 {
+                for j in 0..=8 {
+                    let modulus = 10f64.powf(0.1 * f64::from(i));
+                    let from_zero = Complex64::from_polar(modulus, f64::from(j) * 0.3);
+                    let k_squared = from_zero - k0_squared;
+                    let k = k_squared.sqrt();
+                    let lambda = 1.0 - alpha * k.atan() / k;
+                    let expected = (lambda * (k_squared + 1.0) / from_zero).ln();
+                    let found = dispersion.ln_regular_part(from_zero);
+                    let allowed = 1e-14 + 2e-15 / lambda.norm();
+                    assert!((found - expected).norm() < allowed, "{alpha} {from_zero}: {found} {expected}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn regular_part_is_smooth_at_the_zero() {
+        for alpha in [0.1, 0.3, 0.5, 0.8, 0.9, 0.96, 0.97, 0.99, 0.9999] {
+            let dispersion = Dispersion::new(alpha);
+            let at = |part: f64| {
+                dispersion.ln_regular_part(Complex64::from_polar(part * dispersion.one_minus_k0_squared, 1.0))
+            };
+            let (zero, near, twice) = (at(0.0), at(1e-6), at(2e-6));
+            assert!((at(1e-14) - zero).norm() < 1e-12, "{alpha}");
+            assert!((twice - 2.0 * near + zero).norm() < 1e-10, "{alpha}: {zero} {near} {twice}");
+        }
+    }
+
+    #[test]
+    fn elementary_functions_keep_their_digits() {
+        for i in -60..=4 {
+            for j in -10..=10 {
+                let z = Complex64::from_polar(10f64.powf(0.25 * f64::from(i)), 0.3 * f64::from(j));
+                assert!((sqrt(z) * sqrt(z) / z - 1.0).norm() < 1e-15 && sqrt(z).re >= 0.0);
+                assert!((ln(z).exp() / z - 1.0).norm() < 1e-13);
+                assert!((exp_m1(ln_1p(z)) / z - 1.0).norm() < 2e-15, "{z}");
+            }
+        }
+        assert_eq!(sqrt(Complex64::ZERO), Complex64::ZERO);
+    }
 }

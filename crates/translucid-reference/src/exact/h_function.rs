@@ -25,9 +25,11 @@
 //!    ln H̃ = h Σ f(jh) + q/(1 − q) · ln Λ̃(√(k² − s²)),   q = e^{2πi w_p/h},   c e^{iθ} sinh w_p = is
 //!    ```
 
+use std::f64::consts::PI;
+
 use num_complex::Complex64;
 
-use super::dispersion::{Dispersion, exp_m1, ln_1p};
+use super::dispersion::{Dispersion, exp_m1, ln_1p, sqrt};
 
 /// A lateral wave number and its distances from the zero and the branch point of the dispersion function.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,14 +63,14 @@ impl WaveNumber {
     }
 
     fn new(dispersion: &Dispersion, k: Complex64, a_squared: Complex64, t_angle: f64) -> Self {
-        let b = (a_squared + dispersion.one_minus_k0_squared).sqrt();
-        Self { k, k_squared_plus_k0_squared: a_squared, a: a_squared.sqrt(), b, t_angle }
+        let b = sqrt(a_squared + dispersion.one_minus_k0_squared);
+        Self { k, k_squared_plus_k0_squared: a_squared, a: sqrt(a_squared), b, t_angle }
     }
 
     /// Decay per depth s = √(λ² + k²) of a direction with the decay λ ≥ 1 along itself.
-    pub(crate) fn decay(&self, lambda: f64) -> Complex64 {
+    pub(crate) fn decay(&self, lambda: Complex64) -> Complex64 {
         // λ² + k² = (λ² − 1) + b²
-        (self.b * self.b + (lambda - 1.0) * (lambda + 1.0)).sqrt()
+        sqrt(self.b * self.b + (lambda - 1.0) * (lambda + 1.0))
     }
 }
 
@@ -127,8 +129,8 @@ impl Samples {
 /// Independent sums that the processor may add up at once.
 const LANES: usize = 4;
 
-/// Where the samples end, in units of |√(k² + 1)| or 1.
-const REACH: f64 = 1e6;
+/// Where the samples end, in units of |b| or 1.
+const REACH: f64 = 3e4;
 
 /// The H function of one albedo and one wave number, ready to be evaluated for many s.
 #[derive(Clone, Debug)]
@@ -154,10 +156,12 @@ impl HFunction {
             ((2.0 * REACH * wave_number.b.norm().max(1.0) / scale.norm()).ln() / step).ceil() as usize;
         let end = scale * ((count as f64 + 0.5) * step).sinh();
         let (mut even, mut odd) = (Samples::default(), Samples::default());
+        let (ratio, mut exp_w) = (step.exp(), 1.0);
         for j in 0..=count {
-            let w = j as f64 * step;
             let weight = if j == 0 { 0.5 * step } else { step };
-            let (t, slope) = (scale * w.sinh(), scale * w.cosh());
+            let exp_minus_w = 1.0 / exp_w;
+            let (t, slope) = (scale * (0.5 * (exp_w - exp_minus_w)), scale * (0.5 * (exp_w + exp_minus_w)));
+            exp_w *= ratio;
             let t_squared = t * t;
             let value = dispersion.ln_regular_part(wave_number.k_squared_plus_k0_squared + t_squared);
             let samples = if j % 2 == 0 { &mut even } else { &mut odd };
@@ -173,25 +177,44 @@ impl HFunction {
         &self.wave_number
     }
 
-    /// ln H(k, 1/s) for s = 1 and s = √(λ² + k²), λ ≥ 1, whose poles are far from the ray.
+    /// ln H(k, 1/s) for s = √(λ² + k²), λ ≥ 1, and other s not much smaller than b whose poles are far from the ray.
     pub(crate) fn ln_h(&self, s: Complex64) -> Nested {
         let (even, odd) = self.sums(s);
         let exact = self.ln_rational_part(s) + self.tail(s);
         Nested { fine: exact + even + odd, coarse: exact + 2.0 * even }
     }
 
+    /// H(k, 1/s) − 1 by the finer rule, for s as in [`ln_h`](Self::ln_h).
+    pub(crate) fn excess(&self, s: Complex64) -> Complex64 {
+        let (even, odd) = self.sums(s);
+        self.times_rational_part(s, exp_m1(even + odd + self.tail(s)))
+    }
+
+    /// H(k, 1/s) − 1 by the coarser rule.
+    pub(crate) fn excess_coarse(&self, s: Complex64) -> Complex64 {
+        let even = self.even.sum(s * s) * (-2.0 * s / PI);
+        self.times_rational_part(s, exp_m1(even + self.tail(s)))
+    }
+
+    /// H − 1 from H̃ − 1.
+    fn times_rational_part(&self, s: Complex64, excess: Complex64) -> Complex64 {
+        let rational = self.rational_part_excess(s);
+        rational + excess + rational * excess
+    }
+
     /// ln H(k, 1/s) up to a multiple of 2πi, for any s but the singularities, whichever side of the ray its
     /// poles are on.
     ///
     /// Continues from Re s > 0 through s of growing argument up to π, or falling down to −π/4 where k is on a ray.
-    /// Within 1e-6 of s = 0 relative to min(1, |b|), digits are lost in proportion.
+    /// The absolute error is below 2e-11, except for |s| > 1e3 max(|b|, 1), where it reaches 1e-7, and for
+    /// |s| < 1e-7, where it is some 1e-18/|s|.
     pub(crate) fn ln_h_anywhere(&self, s: Complex64) -> Nested {
         // The poles fall on the node w = 0 where s = 0 exactly
         let s = if s.norm_sqr() > 0.0 { s } else { self.scale * 1e-9 };
         let plain = self.ln_h(s);
         let sinh = Complex64::I * s / self.scale;
         let pole = asinh(sinh);
-        let exponent = Complex64::I * (2.0 * std::f64::consts::PI / self.step) * pole;
+        let exponent = Complex64::I * (2.0 * PI / self.step) * pole;
         // The coarse rule has twice the step
         if 0.5 * exponent.re < -40.0 {
             return plain;
@@ -208,24 +231,35 @@ impl HFunction {
 
     /// The trapezoidal sums over even and odd nodes.
     fn sums(&self, s: Complex64) -> (Complex64, Complex64) {
-        let factor = -s / std::f64::consts::PI;
+        let factor = -s / PI;
         (factor * self.even.sum(s * s), factor * self.odd.sum(s * s))
     }
 
-    /// The integral beyond the samples, where ln Λ̃ = −απ/(2t) up to a part of 1/t: that of the function from half
-    /// a step behind the last node, and the first term of what makes it a sum (Euler and Maclaurin).
+    /// The integral beyond the samples, where ln Λ̃ = −απ/(2t) + c/t² + O(t⁻³): that from half a step behind the last
+    /// node, and the first term of what makes it a sum (Euler and Maclaurin).
     fn tail(&self, s: Complex64) -> Complex64 {
+        let alpha = self.dispersion.single_scattering_albedo;
         let ratio = s * s / self.end_squared;
-        let integral = ln_1p(ratio) * 0.25 / s;
-        let sum = integral
-            - s / ((1.0 + ratio) * (1.0 + ratio) * self.end_squared) * (self.step * self.step / 24.0);
-        sum * self.dispersion.single_scattering_albedo
+        let to_sum = s / ((1.0 + ratio) * (1.0 + ratio) * self.end_squared) * (self.step * self.step / 24.0);
+        // Mostly s is far from the end, and neither the logarithm nor the second term count
+        if ratio.norm_sqr() < 1e-6 {
+            return (ratio * (1.0 - 0.5 * ratio) * 0.25 / s - to_sum) * alpha;
+        }
+        let first = (ln_1p(ratio) * 0.25 / s - to_sum) * alpha;
+        let c = alpha - (alpha * PI) * (alpha * PI) / 8.0 + self.dispersion.one_minus_k0_squared;
+        let root = sqrt(ratio);
+        first - c / (PI * s * sqrt(self.end_squared)) * (1.0 - root.atan() / root)
     }
 
     /// ln (s + b)/(s + a), with every digit for large s.
     fn ln_rational_part(&self, s: Complex64) -> Complex64 {
+        ln_1p(self.rational_part_excess(s))
+    }
+
+    /// (s + b)/(s + a) − 1.
+    fn rational_part_excess(&self, s: Complex64) -> Complex64 {
         let WaveNumber { a, b, .. } = self.wave_number;
-        ln_1p(self.dispersion.one_minus_k0_squared / ((a + b) * (s + a)))
+        self.dispersion.one_minus_k0_squared / ((a + b) * (s + a))
     }
 }
 
@@ -243,14 +277,12 @@ fn over_one_minus(z: Complex64) -> Complex64 {
 /// Its cuts lie on the imaginary axis, beyond ±i, where the pole is as far from the real axis as it can be.
 fn asinh(z: Complex64) -> Complex64 {
     // ln(z + √(z² + 1)); for Re z < 0 the mirror image avoids cancellation
-    let root = (z * z + 1.0).sqrt();
+    let root = sqrt(z * z + 1.0);
     if z.re >= 0.0 { super::dispersion::ln(z + root) } else { -super::dispersion::ln(root - z) }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::f64::consts::PI;
-
     use super::*;
 
     const ALPHAS: [f64; 10] = [1e-6, 0.01, 0.1, 0.3, 0.5, 0.8, 0.9, 0.99, 0.9999, 1.0];
@@ -274,9 +306,12 @@ mod tests {
                 let x = 10f64.powf(f64::from(i) / 4.0);
                 let [h, other] = two_settings(alpha, x);
                 for lambda in [0.0, 1.0, 1.0001, 1.5, 10.0, 1e3] {
-                    let s = if lambda == 0.0 { Complex64::ONE } else { h.wave_number().decay(lambda) };
+                    let s = if lambda == 0.0 { Complex64::ONE } else { h.wave_number().decay(lambda.into()) };
                     let off = (h.ln_h(s).fine - other.ln_h(s).fine).norm();
-                    assert!(off < 2e-12 * alpha, "alpha {alpha}, x {x:e}, s {s:e}: {off:e}");
+                    assert!(
+                        off < (2e-12 + 2e-14 * lambda) * alpha,
+                        "alpha {alpha}, x {x:e}, s {s:e}: {off:e}"
+                    );
                 }
             }
         }
@@ -292,7 +327,9 @@ mod tests {
                     for c in [-1e3, -30.0, -3.0, -1.0, -0.1, 0.0, 0.1, 1.0, 3.0, 30.0, 1e3] {
                         let s = a + Complex64::I * h.wave_number().k * c * a;
                         let off = (h.ln_h_anywhere(s).fine - other.ln_h_anywhere(s).fine).exp() - 1.0;
-                        let allowed = 5e-12 + 2e-16 * s.norm() + 5e-18 / s.norm();
+                        // Where the samples end, H is 1 to 1e-3 and has fewer digits
+                        let reach = 1e3 * h.wave_number().b.norm().max(1.0);
+                        let allowed = if s.norm() < reach { 2e-11 + 5e-18 / s.norm() } else { 1e-7 };
                         assert!(off.norm() < allowed, "alpha {alpha}, x {x:e}, s {s:e}: {:e}", off.norm());
                     }
                 }
@@ -308,6 +345,78 @@ mod tests {
                 let value = h.ln_h(Complex64::ONE);
                 let off = (value.fine - value.coarse).norm();
                 assert!(off < 2e-6 * alpha, "alpha {alpha}, x {x:e}: {off:e}");
+            }
+        }
+    }
+
+    fn without_variation(alpha: f64) -> HFunction {
+        let dispersion = Dispersion::new(alpha);
+        HFunction::new(&dispersion, WaveNumber::real(&dispersion, 0.0), 0.2)
+    }
+
+    /// S. Chandrasekhar 1950, *Radiative Transfer*, table XI, the column of the perfect scatterer.
+    #[test]
+    fn h_function_matches_published_values() {
+        let published = [
+            (0.1, 1.2474),
+            (0.2, 1.4503),
+            (0.3, 1.6425),
+            (0.4, 1.8293),
+            (0.5, 2.0128),
+            (0.6, 2.1941),
+            (0.7, 2.3740),
+            (0.8, 2.5527),
+            (0.9, 2.7306),
+            (1.0, 2.9078),
+        ];
+        let h = without_variation(1.0);
+        for (mu, expected) in published {
+            let found = h.ln_h((1.0 / mu).into()).fine.exp().re;
+            assert!((found - expected).abs() < 6e-5, "{mu}: {found}");
+        }
+    }
+
+    /// Moments of H for α = 1: ∫H dμ = 2, ∫Hμ dμ = 2/√3 (Chandrasekhar 1950, chapter V), and ∫Hμ² dμ/∫Hμ dμ =
+    /// 0.710446089598, the extrapolation length of Milne's problem (G. Placzek and W. Seidel 1947, *Milne's problem
+    /// in transport theory*, Phys. Rev. 72, to the digits known since).
+    #[test]
+    fn h_function_has_its_moments() {
+        let h = without_variation(1.0);
+        let rule = translucid_profile::quadrature::gauss_legendre(40);
+        let moment = |power: i32| {
+            translucid_profile::quadrature::integrate(&rule, 0.0, 1.0, |w| {
+                let mu = w * w * w;
+                h.ln_h((1.0 / mu).into()).fine.exp().re * mu.powi(power) * 3.0 * w * w
+            })
+        };
+        assert!((moment(0) - 2.0).abs() < 1e-12, "{}", moment(0));
+        assert!((moment(1) - 2.0 / 3f64.sqrt()).abs() < 1e-12, "{}", moment(1));
+        assert!((moment(2) / moment(1) - 0.710446089598).abs() < 1e-12, "{}", moment(2) / moment(1));
+    }
+
+    /// The equation that H solves, with the characteristic function of the wave number k:
+    /// 1/H(μ) = 1 − μ ∫ Ψ H dμ'/(μ + μ'), Ψ dμ' = (α/2) du/(1 + k²u²).
+    #[test]
+    fn h_function_solves_its_equation() {
+        let rule = translucid_profile::quadrature::gauss_legendre(60);
+        for alpha in [0.1, 0.9, 1.0] {
+            for k in [0.3, 1.0, 5.0] {
+                let dispersion = Dispersion::new(alpha);
+                let wave_number = WaveNumber::real(&dispersion, k);
+                let h = HFunction::new(&dispersion, wave_number, 0.2);
+                for s in [1.0, 1.7, 30.0] {
+                    let integral = translucid_profile::quadrature::integrate(&rule, 0.0, 1.0, |w| {
+                        let u = w * w * w;
+                        let decay = wave_number.decay(Complex64::from(1.0 / u));
+                        let value = h.ln_h(decay).fine.exp().re;
+                        0.5 * alpha * value * decay.re / ((s + decay.re) * (1.0 + k * k * u * u))
+                            * 3.0
+                            * w
+                            * w
+                    });
+                    let product = h.ln_h_anywhere(s.into()).fine.exp().re * (1.0 - integral);
+                    assert!((product - 1.0).abs() < 1e-11, "alpha {alpha}, k {k}, s {s}: {product}");
+                }
             }
         }
     }

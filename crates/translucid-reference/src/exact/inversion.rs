@@ -9,8 +9,14 @@
 //! R itself has, comes out as a factor.
 //! With z = −ikr the Hankel functions are H_m⁽¹⁾(kr) = (2/π) i^{−m−1} K_m(z).
 //!
-//! The trapezoidal rule in ln x, compressed at the lower end where R̂ is smooth in √x, has one set of nodes for every
-//! radius.
+//! The nodes are those of the trapezoidal rule in w with x = exp(w − e^{w₀−w} + e^{w−w₁}), one set for every radius.
+//! Between e^{w₀} and e^{w₁} it is a rule in ln x. Below, where R̂ is smooth in √x, it rushes to 0. Above, it runs out
+//! faster and faster, for radii so small that nearly all of R is single scattering.
+//!
+//! # Error
+//! A rule of twice the step, and R̂ of a coarser setting, say how fast the sums converge: the error of the finer is
+//! about the square of the coarser's. The factors in [`Sums::estimate`] cover what was found against much finer
+//! settings.
 
 use std::f64::consts::PI;
 
@@ -18,7 +24,7 @@ use num_complex::Complex64;
 
 use super::dispersion::Dispersion;
 use super::h_function::{Nested, WaveNumber};
-use super::macdonald::Macdonald;
+use super::macdonald::{Macdonald, MacdonaldNear};
 use crate::Estimate;
 
 /// How finely the exact solution is computed.
@@ -32,13 +38,13 @@ pub(crate) struct Settings {
     pub(crate) t_step: f64,
     /// Points of the Gauss–Legendre rule over directions; the coarser rule has half as many.
     pub(crate) directions: usize,
-    /// Radius up to which all digits are wanted.
+    /// Radius up to which the error keeps small.
     pub(crate) r_max: f64,
 }
 
 impl Default for Settings {
     fn default() -> Self {
-        Self { angle: std::f64::consts::FRAC_PI_4, k_step: 0.16, t_step: 0.2, directions: 32, r_max: 1e3 }
+        Self { angle: std::f64::consts::FRAC_PI_4, k_step: 0.14, t_step: 0.2, directions: 32, r_max: 1e3 }
     }
 }
 
@@ -56,8 +62,10 @@ pub(crate) struct Node {
 /// The ray of wave numbers and its nodes, those of even index being the rule of twice the step.
 #[derive(Clone, Debug)]
 pub(crate) struct Contour {
-    pub(crate) k0: f64,
-    pub(crate) angle: f64,
+    k0: f64,
+    angle: f64,
+    low: f64,
+    /// In order of x.
     pub(crate) nodes: Vec<Node>,
 }
 
@@ -65,19 +73,17 @@ impl Contour {
     pub(crate) fn new(dispersion: &Dispersion, settings: &Settings) -> Self {
         let Settings { angle, k_step, r_max, .. } = *settings;
         let direction = Complex64::from_polar(1.0, angle);
-        // x = e^{w − e^{w₀ − w}}
-        let low = (1e-2 / r_max).ln();
-        let high = 1e9f64.ln();
-        let first = low - 3.8;
-        let count = ((high - first) / k_step).ceil() as usize;
+        let (low, high) = ((0.1 / r_max).ln(), 1e5f64.ln());
+        let first = low - 3.6;
+        let count = ((high + 2.4 - first) / k_step).ceil() as usize;
         let node = |j: usize| {
             let w = first + j as f64 * k_step;
-            let compression = (low - w).exp();
-            let x = (w - compression).exp();
-            let dk = direction * (x * (1.0 + compression) * k_step);
+            let (below, above) = ((low - w).exp(), (w - high).exp());
+            let x = (w - below + above).exp();
+            let dk = direction * (x * (1.0 + below + above) * k_step);
             Node { x, wave_number: WaveNumber::on_ray(dispersion, x, angle), dk }
         };
-        Self { k0: dispersion.k0, angle, nodes: (0..=count).map(node).collect() }
+        Self { k0: dispersion.k0, angle, low: low.exp(), nodes: (0..=count).map(node).collect() }
     }
 }
 
@@ -93,8 +99,14 @@ pub(crate) struct Inversion {
     z_direction: Complex64,
     /// x of the nodes.
     x: Vec<f64>,
+    /// Below this x the nodes rush to 0.
+    low: f64,
+    /// How far out the nodes are, in [0, 1).
+    far: Vec<f64>,
     /// c_m(k) dk by order, then node.
     orders: Vec<Vec<Nested>>,
+    /// ∫ f₀ 2πr dr, where it is known and needed.
+    total: Option<Estimate>,
 }
 
 /// Sums over nodes: all nodes; every other node; all nodes with the coarser values; moduli of all.
@@ -104,6 +116,8 @@ struct Sums {
     half: f64,
     coarse: f64,
     moduli: f64,
+    /// Of the nodes far out, all and every other.
+    far: [f64; 2],
 }
 
 impl Inversion {
@@ -116,19 +130,40 @@ impl Inversion {
         };
         Self {
             k0: contour.k0,
+            low: contour.low,
             z_direction: Complex64::from_polar(1.0, contour.angle - PI / 2.0),
             x: contour.nodes.iter().map(|node| node.x).collect(),
+            far: contour
+                .nodes
+                .iter()
+                .map(|node| 1.0 - 1.0 / (1.0 + (node.x / FAR) * (node.x / FAR)))
+                .collect(),
             orders: orders.into_iter().map(weighted).collect(),
+            total: None,
         }
+    }
+
+    /// Makes the total ∫ f₀ 2πr dr = c₀(0) known, without which [`beyond`](Self::beyond) is wrong for small k₀.
+    pub(crate) fn with_total(self, total: Estimate) -> Self {
+        // K₁(z) has a pole at k = 0, which the nodes must keep away from
+        let pole_is_close = self.k0 < 10.0 * self.low;
+        Self { total: pole_is_close.then_some(total), ..self }
     }
 
     /// f₀(r) for r > 0.
     pub(crate) fn eval(&self, r: f64) -> Estimate {
-        self.eval_orders(r, 0)[0]
+        let r = r.max(R_MIN);
+        let mut sums = Sums::default();
+        let values = &self.orders[0];
+        // (1/2π) (2/π) (−i) K₀ k dk, with k = iz/r
+        let factor = 1.0 / (PI * PI * r);
+        self.for_each_node(r, |j, z, k0, _| sums.add(j, self.far[j], k0 * z * factor, values[j]));
+        sums.estimate((-self.k0 * r).exp())
     }
 
     /// f_m(r) for m = 0 up to the highest order wanted (at most those given), for r > 0.
     pub(crate) fn eval_orders(&self, r: f64, highest: usize) -> Vec<Estimate> {
+        let r = r.max(R_MIN);
         let orders = &self.orders[..self.orders.len().min(highest + 1)];
         let mut sums = vec![Sums::default(); orders.len()];
         // (1/2π) (2/π) i^{−m−1} K_m k dk, with k = iz/r
@@ -141,12 +176,11 @@ impl Inversion {
                 this
             })
             .collect();
-        self.for_each_node(r, |j, z, macdonald, exponential| {
-            let (k0, k1) = macdonald_values(z, macdonald, exponential, self.k0 * r);
+        self.for_each_node(r, |j, z, k0, k1| {
             let (mut before, mut value) = (k0, k1);
             for (m, values) in orders.iter().enumerate() {
                 let kernel = before * z * phases[m] / r;
-                sums[m].add(j, kernel, values[j]);
+                sums[m].add(j, self.far[j], kernel, values[j]);
                 // K_{m+2} = K_m + 2(m+1)/z K_{m+1}
                 (before, value) = (value, before + value * (2.0 * (m + 1) as f64) / z);
             }
@@ -157,17 +191,24 @@ impl Inversion {
 
     /// ∫_r^∞ f₀(r') 2πr' dr' for r > 0.
     pub(crate) fn beyond(&self, r: f64) -> Estimate {
+        if let Some(total) = self.total {
+            let enclosed = self.enclosed(r);
+            let value = (total.value - enclosed.value).max(0.0);
+            return Estimate { value, error: total.error + enclosed.error };
+        }
+        let r = r.max(R_MIN);
         let mut sums = Sums::default();
         let values = &self.orders[0];
-        self.for_each_node(r, |j, z, macdonald, exponential| {
-            let (_, k1) = macdonald_values(z, macdonald, exponential, self.k0 * r);
-            sums.add(j, k1 * (2.0 * r / PI), values[j]);
-        });
+        self.for_each_node(r, |j, _, _, k1| sums.add(j, self.far[j], k1 * (2.0 * r / PI), values[j]));
         sums.estimate((-self.k0 * r).exp())
     }
 
     /// ∫₀^r f₀(r') 2πr' dr' for r > 0.
     pub(crate) fn enclosed(&self, r: f64) -> Estimate {
+        if r < R_MIN {
+            return Estimate::ZERO;
+        }
+        let r = r.min(R_MAX);
         let mut sums = Sums::default();
         // K₁(z) − 1/z in place of K₁: the pole's part is the total
         for (j, (x, value)) in self.x.iter().zip(&self.orders[0]).enumerate() {
@@ -176,56 +217,72 @@ impl Inversion {
                 Macdonald::Small { k1_minus_pole, .. } => k1_minus_pole,
                 Macdonald::Scaled { k1, .. } => k1 * (-z).exp() - z.inv(),
             };
-            sums.add(j, kernel * (-2.0 * r / PI), *value);
+            sums.add(j, self.far[j], kernel * (-2.0 * r / PI), *value);
         }
         sums.estimate(1.0)
     }
 
-    /// Calls back with index, z, Bessel functions and e^{k₀r − z} for the nodes that matter at the radius.
-    fn for_each_node(&self, r: f64, mut call: impl FnMut(usize, Complex64, Macdonald, Complex64)) {
+    /// Calls back with index, z, e^{k₀r} K₀(z) and e^{k₀r} K₁(z) for the nodes that matter at the radius.
+    #[inline(always)]
+    fn for_each_node(&self, r: f64, mut call: impl FnMut(usize, Complex64, Complex64, Complex64)) {
+        let z0 = self.k0 * r;
+        let scale = z0.exp();
+        let near = (z0 > Z0_MIN).then(|| MacdonaldNear::new(z0));
+        let reach = near.map_or(0.0, |near| near.reach() / r);
         for (j, x) in self.x.iter().enumerate() {
-            let from_vertex = self.z_direction * (x * r);
-            if from_vertex.re > 60.0 {
+            let delta = self.z_direction * (x * r);
+            if delta.re > NEGLIGIBLE {
                 break;
             }
-            let z = self.k0 * r + from_vertex;
-            call(j, z, Macdonald::new(z), (-from_vertex).exp());
+            let z = z0 + delta;
+            if let Some(near) = &near
+                && *x < reach
+            {
+                let (k0, k1) = near.eval(delta);
+                call(j, z, k0, k1);
+                continue;
+            }
+            let (k0, k1) = match Macdonald::new(z) {
+                Macdonald::Small { k0, k1_minus_pole } => (k0 * scale, (k1_minus_pole + z.inv()) * scale),
+                Macdonald::Scaled { k0, k1 } => {
+                    let decay = (-delta).exp();
+                    (k0 * decay, k1 * decay)
+                }
+            };
+            call(j, z, k0, k1);
         }
     }
 }
 
-/// e^{k₀r} K₀(z) and e^{k₀r} K₁(z).
-fn macdonald_values(
-    z: Complex64,
-    macdonald: Macdonald,
-    exponential: Complex64,
-    k0_r: f64,
-) -> (Complex64, Complex64) {
-    match macdonald {
-        Macdonald::Small { k0, k1_minus_pole } => {
-            let scale = k0_r.exp();
-            (k0 * scale, (k1_minus_pole + z.inv()) * scale)
-        }
-        Macdonald::Scaled { k0, k1 } => (k0 * exponential, k1 * exponential),
-    }
-}
+/// Where the nodes are too far apart for the rule's error to be the square of the coarser one's.
+const FAR: f64 = 1e6;
+/// Below this radius f₀ counts as constant: it grows like ln² r, and single scattering like 1/r.
+const R_MIN: f64 = 1e-20;
+/// Below this k₀r the coefficients of Taylor series leave the range of numbers.
+const Z0_MIN: f64 = 1e-8;
+/// Beyond this radius nothing is left to enclose.
+const R_MAX: f64 = 1e100;
+/// Where e^{−x} ends what matters.
+const NEGLIGIBLE: f64 = 45.0;
 
 impl Sums {
-    fn add(&mut self, j: usize, kernel: Complex64, value: Nested) {
+    fn add(&mut self, j: usize, far: f64, kernel: Complex64, value: Nested) {
         let fine = (kernel * value.fine).re;
         self.fine += fine;
         self.coarse += (kernel * value.coarse).re;
         self.moduli += fine.abs();
-        if j.is_multiple_of(2) {
-            self.half += 2.0 * fine;
-        }
+        let half = if j.is_multiple_of(2) { 2.0 * fine } else { 0.0 };
+        self.half += half;
+        self.far[0] += far * fine;
+        self.far[1] += far * half;
     }
 
-    /// The finer rule's error is about the square of the coarser's, as parts of the whole; and rounding.
+    /// The sum and its error, times a factor; 5e-12 is what rounding and the rule over directions leave.
     fn estimate(&self, factor: f64) -> Estimate {
-        let square =
-            |coarser: f64| (self.fine - coarser) * (self.fine - coarser) / self.moduli.max(f64::MIN_POSITIVE);
-        let error = square(self.half) + square(self.coarse) + 4e-15 * self.moduli;
+        let moduli = self.moduli.max(f64::MIN_POSITIVE);
+        let square = |coarser: f64| (self.fine - coarser) * (self.fine - coarser) / moduli;
+        let far = (self.far[0] - self.far[1]).abs();
+        let error = 50.0 * (square(self.half) + square(self.coarse)) + 3.0 * far + 5e-12 * self.moduli;
         Estimate { value: self.fine * factor, error: error * factor }
     }
 }
