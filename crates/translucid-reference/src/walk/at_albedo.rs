@@ -22,11 +22,14 @@ use crate::Estimate;
 /// Sums over rings have their own second moments: the rings' errors are not independent.
 ///
 /// # What the standard error means
-/// It is estimated from the same photons. Of few photons it knows little: an interval of ±2 errors holds the truth
-/// in 95 % of cases only if [`effective_photons`](Self::effective_photons) is above some 30, and a photon heavier
-/// than any seen may come yet. A region where no photon left has the energy 0 with the error of one photon of the
-/// greatest weight there is; if the energy were that large, the region would be empty in 37 % of runs, and it is
-/// below three times as much with a confidence of 95 %. Without photons the error is infinite.
+/// It is estimated from the same photons, and of few photons it knows little. Where n photons of equal weight are to
+/// be expected, ±1.96 errors hold the truth in 95 % of cases for n above 300, in 92 % or more for n above 16, in 86 %
+/// for n from 5, in 79 % for n from 3. [`effective_photons`](Self::effective_photons) says how many there are; where
+/// weights differ much, as at an albedo far below the reference, a photon heavier than any seen may come yet.
+///
+/// A region where no photon left has the energy 0 with the error of one photon of the greatest weight there is. If the
+/// energy were that large, the region would be empty in 37 % of runs; it is less than three times that with a
+/// confidence of 95 %. Without photons, or with a single one, the error is infinite.
 #[derive(Debug)]
 pub struct AtAlbedo<'a> {
     table: &'a WhiteTable,

@@ -280,4 +280,29 @@ mod tests {
             }
         }
     }
+
+    /// How often an interval of ±1.96 errors holds the truth, for photons of equal weight of which m are expected:
+    /// the figures that [`AtAlbedo`](super::super::AtAlbedo) states.
+    #[test]
+    fn few_photons_have_shorter_intervals_than_they_should() {
+        let coverage = |m: f64| {
+            let n = 1u64 << 50;
+            let mut probability = (-m).exp();
+            let mut sum = 0.0;
+            for k in 0..2000 {
+                let seen = Weighed { count: k, first: k as f64, second: k as f64, ..Weighed::default() };
+                let Estimate { value, error } = seen.mean(n, 1.0);
+                let expected = m / n as f64;
+                if (value - expected).abs() <= 1.96 * error {
+                    sum += probability;
+                }
+                probability *= m / (k + 1) as f64;
+            }
+            sum
+        };
+        let least = |from: u32, to: u32| (from..to).map(|m| coverage(0.1 * f64::from(m))).fold(1.0, f64::min);
+        let (below_3, to_5, to_16, above) = (least(1, 29), least(29, 50), least(50, 160), least(160, 3000));
+        assert!(below_3 > 0.83 && to_5 > 0.79 && to_16 > 0.86 && above > 0.92);
+        assert!((coverage(300.0) - 0.95).abs() < 0.005);
+    }
 }
