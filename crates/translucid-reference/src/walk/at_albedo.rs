@@ -103,7 +103,7 @@ impl<'a> AtAlbedo<'a> {
     }
 
     /// As [`at_radius`](Self::at_radius), the exitance being the mean over the sector in which the azimuth lies:
-    /// an angle from the direction towards which the beam is tilted [rad].
+    /// an angle from the direction towards which the beam is tilted, in radians.
     ///
     /// # Errors
     /// As for [`at_radius`](Self::at_radius).

@@ -147,9 +147,12 @@ impl WhiteTable {
 const FIRST_ROUND: u64 = 1 << 16;
 /// Time after which it is looked at again.
 const ROUND_TIME: Duration = Duration::from_secs(5);
-/// Time that a piece of work is to take: the longest that a stop is waited for. The kernel's lanes run empty at
-/// a piece's end, which takes as long as one photon.
-const PIECE_TIME: Duration = Duration::from_millis(150);
+/// Time that a piece of work is to take: the longest that a stop is waited for.
+///
+/// At its end the kernel waits for a last photon with most lanes empty. That is nothing at albedos up to 0.999,
+/// where 2¹⁴ photons cost as much per collision as 2²⁰; at 0.99999 they cost half as much again as 2¹⁷, which take
+/// this time.
+const PIECE_TIME: Duration = Duration::from_millis(250);
 /// Photons in the smallest piece of work.
 const SMALLEST_PIECE: u64 = 1 << 10;
 /// Memory for the tallies of all threads together; threads share them where it is not enough for one each.

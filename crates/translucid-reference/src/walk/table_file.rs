@@ -410,6 +410,42 @@ mod tests {
         assert!(2 * noticed > all, "{noticed} of {all}");
     }
 
+    /// With checksums that fit, as somebody might make them on purpose: another table, or an error.
+    #[test]
+    fn changed_members_never_panic() {
+        let all = members(&bytes_of(&small_table()));
+        let mut state = 1u64;
+        let mut random = |n: usize| {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 33) as usize % n
+        };
+        let (mut tables, mut errors) = (0, 0);
+        for _ in 0..3000 {
+            let mut changed = all.clone();
+            let data = &mut changed[random(all.len())].1;
+            for _ in 0..=random(3) {
+                let at = random(data.len());
+                match random(4) {
+                    0 => data[at] = b"0123456789(){},' :<"[random(19)],
+                    1 => data[at] = random(256) as u8,
+                    2 => data.truncate(at.max(1)),
+                    _ => data.insert(at, random(256) as u8),
+                }
+            }
+            match load_bytes(&archive(&changed, zip::CompressionMethod::Stored)) {
+                Ok(table) => {
+                    tables += 1;
+                    assert!(table.at_albedo(0.0).unwrap().absorbed().value.is_finite());
+                }
+                Err(error) => {
+                    errors += 1;
+                    assert!(error.to_string().contains("table.npz"), "{error}");
+                }
+            }
+        }
+        assert!(tables > 10 && errors > 1000, "{tables} {errors}");
+    }
+
     #[test]
     fn damaged_data_is_named() {
         let mut bytes = bytes_of(&small_table());
