@@ -45,37 +45,53 @@ pub fn half_space_surface_albedo(single_scattering_albedo: f64, configuration: C
 /// Single-scattering albedo α ∈ [0, 1] of the half space with surface albedo A: the inverse of
 /// [`half_space_surface_albedo`].
 ///
-/// Bisection on √(1 − α), in which A is nearly straight.
-/// A comes back to 1e-12 + 3e-16/(1 − A), the second part being the spacing of the numbers α near 1.
+/// A root finder on √(1 − α), in which A is nearly straight: at most nine evaluations.
+/// A comes back to 1e-13 + 3e-16/(1 − A), the second part being the spacing of the numbers α near 1; α itself is
+/// good to 1e-12.
 /// A is clamped to [0, 1]; NaN counts as 0.
-/// Takes fifty times as long.
 ///
 /// ```
 /// use translucid_profile::{Configuration, half_space_single_scattering_albedo};
 ///
 /// let alpha = half_space_single_scattering_albedo(0.5, Configuration::Searchlight);
-/// assert!((alpha - 0.938171938710).abs() < 1e-11);
+/// assert!((alpha - 0.938171938710).abs() < 1e-12);
 /// ```
 pub fn half_space_single_scattering_albedo(surface_albedo: f64, configuration: Configuration) -> f64 {
     let target = surface_albedo.max(0.0).min(1.0);
+    // The ends of the bracket are exact where the target is
+    if target == 1.0 || target == 0.0 {
+        return target;
+    }
     let alpha = |root: f64| 1.0 - root * root;
-    let (mut low, mut high) = (0.0, 1.0);
-    for _ in 0..50 {
-        let middle = 0.5 * (low + high);
-        if half_space_surface_albedo(alpha(middle), configuration) > target {
-            low = middle;
+    let excess = |root: f64| half_space_surface_albedo(alpha(root), configuration) - target;
+    alpha(falling_root(excess, 1.0 - target, -target))
+}
+
+/// Root √(1 − α) in [0, 1] of a function that falls from `at_0` > 0 to `at_1` < 0.
+///
+/// Regula falsi that scales down the value at an end which stays (N. Anderson and Å. Björck 1973, *A new high order
+/// method of regula falsi type*, BIT 13): order 1.7 where secants do, and never out of the bracket.
+fn falling_root(f: impl Fn(f64) -> f64, at_0: f64, at_1: f64) -> f64 {
+    let (mut left, mut at_left) = (0.0, at_0);
+    let (mut right, mut at_right) = (1.0, at_1);
+    for _ in 0..60 {
+        let x = left + (right - left) * (at_left / (at_left - at_right));
+        let value = f(x);
+        // Rounding errors of A, and of α by way of √(1 − α)
+        if value.abs() < 2e-15 + 2e-16 / x || x <= left || x >= right {
+            return x;
+        }
+        if value > 0.0 {
+            let ratio = 1.0 - value / at_left;
+            (left, at_left) = (x, value);
+            at_right *= if ratio > 0.0 { ratio } else { 0.5 };
         } else {
-            high = middle;
+            let ratio = 1.0 - value / at_right;
+            (right, at_right) = (x, value);
+            at_left *= if ratio > 0.0 { ratio } else { 0.5 };
         }
     }
-    // The ends of the bracket are exact where the target is.
-    if target == 1.0 {
-        1.0
-    } else if target == 0.0 {
-        0.0
-    } else {
-        alpha(0.5 * (low + high))
-    }
+    0.5 * (left + right)
 }
 
 /// Chandrasekhar's H function of one albedo, as the samples that its integral needs.
@@ -199,8 +215,33 @@ mod tests {
             for surface_albedo in [0.0, 1e-9, 1e-3, 0.2, 0.5, 0.8, 0.99, 0.999999] {
                 let alpha = half_space_single_scattering_albedo(surface_albedo, configuration);
                 let back = half_space_surface_albedo(alpha, configuration);
-                let allowed = 1e-12 + 3e-16 / (1.0 - surface_albedo).max(1e-16);
+                let allowed = 1e-13 + 3e-16 / (1.0 - surface_albedo).max(1e-16);
                 assert!((back - surface_albedo).abs() < allowed, "{surface_albedo}: {alpha} {back}");
+            }
+            for alpha in [1e-3, 0.1, 0.5, 0.9, 0.99, 0.9999, 1.0 - 1e-6, 1.0 - 1e-10, 1.0 - 1e-15] {
+                let surface_albedo = half_space_surface_albedo(alpha, configuration);
+                let back = half_space_single_scattering_albedo(surface_albedo, configuration);
+                assert!((back - alpha).abs() < 1e-12, "{alpha}: {surface_albedo} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn root_finder_takes_few_steps() {
+        for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
+            for i in 1..100 {
+                let target = f64::from(i) / 100.0;
+                let calls = std::cell::Cell::new(0);
+                let root = falling_root(
+                    |root| {
+                        calls.set(calls.get() + 1);
+                        half_space_surface_albedo(1.0 - root * root, configuration) - target
+                    },
+                    1.0 - target,
+                    -target,
+                );
+                assert!(root > 0.0 && root < 1.0);
+                assert!(calls.get() <= 9, "{target}: {}", calls.get());
             }
         }
     }

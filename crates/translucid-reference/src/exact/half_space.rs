@@ -1,8 +1,8 @@
 //! Radial profile of the half space.
 
 use num_complex::Complex64;
-use translucid_profile::ParameterError;
 use translucid_profile::quadrature::gauss_legendre;
+use translucid_profile::{Configuration, ParameterError, half_space_single_scattering_albedo};
 
 use super::directions::directions;
 use super::dispersion::{Dispersion, exp_m1};
@@ -47,6 +47,40 @@ impl HalfSpace {
         Self::with_settings(single_scattering_albedo, entry, &Settings::default())
     }
 
+    /// Solves the half space of a surface albedo A ∈ (0, 1], which its total then is to 1e-12.
+    ///
+    /// ```
+    /// use translucid_reference::{Entry, exact::HalfSpace};
+    ///
+    /// # fn main() -> Result<(), translucid_profile::ParameterError> {
+    /// let half_space = HalfSpace::from_surface_albedo(0.5, Entry::NORMAL)?;
+    /// assert!((half_space.single_scattering_albedo() - 0.938171938710).abs() < 1e-12);
+    /// assert!((half_space.total().value - 0.5).abs() < 1e-12);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// A parameter is outside its range.
+    pub fn from_surface_albedo(surface_albedo: f64, entry: Entry) -> Result<Self, ParameterError> {
+        if !(surface_albedo > 0.0 && surface_albedo <= 1.0) {
+            let parameter = "surface_albedo";
+            return Err(ParameterError { parameter, value: surface_albedo, allowed: "in (0, 1]" });
+        }
+        let alpha = match Entrance::of(entry)? {
+            Entrance::Normal => {
+                half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight)
+            }
+            Entrance::Cosine => half_space_single_scattering_albedo(surface_albedo, Configuration::Diffuse),
+            // A = (1 − √(1−α))²/α
+            Entrance::UniformCosine => {
+                4.0 * surface_albedo / ((1.0 + surface_albedo) * (1.0 + surface_albedo))
+            }
+        };
+        // A < α, which rounding may have lost
+        Self::new(alpha.clamp(surface_albedo, 1.0), entry)
+    }
+
     pub(crate) fn with_settings(
         single_scattering_albedo: f64,
         entry: Entry,
@@ -57,15 +91,7 @@ impl HalfSpace {
             let parameter = "single_scattering_albedo";
             return Err(ParameterError { parameter, value: alpha, allowed: "in (0, 1]" });
         }
-        let entrance = match entry {
-            Entry::Pencil { cos_theta: 1.0 } => Entrance::Normal,
-            Entry::Pencil { cos_theta } => {
-                let allowed = "1: an oblique pencil has no radial profile";
-                return Err(ParameterError { parameter: "cos_theta", value: cos_theta, allowed });
-            }
-            Entry::Cosine => Entrance::Cosine,
-            Entry::UniformCosine => Entrance::UniformCosine,
-        };
+        let entrance = Entrance::of(entry)?;
         let dispersion = Dispersion::new(alpha);
         let kernel = MultipleScattering::new(dispersion, entrance, settings);
         let contour = Contour::new(&dispersion, settings);
@@ -192,7 +218,6 @@ impl MultipleScattering {
 mod tests {
     use std::f64::consts::PI;
 
-    use translucid_profile::Configuration;
     use translucid_profile::half_space_surface_albedo;
 
     use super::*;
@@ -463,6 +488,23 @@ mod tests {
                     value >= 0.0 && value <= total.value + total.error && error.is_finite(),
                     "{alpha} {k} {value}"
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn surface_albedo_comes_back() {
+        for entry in ENTRIES {
+            for surface_albedo in [1e-300, 1e-17, 1e-9, 0.01, 0.3, 0.6, 0.9, 0.99, 0.9999, 1.0] {
+                let half_space =
+                    HalfSpace::from_surface_albedo(surface_albedo, entry).expect("valid parameters");
+                let total = half_space.total().value;
+                let allowed = 1e-12 + 3e-16 / (1.0 - surface_albedo).max(1e-16);
+                assert!((total - surface_albedo).abs() < allowed, "{entry:?}: {total} for {surface_albedo}");
+            }
+            for surface_albedo in [0.0, -1.0, 1.1, f64::NAN] {
+                let error = HalfSpace::from_surface_albedo(surface_albedo, entry).unwrap_err();
+                assert_eq!(error.parameter, "surface_albedo");
             }
         }
     }

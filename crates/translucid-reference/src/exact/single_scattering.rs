@@ -17,8 +17,10 @@
 
 use std::f64::consts::PI;
 
+use translucid_profile::ParameterError;
+
 use super::positive_radius;
-use crate::Estimate;
+use crate::{Entry, Estimate};
 
 /// How light enters, as far as single scattering has a closed form for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +31,20 @@ pub(crate) enum Entrance {
     Cosine,
     /// A distribution uniform in the cosine.
     UniformCosine,
+}
+
+impl Entrance {
+    pub(crate) fn of(entry: Entry) -> Result<Self, ParameterError> {
+        match entry {
+            Entry::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
+            Entry::Pencil { cos_theta } => {
+                let allowed = "1: an oblique pencil has no radial profile";
+                Err(ParameterError { parameter: "cos_theta", value: cos_theta, allowed })
+            }
+            Entry::Cosine => Ok(Self::Cosine),
+            Entry::UniformCosine => Ok(Self::UniformCosine),
+        }
+    }
 }
 
 /// Single scattering of one albedo and entry in an index-matched half space.

@@ -1,0 +1,67 @@
+//! Time of the exact solution on one core.
+//!
+//! `cargo bench -p translucid-reference --bench exact`.
+//! The goals are 10 ms for `one_albedo` and 1 s for `set_of_albedos`.
+
+use divan::{Bencher, black_box};
+use translucid_reference::Entry;
+use translucid_reference::exact::HalfSpace;
+
+fn main() {
+    divan::main();
+}
+
+const ENTRIES: [(&str, Entry); 3] =
+    [("searchlight", Entry::NORMAL), ("diffuse", Entry::Cosine), ("uniform", Entry::UniformCosine)];
+
+fn entry(name: &str) -> Entry {
+    ENTRIES.iter().find(|(known, _)| *known == name).expect("a name of the list").1
+}
+
+fn names() -> impl Iterator<Item = &'static str> {
+    ENTRIES.iter().map(|(name, _)| *name)
+}
+
+/// 200 radii from 1e-3 to 100 mean free paths, evenly spaced in the logarithm.
+fn radii() -> impl Iterator<Item = f64> {
+    (0..200).map(|i| 10f64.powf(f64::from(i) / 199.0 * 5.0 - 3.0))
+}
+
+/// Solves for α = 0.9.
+#[divan::bench(args = names())]
+fn solve(name: &str) -> HalfSpace {
+    HalfSpace::new(black_box(0.9), entry(name)).expect("valid parameters")
+}
+
+/// R(r) at 200 radii of a solved half space.
+#[divan::bench]
+fn eval_at_200_radii(bencher: Bencher<'_, '_>) {
+    let half_space = HalfSpace::new(0.9, Entry::NORMAL).expect("valid parameters");
+    bencher.bench_local(|| radii().map(|r| half_space.eval(black_box(r)).value).sum::<f64>());
+}
+
+/// Enclosed energy at 200 radii of a solved half space.
+#[divan::bench]
+fn enclosed_at_200_radii(bencher: Bencher<'_, '_>) {
+    let half_space = HalfSpace::new(0.9, Entry::NORMAL).expect("valid parameters");
+    bencher.bench_local(|| radii().map(|r| half_space.enclosed(black_box(r)).value).sum::<f64>());
+}
+
+/// One albedo from scratch, R(r) at 200 radii.
+#[divan::bench(args = names())]
+fn one_albedo(name: &str) -> f64 {
+    let half_space = HalfSpace::new(black_box(0.9), entry(name)).expect("valid parameters");
+    radii().map(|r| half_space.eval(r).value).sum()
+}
+
+/// Surface albedos 0.01, 0.02, … 0.99, each inverted, solved and evaluated at 200 radii.
+#[divan::bench(args = names(), sample_count = 3, sample_size = 1)]
+fn set_of_albedos(name: &str) -> f64 {
+    (1..100)
+        .map(|i| {
+            let half_space = HalfSpace::from_surface_albedo(f64::from(i) / 100.0, entry(name));
+            let half_space = half_space.expect("valid parameters");
+            radii().map(|r| half_space.eval(r).value).sum::<f64>()
+        })
+        .sum()
+}
