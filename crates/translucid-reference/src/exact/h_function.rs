@@ -27,6 +27,7 @@
 
 use std::f64::consts::PI;
 
+use fearless_simd::{Level, dispatch};
 use num_complex::Complex64;
 
 use super::dispersion::{Dispersion, exp_m1, ln_1p, sqrt};
@@ -107,8 +108,13 @@ impl Samples {
         }
     }
 
-    /// Σ value/(s² + t²).
+    /// Σ value/(s² + t²), in the widest registers there are.
     fn sum(&self, s_squared: Complex64) -> Complex64 {
+        dispatch!(Level::new(), _simd => self.sum_in_lanes(s_squared))
+    }
+
+    #[inline(always)]
+    fn sum_in_lanes(&self, s_squared: Complex64) -> Complex64 {
         let (mut re, mut im) = ([0.0; LANES], [0.0; LANES]);
         let lanes = (self.t_squared_re.as_chunks::<LANES>().0.iter())
             .zip(self.t_squared_im.as_chunks::<LANES>().0)
@@ -127,7 +133,7 @@ impl Samples {
 }
 
 /// Independent sums that the processor may add up at once.
-const LANES: usize = 4;
+const LANES: usize = 8;
 
 /// Where the samples end, in units of |b| or 1.
 const REACH: f64 = 3e4;

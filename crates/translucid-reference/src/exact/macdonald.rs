@@ -1,6 +1,6 @@
 //! Modified Bessel functions K₀ and K₁ (Macdonald's) for complex arguments in the right half plane.
 //!
-//! - |z| ≤ 2: power series, M. Abramowitz and I. A. Stegun 1964, 9.6.11–9.6.13.
+//! - |z| ≤ 3: power series, M. Abramowitz and I. A. Stegun 1964, 9.6.11–9.6.13.
 //! - beyond: the continued fraction CF2 of N. M. Temme 1975, *On the numerical evaluation of the modified Bessel
 //!   function of the third kind*, J. Comput. Phys. 19, evaluated by Steed's method.
 //! - |z| ≥ 18: Hankel's asymptotic series, Abramowitz and Stegun 9.7.2.
@@ -11,10 +11,11 @@ use super::dispersion::{ln, sqrt};
 
 /// Euler's constant γ.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
-/// Where the power series ends: beyond, K is a difference of large numbers.
-const SERIES_MAX: f64 = 2.0;
-/// Terms of the power series: 1/13!² = 3e-20.
-const SERIES_TERMS: usize = 13;
+/// Where the power series ends: there K is a difference of numbers a hundred times as large, which costs two digits;
+/// the continued fraction takes sixteen steps.
+const SERIES_MAX: f64 = 3.0;
+/// Terms of the power series: 1.5³⁰/15!² = 1e-19.
+const SERIES_TERMS: usize = 15;
 /// From here on the asymptotic series reaches 1e-16 before it diverges.
 const ASYMPTOTIC_MIN: f64 = 18.0;
 
@@ -38,7 +39,7 @@ pub(crate) enum Macdonald {
 }
 
 impl Macdonald {
-    /// For Re z > 0; relative error below 2e-14, at |z| = 2 for the exponential scale.
+    /// For Re z > 0; relative error below 1e-13, at |z| = 3, and mostly 1e-15.
     #[inline(always)]
     pub(crate) fn new(z: Complex64) -> Self {
         let square = z.norm_sqr();
@@ -90,7 +91,16 @@ impl MacdonaldNear {
     #[inline(always)]
     pub(crate) fn eval(&self, delta: Complex64) -> (Complex64, Complex64) {
         let (mut value, mut slope) = (Complex64::ZERO, Complex64::ZERO);
-        for c in self.coefficients.iter().rev() {
+        // For the next term to be below 1e-16
+        let part = delta.norm_sqr() / (self.z0 * self.z0).min(1.0);
+        let terms = if part < 1e-8 {
+            5
+        } else if part < 1e-4 {
+            9
+        } else {
+            TAYLOR_TERMS
+        };
+        for c in self.coefficients[..terms].iter().rev() {
             slope = slope * delta + value;
             value = value * delta + c;
         }
@@ -132,6 +142,8 @@ fn series(z: Complex64) -> Macdonald {
         6
     } else if size < 0.06 {
         9
+    } else if size < 1.0 {
+        12
     } else {
         SERIES_TERMS
     };
@@ -165,7 +177,7 @@ fn continued_fraction(z: Complex64) -> Macdonald {
         h += h_change;
         let s_change = q_sum * h_change;
         s += s_change;
-        if s_change.norm_sqr() < 1e-33 * s.norm_sqr() {
+        if s_change.norm_sqr() < 1e-31 * s.norm_sqr() {
             break;
         }
     }
@@ -213,7 +225,8 @@ mod tests {
                 };
                 for (found, expected) in [(k0, amos(0.0)), (k1, amos(1.0))] {
                     let off = (found - expected).norm() / expected.norm();
-                    assert!(off < 2e-14, "{z}: {found} {expected} {off:e}");
+                    let allowed = if (2.0..3.01).contains(&modulus) { 1e-13 } else { 2e-14 };
+                    assert!(off < allowed, "{z}: {found} {expected} {off:e}");
                 }
             }
         }
@@ -238,7 +251,7 @@ mod tests {
                     let found = near.eval(delta);
                     for (found, expected) in [(found.0, k0), (found.1, k1)] {
                         let off = (found - expected).norm() / expected.norm();
-                        assert!(off < 5e-14, "{z0} {delta}: {found} {expected} {off:e}");
+                        assert!(off < 2e-13, "{z0} {delta}: {found} {expected} {off:e}");
                     }
                 }
             }
