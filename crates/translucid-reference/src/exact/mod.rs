@@ -9,6 +9,7 @@ mod macdonald;
 mod single_scattering;
 
 pub use half_space::HalfSpace;
+pub(crate) use single_scattering::Entrance;
 pub use single_scattering::SingleScattering;
 
 /// A radius as the formulas need it: at least the least normal number; NaN counts as 0.
