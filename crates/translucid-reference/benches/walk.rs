@@ -46,7 +46,7 @@ fn main() {
 /// Prints one row: the best of seven runs of some 50 ms.
 fn measure(row: &str, walker: Walker, problem: &Problem, albedo: f64) {
     let start = Instant::now();
-    let mut timed = |photons: u64| {
+    let timed = |photons: u64| {
         let before = cpu_seconds(start);
         let (collisions, _) = walker.collisions_and_exits(problem, albedo, 0..photons)?;
         Some((cpu_seconds(start) - before, collisions))

@@ -4,6 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Simd, mask32x16};
 
 use super::Problem;
+use super::boundary::Interface;
 use super::lanes::{Floats, Words, circle, complement, unit};
 use super::random::Stream;
 use super::scatter::Directions;
@@ -21,7 +22,7 @@ enum SourceDirections {
     /// One direction, in the plane y = 0.
     Pencil { sine: f32, cosine: f32 },
     /// All directions of equal radiance outside, refracted.
-    Cosine { eta: f32 },
+    Cosine { eta: f32, rarer: Interface },
     /// Uniform in the cosine inside.
     UniformCosine,
 }
@@ -37,7 +38,9 @@ impl Source {
                 let cosine = ((eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta).max(0.0).sqrt() / eta;
                 SourceDirections::Pencil { sine: sine as f32, cosine: cosine as f32 }
             }
-            Entry::Cosine => SourceDirections::Cosine { eta: eta as f32 },
+            Entry::Cosine => {
+                SourceDirections::Cosine { eta: eta as f32, rarer: Interface::new(eta.min(1.0 / eta)) }
+            }
             Entry::UniformCosine => SourceDirections::UniformCosine,
         };
         Self { directions, spot_radius: parameters.spot_radius as f32 }
@@ -70,16 +73,16 @@ impl Source {
                 let cosine = unit(streams.next());
                 around_normal(simd, complement(cosine), cosine, streams)
             }
-            SourceDirections::Cosine { eta: 1.0 } => {
+            SourceDirections::Cosine { eta: 1.0, .. } => {
                 let cosine = unit(streams.next()).sqrt();
                 around_normal(simd, complement(cosine), cosine, streams)
             }
-            SourceDirections::Cosine { eta } => {
-                let rarer = transmitted_cosines(simd, eta.max(1.0 / eta), streams);
+            SourceDirections::Cosine { eta, rarer } => {
+                let cosine = transmitted_cosines(simd, rarer, streams);
                 if eta < 1.0 {
-                    return around_normal(simd, complement(rarer), rarer, streams);
+                    return around_normal(simd, complement(cosine), cosine, streams);
                 }
-                let sine = complement(rarer) / eta;
+                let sine = complement(cosine) / eta;
                 around_normal(simd, sine, complement(sine), streams)
             }
         }
@@ -98,19 +101,19 @@ fn around_normal<S: Simd>(
     Directions { x: sine * x, y: sine * y, z: cosine }
 }
 
-/// Cosines μ on the side of lower index with density ∝ μ (1 − F(μ)), for an index ratio above 1.
+/// Cosines μ on the side of lower index with density ∝ μ (1 − F(μ)), seen from that side.
 ///
 /// That is what enters on the rarer side, and by reciprocity of F what light of equal radiance brings to it
 /// from the denser. Candidates √u are accepted with probability 1 − F, which is near 1 on this side. A lane
 /// that is done draws no more: how often its neighbours try is none of its business.
 #[inline(always)]
-fn transmitted_cosines<S: Simd>(simd: S, ratio: f32, streams: &mut Stream<Words<S>>) -> Floats<S> {
+fn transmitted_cosines<S: Simd>(simd: S, rarer: Interface, streams: &mut Stream<Words<S>>) -> Floats<S> {
     let mut accepted = Floats::splat(simd, 1.0);
     let mut pending = mask32x16::splat(simd, true);
     while pending.any_true() {
         let before = *streams;
         let cosine = unit(streams.next()).sqrt();
-        let transmits = unit(streams.next()).simd_gt(reflectance(ratio, cosine));
+        let transmits = unit(streams.next()).simd_gt(rarer.reflectance(simd, cosine));
         accepted = (pending & transmits).select(cosine, accepted);
         for (after, before) in streams.0.iter_mut().zip(before.0) {
             *after = pending.select(*after, before);
@@ -118,13 +121,4 @@ fn transmitted_cosines<S: Simd>(simd: S, ratio: f32, streams: &mut Stream<Words<
         pending &= !transmits;
     }
     accepted
-}
-
-/// Fresnel's reflectance from the rarer side.
-#[inline(always)]
-fn reflectance<S: Simd>(ratio: f32, cosine: Floats<S>) -> Floats<S> {
-    let refracted = complement(complement(cosine) / ratio);
-    let perpendicular = (cosine - refracted * ratio) / (cosine + refracted * ratio);
-    let parallel = (cosine * ratio - refracted) / (cosine * ratio + refracted);
-    (perpendicular * perpendicular + parallel * parallel) * 0.5
 }

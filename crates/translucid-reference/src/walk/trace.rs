@@ -31,7 +31,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, mask32x16};
 
 use super::boundary::{Boundary, Ray};
-use super::lanes::{Floats, Words, exponential};
+use super::lanes::{Floats, Words, exponential, unit};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{Directions, Scatter, WithScatter, with_scatter};
 use super::sources::Source;
@@ -95,7 +95,9 @@ pub(crate) fn trace_at_level(
 }
 
 /// −1/ln α: the number of collisions survived is the whole part of this times an exponential variate.
+#[allow(clippy::manual_clamp, reason = "`clamp` passes NaN on")]
 fn mean_per_unit(reference_albedo: f64) -> f32 {
+    // A NaN absorbs at once
     let log = reference_albedo.max(0.0).min(1.0).ln();
     (-1.0 / log).min(1e30) as f32
 }
@@ -161,18 +163,17 @@ impl Photons {
         self.budget[to] = photons.budget[from];
     }
 
-    /// Closes the gap that an ended photon leaves by the last one.
-    fn swap_remove(&mut self, place: usize) {
-        self.count -= 1;
-        let last = self.count;
+    /// Copies one photon to another place.
+    #[inline(always)]
+    fn copy_within(&mut self, to: usize, from: usize) {
         for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.ux, &mut self.uy, &mut self.uz] {
-            array[place] = array[last];
+            array[to] = array[from];
         }
         for array in &mut self.stream {
-            array[place] = array[last];
+            array[to] = array[from];
         }
-        self.left[place] = self.left[last];
-        self.budget[place] = self.budget[last];
+        self.left[to] = self.left[from];
+        self.budget[to] = self.budget[from];
     }
 }
 
@@ -333,13 +334,13 @@ impl<'a> Exits<'a> {
     }
 
     #[inline(always)]
-    fn push_one(&mut self, ray: &Ray, order: u32, side: Side) {
+    fn push_one(&mut self, x: f32, y: f32, cos_theta: f32, order: u32, transmitted: u32) {
         let i = self.count;
-        self.x[i] = ray.x;
-        self.y[i] = ray.y;
-        self.cos_theta[i] = ray.uz.abs();
+        self.x[i] = x;
+        self.y[i] = y;
+        self.cos_theta[i] = cos_theta;
         self.order[i] = order;
-        self.transmitted[i] = u32::from(side == Side::Transmitted);
+        self.transmitted[i] = transmitted;
         self.added(1);
     }
 
@@ -435,7 +436,6 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
     #[inline(always)]
     fn advance(&mut self, first: usize) {
         let (simd, boundary) = (self.simd, self.setup.boundary);
-        let (top, bottom) = (Floats::splat(simd, 0.0), Floats::splat(simd, boundary.thickness));
         let present = (self.block.count - first).min(LANES);
         let present_mask = (1u64 << present) - 1;
 
@@ -446,7 +446,7 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
             photons.fly(simd);
             photons.left -= 1;
             self.scattered += present as u64;
-            let mut crossed = photons.z.simd_lt(top) | photons.z.simd_gt(bottom);
+            let mut crossed = boundary.are_outside(photons.z);
             if !boundary.matched {
                 crossed = reflect_totally(simd, &boundary, &mut photons, crossed);
             }
@@ -456,61 +456,98 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
                 break (crossed, last);
             }
         };
-        let (left, mut photons) = if boundary.matched {
-            (self.leave(&photons, crossed), photons)
-        } else if crossed != 0 {
-            self.leave_by_chance(photons, crossed)
-        } else {
-            (0, photons)
-        };
+        let (left, mut photons) = self.cross(photons, crossed);
         let ended = left | last;
         self.absorbed += u64::from((last & !left).count_ones());
 
         // Fill the places of those that ended
         let count = ended.count_ones() as usize;
-        if self.pool_holds(count) {
+        if self.pool_holds(count) && moves_lanes(simd) {
             self.pool.count -= count;
             let fresh = Group::load::<P>(simd, &self.pool, self.pool.count);
             photons = photons.refill(&fresh, mask32x16::from_bitmask(simd, ended));
             photons.store::<P>(&mut self.block, first);
         } else {
             photons.store::<P>(&mut self.block, first);
-            self.close_gaps(first, ended);
+            self.fill_one_by_one(first, ended);
         }
     }
 
-    /// Lets all photons beyond a face out, η = 1.
+    /// Lets photons beyond a face out or reflects them: which of them left, and the group with the others
+    /// inside.
     #[inline(always)]
-    fn leave(&mut self, photons: &Group<S>, crossed: u64) -> u64 {
-        let simd = self.simd;
-        let thickness = self.setup.boundary.thickness;
+    fn cross(&mut self, mut photons: Group<S>, crossed: u64) -> (u64, Group<S>) {
+        let (simd, boundary) = (self.simd, self.setup.boundary);
+        if boundary.matched {
+            self.leave(&photons, crossed);
+            return (crossed, photons);
+        }
+        if crossed == 0 {
+            return (0, photons);
+        }
+
+        // Draw where chance decides: a stream whose photon does not ask stays where it is
         let mask: mask32x16<S> = mask32x16::from_bitmask(simd, crossed);
-        let transmitted = photons.z.simd_ge(0.0);
-        let face = transmitted.select(Floats::splat(simd, thickness), Floats::splat(simd, 0.0));
-        let Directions { x: ux, y: uy, z: uz } = photons.directions;
-        let beyond = (photons.z - face) / uz;
-        let x = (-beyond).mul_add(ux, photons.x);
-        let y = (-beyond).mul_add(uy, photons.y);
-        let order = photons.budget - photons.left;
-        let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
-        self.exits.push(
-            [x.compress(mask), y.compress(mask), uz.abs().compress(mask)],
-            [order.compress(mask), transmitted.compress(mask)],
-            crossed.count_ones() as usize,
-        );
-        crossed
+        let chance = mask & !boundary.interface.reflects_totally(photons.directions.z);
+        let mut streams = photons.streams;
+        let share = unit(streams.next());
+        for (word, after) in photons.streams.0.iter_mut().zip(streams.0) {
+            *word = chance.select(after, *word);
+        }
+        let reflectance = boundary.interface.reflectance(simd, photons.directions.z.abs());
+        let passes = chance & share.simd_ge(reflectance);
+        let left = passes.to_bitmask();
+        self.leave(&photons, left);
+
+        // Mirror the others
+        let reflected = mask & !passes;
+        photons.z = reflected.select(boundary.mirrored(simd, photons.z), photons.z);
+        photons.directions.z = reflected.select(-photons.directions.z, photons.directions.z);
+        let outside = (reflected & boundary.are_outside(photons.z)).to_bitmask();
+        if outside == 0 {
+            return (left, photons);
+        }
+        let later = self.cross_again_one_by_one(&mut photons, outside, reflectance);
+        (left | later, photons)
     }
 
-    /// Sees to photons beyond a face one by one, η ≠ 1: which of them left, and the group with the others
-    /// reflected.
+    /// Lets photons out, each at the face that it is beyond.
     #[inline(always)]
-    fn leave_by_chance(&mut self, photons: Group<S>, crossed: u64) -> (u64, Group<S>) {
-        let mut photons = photons;
-        let mut rest = crossed;
+    fn leave(&mut self, photons: &Group<S>, left: u64) {
+        let simd = self.simd;
+        let mask: mask32x16<S> = mask32x16::from_bitmask(simd, left);
+        let transmitted = photons.z.simd_ge(0.0);
+        let face =
+            transmitted.select(Floats::splat(simd, self.setup.boundary.thickness), Floats::splat(simd, 0.0));
+        let Directions { x: ux, y: uy, z: uz } = photons.directions;
+        let beyond = (photons.z - face) / uz;
+        let places = [(-beyond).mul_add(ux, photons.x), (-beyond).mul_add(uy, photons.y), uz.abs()];
+        let order = photons.budget - photons.left;
+        let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
+        if moves_lanes(simd) {
+            self.exits.push(
+                places.map(|place| place.compress(mask)),
+                [order, transmitted].map(|words| words.compress(mask)),
+                left.count_ones() as usize,
+            );
+        } else {
+            for lane in lanes_of(left) {
+                let [x, y, cos_theta] = places.map(|place| place[lane]);
+                self.exits.push_one(x, y, cos_theta, order[lane], transmitted[lane]);
+            }
+        }
+    }
+
+    /// Sees to photons whose flight meets more than one face: which of them left.
+    #[inline(never)]
+    fn cross_again_one_by_one(
+        &mut self,
+        photons: &mut Group<S>,
+        outside: u64,
+        reflectance: Floats<S>,
+    ) -> u64 {
         let mut left = 0;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % LANES;
-            rest &= rest - 1;
+        for lane in lanes_of(outside) {
             let directions = &mut photons.directions;
             let mut ray = Ray {
                 x: photons.x[lane],
@@ -521,25 +558,27 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
                 uz: directions.z[lane],
             };
             let mut stream = Stream(photons.streams.0.map(|words| words[lane]));
-            if let Some(side) = self.setup.boundary.cross(&mut ray, &mut stream) {
-                self.exits.push_one(&ray, photons.budget[lane] - photons.left[lane], side);
-                left |= 1 << lane;
-            } else {
-                photons.z[lane] = ray.z;
-                directions.z[lane] = ray.uz;
-                for (words, word) in photons.streams.0.iter_mut().zip(stream.0) {
-                    words[lane] = word;
-                }
+            let share = (stream.next() | 1) as f32 * (1.0 / 4294967296.0);
+            for (words, word) in photons.streams.0.iter_mut().zip(stream.0) {
+                words[lane] = word;
             }
+            if let Some(side) = self.setup.boundary.cross_again(&mut ray, share, reflectance[lane]) {
+                let order = photons.budget[lane] - photons.left[lane];
+                let transmitted = u32::from(side == Side::Transmitted);
+                self.exits.push_one(ray.x, ray.y, ray.uz.abs(), order, transmitted);
+                left |= 1 << lane;
+            }
+            photons.z[lane] = ray.z;
+            directions.z[lane] = ray.uz;
         }
-        (left, photons)
+        left
     }
 
-    /// Without enough fresh photons: fills with what there is, then with the block's last.
+    /// Fills places with what fresh photons there are, then with the block's last.
     ///
     /// From the highest lane down, so that the block's last photon is never one that ended.
     #[inline(never)]
-    fn close_gaps(&mut self, first: usize, mut ended: u64) {
+    fn fill_one_by_one(&mut self, first: usize, mut ended: u64) {
         while ended != 0 {
             let lane = ended.ilog2() as usize;
             ended ^= 1 << lane;
@@ -547,7 +586,8 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
                 self.pool.count -= 1;
                 self.block.copy_from(first + lane, &self.pool, self.pool.count);
             } else {
-                self.block.swap_remove(first + lane);
+                self.block.count -= 1;
+                self.block.copy_within(first + lane, self.block.count);
             }
         }
     }
@@ -596,9 +636,9 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
         let mut photons = Group { x, y, z, directions, streams, left: budget, budget };
         photons.fly(simd);
         let mut inside = (1 << count) - 1;
-        let crossed = photons.z.simd_gt(boundary.thickness).to_bitmask() & inside;
+        let crossed = boundary.are_outside(photons.z).to_bitmask() & inside;
         if crossed != 0 {
-            let (left, others) = self.leave_by_chance(photons, crossed);
+            let (left, others) = self.cross(photons, crossed);
             photons = others;
             inside &= !left;
         }
@@ -606,11 +646,39 @@ impl<'a, S: Simd, P: Scatter> Walk<'a, S, P> {
         // Keep those that survive it
         let survive = budget.simd_gt(0).to_bitmask() & inside;
         self.absorbed += u64::from((inside & !survive).count_ones());
-        let survivors = photons.compress(mask32x16::from_bitmask(simd, survive));
         let end = self.pool.count;
-        survivors.store::<P>(&mut self.pool, end);
+        if moves_lanes(simd) {
+            let survivors = photons.compress(mask32x16::from_bitmask(simd, survive));
+            survivors.store::<P>(&mut self.pool, end);
+        } else {
+            photons.store::<P>(&mut self.pool, end);
+            for (to, from) in lanes_of(survive).enumerate() {
+                self.pool.copy_within(end + to, end + from);
+            }
+        }
         self.pool.count += survive.count_ones() as usize;
     }
+}
+
+/// Whether compressing and expanding are instructions, or a few; else lane by lane is faster.
+#[inline(always)]
+fn moves_lanes<S: Simd>(simd: S) -> bool {
+    let level = simd.level();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if matches!(level, Level::Sse2(_)) {
+        return false;
+    }
+    !level.is_fallback()
+}
+
+/// The lanes of a mask, in order.
+#[inline(always)]
+fn lanes_of(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = mask.trailing_zeros() as usize;
+        mask &= mask.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
 }
 
 /// Mirrors photons that the face reflects totally, where one reflection brings them inside; the photons beyond
@@ -623,10 +691,8 @@ fn reflect_totally<S: Simd>(
     crossed: mask32x16<S>,
 ) -> mask32x16<S> {
     let uz = photons.directions.z;
-    let thickness = Floats::splat(simd, boundary.thickness);
-    let mirrored = photons.z.simd_lt(0.0).select(-photons.z, thickness + thickness - photons.z);
-    let totally = crossed & (uz * uz).simd_lt(boundary.total_below);
-    let inside = totally & mirrored.simd_ge(0.0) & mirrored.simd_le(thickness);
+    let mirrored = boundary.mirrored(simd, photons.z);
+    let inside = crossed & boundary.interface.reflects_totally(uz) & !boundary.are_outside(mirrored);
     photons.z = inside.select(mirrored, photons.z);
     photons.directions.z = inside.select(-uz, uz);
     crossed & !inside
