@@ -286,6 +286,23 @@ mod tests {
         assert!(median < 150.0 && most < 3000.0, "{median:e} {most:e}");
     }
 
+    /// Beyond the radii that the nodes are made for, up to where nothing is left of R or the nodes end.
+    #[test]
+    fn error_is_honest_far_out() {
+        for (alpha, entry) in [0.99999, 1.0].iter().flat_map(|alpha| ENTRIES.map(|entry| (*alpha, entry))) {
+            let settings = Settings { angle: 0.7, k_step: 0.07, r_max: 1e9, ..Settings::default() };
+            let other = HalfSpace::with_settings(alpha, entry, &settings).expect("valid parameters");
+            let found = half_space(alpha, entry);
+            for i in 12..=32 {
+                let r = 10f64.powf(f64::from(i) / 4.0);
+                let (found, expected) = (found.eval(r), other.eval(r));
+                let off = (found.value - expected.value).abs();
+                let allowed = found.error + expected.error;
+                assert!(off <= allowed, "{entry:?}, alpha {alpha}, r {r:e}: {found:?} {expected:?}");
+            }
+        }
+    }
+
     /// Values of an independent program (plain quadrature on a fixed ray), confirmed by Monte Carlo.
     #[test]
     fn eval_matches_check_values() {

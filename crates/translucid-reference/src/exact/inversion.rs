@@ -158,7 +158,12 @@ impl Inversion {
         // (1/2π) (2/π) (−i) K₀ k dk, with k = iz/r
         let factor = 1.0 / (PI * PI * r);
         self.for_each_node(r, |j, z, k0, _| sums.add(j, self.far[j], k0 * z * factor, values[j]));
-        sums.estimate((-self.k0 * r).exp())
+        let decay = (-self.k0 * r).exp();
+        if sums.moduli == 0.0 {
+            // Farther out than every node: all that is known is that f₀ falls
+            return Estimate { value: 0.0, error: decay / (PI * r * r) };
+        }
+        sums.estimate(decay)
     }
 
     /// f_m(r) for m = 0 up to the highest order wanted (at most those given), for r > 0.
