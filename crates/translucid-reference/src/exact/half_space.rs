@@ -95,8 +95,8 @@ impl HalfSpace {
         let dispersion = Dispersion::new(alpha);
         let kernel = MultipleScattering::new(dispersion, entrance, settings);
         let contour = Contour::new(&dispersion, settings);
-        let values = contour.nodes.iter().map(|node| kernel.hankel(node.wave_number)).collect();
-        let inversion = Inversion::new(&contour, vec![values]).with_total(kernel.on_real_axis(0.0));
+        let values: Vec<Nested> = contour.nodes.iter().map(|node| kernel.hankel(node.wave_number)).collect();
+        let inversion = Inversion::new(&contour, &values).with_total(kernel.on_real_axis(0.0));
         Ok(Self { entry, kernel, single_scattering: SingleScattering::new(alpha, entrance), inversion })
     }
 

@@ -7,7 +7,7 @@
 //! along the ray k = i k₀ + x e^{iψ}, x ∈ (0, ∞), into the right upper quadrant. R̂ is real on the segment from 0 to
 //! i k₀, which gives nothing. On the ray the Hankel function decays like e^{−k₀r − x r sin ψ}: the first part, which
 //! R itself has, comes out as a factor.
-//! With z = −ikr the Hankel functions are H_m⁽¹⁾(kr) = (2/π) i^{−m−1} K_m(z).
+//! With z = −ikr the Hankel functions are H₀⁽¹⁾(kr) = −(2i/π) K₀(z) and H₁⁽¹⁾(kr) = −(2/π) K₁(z).
 //!
 //! The nodes are those of the trapezoidal rule in w with x = exp(w − e^{w₀−w} + e^{w−w₁}), one set for every radius.
 //! Between e^{w₀} and e^{w₁} it is a rule in ln x. Below, where R̂ is smooth in √x, it rushes to 0. Above, it runs out
@@ -87,11 +87,9 @@ impl Contour {
     }
 }
 
-/// A function given by its Hankel transforms of one or several orders on the nodes of a [`Contour`].
+/// A function f(r) given by its Hankel transform on the nodes of a [`Contour`].
 ///
-/// The transforms must be what is left of it without single scattering, decaying like k⁻² or faster. That of
-/// order m must be c_m(k) = k^m g(k²), real for real k, where the function is Σ_m f_m(r) cos mφ (up to
-/// normalization) and f_m(r) = (1/2π) ∫₀^∞ c_m(k) J_m(kr) k dk.
+/// The transform must be even in k and real for real k, and decay like k⁻² or faster: R̂ without single scattering.
 #[derive(Clone, Debug)]
 pub(crate) struct Inversion {
     k0: f64,
@@ -103,9 +101,9 @@ pub(crate) struct Inversion {
     low: f64,
     /// How far out the nodes are, in [0, 1).
     far: Vec<f64>,
-    /// c_m(k) dk by order, then node.
-    orders: Vec<Vec<Nested>>,
-    /// ∫ f₀ 2πr dr, where it is known and needed.
+    /// Transform times dk.
+    values: Vec<Nested>,
+    /// ∫ f 2πr dr, where it is known and needed.
     total: Option<Estimate>,
 }
 
@@ -121,13 +119,10 @@ struct Sums {
 }
 
 impl Inversion {
-    /// `orders[m][j]` is c_m at node j.
-    pub(crate) fn new(contour: &Contour, orders: Vec<Vec<Nested>>) -> Self {
-        let weighted = |values: Vec<Nested>| -> Vec<Nested> {
-            (values.iter().zip(&contour.nodes))
-                .map(|(v, node)| Nested { fine: v.fine * node.dk, coarse: v.coarse * node.dk })
-                .collect()
-        };
+    /// `values[j]` is the transform at node j.
+    pub(crate) fn new(contour: &Contour, values: &[Nested]) -> Self {
+        let weighted = (values.iter().zip(&contour.nodes))
+            .map(|(v, node)| Nested { fine: v.fine * node.dk, coarse: v.coarse * node.dk });
         Self {
             k0: contour.k0,
             low: contour.low,
@@ -138,63 +133,35 @@ impl Inversion {
                 .iter()
                 .map(|node| 1.0 - 1.0 / (1.0 + (node.x / FAR) * (node.x / FAR)))
                 .collect(),
-            orders: orders.into_iter().map(weighted).collect(),
+            values: weighted.collect(),
             total: None,
         }
     }
 
-    /// Makes the total ∫ f₀ 2πr dr = c₀(0) known, without which [`beyond`](Self::beyond) is wrong for small k₀.
+    /// Makes the total ∫ f 2πr dr = f̂(0) known, without which [`beyond`](Self::beyond) is wrong for small k₀.
     pub(crate) fn with_total(self, total: Estimate) -> Self {
         // K₁(z) has a pole at k = 0, which the nodes must keep away from
         let pole_is_close = self.k0 < 10.0 * self.low;
         Self { total: pole_is_close.then_some(total), ..self }
     }
 
-    /// f₀(r) for r > 0.
+    /// f(r) for r > 0.
     pub(crate) fn eval(&self, r: f64) -> Estimate {
         let r = r.max(R_MIN);
         let mut sums = Sums::default();
-        let values = &self.orders[0];
+        let values = &self.values;
         // (1/2π) (2/π) (−i) K₀ k dk, with k = iz/r
         let factor = 1.0 / (PI * PI * r);
         self.for_each_node(r, |j, z, k0, _| sums.add(j, self.far[j], k0 * z * factor, values[j]));
         let decay = (-self.k0 * r).exp();
         if sums.moduli == 0.0 {
-            // Farther out than every node: all that is known is that f₀ falls
+            // Farther out than every node: all that is known is that f falls
             return Estimate { value: 0.0, error: decay / (PI * r * r) };
         }
         sums.estimate(decay)
     }
 
-    /// f_m(r) for m = 0 up to the highest order wanted (at most those given), for r > 0.
-    pub(crate) fn eval_orders(&self, r: f64, highest: usize) -> Vec<Estimate> {
-        let r = r.max(R_MIN);
-        let orders = &self.orders[..self.orders.len().min(highest + 1)];
-        let mut sums = vec![Sums::default(); orders.len()];
-        // (1/2π) (2/π) i^{−m−1} K_m k dk, with k = iz/r
-        let mut phase = Complex64::ONE / (PI * PI);
-        let phases: Vec<Complex64> = orders
-            .iter()
-            .map(|_| {
-                let this = phase;
-                phase *= -Complex64::I;
-                this
-            })
-            .collect();
-        self.for_each_node(r, |j, z, k0, k1| {
-            let (mut before, mut value) = (k0, k1);
-            for (m, values) in orders.iter().enumerate() {
-                let kernel = before * z * phases[m] / r;
-                sums[m].add(j, self.far[j], kernel, values[j]);
-                // K_{m+2} = K_m + 2(m+1)/z K_{m+1}
-                (before, value) = (value, before + value * (2.0 * (m + 1) as f64) / z);
-            }
-        });
-        let factor = (-self.k0 * r).exp();
-        sums.iter().map(|sum| sum.estimate(factor)).collect()
-    }
-
-    /// ∫_r^∞ f₀(r') 2πr' dr' for r > 0.
+    /// ∫_r^∞ f(r') 2πr' dr' for r > 0.
     pub(crate) fn beyond(&self, r: f64) -> Estimate {
         if let Some(total) = self.total {
             let enclosed = self.enclosed(r);
@@ -203,12 +170,12 @@ impl Inversion {
         }
         let r = r.max(R_MIN);
         let mut sums = Sums::default();
-        let values = &self.orders[0];
+        let values = &self.values;
         self.for_each_node(r, |j, _, _, k1| sums.add(j, self.far[j], k1 * (2.0 * r / PI), values[j]));
         sums.estimate((-self.k0 * r).exp())
     }
 
-    /// ∫₀^r f₀(r') 2πr' dr' for r > 0.
+    /// ∫₀^r f(r') 2πr' dr' for r > 0.
     pub(crate) fn enclosed(&self, r: f64) -> Estimate {
         if r < R_MIN {
             return Estimate::ZERO;
@@ -216,7 +183,7 @@ impl Inversion {
         let r = r.min(R_MAX);
         let mut sums = Sums::default();
         // K₁(z) − 1/z in place of K₁: the pole's part is the total
-        for (j, (x, value)) in self.x.iter().zip(&self.orders[0]).enumerate() {
+        for (j, (x, value)) in self.x.iter().zip(&self.values).enumerate() {
             let z = self.k0 * r + self.z_direction * (x * r);
             let kernel = match Macdonald::new(z) {
                 Macdonald::Small { k1_minus_pole, .. } => k1_minus_pole,
@@ -261,7 +228,7 @@ impl Inversion {
 
 /// Where the nodes are too far apart for the rule's error to be the square of the coarser one's.
 const FAR: f64 = 1e6;
-/// Below this radius f₀ counts as constant: it grows like ln² r, and single scattering like 1/r.
+/// Below this radius f counts as constant: it grows like ln² r, and single scattering like 1/r.
 const R_MIN: f64 = 1e-20;
 /// Below this k₀r the coefficients of Taylor series leave the range of numbers.
 const Z0_MIN: f64 = 1e-8;

@@ -1,4 +1,28 @@
 //! The exact half space of isotropic scatterers (g = 0).
+//!
+//! Light that varies along the surface like e^{i k·x} sees a one-dimensional half space for each wave number k, whose
+//! solution is an H function (G. B. Rybicki 1971, S. Chandrasekhar 1950); a profile is the Hankel transform of that.
+//! Every step is a quadrature that converges exponentially, and every figure comes with an [`Estimate`] of its
+//! error:
+//!
+//! 1. Light scattered once is taken apart and computed in real space ([`SingleScattering`]): it is what makes R ~ 1/r.
+//! 2. The rest is transformed along a ray into the complex plane of k, which gives all digits of R(r) even where it has
+//!    decayed to 1e-50.
+//!
+//! ```
+//! use translucid_reference::{Entry, exact::HalfSpace};
+//!
+//! # fn main() -> Result<(), translucid_profile::ParameterError> {
+//! let half_space = HalfSpace::new(0.9, Entry::NORMAL)?;
+//! let profile = half_space.eval(1.0);
+//! assert!((profile.value - 2.1217649785e-2).abs() < 1e-12 && profile.relative_error() < 1e-9);
+//! let energy = half_space.enclosed(1.0).value + half_space.beyond(1.0).value;
+//! assert!((energy - half_space.total().value).abs() < 1e-13);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! [`Estimate`]: crate::Estimate
 
 mod directions;
 mod dispersion;
