@@ -98,6 +98,8 @@ fn falling_root(f: impl Fn(f64) -> f64, at_0: f64, at_1: f64) -> f64 {
 struct HFunction {
     /// t and ln[1 − α atan(t)/t] t Δs at equal steps of s = ln t.
     samples: Vec<(f64, f64)>,
+    /// Sum of the values at the t so small that no ν matters.
+    at_zero: f64,
 }
 
 impl HFunction {
@@ -115,11 +117,21 @@ impl HFunction {
             let log = ((1.0 - alpha) + alpha * one_minus_atan_over(t)).ln();
             (t, log * t * Self::STEP)
         };
-        Self { samples: Self::STEPS.map(sample).collect() }
+        let (small, samples): (Vec<_>, Vec<_>) = Self::STEPS.map(sample).partition(|(t, _)| *t < 1e-9);
+        Self { samples, at_zero: small.iter().map(|(_, value)| value).sum() }
     }
 
     fn eval(&self, nu: f64) -> f64 {
-        let sum: f64 = self.samples.iter().map(|&(t, value)| value / (1.0 + (nu * t) * (nu * t))).sum();
+        // Four sums at once: the processor need not wait for one addition to begin the next
+        let term = |&(t, value): &(f64, f64)| value / (1.0 + (nu * t) * (nu * t));
+        let (fours, rest) = self.samples.as_chunks::<4>();
+        let mut sums = [self.at_zero, 0.0, 0.0, 0.0];
+        for four in fours {
+            for (sum, sample) in sums.iter_mut().zip(four) {
+                *sum += term(sample);
+            }
+        }
+        let sum = sums.iter().sum::<f64>() + rest.iter().map(term).sum::<f64>();
         (-nu / PI * sum).exp()
     }
 
