@@ -64,9 +64,6 @@ use super::{Control, Parameters, PhaseFunction, Problem, TableError};
 use crate::exact::{Entrance, SingleScattering};
 use crate::{Entry, Estimate};
 
-/// Indices of photons end here; those above serve the chunks' shifts of the lattice.
-const LAST_PHOTON: u64 = 1 << 63;
-
 /// Total and rings of one albedo, by a walk with little variance: of an index-matched half space of isotropic
 /// scatterers, under a pencil along the normal, cosine or uniform entry.
 ///
@@ -101,6 +98,9 @@ pub struct GuidedWalk {
 }
 
 impl GuidedWalk {
+    /// Indices of photons end here; those above serve the chunks' shifts of the lattice.
+    pub(super) const LAST_PHOTON: u64 = 1 << 63;
+
     /// Photons are walked in chunks of this many.
     pub const CHUNK: u64 = CHUNK as u64;
 
@@ -145,6 +145,15 @@ impl GuidedWalk {
             single_scattering: SingleScattering::new(alpha, entrance),
             ranges: PhotonRanges::default(),
         })
+    }
+
+    /// The same walk with other photons, as a file holds them.
+    pub(super) fn with_contents(self, ranges: PhotonRanges, tally: GuidedTally) -> Self {
+        Self { ranges, tally, ..self }
+    }
+
+    pub(super) fn tally(&self) -> &GuidedTally {
+        &self.tally
     }
 
     /// What the walk walks through.
@@ -226,9 +235,9 @@ impl GuidedWalk {
     /// The seed does not have so many photons left (of 2⁶³). The tally is then unchanged.
     pub fn run(&mut self, seed: u64, photons: u64, control: &Control) -> Result<u64, TableError> {
         let wanted = photons.checked_next_multiple_of(Self::CHUNK).ok_or(TableError::TooMany)?;
-        let left = LAST_PHOTON.checked_sub(self.photons()).ok_or(TableError::TooMany)?;
+        let left = Self::LAST_PHOTON.checked_sub(self.photons()).ok_or(TableError::TooMany)?;
         let missing = self.ranges.missing(seed, wanted);
-        if wanted > left || missing.iter().any(|range| range.end > LAST_PHOTON) {
+        if wanted > left || missing.iter().any(|range| range.end > Self::LAST_PHOTON) {
             return Err(TableError::TooMany);
         }
         let blocks: Vec<_> = missing.into_iter().flat_map(|range| self.blocks(range)).collect();
@@ -282,7 +291,7 @@ impl GuidedWalk {
     pub fn merge(&mut self, other: &Self) -> Result<(), TableError> {
         self.require_same_walk(other)?;
         let ranges = self.ranges.union(&other.ranges).map_err(TableError::Repeated)?;
-        if ranges.len().is_none_or(|photons| photons > LAST_PHOTON) {
+        if ranges.len().is_none_or(|photons| photons > Self::LAST_PHOTON) {
             return Err(TableError::TooMany);
         }
         self.ranges = ranges;

@@ -18,7 +18,19 @@ struct Moments {
 const ONE: f64 = (1u64 << 60) as f64;
 
 impl Moments {
-    /// A sample of a chunk is at most some 10⁶, so that 10¹⁴ chunks fit. The conversions saturate.
+    /// Sum and sum of squares, as a file holds them.
+    fn numbers(self) -> [i128; 2] {
+        [self.sum, self.squares]
+    }
+
+    /// Whether samples of so many chunks can have these sums: by Cauchy's inequality, up to rounding.
+    fn possible(self, chunks: u64) -> bool {
+        let [sum, squares] = self.numbers().map(|number| number as f64 / ONE);
+        let slack = 1e-9 * squares + chunks as f64 / ONE;
+        squares >= 0.0 && sum * sum <= (squares + slack) * chunks as f64 * (1.0 + 1e-9)
+    }
+
+    /// A sample of a chunk is at most some 10⁴, so that 10¹² chunks fit. Conversions and sums saturate.
     fn add(&mut self, sample: f64) {
         self.merge(Self { sum: (sample * ONE) as i128, squares: (sample * sample * ONE) as i128 });
     }
@@ -61,7 +73,7 @@ pub(super) struct GuidedTally {
 }
 
 impl GuidedTally {
-    /// A tally of sums that are not above some 10⁶ `unit`s.
+    /// A tally of sums that are not above some 10⁴ `unit`s.
     pub(super) fn new(radii: usize, unit: f64, greatest_weight: f64) -> Self {
         Self {
             unit,
@@ -72,6 +84,32 @@ impl GuidedTally {
             rings: vec![Moments::default(); radii + 1],
             enclosed: vec![Moments::default(); radii + 1],
         }
+    }
+
+    /// All sums: of the total, of every ring, and of all rings up to every one.
+    pub(super) fn numbers(&self) -> Vec<[i128; 2]> {
+        let moments =
+            [self.total].into_iter().chain(self.rings.iter().copied()).chain(self.enclosed.iter().copied());
+        moments.map(Moments::numbers).collect()
+    }
+
+    /// A tally of the same kind with other contents, as [`numbers`](Self::numbers) gives them; or what is wrong with
+    /// them.
+    pub(super) fn with_numbers(
+        &self,
+        chunks: u64,
+        collisions: u64,
+        numbers: &[[i128; 2]],
+    ) -> Result<Self, String> {
+        let mut tally = self.empty();
+        let moments = [&mut tally.total].into_iter().chain(&mut tally.rings).chain(&mut tally.enclosed);
+        for (i, (moments, &[sum, squares])) in moments.zip(numbers).enumerate() {
+            *moments = Moments { sum, squares };
+            if !moments.possible(chunks) {
+                return Err(format!("has sums in row {i} that {chunks} chunks cannot have"));
+            }
+        }
+        Ok(Self { chunks, collisions, ..tally })
     }
 
     /// A tally of the same kind without photons.

@@ -6,6 +6,7 @@ mod edge_search;
 mod exit;
 mod guided;
 mod guided_chunk;
+mod guided_file;
 mod guided_sampling;
 mod guided_tally;
 mod guided_until;
