@@ -57,6 +57,12 @@ impl WaveNumber {
         Self::new(dispersion, k, a_squared, std::f64::consts::FRAC_PI_8 + 0.25 * angle)
     }
 
+    /// Any k in the right upper quadrant; near i k₀ [`Self::on_ray`] keeps more digits.
+    pub(crate) fn in_quadrant(dispersion: &Dispersion, k: Complex64) -> Self {
+        let a_squared = k * k + dispersion.k0 * dispersion.k0;
+        Self::new(dispersion, k, a_squared, 0.25 * a_squared.arg())
+    }
+
     /// k ≥ 0 on the real axis.
     pub(crate) fn real(dispersion: &Dispersion, k: f64) -> Self {
         let a_squared = k * k + dispersion.k0 * dispersion.k0;

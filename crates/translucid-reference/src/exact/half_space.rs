@@ -4,6 +4,7 @@ use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 use translucid_profile::{Configuration, ParameterError, half_space_single_scattering_albedo};
 
+use super::dielectric::{BoundaryEntrance, DielectricHalfSpace, DielectricSettings};
 use super::directions::directions;
 use super::dispersion::{Dispersion, exp_m1};
 use super::h_function::{HFunction, Nested, WaveNumber};
@@ -12,17 +13,33 @@ use super::positive_radius;
 use super::single_scattering::{Entrance, SingleScattering};
 use crate::{Entry, Estimate};
 
-/// Exact reflectance profile of a half space of isotropic scatterers whose refractive index is that of its
-/// surroundings.
+/// Exact reflectance profile of a half space of isotropic scatterers.
+///
+/// Without a boundary, after G. B. Rybicki 1971:
 ///
 /// ```text
 /// pencil    R̂(k) = (α/2) H(k,1) ∫₀¹ H(k,ν(u)) ν/(1+ν) du,     ν(u) = u/√(1 + k²u²)
 /// cosine    R̂(k) = α ∫₀¹∫₀¹ H(ν) H(ν') νν'/(ν+ν') du du'
 /// uniform   R̂(k) = ∫₀¹ [H(ν) − 1] du
 /// ```
+///
+/// Under a [boundary](Self::with_boundary) the same is the solution of an integral equation, and errors are some 1e-9.
 #[derive(Clone, Debug)]
 pub struct HalfSpace {
     entry: Entry,
+    eta: f64,
+    solution: Solution,
+}
+
+#[derive(Clone, Debug)]
+enum Solution {
+    Matched(Box<MatchedHalfSpace>),
+    Boundary(Box<DielectricHalfSpace>),
+}
+
+/// The half space whose refractive index is that of its surroundings.
+#[derive(Clone, Debug)]
+struct MatchedHalfSpace {
     kernel: MultipleScattering,
     single_scattering: SingleScattering,
     inversion: Inversion,
@@ -97,12 +114,63 @@ impl HalfSpace {
         let contour = Contour::new(&dispersion, settings);
         let values: Vec<Nested> = contour.nodes.iter().map(|node| kernel.hankel(node.wave_number)).collect();
         let inversion = Inversion::new(&contour, &values).with_total(kernel.on_real_axis(0.0));
-        Ok(Self { entry, kernel, single_scattering: SingleScattering::new(alpha, entrance), inversion })
+        let single_scattering = SingleScattering::new(alpha, entrance);
+        let matched = MatchedHalfSpace { kernel, single_scattering, inversion };
+        Ok(Self { entry, eta: 1.0, solution: Solution::Matched(Box::new(matched)) })
+    }
+
+    /// Solves the half space under a dielectric boundary, η = n_inside/n_outside ∈ [0.5, 3].
+    ///
+    /// As everywhere, one unit of flux has entered, and what the boundary reflects on its way out stays inside. An
+    /// oblique pencil has its mean over the azimuth here; the rest is
+    /// [`ObliqueHalfSpace`](super::ObliqueHalfSpace)'s.
+    /// η = 1 is the solution without a boundary.
+    ///
+    /// The relative error of R(r) for r ∈ \[0.03, 10\] is some 1e-9 for η ∈ \[1.2, 2\], and below 1e-6 for
+    /// η ∈ \[0.75, 0.9\] and \[1.05, 3\]; closer to 1 it grows to some 1e-5, as the boundary reflects in an ever
+    /// narrower range of angles. The error returned says.
+    /// Takes 0.6 s on one core; all cores are used.
+    ///
+    /// # Errors
+    /// A parameter is outside its range, or a beam is totally reflected (η < 1).
+    ///
+    /// ```
+    /// use translucid_reference::exact::HalfSpace;
+    /// use translucid_reference::{Entry, specular_reflectance};
+    ///
+    /// // R. G. Giovanelli 1955: 0.2600, with what the surface reflects
+    /// let half_space = HalfSpace::with_boundary(0.9, 1.5, Entry::NORMAL)?;
+    /// let specular = specular_reflectance(Entry::NORMAL, 1.5);
+    /// let reflectance = specular + (1.0 - specular) * half_space.total().value;
+    /// assert!((reflectance - 0.2599185699).abs() < 1e-9);
+    /// # Ok::<(), translucid_profile::ParameterError>(())
+    /// ```
+    pub fn with_boundary(
+        single_scattering_albedo: f64,
+        eta: f64,
+        entry: Entry,
+    ) -> Result<Self, ParameterError> {
+        let entrance = BoundaryEntrance::checked(single_scattering_albedo, eta, entry)?;
+        let oblique = matches!(entry, Entry::Pencil { cos_theta } if cos_theta < 1.0);
+        if eta == 1.0 && !oblique {
+            return Self::new(single_scattering_albedo, entry);
+        }
+        let settings = DielectricSettings::default();
+        let solution = DielectricHalfSpace::new(single_scattering_albedo, eta, entrance, &settings);
+        Ok(Self { entry, eta, solution: Solution::Boundary(Box::new(solution)) })
     }
 
     /// Single-scattering albedo α.
     pub fn single_scattering_albedo(&self) -> f64 {
-        self.kernel.dispersion.single_scattering_albedo
+        match &self.solution {
+            Solution::Matched(matched) => matched.kernel.dispersion.single_scattering_albedo,
+            Solution::Boundary(boundary) => boundary.single_scattering_albedo(),
+        }
+    }
+
+    /// Relative index of refraction η = n_inside/n_outside.
+    pub fn eta(&self) -> f64 {
+        self.eta
     }
 
     /// How light enters.
@@ -112,7 +180,10 @@ impl HalfSpace {
 
     /// The part that is scattered once.
     pub fn single_scattering(&self) -> &SingleScattering {
-        &self.single_scattering
+        match &self.solution {
+            Solution::Matched(matched) => &matched.single_scattering,
+            Solution::Boundary(boundary) => boundary.single_scattering(),
+        }
     }
 
     /// Surface albedo A = ∫ R 2πr dr.
@@ -126,25 +197,43 @@ impl HalfSpace {
     /// number as that one. NaN counts as 0.
     pub fn eval(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        add(self.single_scattering.eval(r), self.inversion.eval(r))
+        match &self.solution {
+            Solution::Matched(matched) => add(matched.single_scattering.eval(r), matched.inversion.eval(r)),
+            Solution::Boundary(boundary) => boundary.eval(r),
+        }
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr'.
     pub fn enclosed(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        add(self.single_scattering.enclosed(r), self.inversion.enclosed(r))
+        match &self.solution {
+            Solution::Matched(matched) => {
+                add(matched.single_scattering.enclosed(r), matched.inversion.enclosed(r))
+            }
+            Solution::Boundary(boundary) => boundary.enclosed(r),
+        }
     }
 
     /// Energy that leaves beyond r: ∫_r^∞ R(r') 2πr' dr'.
     pub fn beyond(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        add(self.single_scattering.beyond(r), self.inversion.beyond(r))
+        match &self.solution {
+            Solution::Matched(matched) => {
+                add(matched.single_scattering.beyond(r), matched.inversion.beyond(r))
+            }
+            Solution::Boundary(boundary) => boundary.beyond(r),
+        }
     }
 
     /// Hankel transform R̂(k) = ∫ R(r) J₀(kr) 2πr dr of the wave number k ≥ 0.
     pub fn hankel(&self, k: f64) -> Estimate {
         let k = if k > 0.0 { k } else { 0.0 };
-        add(self.single_scattering.hankel(k), self.kernel.on_real_axis(k.min(K_MAX)))
+        match &self.solution {
+            Solution::Matched(matched) => {
+                add(matched.single_scattering.hankel(k), matched.kernel.on_real_axis(k.min(K_MAX)))
+            }
+            Solution::Boundary(boundary) => boundary.hankel(k.min(K_MAX)),
+        }
     }
 }
 

@@ -24,15 +24,22 @@
 //!
 //! [`Estimate`]: crate::Estimate
 
+mod azimuthal_inversion;
+mod dielectric;
+mod dielectric_directions;
+mod dielectric_response;
 mod directions;
 mod dispersion;
 mod h_function;
 mod half_space;
 mod inversion;
 mod macdonald;
+mod oblique;
+mod oblique_single_scattering;
 mod single_scattering;
 
 pub use half_space::HalfSpace;
+pub use oblique::ObliqueHalfSpace;
 pub(crate) use single_scattering::Entrance;
 pub use single_scattering::SingleScattering;
 

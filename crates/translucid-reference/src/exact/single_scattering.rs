@@ -47,14 +47,25 @@ impl Entrance {
     }
 }
 
-/// Single scattering of one albedo and entry in an index-matched half space.
+/// Single scattering of one albedo and entry in the half space.
 ///
-/// Every figure has all its digits, for every r: the integrands are positive.
+/// Every figure has all its digits without a boundary, for every r: the integrands are positive. With one, f is
+/// computed by quadrature, to some 12 digits.
 #[derive(Clone, Debug)]
 pub struct SingleScattering {
     single_scattering_albedo: f64,
     /// σ − 1 and f dσ, in rising order.
     nodes: Vec<[f64; 2]>,
+    accuracy: Accuracy,
+}
+
+/// How the error of a sum over nodes is known.
+#[derive(Clone, Copy, Debug)]
+enum Accuracy {
+    /// The nodes are those of a trapezoidal rule, and every other one makes the coarser rule.
+    Halving,
+    /// Errors are this part of the sum.
+    Relative(f64),
 }
 
 /// Step of the trapezoidal rule in ln(σ − 1). The integrand is analytic for arguments of σ − 1 up to π/2, beyond
@@ -70,7 +81,16 @@ impl SingleScattering {
             let y = (f64::from(step) * STEP).exp();
             [y, density(entrance, y) * y * STEP]
         };
-        Self { single_scattering_albedo, nodes: STEPS.map(node).collect() }
+        Self { single_scattering_albedo, nodes: STEPS.map(node).collect(), accuracy: Accuracy::Halving }
+    }
+
+    /// From nodes σ − 1 and f dσ of any rule, in rising order.
+    pub(crate) fn from_nodes(
+        single_scattering_albedo: f64,
+        nodes: Vec<[f64; 2]>,
+        relative_error: f64,
+    ) -> Self {
+        Self { single_scattering_albedo, nodes, accuracy: Accuracy::Relative(relative_error) }
     }
 
     /// Surface albedo by single scattering, α P₁.
@@ -117,9 +137,13 @@ impl SingleScattering {
             }
         }
         let factor = factor * self.single_scattering_albedo;
-        // The finer rule's error is the square of the coarser's
-        let coarse = if all > 0.0 { (half - all) / all } else { 0.0 };
-        Estimate { value: all * factor, error: all * factor * (coarse * coarse + 3e-15) }
+        let relative_error = match self.accuracy {
+            // The finer rule's error is the square of the coarser's
+            Accuracy::Halving if all > 0.0 => ((half - all) / all).powi(2) + 3e-15,
+            Accuracy::Halving => 0.0,
+            Accuracy::Relative(error) => error,
+        };
+        Estimate { value: all * factor, error: all.abs() * factor * relative_error }
     }
 }
 
@@ -249,7 +273,7 @@ mod tests {
                     [y, density(entrance, y) * y * 0.5 * STEP]
                 })
                 .collect();
-            let fine = SingleScattering { single_scattering_albedo: 1.0, nodes: fine };
+            let fine = SingleScattering::from_nodes(1.0, fine, 0.0);
             for r in [1e-12, 1e-6, 1e-3, 0.1, 1.0, 10.0, 100.0, 700.0] {
                 let functions =
                     [SingleScattering::eval, SingleScattering::enclosed, SingleScattering::beyond];
