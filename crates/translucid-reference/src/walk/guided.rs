@@ -37,7 +37,7 @@
 //! 6. *Sixteen lanes*, breadth first, some 10 ns for a photon at α = 0.5 and 46 ns at α = 0.999 (`guided_chunk.rs`).
 //!
 //! In CPU time to 0.1 % of the total and to 1 % of the ring, beside analog absorption in lanes of the same kind:
-//! 313 and 91 times less (α = 0.5), 236 and 24 (0.9), 556 and 10 (0.99), 1190 and 8 (0.999).
+//! some 320 and 90 times less (α = 0.5), 250 and 25 (0.9), 580 and 10 (0.99), 1270 and 9 (0.999).
 //!
 //! Tried and left out: scoring the expected escape at every collision (2 times less variance per collision at
 //! α = 0.5, more variance from α = 0.9 on, and each score costs as much as a flight); k below the discrete
