@@ -126,10 +126,10 @@ impl HalfSpace {
     /// [`ObliqueHalfSpace`](super::ObliqueHalfSpace)'s.
     /// η = 1 is the solution without a boundary.
     ///
-    /// The relative error of R(r) for r ∈ \[0.03, 10\] is some 1e-9 for η ∈ \[1.2, 2\], and below 1e-6 for
-    /// η ∈ \[0.75, 0.9\] and \[1.05, 3\]; closer to 1 it grows to some 1e-5, as the boundary reflects in an ever
-    /// narrower range of angles. The error returned says.
-    /// Takes 0.6 s on one core; all cores are used.
+    /// The relative error of R(r) that is returned for r ∈ \[0.03, 10\] is some 1e-8 for η ∈ \[1.1, 2\], and 1e-6 or
+    /// less for η ∈ \[0.5, 0.9\] and \[1.02, 3\]; closer to 1 it grows to some 1e-4, as the boundary reflects in an
+    /// ever narrower range of angles.
+    /// Takes 0.7 s of one core; all cores are used.
     ///
     /// # Errors
     /// A parameter is outside its range, or a beam is totally reflected (η < 1).

@@ -9,6 +9,9 @@
 //! 2. The rest is transformed along a ray into the complex plane of k, which gives all digits of R(r) even where it has
 //!    decayed to 1e-50.
 //!
+//! Under a dielectric boundary ([`HalfSpace::with_boundary`]) the transform is the solution of an integral equation over
+//! directions, and an oblique beam ([`ObliqueHalfSpace`]) has one transform for each harmonic of the azimuth.
+//!
 //! ```
 //! use translucid_reference::{Entry, exact::HalfSpace};
 //!
