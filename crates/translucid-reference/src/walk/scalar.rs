@@ -38,7 +38,7 @@ impl Random {
 
 type Vector = [f64; 3];
 
-/// As [`super::trace`].
+/// As [`super::trace()`].
 pub(crate) fn trace_scalar(
     problem: &Problem,
     reference_albedo: f64,

@@ -116,7 +116,7 @@ fn single_precision_is_no_bias() {
         for index in 0..photons {
             let mut lanes = None;
             trace(&problem, albedo, 5, index..index + 1, &mut |exits| {
-                lanes = exits.first().copied().or(lanes)
+                lanes = exits.first().copied().or(lanes);
             });
             let double = replay(&problem, albedo, 5, index).exit;
             match (lanes, double) {
