@@ -37,8 +37,9 @@
 //! | exits without asking whether there are any | 5.8 | 2.81 | 1.49 |
 //! | logarithm's polynomial by Estrin's scheme instead of Horner's | 5.5 | 2.57 | 1.46 |
 //! | compiled apart for η = 1 | 5.5 | 2.57 | 1.39 |
-//! | the same with AVX2 | 8.3 | 4.26 | 2.11 |
-//! | the same with SSE2, refills one photon at a time | 24 | 12.8 | 5.1 |
+//! | that with xoshiro128++ instead of sfc32 | 5.6 | 2.73 | 1.46 |
+//! | with sfc32 and AVX2 | 8.3 | 4.26 | 2.11 |
+//! | with sfc32 and SSE2, refills one photon at a time | 24 | 12.8 | 5.1 |
 
 use std::ops::Range;
 
