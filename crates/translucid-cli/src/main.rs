@@ -1,4 +1,4 @@
-//! The `translucid` command: renders, profiles and samples translucent materials.
+//! The `translucid` command: renders, profiles and samples translucent materials, and knows their ground truth.
 //!
 //! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
 //! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
@@ -12,6 +12,8 @@ mod outputs;
 mod presets;
 mod profile;
 mod progress;
+mod radii;
+mod reference;
 mod render;
 mod sample;
 mod session;
@@ -38,6 +40,7 @@ enum Verb {
     Render(render::Arguments),
     Profile(profile::Arguments),
     Sample(sample::Arguments),
+    Reference(reference::Arguments),
 }
 
 const EXAMPLES: &str = "\
@@ -45,6 +48,7 @@ Examples:
   translucid
   translucid render bust.glb --preset marble --size 800x800 --spp 128
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
+  translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
   translucid help render";
 
 fn main() -> ExitCode {
@@ -70,5 +74,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Render(arguments)) => render::run(&arguments),
         Some(Verb::Profile(arguments)) => profile::run(&arguments),
         Some(Verb::Sample(arguments)) => sample::run(&arguments),
+        Some(Verb::Reference(arguments)) => reference::run(&arguments),
     }
 }

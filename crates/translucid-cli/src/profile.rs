@@ -4,7 +4,8 @@ use clap::Args;
 
 use crate::failure::Failure;
 use crate::model::ModelArguments;
-use crate::table::{TableArguments, exact};
+use crate::radii::RadiiArguments;
+use crate::table::TableArguments;
 
 const EXAMPLES: &str = "\
 Columns: r, reflectance R(r) per area, enclosed = integral of R 2 pi r' dr' from 0 to r.
@@ -22,22 +23,8 @@ Examples:
 pub(crate) struct Arguments {
     #[command(flatten)]
     model: ModelArguments,
-    /// Radii, comma-separated
-    #[arg(
-        long,
-        value_name = "R1,R2,...",
-        value_delimiter = ',',
-        allow_negative_numbers = true,
-        required_unless_present = "points",
-        conflicts_with_all = ["points", "max"]
-    )]
-    at: Vec<f64>,
-    /// Number of evenly spaced radii max/N, 2 max/N, ..., max
-    #[arg(long, value_name = "N", requires = "max", value_parser = clap::value_parser!(u32).range(1..))]
-    points: Option<u32>,
-    /// Largest radius of --points
-    #[arg(long, value_name = "R", requires = "points", allow_negative_numbers = true)]
-    max: Option<f64>,
+    #[command(flatten)]
+    radii: RadiiArguments,
     #[command(flatten)]
     table: TableArguments,
 }
@@ -47,26 +34,5 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let profile = arguments.model.profile()?;
     let columns = ["r", "reflectance", "enclosed"];
     let row = |r: f64| [r, profile.eval(r), profile.enclosed(r)];
-    match (arguments.points, arguments.max) {
-        (Some(points), Some(max)) => {
-            require_radius("--max", max)?;
-            if max == 0.0 {
-                return Err(Failure::input("--max is 0, but must be greater"));
-            }
-            let radius = |i: u32| max * (f64::from(i) / f64::from(points));
-            arguments.table.write(columns, (1..=points).map(radius).map(row))
-        }
-        _ => {
-            arguments.at.iter().try_for_each(|&r| require_radius("--at", r))?;
-            arguments.table.write(columns, arguments.at.iter().copied().map(row))
-        }
-    }
-}
-
-fn require_radius(option: &str, r: f64) -> Result<(), Failure> {
-    if r >= 0.0 && r.is_finite() {
-        return Ok(());
-    }
-    let r = exact(r);
-    Err(Failure::input(format!("{option} has the radius {r}, but radii must be finite and at least 0")))
+    arguments.table.write(columns, arguments.radii.iter()?.map(row))
 }

@@ -1,4 +1,4 @@
-//! Progress of a rendering on stderr: a bar on a terminal, a line now and then elsewhere.
+//! Progress of long work on stderr: a bar on a terminal, a line now and then elsewhere.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
@@ -12,10 +12,22 @@ const LINE_INTERVAL: Duration = Duration::from_secs(5);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
-/// Shows how far a rendering is.
+/// What work is counted in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unit {
+    /// Camera paths of a rendering.
+    Samples,
+    /// Photons of a walk.
+    Photons,
+    /// Albedos of a table.
+    Albedos,
+}
+
+/// Shows how far a piece of work is.
 pub(crate) struct Meter {
+    unit: Unit,
     start: Instant,
-    /// Camera paths that were there at the start, from an earlier run.
+    /// What was there at the start, from an earlier run.
     done_before: u64,
     /// When the time is up, if it is limited.
     deadline: Option<Instant>,
@@ -30,12 +42,12 @@ enum Display {
 
 impl Meter {
     /// A meter that shows nothing.
-    pub(crate) fn quiet(done_before: u64, deadline: Option<Instant>) -> Self {
-        Self { start: Instant::now(), done_before, deadline, display: Display::Quiet }
+    pub(crate) fn quiet(unit: Unit, done_before: u64, deadline: Option<Instant>) -> Self {
+        Self { unit, start: Instant::now(), done_before, deadline, display: Display::Quiet }
     }
 
     /// A meter that draws a bar on a terminal and prints lines elsewhere.
-    pub(crate) fn new(done_before: u64, deadline: Option<Instant>) -> Self {
+    pub(crate) fn new(unit: Unit, done_before: u64, deadline: Option<Instant>) -> Self {
         let display = if messages::is_interactive() {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:32} {percent:>3} % {msg}");
@@ -44,7 +56,7 @@ impl Meter {
         } else {
             Display::Lines { next: Mutex::new(Instant::now() + LINE_INTERVAL) }
         };
-        Self { display, ..Self::quiet(done_before, deadline) }
+        Self { display, ..Self::quiet(unit, done_before, deadline) }
     }
 
     /// Time since the start.
@@ -52,14 +64,14 @@ impl Meter {
         self.start.elapsed()
     }
 
-    /// Shows that `done` of `total` camera paths are done. Any thread may call it at any time.
+    /// Shows that `done` of `total` units are done. Any thread may call it at any time.
     pub(crate) fn update(&self, done: u64, total: u64) {
         match &self.display {
             Display::Quiet => {}
             Display::Bar(bar) => {
                 let state = self.state(done, total);
                 bar.set_position((state.fraction * STEPS as f64) as u64);
-                bar.set_message(state.text());
+                bar.set_message(state.text(self.unit));
             }
             Display::Lines { next } => {
                 // Another thread that is printing has just said the same.
@@ -68,7 +80,7 @@ impl Meter {
                 if now >= *next {
                     *next = now + LINE_INTERVAL;
                     let state = self.state(done, total);
-                    messages::line(&format!("{:3.0} % {}", 100.0 * state.fraction, state.text()));
+                    messages::line(&format!("{:3.0} % {}", 100.0 * state.fraction, state.text(self.unit)));
                 }
             }
         }
@@ -101,7 +113,7 @@ impl Meter {
 struct State {
     /// Part of the work done, in [0, 1].
     fraction: f64,
-    /// Camera paths per second.
+    /// Units per second.
     rate: f64,
     /// Seconds since the start.
     elapsed: f64,
@@ -110,13 +122,13 @@ struct State {
 }
 
 impl State {
-    fn text(&self) -> String {
-        format!(
-            "{:.2} M samples/s, {} passed, {} left",
-            self.rate * 1e-6,
-            duration(self.elapsed),
-            duration(self.left)
-        )
+    fn text(&self, unit: Unit) -> String {
+        let rate = match unit {
+            Unit::Samples => format!("{:.2} M samples/s", self.rate * 1e-6),
+            Unit::Photons => format!("{:.2} M photons/s", self.rate * 1e-6),
+            Unit::Albedos => format!("{:.1} albedos/s", self.rate),
+        };
+        format!("{rate}, {} passed, {} left", duration(self.elapsed), duration(self.left))
     }
 }
 
@@ -152,7 +164,7 @@ mod tests {
 
     #[test]
     fn state_counts_only_what_this_run_did() {
-        let meter = Meter::quiet(500, None);
+        let meter = Meter::quiet(Unit::Samples, 500, None);
         std::thread::sleep(Duration::from_millis(20));
         let state = meter.state(750, 1000);
         assert_eq!(state.fraction, 0.75);
@@ -162,7 +174,7 @@ mod tests {
 
     #[test]
     fn state_goes_by_the_clock_when_that_ends_first() {
-        let meter = Meter::quiet(0, Some(Instant::now() + Duration::from_secs(100)));
+        let meter = Meter::quiet(Unit::Samples, 0, Some(Instant::now() + Duration::from_secs(100)));
         let state = meter.state(1, u64::MAX);
         assert!(state.fraction < 0.01 && (99.0..=100.0).contains(&state.left));
     }

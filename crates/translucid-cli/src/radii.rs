@@ -42,9 +42,8 @@ impl RadiiArguments {
                 None
             }
         };
-        let radius = |(points, max): (u32, f64)| {
-            (1..=points).map(move |i| max * (f64::from(i) / f64::from(points)))
-        };
+        let radius =
+            |(points, max): (u32, f64)| (1..=points).map(move |i| max * (f64::from(i) / f64::from(points)));
         Ok(even.into_iter().flat_map(radius).chain(self.at.iter().copied()))
     }
 

@@ -10,7 +10,7 @@ use translucid_scene::Scene;
 
 use crate::failure::Failure;
 use crate::outputs::Outputs;
-use crate::progress::{Meter, duration};
+use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
 
 /// Time between two checkpoints: what a power cut may cost.
@@ -86,9 +86,9 @@ impl<'a> Work<'a> {
         let paths_before = self.paths();
         let deadline = self.session.limit.and_then(|limit| Instant::now().checked_add(limit));
         let meter = if self.session.quiet {
-            Meter::quiet(paths_before, deadline)
+            Meter::quiet(Unit::Samples, paths_before, deadline)
         } else {
-            Meter::new(paths_before, deadline)
+            Meter::new(Unit::Samples, paths_before, deadline)
         };
         let outcome = self.render_in_slices(&meter, deadline);
         let seconds = meter.elapsed().as_secs_f64();

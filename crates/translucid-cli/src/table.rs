@@ -31,6 +31,11 @@ pub(crate) enum Format {
 }
 
 impl TableArguments {
+    /// Finds out whether the file can be written, before long work.
+    pub(crate) fn check(&self) -> Result<(), Failure> {
+        self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_render::check_writable(path)?))
+    }
+
     /// Writes a table row by row; a reader that closes stdout early ends it without an error.
     pub(crate) fn write<const N: usize>(
         &self,

@@ -202,7 +202,9 @@ fn wrong_options_are_refused_with_a_reason() {
 
 #[test]
 fn every_verb_explains_itself_with_an_example() {
-    for words in ["--help", "render --help", "profile --help", "sample --help", "help profile"] {
+    for words in
+        ["--help", "render --help", "profile --help", "sample --help", "reference --help", "help profile"]
+    {
         let help = stdout(&here(), words);
         assert!(help.contains("Example") && help.contains("\n  translucid "), "{words}: {help}");
     }

@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 
 use crate::Configuration;
 use crate::quadrature::{gauss_legendre, integrate};
+use crate::roots::falling_root;
 
 /// Surface albedo A ∈ [0, 1] of a half space of isotropic scatterers whose refractive index is that of its
 /// surroundings, from the single-scattering albedo α.
@@ -64,34 +65,9 @@ pub fn half_space_single_scattering_albedo(surface_albedo: f64, configuration: C
     }
     let alpha = |root: f64| 1.0 - root * root;
     let excess = |root: f64| half_space_surface_albedo(alpha(root), configuration) - target;
-    alpha(falling_root(excess, 1.0 - target, -target))
-}
-
-/// Root √(1 − α) in [0, 1] of a function that falls from `at_0` > 0 to `at_1` < 0.
-///
-/// Regula falsi that scales down the value at an end which stays (N. Anderson and Å. Björck 1973, *A new high order
-/// method of regula falsi type*, BIT 13): order 1.7 where secants do, and never out of the bracket.
-fn falling_root(f: impl Fn(f64) -> f64, at_0: f64, at_1: f64) -> f64 {
-    let (mut left, mut at_left) = (0.0, at_0);
-    let (mut right, mut at_right) = (1.0, at_1);
-    for _ in 0..60 {
-        let x = left + (right - left) * (at_left / (at_left - at_right));
-        let value = f(x);
-        // Rounding errors of A, and of α by way of √(1 − α)
-        if value.abs() < 2e-15 + 2e-16 / x || x <= left || x >= right {
-            return x;
-        }
-        if value > 0.0 {
-            let ratio = 1.0 - value / at_left;
-            (left, at_left) = (x, value);
-            at_right *= if ratio > 0.0 { ratio } else { 0.5 };
-        } else {
-            let ratio = 1.0 - value / at_right;
-            (right, at_right) = (x, value);
-            at_left *= if ratio > 0.0 { ratio } else { 0.5 };
-        }
-    }
-    0.5 * (left + right)
+    // Rounding errors of A, and of α by way of √(1 − α)
+    let tolerance = |root: f64| 2e-15 + 2e-16 / root;
+    alpha(falling_root(excess, [1.0 - target, -target], tolerance))
 }
 
 /// Chandrasekhar's H function of one albedo, as the samples that its integral needs.
@@ -249,8 +225,8 @@ mod tests {
                         calls.set(calls.get() + 1);
                         half_space_surface_albedo(1.0 - root * root, configuration) - target
                     },
-                    1.0 - target,
-                    -target,
+                    [1.0 - target, -target],
+                    |root| 2e-15 + 2e-16 / root,
                 );
                 assert!(root > 0.0 && root < 1.0);
                 assert!(calls.get() <= 9, "{target}: {}", calls.get());

@@ -63,6 +63,7 @@ mod fresnel;
 mod half_space;
 mod media;
 pub mod quadrature;
+pub mod roots;
 mod scaling;
 mod slices;
 

@@ -22,7 +22,9 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
 
     let meter = Meter::new(Unit::Albedos, 0, None);
     let count = albedos.len() as u64;
-    let radii: Vec<f64> = arguments.radii.iter()?.collect();
+    // There may be billions of radii: rows are made as they are written.
+    drop(arguments.radii.iter()?);
+    let radii = || arguments.radii.iter().into_iter().flatten();
     let mut first = Some(first);
     let rows = albedos.iter().enumerate().map_while(|(index, &(surface_albedo, alpha))| {
         meter.update(index as u64, count);
@@ -34,8 +36,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
             }
         };
         let surface_albedo = surface_albedo.unwrap_or_else(|| solution.total().value);
-        let row = move |&r: &f64| solution.row(r, arguments.mfp, [surface_albedo, alpha]);
-        Some(radii.iter().map(row).collect::<Vec<_>>())
+        Some(radii().map(move |r| solution.row(r, arguments.mfp, [surface_albedo, alpha])))
     });
     let written = arguments.table.write(COLUMNS, rows.flatten());
     meter.finish();

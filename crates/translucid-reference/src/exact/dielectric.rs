@@ -242,6 +242,14 @@ impl DielectricHalfSpace {
     }
 }
 
+/// Surface albedo alone: R̂(0), without the profile's wave numbers; without a boundary of pencils only.
+pub(crate) fn total(single_scattering_albedo: f64, eta: f64, entrance: BoundaryEntrance) -> f64 {
+    let (dispersion, settings) = (Dispersion::new(single_scattering_albedo), DielectricSettings::default());
+    let wave_number = WaveNumber::real(&dispersion, 0.0);
+    let response = respond(&dispersion, wave_number, eta, settings.fine, &settings);
+    entrance.whole(&response, wave_number.k).re
+}
+
 fn respond(
     dispersion: &Dispersion,
     wave_number: WaveNumber,

@@ -1,9 +1,10 @@
 //! Radial profile of the half space.
 
 use num_complex::Complex64;
+use translucid_profile::ParameterError;
 use translucid_profile::quadrature::gauss_legendre;
-use translucid_profile::{Configuration, ParameterError, half_space_single_scattering_albedo};
 
+use super::albedo::single_scattering_albedo;
 use super::dielectric::{BoundaryEntrance, DielectricHalfSpace, DielectricSettings};
 use super::directions::directions;
 use super::dispersion::{Dispersion, exp_m1};
@@ -80,22 +81,7 @@ impl HalfSpace {
     /// # Errors
     /// A parameter is outside its range.
     pub fn from_surface_albedo(surface_albedo: f64, entry: Entry) -> Result<Self, ParameterError> {
-        if !(surface_albedo > 0.0 && surface_albedo <= 1.0) {
-            let parameter = "surface_albedo";
-            return Err(ParameterError { parameter, value: surface_albedo, allowed: "in (0, 1]" });
-        }
-        let alpha = match Entrance::of(entry)? {
-            Entrance::Normal => {
-                half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight)
-            }
-            Entrance::Cosine => half_space_single_scattering_albedo(surface_albedo, Configuration::Diffuse),
-            // A = (1 − √(1−α))²/α
-            Entrance::UniformCosine => {
-                4.0 * surface_albedo / ((1.0 + surface_albedo) * (1.0 + surface_albedo))
-            }
-        };
-        // A < α, which rounding may have lost
-        Self::new(alpha.clamp(surface_albedo, 1.0), entry)
+        Self::new(single_scattering_albedo(surface_albedo, 1.0, entry)?, entry)
     }
 
     pub(crate) fn with_settings(
@@ -307,7 +293,7 @@ impl MultipleScattering {
 mod tests {
     use std::f64::consts::PI;
 
-    use translucid_profile::half_space_surface_albedo;
+    use translucid_profile::{Configuration, half_space_surface_albedo};
 
     use super::*;
 

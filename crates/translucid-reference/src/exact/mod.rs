@@ -27,6 +27,7 @@
 //!
 //! [`Estimate`]: crate::Estimate
 
+mod albedo;
 mod azimuthal_inversion;
 mod dielectric;
 mod dielectric_directions;
@@ -41,6 +42,7 @@ mod oblique;
 mod oblique_single_scattering;
 mod single_scattering;
 
+pub use albedo::single_scattering_albedo;
 pub use half_space::HalfSpace;
 pub use oblique::ObliqueHalfSpace;
 pub(crate) use single_scattering::Entrance;

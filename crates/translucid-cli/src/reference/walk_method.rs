@@ -1,0 +1,457 @@
+//! `translucid reference --method monte-carlo`.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use clap::Args;
+use translucid_profile::{Configuration, half_space_single_scattering_albedo};
+use translucid_reference::exact::single_scattering_albedo;
+use translucid_reference::walk::{
+    Control, Forecast, Goal, Layout, PhaseFunction, Problem, Side, TableError, WhiteTable,
+};
+
+use super::{Arguments, COLUMNS};
+use crate::failure::Failure;
+use crate::progress::{Meter, Unit, duration};
+use crate::table::exact;
+use crate::{interrupt, machine, messages};
+
+/// Photons where neither their number nor an error is asked for.
+const DEFAULT_PHOTONS: u64 = 10_000_000;
+/// Time between two savings of the table: what a power cut may cost.
+const SAVE_INTERVAL: Duration = Duration::from_secs(30);
+/// Photons of a run that only finds out which albedo is needed.
+const PILOT_PHOTONS: u64 = 1 << 17;
+/// Most radii of a table, each with three edges of rings.
+const MOST_RADII: usize = 8000;
+/// Sectors of a half circle where one direction is asked for.
+const SECTORS: u32 = 18;
+
+/// Options of the walk alone.
+#[derive(Args, Debug)]
+pub(super) struct WalkArguments {
+    /// Number of photons, those of --table and --merge included [default: 1e7]
+    #[arg(long, value_name = "N", value_parser = parse_photons, conflicts_with = "error")]
+    photons: Option<u64>,
+    /// Relative standard error that every reflectance of the table is to reach, in place of --photons
+    #[arg(long, value_name = "E", allow_negative_numbers = true)]
+    error: Option<f64>,
+    /// Seed of the random numbers [default: 0]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Number of threads [default: one per processor]
+    #[arg(long, value_name = "N")]
+    threads: Option<usize>,
+    /// File that keeps the photons' table (NPZ)
+    #[arg(long = "table", value_name = "FILE.npz")]
+    table_file: Option<PathBuf>,
+    /// Go on from what --table holds, if it is there
+    #[arg(long, requires = "table_file")]
+    resume: bool,
+    /// Tables whose photons to add, comma-separated; of other seeds or other machines
+    #[arg(long, value_name = "FILE.npz,...", value_delimiter = ',')]
+    merge: Vec<PathBuf>,
+}
+
+impl WalkArguments {
+    /// Refuses all of them, where there is no walk.
+    pub(super) fn refuse_all(&self) -> Result<(), Failure> {
+        let given = [
+            ("--photons", self.photons.is_some()),
+            ("--error", self.error.is_some()),
+            ("--table", self.table_file.is_some()),
+            ("--merge", !self.merge.is_empty()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((option, _)) => {
+                Err(Failure::input(format!("{option} belongs to the walk, and the exact method has none"))
+                    .with_help("leave it out, or use --method monte-carlo"))
+            }
+            None => Ok(()),
+        }
+    }
+
+    fn seed(&self) -> u64 {
+        self.seed.unwrap_or(0)
+    }
+}
+
+/// A number of photons as one would type it, 10000000 or 1e7.
+fn parse_photons(text: &str) -> Result<u64, String> {
+    if let Ok(count) = text.parse::<u64>() {
+        return Ok(count);
+    }
+    match text.parse::<f64>() {
+        Ok(count) if count >= 0.0 && count < 2.0_f64.powi(63) && count.fract() == 0.0 => Ok(count as u64),
+        _ => Err(String::from("must be a whole number below 2^63, such as 10000000 or 1e7")),
+    }
+}
+
+/// Walks, and prints what the table says.
+pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+    let walk = &arguments.walk;
+    if let Some(error) = walk.error.filter(|error| !(*error > 0.0 && *error < 1.0)) {
+        return Err(Failure::input(format!("--error is {}, but must be in (0, 1)", exact(error))));
+    }
+    arguments.table.check()?;
+    if let Some(path) = &walk.table_file {
+        translucid_render::check_writable(path)?;
+    }
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(walk.threads.unwrap_or(0))
+        .build()
+        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
+    interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
+
+    let mut work = pool.install(|| Work::start(arguments, problem))?;
+    pool.install(|| work.walk())?;
+    let interrupted = interrupt::STOP.swap(false, Ordering::Relaxed);
+    work.save()?;
+    if interrupted && work.table.photons() == 0 {
+        return Err(Failure::Interrupted { help: String::from("nothing was walked yet") });
+    }
+    work.print()?;
+    if interrupted {
+        let photons = work.table.photons();
+        let help = match &walk.table_file {
+            Some(path) => format!("repeat the command with --resume to go on from {}", path.display()),
+            None => format!("the table is that of {photons} photons; --table would have kept them"),
+        };
+        return Err(Failure::Interrupted { help });
+    }
+    Ok(())
+}
+
+/// A walk on its way.
+struct Work<'a> {
+    arguments: &'a Arguments,
+    table: WhiteTable,
+    /// Radii in mean free paths.
+    radii: Vec<f64>,
+    albedos: Albedos,
+}
+
+/// The albedos of the printed table.
+enum Albedos {
+    /// Single-scattering albedos.
+    Scattering(Vec<f64>),
+    /// Surface albedos and the single-scattering albedos that are known to make them.
+    Known(Vec<(f64, f64)>),
+    /// Surface albedos, the rest to be read off the walk.
+    Surface(Vec<f64>),
+}
+
+impl<'a> Work<'a> {
+    fn start(arguments: &'a Arguments, problem: &Problem) -> Result<Self, Failure> {
+        // Radii and bins
+        let count = arguments.radii.count();
+        if count > MOST_RADII {
+            let message = format!("there are {count} radii, too many for a walk: {MOST_RADII} at most");
+            return Err(Failure::input(message));
+        }
+        let radii: Vec<f64> = arguments.radii.iter()?.map(|r| r / arguments.mfp).collect();
+        let sectors = if arguments.azimuth.is_some() { SECTORS } else { 1 };
+        let layout =
+            Layout::around_in_sectors(&radii, sectors).map_err(|error| radius_error(arguments, &error))?;
+
+        // What an earlier run left, else the first of the tables to be joined, else an empty one
+        let mut merge = arguments.walk.merge.iter();
+        let load = |path: &PathBuf| WhiteTable::load(path).map_err(table_failure);
+        let earlier = match earlier_table(arguments)? {
+            Some(table) => Some(table),
+            None => merge.next().map(load).transpose()?,
+        };
+        let albedos = Albedos::new(arguments, problem)?;
+        let table = match earlier {
+            Some(table) => {
+                if table.problem() != problem {
+                    return Err(foreign_table(
+                        arguments,
+                        "is of another problem: geometry, boundary or light",
+                    ));
+                }
+                if table.layout() != &layout {
+                    return Err(foreign_table(arguments, "has rings around other radii"));
+                }
+                table
+            }
+            None => {
+                let albedo = albedos.reference(arguments, problem)?;
+                WhiteTable::new(*problem, layout, albedo).map_err(|error| arguments.name_option(error))?
+            }
+        };
+        let mut work = Self { arguments, table, radii, albedos };
+        for path in merge {
+            work.table
+                .merge(&load(path)?)
+                .map_err(|error| Failure::input(format!("{} cannot be merged: {error}", path.display())))?;
+        }
+        work.check_albedos()?;
+        Ok(work)
+    }
+
+    /// A table that was made for lower albedos has no photons for higher ones.
+    fn check_albedos(&self) -> Result<(), Failure> {
+        let reference = self.table.reference_albedo();
+        let known: Vec<f64> = match &self.albedos {
+            Albedos::Scattering(list) => list.clone(),
+            Albedos::Known(list) => list.iter().map(|&(_, alpha)| alpha).collect(),
+            Albedos::Surface(_) => Vec::new(),
+        };
+        match known.iter().find(|&&alpha| alpha > reference) {
+            Some(&alpha) => {
+                let (alpha, reference) = (exact(alpha), exact(reference));
+                Err(foreign_table(
+                    self.arguments,
+                    &format!("was walked for albedos up to {reference}, and {alpha} is wanted"),
+                ))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Walks until there are enough photons, the error is small enough, or Ctrl-C.
+    fn walk(&mut self) -> Result<(), Failure> {
+        let (start, cpu_before) = (Instant::now(), machine::cpu_seconds());
+        let meter = Meter::new(Unit::Photons, 0, None);
+        let walked = match self.arguments.walk.error {
+            Some(error) => self.walk_to_error(error, &meter),
+            None => self.walk_photons(self.arguments.walk.photons.unwrap_or(DEFAULT_PHOTONS), &meter),
+        };
+        meter.finish();
+        let walked = walked?;
+        let seconds = start.elapsed().as_secs_f64();
+        let cpu = cpu_before
+            .zip(machine::cpu_seconds())
+            .map_or(String::new(), |(before, after)| format!(" ({:.1} s of CPU)", after - before));
+        let mut text = format!("walked {walked} photons in {}{cpu}", duration(seconds));
+        if walked != self.table.photons() {
+            text += &format!(", {} in all", self.table.photons());
+        }
+        messages::line(&text);
+        Ok(())
+    }
+
+    fn walk_photons(&mut self, photons: u64, meter: &Meter) -> Result<u64, Failure> {
+        let seed = self.arguments.walk.seed();
+        let wanted = photons.saturating_sub(self.table.photons());
+        let mut walked = 0;
+        while walked < wanted && !interrupt::STOP.load(Ordering::Relaxed) {
+            let before = walked;
+            let control = Control {
+                stop: &interrupt::STOP,
+                progress: &|done| meter.update(before + done, wanted),
+                deadline: Some(Instant::now() + SAVE_INTERVAL),
+            };
+            walked += self.table.run(seed, wanted - walked, &control).map_err(table_failure)?;
+            if walked < wanted {
+                self.save()?;
+            }
+        }
+        Ok(walked)
+    }
+
+    fn walk_to_error(&mut self, error: f64, meter: &Meter) -> Result<u64, Failure> {
+        let (arguments, radii, albedos) = (self.arguments, &self.radii, &self.albedos);
+        let worst = |table: &WhiteTable| {
+            let Ok(rows) = rows(arguments, table, radii, albedos) else { return f64::INFINITY };
+            rows.iter().map(|row| row[5] / row[3]).fold(0.0, f64::max)
+        };
+        let mut saved = (Instant::now(), Ok(()));
+        let total = std::sync::atomic::AtomicU64::new(u64::MAX);
+        let mut report = |table: &WhiteTable, forecast: &Forecast| {
+            let Forecast { photons_done, photons_left, .. } = *forecast;
+            total.store(photons_done.saturating_add(photons_left), Ordering::Relaxed);
+            if saved.0.elapsed() > SAVE_INTERVAL {
+                saved = (Instant::now(), save(arguments.walk.table_file.as_deref(), table));
+            }
+        };
+        let control = Control {
+            stop: &interrupt::STOP,
+            progress: &|done| meter.update(done, total.load(Ordering::Relaxed)),
+            deadline: None,
+        };
+        let goal = Goal { relative_error: error, photons: u64::MAX >> 1 };
+        let seed = arguments.walk.seed();
+        let walked =
+            self.table.run_until(seed, goal, &control, &worst, &mut report).map_err(table_failure)?;
+        saved.1.map(|()| walked)
+    }
+
+    fn save(&self) -> Result<(), Failure> {
+        save(self.arguments.walk.table_file.as_deref(), &self.table)
+    }
+
+    fn print(&self) -> Result<(), Failure> {
+        let rows = rows(self.arguments, &self.table, &self.radii, &self.albedos)?;
+        self.arguments.table.write(COLUMNS, rows.into_iter())
+    }
+}
+
+impl Albedos {
+    fn new(arguments: &Arguments, problem: &Problem) -> Result<Self, Failure> {
+        if !arguments.single_scattering_albedo.is_empty() {
+            let highest = WhiteTable::HIGHEST_REFERENCE_ALBEDO;
+            if let Some(&alpha) = arguments.single_scattering_albedo.iter().find(|&&alpha| alpha > highest) {
+                let message = format!(
+                    "--single-scattering-albedo has {}, but a walk goes up to {}",
+                    exact(alpha),
+                    exact(highest)
+                );
+                let help = if problem.parameters().thickness.is_finite() {
+                    "take that: over so few collisions it makes no difference"
+                } else {
+                    "closer to 1 walks do not end; the exact method has no such limit"
+                };
+                return Err(Failure::input(message).with_help(help));
+            }
+            return Ok(Self::Scattering(arguments.single_scattering_albedo.clone()));
+        }
+        let parameters = problem.parameters();
+        let isotropic = parameters.phase_function == PhaseFunction::ISOTROPIC;
+        if !isotropic || parameters.thickness.is_finite() {
+            return Ok(Self::Surface(arguments.surface_albedo.clone()));
+        }
+        let invert = |&surface_albedo: &f64| {
+            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.entry);
+            alpha.map(|alpha| (surface_albedo, alpha)).map_err(|error| arguments.name_option(error))
+        };
+        arguments.surface_albedo.iter().map(invert).collect::<Result<_, _>>().map(Self::Known)
+    }
+
+    /// The albedo at which to walk: the highest that is needed.
+    fn reference(&self, arguments: &Arguments, problem: &Problem) -> Result<f64, Failure> {
+        let highest = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);
+        match self {
+            Self::Scattering(list) => Ok(highest(&mut list.iter().copied())),
+            Self::Known(list) => Ok(highest(&mut list.iter().map(|&(_, alpha)| alpha))),
+            Self::Surface(list) => pilot(arguments, problem, highest(&mut list.iter().copied())),
+        }
+    }
+}
+
+/// Finds an albedo a little above the one that makes a surface albedo, by short walks.
+fn pilot(arguments: &Arguments, problem: &Problem, surface_albedo: f64) -> Result<f64, Failure> {
+    // By similarity a medium scatters like an isotropic one of the reduced albedo
+    let reduced = half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight);
+    let g = problem.parameters().phase_function.mean_cosine();
+    let guess = reduced / (1.0 - g + g * reduced);
+    let mut absorbed = 0.3 * (1.0 - guess);
+    loop {
+        let highest = WhiteTable::HIGHEST_REFERENCE_ALBEDO;
+        let reference = (1.0 - absorbed).min(highest);
+        let layout = Layout::new(&[1.0], 1).map_err(|error| arguments.name_option(error))?;
+        let mut table =
+            WhiteTable::new(*problem, layout, reference).map_err(|error| arguments.name_option(error))?;
+        let control = Control { stop: &interrupt::STOP, ..Control::default() };
+        table.run(arguments.walk.seed(), PILOT_PHOTONS, &control).map_err(table_failure)?;
+        if interrupt::STOP.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted { help: String::from("nothing was walked yet") });
+        }
+        match table.single_scattering_albedo(surface_albedo) {
+            Ok(found) => {
+                let above = found.value + 0.3 * (1.0 - found.value) + 4.0 * found.error;
+                return Ok(above.min(reference));
+            }
+            Err(_) if reference < highest => absorbed *= 0.1,
+            Err(_) => {
+                let all = table.at_albedo(reference).map_err(|error| arguments.name_option(error))?;
+                let most = exact((1e4 * all.total(Side::Reflected).value).round() * 1e-4);
+                let message = format!(
+                    "--surface-albedo has {}, but the medium reflects {most} at most, even with hardly any absorption",
+                    exact(surface_albedo)
+                );
+                return Err(
+                    Failure::input(message).with_help("the rest goes through: a thicker slab reflects more")
+                );
+            }
+        }
+    }
+}
+
+/// The lines of the printed table.
+fn rows(
+    arguments: &Arguments,
+    table: &WhiteTable,
+    radii: &[f64],
+    albedos: &Albedos,
+) -> Result<Vec<[f64; 6]>, Failure> {
+    let pairs: Vec<(Option<f64>, f64)> = match albedos {
+        Albedos::Scattering(list) => list.iter().map(|&alpha| (None, alpha)).collect(),
+        Albedos::Known(list) => list.iter().map(|&(albedo, alpha)| (Some(albedo), alpha)).collect(),
+        Albedos::Surface(list) => {
+            let invert = |&albedo: &f64| {
+                let alpha = table.single_scattering_albedo(albedo);
+                alpha.map(|alpha| (Some(albedo), alpha.value)).map_err(|error| arguments.name_option(error))
+            };
+            list.iter().map(invert).collect::<Result<_, _>>()?
+        }
+    };
+    let side = arguments.side();
+    let mut rows = Vec::with_capacity(pairs.len() * radii.len());
+    for (surface_albedo, alpha) in pairs {
+        let at = table.at_albedo(alpha).map_err(|error| arguments.name_option(error))?;
+        let surface_albedo = surface_albedo.unwrap_or_else(|| at.total(Side::Reflected).value);
+        for (&radius, r) in radii.iter().zip(arguments.radii.iter()?) {
+            let found = match arguments.azimuth {
+                Some(degrees) => at.at_radius_and_azimuth(side, radius, degrees.to_radians()),
+                None => at.at_radius(side, radius),
+            };
+            let found = found.map_err(|error| arguments.name_option(error))?;
+            let per_area = |value: f64| (value / arguments.mfp / arguments.mfp).min(f64::MAX);
+            let (reflectance, error) = (per_area(found.reflectance.value), per_area(found.reflectance.error));
+            rows.push([surface_albedo, alpha, r, reflectance, found.enclosed.value, error]);
+        }
+    }
+    Ok(rows)
+}
+
+/// What an earlier run left in the file, if it is wanted and there.
+fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
+    let walk = &arguments.walk;
+    let Some(path) = &walk.table_file else { return Ok(None) };
+    match (walk.resume, path.exists()) {
+        (true, true) => {
+            let table = WhiteTable::load(path).map_err(table_failure)?;
+            messages::line(&format!("going on from {} photons", table.photons()));
+            Ok(Some(table))
+        }
+        (true, false) => {
+            messages::line(&format!("there is no {} yet: starting anew", path.display()));
+            Ok(None)
+        }
+        (false, true) => Err(Failure::input(format!("{} is there already", path.display()))
+            .with_help("--resume goes on from it; delete it to start anew")),
+        (false, false) => Ok(None),
+    }
+}
+
+fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
+    match path {
+        Some(path) => table.save(path).map_err(|error| Failure::work(error.to_string())),
+        None => Ok(()),
+    }
+}
+
+fn foreign_table(arguments: &Arguments, what: &str) -> Failure {
+    let path = arguments.walk.table_file.as_ref().map_or(String::new(), |path| path.display().to_string());
+    Failure::input(format!("the table {path} {what}"))
+        .with_help("repeat the options that it was made with, or choose another file")
+}
+
+fn table_failure(error: TableError) -> Failure {
+    match error {
+        TableError::TooMany => Failure::work(error.to_string()),
+        error => Failure::input(error.to_string()),
+    }
+}
+
+fn radius_error(arguments: &Arguments, error: &translucid_profile::ParameterError) -> Failure {
+    let value = error.value * if error.parameter.contains("radi") { arguments.mfp } else { 1.0 };
+    let (name, value) = (error.parameter, exact(value));
+    Failure::input(format!(
+        "the walk's rings around --at or --points: {name} is {value}, but must be {}",
+        error.allowed
+    ))
+}
