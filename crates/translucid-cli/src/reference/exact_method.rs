@@ -2,6 +2,7 @@
 
 use std::cell::Cell;
 
+use rayon::prelude::*;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
 use translucid_reference::walk::{PhaseFunction, Problem};
 use translucid_reference::{Entry, Estimate};
@@ -15,26 +16,23 @@ use crate::table::exact;
 pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
     refuse_what_is_not_solved(arguments, problem)?;
     let albedos = albedos(arguments, problem)?;
-    let solve = |alpha: f64| Solution::new(arguments, problem, alpha);
+    let solve = |&(_, alpha): &(Option<f64>, f64)| Solution::new(arguments, problem, alpha);
     // Whatever can be wrong with an albedo shows before the first line is printed.
-    let first = solve(albedos[0].1)?;
-    let failed: Cell<Option<Failure>> = Cell::new(None);
-
-    let meter = Meter::new(Unit::Albedos, 0, None);
-    let count = albedos.len() as u64;
+    solve(&albedos[0])?;
     // There may be billions of radii: rows are made as they are written.
     drop(arguments.radii.iter()?);
     let radii = || arguments.radii.iter().into_iter().flatten();
-    let mut first = Some(first);
-    let rows = albedos.iter().enumerate().map_while(|(index, &(surface_albedo, alpha))| {
-        meter.update(index as u64, count);
-        let solution = match first.take().map_or_else(|| solve(alpha), Ok) {
-            Ok(solution) => solution,
-            Err(failure) => {
-                failed.set(Some(failure));
-                return None;
-            }
-        };
+
+    let meter = Meter::new(Unit::Albedos, 0, None);
+    let (mut done, count) = (0, albedos.len() as u64);
+    let failed: Cell<Option<Failure>> = Cell::new(None);
+    let solutions = albedos.chunks(rayon::current_num_threads()).flat_map(|albedos| {
+        meter.update(done, count);
+        done += albedos.len() as u64;
+        albedos.par_iter().map(solve).collect::<Vec<_>>()
+    });
+    let rows = albedos.iter().zip(solutions).map_while(|(&(surface_albedo, alpha), solution)| {
+        let solution = solution.map_err(|failure| failed.set(Some(failure))).ok()?;
         let surface_albedo = surface_albedo.unwrap_or_else(|| solution.total().value);
         Some(radii().map(move |r| solution.row(r, arguments.mfp, [surface_albedo, alpha])))
     });

@@ -3,9 +3,7 @@
 mod exact_method;
 mod walk_method;
 
-use std::path::PathBuf;
-
-use clap::{Args, ValueEnum};
+use clap::{ArgGroup, Args, ValueEnum};
 use translucid_reference::Entry;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
 
@@ -36,7 +34,7 @@ Examples:
 
 /// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
 #[derive(Args, Debug)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = EXAMPLES, group(ArgGroup::new("albedos").required(true)))]
 pub(crate) struct Arguments {
     /// How to find the truth
     #[arg(long, value_enum, default_value_t = Method::Exact)]
@@ -50,12 +48,17 @@ pub(crate) struct Arguments {
         value_name = "A1,A2,...",
         value_delimiter = ',',
         allow_negative_numbers = true,
-        required_unless_present = "surface_albedo",
-        conflicts_with = "surface_albedo"
+        group = "albedos"
     )]
     single_scattering_albedo: Vec<f64>,
     /// Surface albedos, each in (0, 1), comma-separated, from which the single-scattering albedos follow
-    #[arg(long, value_name = "A1,A2,...", value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "A1,A2,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        group = "albedos"
+    )]
     surface_albedo: Vec<f64>,
     /// Mean free path in the volume [any unit; all lengths are in the same]
     #[arg(long, value_name = "L", default_value_t = 1.0, allow_negative_numbers = true)]
