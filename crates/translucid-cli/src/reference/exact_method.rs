@@ -85,7 +85,7 @@ enum Solution {
     /// Around the normal, or its mean over all directions.
     Radial(HalfSpace),
     /// In one direction from the entry of a tilted beam.
-    Directed(ObliqueHalfSpace, f64),
+    Directed(Box<ObliqueHalfSpace>, f64),
 }
 
 impl Solution {
@@ -94,7 +94,7 @@ impl Solution {
         let solution = match (parameters.entry, arguments.azimuth) {
             (Entry::Pencil { cos_theta }, Some(degrees)) => {
                 ObliqueHalfSpace::new(alpha, parameters.eta, cos_theta)
-                    .map(|solution| Self::Directed(solution, degrees.to_radians()))
+                    .map(|solution| Self::Directed(Box::new(solution), degrees.to_radians()))
             }
             _ => HalfSpace::with_boundary(alpha, parameters.eta, parameters.entry).map(Self::Radial),
         };
