@@ -2,12 +2,17 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 use crate::messages;
 
 /// Set by the first Ctrl-C.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Signals closer together than this are one: `timeout -s INT` and some shells send it to the process and to its
+/// group.
+const ONE_PRESS: Duration = Duration::from_millis(300);
 
 /// What to print at the first Ctrl-C; nothing before it is caught.
 static MESSAGE: Mutex<Option<&'static str>> = Mutex::new(None);
@@ -18,7 +23,12 @@ pub(crate) fn catch(message: &'static str) -> Result<(), Failure> {
     if lock().replace(message).is_some() {
         return Ok(());
     }
+    let mut pressed: Option<Instant> = None;
     ctrlc::set_handler(move || {
+        let again = pressed.replace(Instant::now()).is_some_and(|before| before.elapsed() < ONE_PRESS);
+        if again {
+            return;
+        }
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(1);
         }
