@@ -47,21 +47,13 @@ use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch, mask32x16};
 
 use super::boundary::{Boundary, Ray};
+use super::exit_buffer::ExitBuffer;
 use super::lanes::{Floats, Words, exponential, unit};
+use super::photons::{BLOCK, Group, Photons};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{Directions, Scatter, WithScatter, with_scatter};
 use super::sources::Source;
 use super::{Exit, PhotonCounts, Problem, Side};
-
-/// Groups of lanes in a block: enough that a group's stores have long been done when it is loaded again, few
-/// enough that the block stays in the first-level cache.
-const GROUPS: usize = 32;
-/// Photons in a block.
-const BLOCK: usize = GROUPS * LANES;
-/// Places in a structure of photons: a vector may start at the last photon.
-const PLACES: usize = BLOCK + LANES;
-/// Exits that are handed on at a time.
-const EXITS: usize = 1024;
 
 /// Walks the photons of a range.
 ///
@@ -131,265 +123,6 @@ struct Setup {
     collisions_per_unit: f32,
 }
 
-/// Photons that are about to collide, as a structure of arrays.
-#[repr(align(64))]
-struct Photons {
-    x: [f32; PLACES],
-    y: [f32; PLACES],
-    z: [f32; PLACES],
-    /// Directions before the collision; unused where scattering forgets them.
-    ux: [f32; PLACES],
-    uy: [f32; PLACES],
-    uz: [f32; PLACES],
-    stream: [[u32; PLACES]; 4],
-    /// Collisions that it will yet survive.
-    left: [u32; PLACES],
-    /// Collisions that it will survive in all.
-    budget: [u32; PLACES],
-    /// How many there are, from place 0 on.
-    count: usize,
-}
-
-impl Photons {
-    fn none() -> Box<Self> {
-        let (floats, words) = ([0.0; PLACES], [0; PLACES]);
-        Box::new(Self {
-            x: floats,
-            y: floats,
-            z: floats,
-            ux: floats,
-            uy: floats,
-            uz: floats,
-            stream: [words; 4],
-            left: words,
-            budget: words,
-            count: 0,
-        })
-    }
-
-    /// Copies one photon; `to` and `from` are places in this and the other structure.
-    #[inline(always)]
-    fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
-        self.x[to] = photons.x[from];
-        self.y[to] = photons.y[from];
-        self.z[to] = photons.z[from];
-        self.ux[to] = photons.ux[from];
-        self.uy[to] = photons.uy[from];
-        self.uz[to] = photons.uz[from];
-        for (array, other) in self.stream.iter_mut().zip(&photons.stream) {
-            array[to] = other[from];
-        }
-        self.left[to] = photons.left[from];
-        self.budget[to] = photons.budget[from];
-    }
-
-    /// Copies one photon to another place.
-    #[inline(always)]
-    fn copy_within(&mut self, to: usize, from: usize) {
-        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.ux, &mut self.uy, &mut self.uz] {
-            array[to] = array[from];
-        }
-        for array in &mut self.stream {
-            array[to] = array[from];
-        }
-        self.left[to] = self.left[from];
-        self.budget[to] = self.budget[from];
-    }
-}
-
-/// Sixteen photons in registers.
-#[derive(Clone, Copy)]
-struct Group<S: Simd> {
-    x: Floats<S>,
-    y: Floats<S>,
-    z: Floats<S>,
-    directions: Directions<S>,
-    streams: Stream<Words<S>>,
-    left: Words<S>,
-    budget: Words<S>,
-}
-
-/// The sixteen elements of an array from `first` on.
-#[inline(always)]
-fn window<T>(array: &[T; PLACES], first: usize) -> &[T] {
-    &array[first..first + LANES]
-}
-
-#[inline(always)]
-fn window_mut<T>(array: &mut [T; PLACES], first: usize) -> &mut [T] {
-    &mut array[first..first + LANES]
-}
-
-impl<S: Simd> Group<S> {
-    /// Loads the photons from the place `first` on.
-    #[inline(always)]
-    fn load<P: Scatter>(simd: S, photons: &Photons, first: usize) -> Self {
-        let floats = |array| Floats::from_slice(simd, window(array, first));
-        let words = |array| Words::from_slice(simd, window(array, first));
-        let directions = if P::REMEMBERS {
-            Directions { x: floats(&photons.ux), y: floats(&photons.uy), z: floats(&photons.uz) }
-        } else {
-            let nothing = Floats::splat(simd, 0.0);
-            Directions { x: nothing, y: nothing, z: nothing }
-        };
-        Self {
-            x: floats(&photons.x),
-            y: floats(&photons.y),
-            z: floats(&photons.z),
-            directions,
-            streams: Stream([
-                words(&photons.stream[0]),
-                words(&photons.stream[1]),
-                words(&photons.stream[2]),
-                words(&photons.stream[3]),
-            ]),
-            left: words(&photons.left),
-            budget: words(&photons.budget),
-        }
-    }
-
-    #[inline(always)]
-    fn store<P: Scatter>(&self, photons: &mut Photons, first: usize) {
-        self.x.store_slice(window_mut(&mut photons.x, first));
-        self.y.store_slice(window_mut(&mut photons.y, first));
-        self.z.store_slice(window_mut(&mut photons.z, first));
-        if P::REMEMBERS {
-            self.directions.x.store_slice(window_mut(&mut photons.ux, first));
-            self.directions.y.store_slice(window_mut(&mut photons.uy, first));
-            self.directions.z.store_slice(window_mut(&mut photons.uz, first));
-        }
-        for (array, words) in photons.stream.iter_mut().zip(self.streams.0) {
-            words.store_slice(window_mut(array, first));
-        }
-        self.left.store_slice(window_mut(&mut photons.left, first));
-        self.budget.store_slice(window_mut(&mut photons.budget, first));
-    }
-
-    /// Applies a permutation of lanes to everything.
-    #[inline(always)]
-    fn map(
-        &self,
-        other: &Self,
-        floats: impl Fn(Floats<S>, Floats<S>) -> Floats<S>,
-        words: impl Fn(Words<S>, Words<S>) -> Words<S>,
-    ) -> Self {
-        let (u, v) = (self.directions, other.directions);
-        let (s, t) = (self.streams.0, other.streams.0);
-        Self {
-            x: floats(self.x, other.x),
-            y: floats(self.y, other.y),
-            z: floats(self.z, other.z),
-            directions: Directions { x: floats(u.x, v.x), y: floats(u.y, v.y), z: floats(u.z, v.z) },
-            streams: Stream([words(s[0], t[0]), words(s[1], t[1]), words(s[2], t[2]), words(s[3], t[3])]),
-            left: words(self.left, other.left),
-            budget: words(self.budget, other.budget),
-        }
-    }
-
-    /// Moves the photons of a mask to the first lanes, in order.
-    #[inline(always)]
-    fn compress(&self, mask: mask32x16<S>) -> Self {
-        self.map(self, |a, _| a.compress(mask), |a, _| a.compress(mask))
-    }
-
-    /// Puts the first of other photons, in order, into the lanes of a mask.
-    #[inline(always)]
-    fn refill(&self, fresh: &Self, mask: mask32x16<S>) -> Self {
-        self.map(fresh, |a, b| b.expand_merge(mask, a), |a, b| b.expand_merge(mask, a))
-    }
-
-    /// Flies without regard to faces.
-    #[inline(always)]
-    fn fly(&mut self, simd: S) {
-        let flight = exponential(simd, self.streams.next());
-        self.x = flight.mul_add(self.directions.x, self.x);
-        self.y = flight.mul_add(self.directions.y, self.y);
-        self.z = flight.mul_add(self.directions.z, self.z);
-    }
-}
-
-/// Exits on their way to the caller, as a structure of arrays.
-struct Exits<'a> {
-    x: [f32; EXITS + LANES],
-    y: [f32; EXITS + LANES],
-    cos_theta: [f32; EXITS + LANES],
-    order: [u32; EXITS + LANES],
-    transmitted: [u32; EXITS + LANES],
-    count: usize,
-    total: u64,
-    batch: Vec<Exit>,
-    hand_on: &'a mut dyn FnMut(&[Exit]),
-}
-
-impl<'a> Exits<'a> {
-    fn new(hand_on: &'a mut dyn FnMut(&[Exit])) -> Self {
-        Self {
-            x: [0.0; EXITS + LANES],
-            y: [0.0; EXITS + LANES],
-            cos_theta: [0.0; EXITS + LANES],
-            order: [0; EXITS + LANES],
-            transmitted: [0; EXITS + LANES],
-            count: 0,
-            total: 0,
-            batch: Vec::with_capacity(EXITS + LANES),
-            hand_on,
-        }
-    }
-
-    /// Adds the first `count` lanes.
-    #[inline(always)]
-    fn push<S: Simd>(
-        &mut self,
-        [x, y, cos_theta]: [Floats<S>; 3],
-        [order, transmitted]: [Words<S>; 2],
-        count: usize,
-    ) {
-        let range = self.count..self.count + LANES;
-        x.store_slice(&mut self.x[range.clone()]);
-        y.store_slice(&mut self.y[range.clone()]);
-        cos_theta.store_slice(&mut self.cos_theta[range.clone()]);
-        order.store_slice(&mut self.order[range.clone()]);
-        transmitted.store_slice(&mut self.transmitted[range]);
-        self.added(count);
-    }
-
-    #[inline(always)]
-    fn push_one(&mut self, x: f32, y: f32, cos_theta: f32, order: u32, transmitted: u32) {
-        let i = self.count;
-        self.x[i] = x;
-        self.y[i] = y;
-        self.cos_theta[i] = cos_theta;
-        self.order[i] = order;
-        self.transmitted[i] = transmitted;
-        self.added(1);
-    }
-
-    #[inline(always)]
-    fn added(&mut self, count: usize) {
-        self.count += count;
-        if self.count >= EXITS {
-            self.flush();
-        }
-    }
-
-    #[inline(never)]
-    fn flush(&mut self) {
-        self.batch.clear();
-        for i in 0..self.count {
-            self.batch.push(Exit {
-                x: self.x[i],
-                y: self.y[i],
-                cos_theta: self.cos_theta[i],
-                order: self.order[i],
-                side: if self.transmitted[i] == 0 { Side::Reflected } else { Side::Transmitted },
-            });
-        }
-        self.total += self.count as u64;
-        self.count = 0;
-        (self.hand_on)(&self.batch);
-    }
-}
-
 /// A walk; `MATCHED`: η = 1.
 struct Walk<'a, S: Simd, P: Scatter, const MATCHED: bool> {
     simd: S,
@@ -401,7 +134,7 @@ struct Walk<'a, S: Simd, P: Scatter, const MATCHED: bool> {
     pool: Box<Photons>,
     /// Photons under way.
     block: Box<Photons>,
-    exits: Exits<'a>,
+    exits: ExitBuffer<'a>,
     absorbed: u64,
     /// Collisions survived.
     scattered: u64,
@@ -422,7 +155,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             waiting,
             pool: Photons::none(),
             block: Photons::none(),
-            exits: Exits::new(exits),
+            exits: ExitBuffer::new(exits),
             absorbed: 0,
             scattered: 0,
         }
