@@ -52,13 +52,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::Level;
 use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
 use super::guided_chunk::{BLOCK, CHUNK, ChunkSums, Scoring, Workspace, walk_block};
 use super::guided_sampling::Guide;
 use super::guided_tally::GuidedTally;
+use super::instruction_sets::dispatched;
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::{Control, Parameters, PhaseFunction, Problem, TableError};
 use crate::exact::{Entrance, SingleScattering};
@@ -280,7 +281,7 @@ impl GuidedWalk {
         let chunks = photons.start / Self::CHUNK..photons.end / Self::CHUNK;
         let mut sums = vec![ChunkSums::new(self.radii.len()); (chunks.end - chunks.start) as usize];
         let (guide, scoring) = (&self.guide, &self.scoring);
-        dispatch!(Level::new(), simd => walk_block(simd, guide, scoring, seed, chunks.start, &mut sums, workspace));
+        dispatched!(Level::new(), simd => walk_block(simd, guide, scoring, seed, chunks.start, &mut sums, workspace));
         sums
     }
 

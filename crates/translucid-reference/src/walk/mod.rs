@@ -11,6 +11,7 @@ mod guided_file;
 mod guided_sampling;
 mod guided_tally;
 mod guided_until;
+mod instruction_sets;
 mod lanes;
 mod layout;
 mod measure;

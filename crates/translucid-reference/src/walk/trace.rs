@@ -44,10 +44,11 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Level, Simd, dispatch, mask32x16};
+use fearless_simd::{Level, Simd, mask32x16};
 
 use super::boundary::{Boundary, Ray};
 use super::exit_buffer::ExitBuffer;
+use super::instruction_sets::dispatched;
 use super::lanes::{Floats, Words, exponential, unit};
 use super::photons::{BLOCK, Group, Photons};
 use super::random::{Key, LANES, Stream};
@@ -91,9 +92,9 @@ pub(crate) fn trace_at_level(
         fn run<P: Scatter>(self, scatter: P) -> PhotonCounts {
             let Self { level, setup, photons, exits } = self;
             if setup.boundary.matched {
-                dispatch!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, photons, exits).run())
+                dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, photons, exits).run())
             } else {
-                dispatch!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, photons, exits).run())
+                dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, photons, exits).run())
             }
         }
     }
