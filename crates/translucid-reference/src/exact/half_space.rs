@@ -612,7 +612,7 @@ mod tests {
         let error = HalfSpace::new(0.5, Entry::Pencil { cos_theta: 0.5 }).unwrap_err();
         assert_eq!(
             error.to_string(),
-            "cos_theta is 0.5, but must be 1: an oblique pencil has no radial profile"
+            "cos_theta is 0.5, but must be 1; the mean profile of an oblique pencil is with_boundary's"
         );
     }
 }

@@ -38,7 +38,7 @@ impl Entrance {
         match entry {
             Entry::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
             Entry::Pencil { cos_theta } => {
-                let allowed = "1: an oblique pencil has no radial profile";
+                let allowed = "1; the mean profile of an oblique pencil is with_boundary's";
                 Err(ParameterError { parameter: "cos_theta", value: cos_theta, allowed })
             }
             Entry::Cosine => Ok(Self::Cosine),
