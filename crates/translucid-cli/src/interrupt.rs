@@ -10,6 +10,17 @@ use crate::messages;
 /// Set by the first Ctrl-C.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 
+/// Set once the work has stopped and only its results remain to be written.
+static WRITING: AtomicBool = AtomicBool::new(false);
+
+/// Whether Ctrl-C was pressed. From now on what has been asked to stop may write its results undisturbed; the next
+/// Ctrl-C ends the process at once.
+pub(crate) fn settle() -> bool {
+    let stopped = STOP.swap(false, Ordering::Relaxed);
+    WRITING.store(stopped, Ordering::Relaxed);
+    stopped
+}
+
 /// Signals closer together than this are one: `timeout -s INT` and some shells send it to the process and to its
 /// group.
 const ONE_PRESS: Duration = Duration::from_millis(300);
@@ -29,7 +40,7 @@ pub(crate) fn catch(message: &'static str) -> Result<(), Failure> {
         if again {
             return;
         }
-        if STOP.swap(true, Ordering::Relaxed) {
+        if STOP.swap(true, Ordering::Relaxed) || WRITING.load(Ordering::Relaxed) {
             std::process::exit(1);
         }
         let message = *lock();

@@ -31,6 +31,11 @@ pub(crate) enum Format {
 }
 
 impl TableArguments {
+    /// The file to write, if it is not stdout.
+    pub(crate) fn output(&self) -> Option<&Path> {
+        self.output.as_deref()
+    }
+
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_render::check_writable(path)?))

@@ -20,7 +20,9 @@ reflects from outside is not part of it.
 
 The exact method knows the half space with isotropic scattering (g = 0), with any boundary.
 The walk knows everything else, too. Its reflectance is the mean over a ring around r, of half width
-min(0.02 r, 0.05 mean free paths) or less where radii are dense; enclosed has no such width.
+min(0.02 r, 0.05 mean free paths) or less where radii are dense; enclosed has no such width. With --azimuth it
+is the mean over a sector of that ring, one degree wide, or wider (up to 10) where there are many radii.
+R grows like 1/r towards r = 0, where the exact method prints a huge finite number and the walk has no ring.
 
 One walk serves all albedos of the list. With --table its photons stay in a file, to be continued with
 --resume and joined with --merge; no photon counts twice.
@@ -127,16 +129,20 @@ const COLUMNS: [&str; 6] =
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
-    match arguments.method {
+    arguments.walk.pool()?.install(|| match arguments.method {
         Method::Exact => exact_method::run(arguments, &problem),
         Method::MonteCarlo => walk_method::run(arguments, &problem),
-    }
+    })
 }
 
 impl Arguments {
     /// Checks what both methods share, and turns lengths into mean free paths.
     fn problem(&self) -> Result<Problem, Failure> {
         require_positive("--mfp", self.mfp)?;
+        if !(1e-100..=1e100).contains(&self.mfp) {
+            let message = format!("--mfp is {}, but must be in [1e-100, 1e100]", exact(self.mfp));
+            return Err(Failure::input(message));
+        }
         if let Some(thickness) = self.thickness {
             require_positive("--thickness", thickness)?;
         }
@@ -185,6 +191,14 @@ impl Arguments {
 
     /// A parameter's error in the words of the command line.
     fn name_option(&self, error: translucid_profile::ParameterError) -> Failure {
+        if error.parameter == "cos_theta" && self.eta < 1.0 {
+            let limit = exact((1e4 * self.eta.asin().to_degrees()).floor() * 1e-4);
+            let angle = exact(self.incidence_angle.unwrap_or_default());
+            return Failure::input(format!(
+                "--incidence-angle is {angle}, but must be below asin(eta) = {limit}"
+            ))
+            .with_help("beyond that angle no light enters");
+        }
         let (option, value) = match error.parameter {
             "g" => ("--g", self.g),
             "eta" => ("--eta", self.eta),
@@ -195,7 +209,11 @@ impl Arguments {
             "surface_albedo" => ("--surface-albedo", error.value),
             other => (other, error.value),
         };
-        Failure::input(format!("{option} is {}, but must be {}", exact(value), error.allowed))
+        let failure = Failure::input(format!("{option} is {}, but must be {}", exact(value), error.allowed));
+        if error.allowed.contains("exact solution") {
+            return failure.with_help("use --method monte-carlo, which has no such limit");
+        }
+        failure
     }
 
     fn check_albedos(&self) -> Result<(), Failure> {

@@ -25,8 +25,12 @@ const SAVE_INTERVAL: Duration = Duration::from_secs(30);
 const PILOT_PHOTONS: u64 = 1 << 17;
 /// Most radii of a table, each with three edges of rings.
 const MOST_RADII: usize = 8000;
-/// Sectors of a half circle where one direction is asked for.
-const SECTORS: u32 = 18;
+/// Lowest albedo that a table is asked for: the squares of weights are numbers.
+const LOWEST: f64 = 1e-100;
+/// Lowest albedo at which photons walk.
+const LOWEST_REFERENCE: f64 = 0.5;
+/// Rings × sectors for which there is room.
+const MOST_CELLS: usize = 25_000;
 
 /// Options of the walk alone.
 #[derive(Args, Debug)]
@@ -40,9 +44,9 @@ pub(super) struct WalkArguments {
     /// Seed of the random numbers [default: 0]
     #[arg(long, value_name = "S")]
     seed: Option<u64>,
-    /// Number of threads [default: one per processor]
-    #[arg(long, value_name = "N")]
-    threads: Option<usize>,
+    /// Number of threads, at most 1024 [default: one per processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
     /// File that keeps the photons' table (NPZ)
     #[arg(long = "table", value_name = "FILE.npz")]
     table_file: Option<PathBuf>,
@@ -62,6 +66,7 @@ impl WalkArguments {
             ("--error", self.error.is_some()),
             ("--table", self.table_file.is_some()),
             ("--merge", !self.merge.is_empty()),
+            ("--seed", self.seed.is_some()),
         ];
         match given.iter().find(|(_, given)| *given) {
             Some((option, _)) => {
@@ -70,6 +75,14 @@ impl WalkArguments {
             }
             None => Ok(()),
         }
+    }
+
+    /// The threads that are to work.
+    pub(super) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(self.threads.map_or(0, usize::from))
+            .build()
+            .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))
     }
 
     fn seed(&self) -> u64 {
@@ -98,15 +111,12 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
     if let Some(path) = &walk.table_file {
         translucid_render::check_writable(path)?;
     }
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(walk.threads.unwrap_or(0))
-        .build()
-        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
+    spare_tables(arguments)?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 
-    let mut work = pool.install(|| Work::start(arguments, problem))?;
-    pool.install(|| work.walk())?;
-    let interrupted = interrupt::STOP.swap(false, Ordering::Relaxed);
+    let mut work = Work::start(arguments, problem)?;
+    work.walk()?;
+    let interrupted = interrupt::settle();
     work.save()?;
     if interrupted && work.table.photons() == 0 {
         return Err(Failure::Interrupted { help: String::from("nothing was walked yet") });
@@ -121,6 +131,30 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
         return Err(Failure::Interrupted { help });
     }
     Ok(())
+}
+
+/// Refuses to print the table over the files of photons.
+fn spare_tables(arguments: &Arguments) -> Result<(), Failure> {
+    let walk = &arguments.walk;
+    let Some(output) = arguments.table.output() else { return Ok(()) };
+    // A file that is not there yet is told by its directory and name
+    let same = |path: &Path| {
+        let place = |path: &Path| {
+            std::fs::canonicalize(path).ok().or_else(|| {
+                let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+                let directory = std::fs::canonicalize(directory.unwrap_or(Path::new("."))).ok()?;
+                Some(directory.join(path.file_name()?))
+            })
+        };
+        place(path).is_some_and(|path| place(output) == Some(path))
+    };
+    match walk.table_file.iter().chain(&walk.merge).find(|path| same(path)) {
+        Some(path) => {
+            Err(Failure::input(format!("--output would replace the photons in {}", path.display()))
+                .with_help("choose another file for the printed table"))
+        }
+        None => Ok(()),
+    }
 }
 
 /// A walk on its way.
@@ -151,7 +185,7 @@ impl<'a> Work<'a> {
             return Err(Failure::input(message));
         }
         let radii: Vec<f64> = arguments.radii.iter()?.map(|r| r / arguments.mfp).collect();
-        let sectors = if arguments.azimuth.is_some() { SECTORS } else { 1 };
+        let sectors = arguments.azimuth.map_or(1, |azimuth| sectors(azimuth, count));
         let layout =
             Layout::around_in_sectors(&radii, sectors).map_err(|error| radius_error(arguments, &error))?;
 
@@ -256,7 +290,9 @@ impl<'a> Work<'a> {
         let (arguments, radii, albedos) = (self.arguments, &self.radii, &self.albedos);
         let worst = |table: &WhiteTable| {
             let Ok(rows) = rows(arguments, table, radii, albedos) else { return f64::INFINITY };
-            rows.iter().map(|row| row[5] / row[3]).fold(0.0, f64::max)
+            // Nothing over nothing is not known either
+            let relative = rows.iter().map(|row| row[5] / row[3]);
+            relative.map(|error| if error.is_nan() { f64::INFINITY } else { error }).fold(0.0, f64::max)
         };
         let mut saved = (Instant::now(), Ok(()));
         let total = std::sync::atomic::AtomicU64::new(u64::MAX);
@@ -306,29 +342,53 @@ impl Albedos {
                 };
                 return Err(Failure::input(message).with_help(help));
             }
+            if let Some(&alpha) = arguments.single_scattering_albedo.iter().find(|&&alpha| alpha < LOWEST) {
+                let (alpha, lowest) = (exact(alpha), exact(LOWEST));
+                let message =
+                    format!("--single-scattering-albedo has {alpha}, but a walk goes down to {lowest}");
+                return Err(Failure::input(message).with_help("the exact method has no such limit"));
+            }
             return Ok(Self::Scattering(arguments.single_scattering_albedo.clone()));
         }
         let parameters = problem.parameters();
-        let isotropic = parameters.phase_function == PhaseFunction::ISOTROPIC;
-        if !isotropic || parameters.thickness.is_finite() {
+        let solved = parameters.phase_function == PhaseFunction::ISOTROPIC
+            && parameters.thickness.is_infinite()
+            && (0.5..=3.0).contains(&parameters.eta);
+        if !solved {
             return Ok(Self::Surface(arguments.surface_albedo.clone()));
         }
         let invert = |&surface_albedo: &f64| {
             let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.entry);
-            alpha.map(|alpha| (surface_albedo, alpha)).map_err(|error| arguments.name_option(error))
+            let alpha = alpha.map_err(|error| arguments.name_option(error))?;
+            if alpha > WhiteTable::HIGHEST_REFERENCE_ALBEDO {
+                return Err(out_of_reach(surface_albedo));
+            }
+            Ok((surface_albedo, alpha))
         };
         arguments.surface_albedo.iter().map(invert).collect::<Result<_, _>>().map(Self::Known)
     }
 
     /// The albedo at which to walk: the highest that is needed.
     fn reference(&self, arguments: &Arguments, problem: &Problem) -> Result<f64, Failure> {
-        let highest = |list: &mut dyn Iterator<Item = f64>| list.fold(0.0, f64::max);
+        // Photons that survive tell of low albedos, too: those that hardly scatter would leave few
+        let highest = |list: &mut dyn Iterator<Item = f64>| list.fold(LOWEST_REFERENCE, f64::max);
         match self {
             Self::Scattering(list) => Ok(highest(&mut list.iter().copied())),
             Self::Known(list) => Ok(highest(&mut list.iter().map(|&(_, alpha)| alpha))),
-            Self::Surface(list) => pilot(arguments, problem, highest(&mut list.iter().copied())),
+            Self::Surface(list) => pilot(arguments, problem, list.iter().copied().fold(0.0, f64::max))
+                .map(|albedo| albedo.max(LOWEST_REFERENCE)),
         }
     }
+}
+
+/// A surface albedo that takes more collisions than a walk goes through.
+fn out_of_reach(surface_albedo: f64) -> Failure {
+    let message = format!(
+        "--surface-albedo has {}, which takes a single-scattering albedo above {}, where a walk ends",
+        exact(surface_albedo),
+        exact(WhiteTable::HIGHEST_REFERENCE_ALBEDO)
+    );
+    Failure::input(message).with_help("the exact method has no such limit, where scattering is isotropic")
 }
 
 /// Finds an albedo a little above the one that makes a surface albedo, by short walks.
@@ -355,16 +415,20 @@ fn pilot(arguments: &Arguments, problem: &Problem, surface_albedo: f64) -> Resul
                 return Ok(above.min(reference));
             }
             Err(_) if reference < highest => absorbed *= 0.1,
+            Err(_) if problem.parameters().thickness.is_infinite() => {
+                return Err(out_of_reach(surface_albedo));
+            }
             Err(_) => {
-                let all = table.at_albedo(reference).map_err(|error| arguments.name_option(error))?;
-                let most = exact((1e4 * all.total(Side::Reflected).value).round() * 1e-4);
+                let reflected = |albedo: f64| {
+                    let at = table.at_albedo(albedo).map_err(|error| arguments.name_option(error))?;
+                    Ok::<f64, Failure>(at.total(Side::Reflected).value)
+                };
+                let (least, most) = (reflected(0.0)?, reflected(reference)?);
                 let message = format!(
-                    "--surface-albedo has {}, but the medium reflects {most} at most, even with hardly any absorption",
+                    "--surface-albedo has {}, but this slab reflects from {least:.4} to {most:.4}",
                     exact(surface_albedo)
                 );
-                return Err(
-                    Failure::input(message).with_help("the rest goes through: a thicker slab reflects more")
-                );
+                return Err(Failure::input(message).with_help("the rest goes through or is absorbed"));
             }
         }
     }
@@ -407,6 +471,24 @@ fn rows(
     Ok(rows)
 }
 
+/// Sectors of a half circle so that one of them is centered on a direction, or nearly: about 180, of one degree, or
+/// as many as there is room for.
+fn sectors(azimuth: f64, radii: usize) -> u32 {
+    let most = (MOST_CELLS / (3 * radii + 1)).clamp(18, 180) as u32;
+    let angle = azimuth.rem_euclid(360.0);
+    let angle = angle.min(360.0 - angle);
+    // How far the direction is from its sector's center, in degrees; the sectors at 0 and 180 are centered on these,
+    // as both mirror images count
+    let off = |sectors: &u32| {
+        let width = 180.0 / f64::from(*sectors);
+        let inside = angle / width;
+        let center = ((inside.floor() + 0.5) * width - angle).abs();
+        let edge = angle.min(180.0 - angle);
+        if edge < 1e-9 { 0.0 } else { center }
+    };
+    (most - most / 3..=most).rev().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(most)
+}
+
 /// What an earlier run left in the file, if it is wanted and there.
 fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
     let walk = &arguments.walk;
@@ -435,7 +517,9 @@ fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
 }
 
 fn foreign_table(arguments: &Arguments, what: &str) -> Failure {
-    let path = arguments.walk.table_file.as_ref().map_or(String::new(), |path| path.display().to_string());
+    let walk = &arguments.walk;
+    let resumed = walk.table_file.as_ref().filter(|path| walk.resume && path.exists());
+    let path = resumed.or(walk.merge.first()).map_or(String::new(), |path| path.display().to_string());
     Failure::input(format!("the table {path} {what}"))
         .with_help("repeat the options that it was made with, or choose another file")
 }
@@ -449,6 +533,12 @@ fn table_failure(error: TableError) -> Failure {
 
 fn radius_error(arguments: &Arguments, error: &translucid_profile::ParameterError) -> Failure {
     let value = error.value * if error.parameter.contains("radi") { arguments.mfp } else { 1.0 };
+    if error.parameter.contains('×') {
+        let most = MOST_CELLS / 18 / 3;
+        return Failure::input(format!(
+            "there are too many radii for sectors of a direction: {most} at most"
+        ));
+    }
     let (name, value) = (error.parameter, exact(value));
     Failure::input(format!(
         "the walk's rings around --at or --points: {name} is {value}, but must be {}",

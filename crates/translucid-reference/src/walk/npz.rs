@@ -1,6 +1,6 @@
 //! Archives of NumPy arrays: ZIP files with a member `NAME.npy` for every array, stored as they are.
 
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 
@@ -82,12 +82,12 @@ impl Reader<BufReader<File>> {
     /// The file cannot be read, or is not such an archive.
     pub(crate) fn open(path: &Path, longest: u64, members: &[&str]) -> Result<Self, TableError> {
         let unreadable = TableError::io(path, "read");
-        let file = File::open(path).map_err(&unreadable)?;
-        let metadata = file.metadata().map_err(&unreadable)?;
-        if !metadata.is_file() {
+        // Before it is opened: opening a pipe waits for its other end
+        if !fs::metadata(path).map_err(&unreadable)?.is_file() {
             return Err(unreadable(io::Error::other("it is not a regular file")));
         }
-        let length = metadata.len();
+        let file = File::open(path).map_err(&unreadable)?;
+        let length = file.metadata().map_err(&unreadable)?.len();
         if length > longest {
             let problem = format!("has {length} bytes, but at most {longest} are allowed");
             return Err(TableError::File { path: path.to_owned(), member: String::new(), problem });

@@ -76,7 +76,8 @@ impl Problem {
         require(thickness > 0.0, "thickness", thickness, "greater than 0")?;
         if let Entry::Pencil { cos_theta } = entry {
             require(cos_theta > 0.0 && cos_theta <= 1.0, "cos_theta", cos_theta, "in (0, 1]")?;
-            let refracts = 1.0 - cos_theta * cos_theta < eta * eta;
+            // sin²θ < η², without cancellation near grazing
+            let refracts = (eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta > 0.0;
             require(refracts, "cos_theta", cos_theta, "above that of total reflection, sqrt(1 - eta^2)")?;
         }
         let finite = spot_radius >= 0.0 && spot_radius.is_finite();
