@@ -68,10 +68,11 @@ fn oblique_beam_along_the_normal_is_the_normal_beam() {
 #[test]
 fn oblique_total_is_chandrasekhars() {
     let alpha = 0.9;
-    let rule: Vec<(f64, f64)> = gauss_legendre(60)
+    // Graded towards grazing, where H has terms like μ ln μ
+    let rule: Vec<(f64, f64)> = gauss_legendre(80)
         .into_iter()
         .map(|(x, w)| (0.5 + 0.5 * x, 0.5 * w))
-        .map(|(x, w)| (x * x, 2.0 * x * w))
+        .map(|(x, w)| (x.powi(4), 4.0 * x.powi(3) * w))
         .collect();
     // 1/H = √(1−α) + (α/2) ∫ μ' H(μ')/(μ + μ') dμ', by iteration
     let inverse = |mu: f64, h: &[f64]| {
@@ -82,10 +83,14 @@ fn oblique_total_is_chandrasekhars() {
     for _ in 0..60 {
         h = rule.iter().map(|&(mu, _)| 1.0 / inverse(mu, &h)).collect();
     }
-    for cos in [0.05, 0.3, 0.8] {
+    for cos in [1e-8, 1e-5, 1e-3, 0.05, 0.3, 0.8] {
         let expected = 1.0 - (1.0f64 - alpha).sqrt() / inverse(cos, &h);
         let half_space = ObliqueHalfSpace::new(alpha, 1.0, cos).expect("valid");
-        assert_close(half_space.total().value, expected, 1e-9, &format!("cosine {cos}"));
+        let total = half_space.total();
+        // The solver's rule over directions is least good in the layer μ ~ cos, of little weight
+        let tolerance = if cos < 1e-4 { 3e-8 } else { 1e-9 };
+        assert_close(total.value, expected, tolerance, &format!("cosine {cos}"));
+        assert!((total.value - expected).abs() < total.error, "cosine {cos}: {total:?}, expected {expected}");
     }
 }
 

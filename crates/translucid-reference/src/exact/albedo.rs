@@ -9,7 +9,9 @@ use crate::Entry;
 /// Single-scattering albedo α of the half space with the surface albedo A ∈ (0, 1]: the inverse of
 /// [`HalfSpace::total`](super::HalfSpace::total), for every entry and η = n_inside/n_outside ∈ [0.5, 3].
 ///
-/// A comes back to 1e-12, to 1e-10 under a boundary; α is as good as A divided by dA/dα.
+/// A comes back to 1e-12, to 1e-10 of [`HalfSpace::total`](super::HalfSpace::total) under a boundary; α is as good as A
+/// divided by dA/dα. Under a boundary that total has its own error, as a part of it: for α = 0.5 and
+/// [`Entry::Cosine`] 5e-9 at η = 3, 1e-6 at 1.01, 8e-5 at 1.001 and 0.999, 2e-8 at 0.99 and 0.5.
 /// Takes some 0.1 ms, under a boundary 0.1 s.
 ///
 /// ```

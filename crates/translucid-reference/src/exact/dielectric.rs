@@ -7,7 +7,9 @@ use translucid_profile::{ParameterError, fresnel_moment_1_from_inside};
 use super::dielectric_directions::{DirectionCounts, azimuthal_mean};
 use super::dielectric_response::Response;
 use super::dispersion::Dispersion;
+use super::energy::EnergyBudget;
 use super::h_function::{Nested, WaveNumber};
+use super::half_space::at_most_1;
 use super::inversion::{Contour, Inversion, Settings};
 use super::oblique_single_scattering::{Beam, cosine_single_scattering, uniform_cosine_single_scattering};
 use super::single_scattering::SingleScattering;
@@ -138,6 +140,7 @@ pub(crate) struct DielectricHalfSpace {
     inversion: Inversion,
     /// Of the difference between the finer and the coarser rule.
     doubt: Inversion,
+    energy: EnergyBudget,
 }
 
 impl DielectricHalfSpace {
@@ -170,10 +173,13 @@ impl DielectricHalfSpace {
             single_scattering: entrance.single_scattering(single_scattering_albedo, eta),
             inversion: Inversion::new(&contour, &values),
             doubt: Inversion::new(&contour, &doubts),
+            energy: EnergyBudget::new(Estimate::ZERO, dispersion.k0, false),
         };
         let [value, doubt] = half_space.on_real_axis(0.0, BoundaryEntrance::remainder);
         half_space.inversion = half_space.inversion.with_total(Estimate { value, error: doubt.abs() });
         half_space.doubt = half_space.doubt.with_total(Estimate { value: doubt, error: 0.0 });
+        let is_difference = half_space.inversion.beyond_is_difference();
+        half_space.energy = EnergyBudget::new(half_space.hankel(0.0), dispersion.k0, is_difference);
         half_space
     }
 
@@ -204,18 +210,31 @@ impl DielectricHalfSpace {
 
     /// ∫₀^r R 2πr' dr' for r > 0.
     pub(crate) fn enclosed(&self, r: f64) -> Estimate {
-        self.estimate(self.single_scattering.enclosed(r), |inversion| inversion.enclosed(r))
+        self.split(r)[0]
     }
 
     /// ∫_r^∞ R 2πr' dr' for r > 0.
     pub(crate) fn beyond(&self, r: f64) -> Estimate {
-        self.estimate(self.single_scattering.beyond(r), |inversion| inversion.beyond(r))
+        self.split(r)[1]
+    }
+
+    fn split(&self, r: f64) -> [Estimate; 2] {
+        self.energy.split(
+            r,
+            |r| self.estimate(self.single_scattering.enclosed(r), |inversion| inversion.enclosed(r)),
+            |r| self.estimate(self.single_scattering.beyond(r), |inversion| inversion.beyond(r)),
+        )
+    }
+
+    /// Surface albedo.
+    pub(crate) fn total(&self) -> Estimate {
+        self.energy.total()
     }
 
     /// R̂(k) for k ≥ 0; the total is R̂(0).
     pub(crate) fn hankel(&self, k: f64) -> Estimate {
         let [value, doubt] = self.on_real_axis(k, BoundaryEntrance::whole);
-        Estimate { value, error: DOUBT * doubt.abs() + ROUNDING * value.abs() }
+        at_most_1(Estimate { value, error: DOUBT * doubt.abs() + ROUNDING * value.abs() })
     }
 
     /// A transform at k ≥ 0, and how far the rules are apart.
@@ -300,6 +319,40 @@ mod tests {
             close(half_space.beyond(r), other.beyond(r), &format!("beyond {r}"));
         }
         close(half_space.hankel(0.0), other.hankel(0.0), "total");
+    }
+
+    /// The sums over radii, which share no quadrature with the total, have it too.
+    #[test]
+    fn grazing_beam_keeps_its_energy() {
+        for cos_theta in [1e-3, 1e-5, 1e-8] {
+            let entry = Entry::Pencil { cos_theta };
+            let half_space = solve(0.9, 1.0, entry, &DielectricSettings::default());
+            let total = half_space.total();
+            let single = half_space.single_scattering.enclosed(300.0);
+            let multiple = half_space.inversion.enclosed(300.0);
+            let beyond = half_space.beyond(300.0).value;
+            let off = (single.value + multiple.value + beyond - total.value).abs();
+            let error = single.error + multiple.error + total.error;
+            assert!(off < error && error < 1e-8 + 1e-12 / cos_theta, "{cos_theta}: {off:e} {error:e}");
+        }
+    }
+
+    /// Totals of an independent program: the equation for k = 0 on real directions, by Nyström's method with nodes
+    /// graded towards grazing, the critical angle and the normal.
+    #[test]
+    fn error_covers_the_totals_of_another_program() {
+        for (eta, expected) in [
+            (0.5, 0.12186576884499),
+            (0.99, 0.14564650875733),
+            (0.999, 0.14643850157971),
+            (1.001, 0.14580381825652),
+            (1.01, 0.14030269348777),
+            (3.0, 0.009291293155614),
+        ] {
+            let total = solve(0.5, eta, Entry::Cosine, &DielectricSettings::default()).total();
+            let off = (total.value - expected).abs();
+            assert!(off < total.error + 1e-13, "{eta}: {total:?} {off:e}");
+        }
     }
 
     #[test]

@@ -145,6 +145,11 @@ impl Inversion {
         Self { total: pole_is_close.then_some(total), ..self }
     }
 
+    /// Whether [`beyond`](Self::beyond) is the total less what is within.
+    pub(crate) fn beyond_is_difference(&self) -> bool {
+        self.total.is_some()
+    }
+
     /// f(r) for r > 0.
     pub(crate) fn eval(&self, r: f64) -> Estimate {
         let r = r.max(R_MIN);

@@ -34,6 +34,7 @@ mod dielectric_directions;
 mod dielectric_response;
 mod directions;
 mod dispersion;
+mod energy;
 mod h_function;
 mod half_space;
 mod inversion;

@@ -29,7 +29,8 @@ use crate::{Entry, Estimate};
 /// # Accuracy
 /// Harmonics fall like e^{−m w}, w = arcosh(1/sin θ₀). Without a boundary figures are good to some 1e-9 of R for angles
 /// up to 60°, with one to some 1e-6; close to grazing (beyond 85° inside) the number of harmonics is limited, and
-/// the error that is returned says what that costs.
+/// the error that is returned says what that costs. Without a boundary totals are good to 1e-9 at cosines
+/// from 1e-3 on, to 2e-8 at 1e-5 and to 4e-9 at 1e-8 (α = 0.9).
 ///
 /// ```
 /// use translucid_reference::exact::ObliqueHalfSpace;
@@ -115,7 +116,7 @@ impl ObliqueHalfSpace {
 
     /// Surface albedo: what gets out of one unit of flux that entered.
     pub fn total(&self) -> Estimate {
-        self.mean.hankel(0.0)
+        self.mean.total()
     }
 
     /// Profile R(r, φ) \[ℓ⁻²\]; φ = 0 is the direction the beam is tilted towards.

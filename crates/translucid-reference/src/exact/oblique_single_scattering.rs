@@ -32,6 +32,8 @@ const LN_W_MAX: f64 = 16.5;
 const GATHERED_POINTS: usize = 20;
 /// Error of the rules here, as part of the value.
 const RELATIVE_ERROR: f64 = 1e-12;
+/// The same, times the cosine of a beam close to grazing: azimuths and ways count on a scale that narrows with it.
+const GRAZING_ERROR: f64 = 1e-13;
 
 /// A beam inside the medium, and the boundary above it.
 #[derive(Clone, Copy, Debug)]
@@ -57,21 +59,26 @@ impl Beam {
     /// Half width of the strip of azimuths around the real axis in which the profile is analytic,
     /// acosh(1/sin θ₀); infinite for a beam along the normal.
     pub(crate) fn azimuth_strip(&self) -> f64 {
-        ((1.0 + self.cos_inside) / self.sin_inside).ln()
+        self.cos_inside.atanh()
     }
 
     /// Single scattering towards the azimuth φ.
     pub(crate) fn single_scattering(&self, single_scattering_albedo: f64, phi: f64) -> SingleScattering {
         let mut nodes = Vec::new();
         self.for_each(phi, &rule(), |node| nodes.push(node));
-        SingleScattering::from_nodes(single_scattering_albedo, nodes, RELATIVE_ERROR)
+        SingleScattering::from_nodes(single_scattering_albedo, nodes, self.relative_error())
+    }
+
+    /// Error of single scattering, as part of it.
+    fn relative_error(&self) -> f64 {
+        (RELATIVE_ERROR + GRAZING_ERROR / self.cos_inside).min(1.0)
     }
 
     /// Single scattering averaged over the azimuth.
     pub(crate) fn mean_single_scattering(&self, single_scattering_albedo: f64) -> SingleScattering {
         let mut gathered = Gathered::new();
         self.gather_mean(1.0, &rule(), &mut gathered);
-        gathered.finish(single_scattering_albedo)
+        gathered.finish(single_scattering_albedo, self.relative_error())
     }
 
     fn gather_mean(&self, factor: f64, rule: &[(f64, f64)], gathered: &mut Gathered) {
@@ -103,8 +110,11 @@ impl Beam {
     /// Calls back with σ − 1 and f dσ of one azimuth.
     fn for_each(&self, phi: f64, rule: &[(f64, f64)], mut call: impl FnMut([f64; 2])) {
         // w = S + h sinh v and d = h cosh v, S = sin θ₀ cos φ: smooth on the scale of 1 in v
-        let shift = self.sin_inside * phi.cos();
-        let height = ((1.0 - shift) * (1.0 + shift)).sqrt().max(1e-12);
+        let (sin_phi, cos_phi) = phi.sin_cos();
+        let shift = self.sin_inside * cos_phi;
+        let height = self.cos_inside.hypot(self.sin_inside * sin_phi).max(1e-150);
+        // 1 - shift, with its digits at grazing
+        let gap = if shift > 0.0 { height * height / (1.0 + shift) } else { 1.0 - shift };
         let Some(w_first) = self.first_w(shift) else { return };
         let first = ((w_first - shift) / height).asinh();
         let last = LN_W_MAX - height.ln();
@@ -121,7 +131,7 @@ impl Beam {
                 if w > 0.0 {
                     let passed = 1.0 - fresnel_from_inside(mu, self.eta);
                     let weight = self.cos_inside * passed * w / (d * d);
-                    call([(w + d - 1.0).max(0.0), weight * weight_of_rule * dx * panel]);
+                    call([(height * v.exp() - gap).max(0.0), weight * weight_of_rule * dx * panel]);
                 }
             }
             (from, panel) = (to, (2.0 * panel).min(0.75));
@@ -169,7 +179,7 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
             beam.gather_mean(flux * weight / entered, &rule_of_w, &mut gathered);
         }
     }
-    gathered.finish(single_scattering_albedo)
+    gathered.finish(single_scattering_albedo, RELATIVE_ERROR)
 }
 
 /// Single scattering of light that enters with cosines distributed uniformly inside, for unit flux entered.
@@ -280,14 +290,14 @@ impl Gathered {
         }
     }
 
-    fn finish(self, single_scattering_albedo: f64) -> SingleScattering {
+    fn finish(self, single_scattering_albedo: f64, relative_error: f64) -> SingleScattering {
         let mut nodes = Vec::new();
         for (panel, weights) in self.weights.chunks(GATHERED_POINTS).enumerate() {
             let (from, to) = (self.edges[panel], self.edges[panel + 1]);
             let points = self.points.iter().zip(weights).filter(|(_, weight)| **weight != 0.0);
             nodes.extend(points.map(|(&(x, _), &weight)| [from + (to - from) * x, weight]));
         }
-        SingleScattering::from_nodes(single_scattering_albedo, nodes, RELATIVE_ERROR)
+        SingleScattering::from_nodes(single_scattering_albedo, nodes, relative_error)
     }
 }
 
