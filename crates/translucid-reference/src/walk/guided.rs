@@ -61,6 +61,7 @@ use super::guided_sampling::Guide;
 use super::guided_tally::GuidedTally;
 use super::instruction_sets::dispatched;
 use super::photon_ranges::{PhotonRange, PhotonRanges};
+use super::problem::require;
 use super::{Control, Parameters, PhaseFunction, Problem, TableError};
 use crate::exact::{Entrance, SingleScattering};
 use crate::{Entry, Estimate};
@@ -320,15 +321,6 @@ impl GuidedWalk {
 
 fn shifted(estimate: Estimate, by: f64) -> Estimate {
     Estimate { value: estimate.value + by, ..estimate }
-}
-
-fn require(
-    holds: bool,
-    parameter: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError { parameter, value, allowed }) }
 }
 
 /// How light enters, where the guide serves.

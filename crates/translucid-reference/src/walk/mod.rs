@@ -29,6 +29,7 @@ mod sources;
 mod table_error;
 mod table_file;
 mod trace;
+mod until;
 mod weights;
 mod white_table;
 mod whole_file;

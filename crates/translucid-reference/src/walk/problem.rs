@@ -91,7 +91,8 @@ impl Problem {
     }
 }
 
-fn require(
+/// Refuses a parameter unless the condition holds.
+pub(super) fn require(
     holds: bool,
     parameter: &'static str,
     value: f64,

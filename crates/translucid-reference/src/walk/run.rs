@@ -9,6 +9,7 @@ use super::exit::{Exit, PhotonCounts};
 use super::orders::Cell;
 use super::table_error::TableError;
 use super::trace;
+use super::until::{self, Extensible};
 use super::white_table::WhiteTable;
 
 /// How the world outside takes part in a run.
@@ -33,7 +34,7 @@ impl Default for Control<'_> {
 
 impl Control<'_> {
     /// Whether the run is to end now.
-    fn stops(&self) -> bool {
+    pub(super) fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
 }
@@ -116,37 +117,20 @@ impl WhiteTable {
         error: &dyn Fn(&Self) -> f64,
         report: &mut dyn FnMut(&Self, &Forecast),
     ) -> Result<u64, TableError> {
-        let start = Instant::now();
-        let mut done = 0;
-        loop {
-            // Judge what there is
-            let enough = self.photons() >= FIRST_ROUND;
-            let relative_error = if enough { error(self) } else { f64::INFINITY };
-            let wanted = photons_wanted(self.photons(), relative_error, goal.relative_error);
-            let photons_left = wanted.min(goal.photons.saturating_sub(done));
-            if done > 0 {
-                let seconds = start.elapsed().as_secs_f64() * photons_left as f64 / done as f64;
-                let time_left = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
-                report(self, &Forecast { relative_error, photons_done: done, photons_left, time_left });
-            }
-            if photons_left == 0 || control.stops() {
-                return Ok(done);
-            }
-
-            // Do the rest, but no more than doubles the table: an error estimated from few photons is itself far off
-            let round = photons_left.min(self.photons().max(FIRST_ROUND));
-            let end = Instant::now() + ROUND_TIME;
-            let deadline = Some(control.deadline.map_or(end, |deadline| deadline.min(end)));
-            let progress = |more: u64| (control.progress)(done + more);
-            done += self.run(seed, round, &Control { progress: &progress, deadline, ..*control })?;
-        }
+        until::run_until(self, seed, goal, control, error, report)
     }
 }
 
-/// Photons before an error is first looked at.
-const FIRST_ROUND: u64 = 1 << 16;
-/// Time after which it is looked at again.
-const ROUND_TIME: Duration = Duration::from_secs(5);
+impl Extensible for WhiteTable {
+    fn photons(&self) -> u64 {
+        self.photons()
+    }
+
+    fn add_photons(&mut self, seed: u64, photons: u64, control: &Control) -> Result<u64, TableError> {
+        self.run(seed, photons, control)
+    }
+}
+
 /// Time that a piece of work is to take: the longest that a stop is waited for.
 ///
 /// At its end the kernel waits for a last photon with most lanes empty. That is nothing at albedos up to 0.999,
@@ -159,16 +143,6 @@ const SMALLEST_PIECE: u64 = 1 << 10;
 const TALLY_BYTES: usize = 64 << 20;
 /// Exits that a thread collects before it takes a tally.
 const PENDING: usize = 1 << 13;
-
-/// Photons that a table of some photons wants in addition, to bring its relative error down to a goal.
-fn photons_wanted(photons: u64, relative_error: f64, goal: f64) -> u64 {
-    if relative_error <= goal {
-        return 0;
-    }
-    // 1 % more than the square root law says, or the last rounds would get ever shorter. Casts saturate.
-    let factor = 1.01 * (relative_error / goal).powi(2) - 1.0;
-    if factor.is_nan() { u64::MAX } else { (factor * photons.max(1) as f64).ceil() as u64 }
-}
 
 /// A run under way, as its threads see it.
 struct Run<'a> {
