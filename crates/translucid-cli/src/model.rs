@@ -119,7 +119,8 @@ impl ModelArguments {
         NormalizedDiffusion::new(self.surface_albedo, length, parameterization, configuration).map_err(
             |error| {
                 let name = if error.parameter == "surface_albedo" { "--surface-albedo" } else { option };
-                let message = format!("{name} is {}, but must be {}", exact(error.value), error.allowed);
+                let message =
+                    format!("{name} is {}, but must be {}", exact(error.value), error.requirement());
                 if length == 0.0 && name == option {
                     let help =
                         "length 0 is a Lambertian surface: light leaves where it enters, there is no profile";

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 use crate::burley_kernel as kernel;
 use crate::elementary::Double;
 use crate::error::{ParameterError, require, require_fraction, require_non_negative};
+use crate::profile::finite_quotient;
 use crate::slices::{elementwise, map_slice};
 use crate::{Configuration, Parameterization, d_from_surface_albedo};
 
@@ -229,12 +230,6 @@ impl NormalizedDiffusion {
     fn t(&self, r: f64) -> f64 {
         r.max(0.0) * self.inverse_3d
     }
-}
-
-/// numerator / r, at most `f64::MAX`.
-#[inline(always)]
-fn finite_quotient(numerator: f64, r: f64) -> f64 {
-    (numerator / r.max(f64::MIN_POSITIVE)).min(f64::MAX)
 }
 
 #[cfg(test)]

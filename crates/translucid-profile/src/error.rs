@@ -18,12 +18,29 @@ pub struct ParameterError {
     pub value: f64,
     /// The range or condition it must meet, worded to follow "must be".
     pub allowed: &'static str,
+    /// A number that belongs behind `allowed`, where the range depends on other parameters.
+    pub limit: Option<f64>,
+}
+
+impl ParameterError {
+    /// The error of a parameter outside a range that does not depend on others.
+    pub fn new(parameter: &'static str, value: f64, allowed: &'static str) -> Self {
+        Self { parameter, value, allowed, limit: None }
+    }
+
+    /// Range or condition with its number, worded to follow "must be".
+    pub fn requirement(&self) -> String {
+        match self.limit {
+            Some(limit) => format!("{} {limit}", self.allowed),
+            None => self.allowed.to_owned(),
+        }
+    }
 }
 
 impl fmt::Display for ParameterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { parameter, value, allowed } = self;
-        write!(f, "{parameter} is {value}, but must be {allowed}")
+        let Self { parameter, value, .. } = self;
+        write!(f, "{parameter} is {value}, but must be {}", self.requirement())
     }
 }
 
@@ -36,7 +53,7 @@ pub(crate) fn require(
     value: f64,
     allowed: &'static str,
 ) -> Result<f64, ParameterError> {
-    if holds { Ok(value) } else { Err(ParameterError { parameter, value, allowed }) }
+    if holds { Ok(value) } else { Err(ParameterError::new(parameter, value, allowed)) }
 }
 
 /// Passes a fraction on if it lies in [0, 1].

@@ -61,7 +61,9 @@ mod elementary;
 mod error;
 mod fresnel;
 mod half_space;
+mod inversion;
 mod media;
+mod profile;
 pub mod quadrature;
 pub mod roots;
 mod scaling;
@@ -75,7 +77,9 @@ pub use fresnel::{
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,
 };
 pub use half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
+pub use inversion::{Appearance, Found};
 pub use media::Medium;
+pub use profile::Profile;
 pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,

@@ -209,7 +209,8 @@ impl Arguments {
             "surface_albedo" => ("--surface-albedo", error.value),
             other => (other, error.value),
         };
-        let failure = Failure::input(format!("{option} is {}, but must be {}", exact(value), error.allowed));
+        let failure =
+            Failure::input(format!("{option} is {}, but must be {}", exact(value), error.requirement()));
         if error.allowed.contains("exact solution") {
             return failure.with_help("use --method monte-carlo, which has no such limit");
         }

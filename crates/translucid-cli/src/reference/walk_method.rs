@@ -542,6 +542,6 @@ fn radius_error(arguments: &Arguments, error: &translucid_profile::ParameterErro
     let (name, value) = (error.parameter, exact(value));
     Failure::input(format!(
         "the walk's rings around --at or --points: {name} is {value}, but must be {}",
-        error.allowed
+        error.requirement()
     ))
 }

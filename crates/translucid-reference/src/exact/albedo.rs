@@ -29,7 +29,7 @@ use crate::Entry;
 pub fn single_scattering_albedo(surface_albedo: f64, eta: f64, entry: Entry) -> Result<f64, ParameterError> {
     if !(surface_albedo > 0.0 && surface_albedo <= 1.0) {
         let parameter = "surface_albedo";
-        return Err(ParameterError { parameter, value: surface_albedo, allowed: "in (0, 1]" });
+        return Err(ParameterError::new(parameter, surface_albedo, "in (0, 1]"));
     }
     let entrance = BoundaryEntrance::checked(1.0, eta, entry)?;
     let alpha = match (entry, eta == 1.0) {

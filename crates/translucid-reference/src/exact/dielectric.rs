@@ -68,7 +68,7 @@ impl BoundaryEntrance {
 
     /// Checks the parameters: α ∈ (0, 1], η ∈ [0.5, 3], and a beam that enters.
     pub(crate) fn checked(alpha: f64, eta: f64, entry: Entry) -> Result<Self, ParameterError> {
-        let refuse = |parameter, value, allowed| Err(ParameterError { parameter, value, allowed });
+        let refuse = |parameter, value, allowed| Err(ParameterError::new(parameter, value, allowed));
         if !(alpha > 0.0 && alpha <= 1.0) {
             return refuse("single_scattering_albedo", alpha, "in (0, 1]");
         }

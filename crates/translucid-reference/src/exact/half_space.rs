@@ -94,7 +94,7 @@ impl HalfSpace {
         let alpha = single_scattering_albedo;
         if !(alpha > 0.0 && alpha <= 1.0) {
             let parameter = "single_scattering_albedo";
-            return Err(ParameterError { parameter, value: alpha, allowed: "in (0, 1]" });
+            return Err(ParameterError::new(parameter, alpha, "in (0, 1]"));
         }
         let entrance = Entrance::of(entry)?;
         let dispersion = Dispersion::new(alpha);

@@ -39,7 +39,7 @@ impl Entrance {
             Entry::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
             Entry::Pencil { cos_theta } => {
                 let allowed = "1; the mean profile of an oblique pencil is with_boundary's";
-                Err(ParameterError { parameter: "cos_theta", value: cos_theta, allowed })
+                Err(ParameterError::new("cos_theta", cos_theta, allowed))
             }
             Entry::Cosine => Ok(Self::Cosine),
             Entry::UniformCosine => Ok(Self::UniformCosine),

@@ -125,7 +125,7 @@ impl<'a> AtAlbedo<'a> {
     ) -> Result<AtRadius, ParameterError> {
         let Some(edge) = self.table.layout().center(radius) else {
             let allowed = "one around which the table has a ring on both sides";
-            return Err(ParameterError { parameter: "radius", value: radius, allowed });
+            return Err(ParameterError::new("radius", radius, allowed));
         };
         let regions = [edge, edge + 1].map(region);
         let mut both = Weighed::default();

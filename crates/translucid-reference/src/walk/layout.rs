@@ -251,7 +251,7 @@ impl PartialEq for Layout {
 }
 
 fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
-    let fail = |value, allowed| Err(ParameterError { parameter: "radius", value, allowed });
+    let fail = |value, allowed| Err(ParameterError::new("radius", value, allowed));
     if let Some(&radius) = radii.iter().find(|radius| !Layout::RADII.contains(radius)) {
         return fail(radius, "in [1e-15, 1e15]");
     }
@@ -262,7 +262,7 @@ fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
 }
 
 fn too_many(parameter: &'static str, value: usize, allowed: &'static str) -> ParameterError {
-    ParameterError { parameter, value: value as f64, allowed }
+    ParameterError::new(parameter, value as f64, allowed)
 }
 
 #[cfg(test)]

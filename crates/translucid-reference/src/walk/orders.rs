@@ -50,7 +50,7 @@ impl OrderBins {
     /// `growth` is not in [1/256, 1].
     pub fn new(growth: f64) -> Result<Self, ParameterError> {
         if !(1.0 / 256.0..=1.0).contains(&growth) {
-            return Err(ParameterError { parameter: "growth", value: growth, allowed: "in [1/256, 1]" });
+            return Err(ParameterError::new("growth", growth, "in [1/256, 1]"));
         }
         let next = |&first: &u32| {
             let width = (growth * f64::from(first)).floor().max(1.0);
@@ -62,7 +62,7 @@ impl OrderBins {
     /// Bins that start at the given orders: 0 first, then strictly increasing.
     pub(crate) fn from_first_orders(first: impl IntoIterator<Item = u32>) -> Result<Self, ParameterError> {
         let first: Vec<f64> = first.into_iter().map(f64::from).collect();
-        let fail = |value, allowed| Err(ParameterError { parameter: "first order of a bin", value, allowed });
+        let fail = |value, allowed| Err(ParameterError::new("first order of a bin", value, allowed));
         match first.first() {
             Some(0.0) => {}
             found => return fail(found.copied().unwrap_or(f64::NAN), "0 for the first bin"),
@@ -72,7 +72,7 @@ impl OrderBins {
         }
         if first.len() > Self::MOST {
             let value = first.len() as f64;
-            return Err(ParameterError { parameter: "number of order bins", value, allowed: "at most 4096" });
+            return Err(ParameterError::new("number of order bins", value, "at most 4096"));
         }
         Ok(Self { search: EdgeSearch::new(first[1..].to_vec()) })
     }

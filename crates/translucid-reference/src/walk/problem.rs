@@ -98,5 +98,5 @@ pub(super) fn require(
     value: f64,
     allowed: &'static str,
 ) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError { parameter, value, allowed }) }
+    if holds { Ok(()) } else { Err(ParameterError::new(parameter, value, allowed)) }
 }

@@ -82,7 +82,7 @@ impl WhiteTable {
     ) -> Result<Self, ParameterError> {
         if !(reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO) {
             let parameter = "reference_albedo";
-            return Err(ParameterError { parameter, value: reference_albedo, allowed: "in (0, 0.999999]" });
+            return Err(ParameterError::new(parameter, reference_albedo, "in (0, 0.999999]"));
         }
         Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
     }
@@ -171,7 +171,7 @@ impl WhiteTable {
         let value = single_scattering_albedo;
         if !(0.0..=self.reference_albedo).contains(&value) {
             let allowed = "at least 0 and at most the table's reference albedo";
-            return Err(ParameterError { parameter: "single_scattering_albedo", value, allowed });
+            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
         }
         Ok(AtAlbedo::new(self, value))
     }
@@ -216,7 +216,7 @@ impl WhiteTable {
         if self.photons() == 0 || !reached {
             let allowed =
                 "among those of the table's albedos: from that at 0 to that at its reference albedo";
-            return Err(ParameterError { parameter: "surface_albedo", value: surface_albedo, allowed });
+            return Err(ParameterError::new("surface_albedo", surface_albedo, allowed));
         }
         // R(α) is a power series without negative terms, hence convex: Newton's method comes down from the
         // right without overshooting. The bracket is for rounding.
