@@ -23,6 +23,7 @@ pub struct Appearance {
 /// A medium and what finding it cost.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Found {
+    /// The medium.
     pub medium: Medium,
     /// How often the model's total was evaluated.
     pub evaluations: u32,
