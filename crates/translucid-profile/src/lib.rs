@@ -6,6 +6,7 @@
 //!
 //! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact
 //!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
+//! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
@@ -54,9 +55,11 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
 )]
 
+mod better_dipole;
 mod burley;
 mod burley_f32;
 mod burley_kernel;
+mod dipole;
 mod elementary;
 mod error;
 mod fresnel;
@@ -68,9 +71,12 @@ pub mod quadrature;
 pub mod roots;
 mod scaling;
 mod slices;
+mod source_pair;
 
+pub use better_dipole::BetterDipole;
 pub use burley::NormalizedDiffusion;
 pub use burley_f32::NormalizedDiffusionF32;
+pub use dipole::StandardDipole;
 pub use error::ParameterError;
 pub use fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
