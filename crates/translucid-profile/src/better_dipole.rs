@@ -2,9 +2,10 @@
 //!
 //! E. d'Eon, *A Better Dipole*, 2012 (technical report).
 
+use crate::diffusion_boundary::DiffusionBoundary;
 use crate::error::{ParameterError, require};
 use crate::source_pair::SourcePair;
-use crate::{Appearance, Medium, Profile, fresnel_moment_1_from_inside, fresnel_moment_2_from_inside};
+use crate::{Appearance, Medium, Profile};
 
 /// D'Eon's better dipole for one medium.
 ///
@@ -16,7 +17,8 @@ use crate::{Appearance, Medium, Profile, fresnel_moment_1_from_inside, fresnel_m
 /// ```
 ///
 /// D_G is Grosjean's diffusion coefficient ([`Medium::diffusion_coefficient`]), C₁ and C₂ are the moments of the
-/// reflectance from inside ([`fresnel_moment_1_from_inside`], [`fresnel_moment_2_from_inside`]).
+/// reflectance from inside ([`fresnel_moment_1_from_inside`](crate::fresnel_moment_1_from_inside),
+/// [`fresnel_moment_2_from_inside`](crate::fresnel_moment_2_from_inside)).
 /// Single scattering is no part of the model.
 /// It reaches every surface albedo: its total is 1 without absorption.
 ///
@@ -51,7 +53,7 @@ impl BetterDipole {
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        let boundary = Boundary::new(eta)?;
+        let boundary = DiffusionBoundary::new(eta)?;
         Ok(Self::of(medium, &boundary, 1))
     }
 
@@ -60,14 +62,15 @@ impl BetterDipole {
     /// # Errors
     /// A parameter is outside its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
-        let boundary = Boundary::new(eta)?;
-        let found = appearance.medium(|absorbed| boundary.dipole(absorbed, 1.0 - absorbed).total())?;
+        let boundary = DiffusionBoundary::new(eta)?;
+        let found = appearance
+            .medium(|absorbed| Self::relative_dipole(&boundary, absorbed, 1.0 - absorbed).total())?;
         Ok(Self::of(&found.medium, &boundary, found.evaluations + 1))
     }
 
-    fn of(medium: &Medium, boundary: &Boundary, evaluations_to_build: u32) -> Self {
+    fn of(medium: &Medium, boundary: &DiffusionBoundary, evaluations_to_build: u32) -> Self {
         let absorbed = medium.sigma_a() / medium.sigma_t_prime();
-        let relative = boundary.dipole(absorbed, medium.alpha_prime());
+        let relative = Self::relative_dipole(boundary, absorbed, medium.alpha_prime());
         Self { transport_mfp: medium.transport_mfp(), evaluations_to_build, ..relative }
     }
 
@@ -81,46 +84,26 @@ impl BetterDipole {
     /// A parameter is outside its range.
     pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        Ok(Boundary::new(eta)?.dipole(absorbed, 1.0 - absorbed).total())
+        Ok(Self::relative_dipole(&DiffusionBoundary::new(eta)?, absorbed, 1.0 - absorbed).total())
     }
 }
 
-/// What the boundary's index does to the light inside.
-struct Boundary {
-    /// C_φ, by which the fluence at the surface leaves.
-    fluence: f64,
-    /// C_E, by which the flux through the surface leaves.
-    flux: f64,
-    /// A_F, by which internal reflection moves the image away.
-    mismatch: f64,
-}
-
-impl Boundary {
-    fn new(eta: f64) -> Result<Self, ParameterError> {
-        require((0.05..=20.0).contains(&eta), "eta", eta, "in [0.05, 20]")?;
-        let c_1 = fresnel_moment_1_from_inside(eta);
-        let c_2 = fresnel_moment_2_from_inside(eta);
-        let mismatch = (1.0 + 3.0 * c_2) / (1.0 - 2.0 * c_1);
-        Ok(Self { fluence: 0.25 * (1.0 - 2.0 * c_1), flux: 0.5 * (1.0 - 3.0 * c_2), mismatch })
-    }
-
+impl BetterDipole {
     /// The dipole of transport mean free path 1 for 1 − α' = `absorbed`.
-    fn dipole(&self, absorbed: f64, alpha_prime: f64) -> BetterDipole {
+    fn relative_dipole(boundary: &DiffusionBoundary, absorbed: f64, alpha_prime: f64) -> Self {
         let diffusion_coefficient = (1.0 + absorbed) / 3.0;
         let sigma_tr = (absorbed / diffusion_coefficient).sqrt();
-        let image = 1.0 + 4.0 * self.mismatch * diffusion_coefficient;
+        let image = 1.0 + 4.0 * boundary.mismatch * diffusion_coefficient;
         let factor = alpha_prime * alpha_prime;
-        BetterDipole {
-            fluence_factor: factor * self.fluence / diffusion_coefficient,
-            flux_factor: factor * self.flux,
+        Self {
+            fluence_factor: factor * boundary.fluence / diffusion_coefficient,
+            flux_factor: factor * boundary.flux,
             sources: SourcePair::new(sigma_tr, 1.0, image),
             transport_mfp: 1.0,
             evaluations_to_build: 0,
         }
     }
-}
 
-impl BetterDipole {
     /// R at a radius in transport mean free paths, times ℓ*².
     fn relative(&self, r: f64) -> f64 {
         self.fluence_factor * self.sources.fluence(r) + self.flux_factor * self.sources.flux(r)
@@ -164,6 +147,7 @@ impl Profile for BetterDipole {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::{fresnel_moment_1_from_inside, fresnel_moment_2_from_inside};
 
     #[test]
     fn total_is_one_without_absorption_and_zero_without_scattering() {

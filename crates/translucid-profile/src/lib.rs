@@ -6,7 +6,8 @@
 //!
 //! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact
 //!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
-//! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image.
+//! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image;
+//!   [`QuantizedDiffusion`]: from a whole beam, as a sum of Gaussians.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
@@ -59,6 +60,7 @@ mod better_dipole;
 mod burley;
 mod burley_f32;
 mod burley_kernel;
+mod diffusion_boundary;
 mod dipole;
 mod elementary;
 mod error;
@@ -68,7 +70,9 @@ mod inversion;
 mod media;
 mod profile;
 pub mod quadrature;
+mod quantized_diffusion;
 pub mod roots;
+mod scaled_erfc;
 mod scaling;
 mod slices;
 mod source_pair;
@@ -86,6 +90,7 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use profile::Profile;
+pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,

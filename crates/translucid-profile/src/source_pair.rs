@@ -47,7 +47,7 @@ impl SourcePair {
     pub(crate) fn fluence_beyond(&self, r: f64) -> f64 {
         let [d_r, d_v] = self.distances(r);
         let (near, _) = exp_negative::<Double>(self.sigma_tr * d_r);
-        0.5 * near * self.damped(self.distance_gap(d_r, d_v))
+        0.5 * near * damped(self.sigma_tr, self.distance_gap(d_r, d_v))
     }
 
     /// ∫ D φ 2πr' dr' from 0 to r.
@@ -66,13 +66,13 @@ impl SourcePair {
         let (at_axis, _) = exp_negative::<Double>(self.sigma_tr * self.real);
         let (_, lost) = exp_negative::<Double>(self.sigma_tr * beyond_real);
         let (far, _) = exp_negative::<Double>(self.sigma_tr * d_v);
-        0.5 * (at_axis * lost * self.damped(widest) + far * self.damped(narrowed))
+        0.5 * (at_axis * lost * damped(self.sigma_tr, widest) + far * damped(self.sigma_tr, narrowed))
     }
 
     /// ∫ D φ 2πr dr over the whole surface.
     pub(crate) fn fluence_total(&self) -> f64 {
         let (at_axis, _) = exp_negative::<Double>(self.sigma_tr * self.real);
-        0.5 * at_axis * self.damped(self.image - self.real)
+        0.5 * at_axis * damped(self.sigma_tr, self.image - self.real)
     }
 
     /// Flux D ∂φ/∂z through the surface at the radius r: Σ z (1 + σd) e^{−σd}/(4πd³) over both sources.
@@ -128,16 +128,16 @@ impl SourcePair {
     fn distance_gap(&self, d_r: f64, d_v: f64) -> f64 {
         (self.image - self.real) * ((self.image + self.real) / (d_v + d_r))
     }
+}
 
-    /// (1 − e^{−σx})/σ for x ≥ 0; x where σ = 0.
-    fn damped(&self, x: f64) -> f64 {
-        let t = self.sigma_tr * x;
-        if t < 1e-20 { x } else { exp_negative::<Double>(t).1 / t * x }
-    }
+/// (1 − e^{−σx})/σ for σ, x ≥ 0; x where σ = 0.
+pub(crate) fn damped(sigma: f64, x: f64) -> f64 {
+    let t = sigma * x;
+    if t < 1e-20 { x } else { exp_negative::<Double>(t).1 / t * x }
 }
 
 /// A radius in [0, 1e150]; NaN becomes 0.
-fn bounded(r: f64) -> f64 {
+pub(crate) fn bounded(r: f64) -> f64 {
     r.max(0.0).min(RADIUS_MAX)
 }
 
