@@ -68,14 +68,18 @@ mod fresnel;
 mod half_space;
 mod inversion;
 mod media;
+mod monotone_cell;
 mod profile;
 pub mod quadrature;
 mod quantized_diffusion;
+mod radial_table;
+mod radial_table_build;
 pub mod roots;
 mod scaled_erfc;
 mod scaling;
 mod slices;
 mod source_pair;
+mod tabulated_profile;
 
 pub use better_dipole::BetterDipole;
 pub use burley::NormalizedDiffusion;
@@ -95,3 +99,4 @@ pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
 };
+pub use tabulated_profile::TabulatedProfile;
