@@ -68,6 +68,7 @@ mod fresnel;
 mod half_space;
 mod inversion;
 mod media;
+mod model;
 mod monotone_cell;
 mod profile;
 pub mod quadrature;
@@ -93,6 +94,7 @@ pub use fresnel::{
 pub use half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
+pub use model::Model;
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{

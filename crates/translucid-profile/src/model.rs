@@ -1,0 +1,150 @@
+//! The models by name, each made from the same parameters.
+
+use crate::error::{ParameterError, require};
+use crate::{
+    Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, Profile, QuantizedDiffusion,
+    StandardDipole,
+};
+
+/// A model of the light that leaves a surface around the point where it entered.
+///
+/// All take the same parameters, so that one can be swapped for another.
+///
+/// ```
+/// use translucid_profile::{Appearance, Configuration, Model, Parameterization};
+///
+/// # fn main() -> Result<(), translucid_profile::ParameterError> {
+/// let jade = Appearance { surface_albedo: 0.6, length: 1.5, parameterization: Parameterization::Mfp, g: 0.0 };
+/// for model in Model::ALL {
+///     let profile = model.profile(&jade, Configuration::Searchlight, 1.0)?;
+///     assert!((profile.total() - 0.6).abs() < 1e-9, "{model}");
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
+pub enum Model {
+    /// [`NormalizedDiffusion`] \[Burley 2015; Christensen & Burley 2015\].
+    #[default]
+    NormalizedDiffusion,
+    /// [`StandardDipole`] \[Jensen et al. 2001\].
+    Dipole,
+    /// [`BetterDipole`] \[d'Eon 2012\].
+    BetterDipole,
+    /// [`QuantizedDiffusion`] \[d'Eon & Irving 2011\].
+    QuantizedDiffusion,
+}
+
+impl Model {
+    /// Every model.
+    pub const ALL: [Self; 4] =
+        [Self::NormalizedDiffusion, Self::Dipole, Self::BetterDipole, Self::QuantizedDiffusion];
+
+    /// The name that commands and scene files use.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::NormalizedDiffusion => "normalized-diffusion",
+            Self::Dipole => "dipole",
+            Self::BetterDipole => "better-dipole",
+            Self::QuantizedDiffusion => "quantized-diffusion",
+        }
+    }
+
+    /// The model of a name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+
+    /// The model in a few words, with its source.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::NormalizedDiffusion => "Burley's normalized diffusion [Christensen & Burley 2015]",
+            Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
+            Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
+            Self::QuantizedDiffusion => "Quantized diffusion: an extended source [d'Eon & Irving 2011]",
+        }
+    }
+
+    /// Whether the model tells apart boundaries (η) and phase functions (g); the others are made for an
+    /// index-matched boundary and isotropic scattering.
+    pub const fn knows_boundary(self) -> bool {
+        match self {
+            Self::NormalizedDiffusion => false,
+            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion => true,
+        }
+    }
+
+    /// Whether the model tells a perpendicular pencil beam from diffuse light; the others are derived for the
+    /// pencil, and stand in for both.
+    pub const fn knows_configuration(self) -> bool {
+        match self {
+            Self::NormalizedDiffusion => true,
+            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion => false,
+        }
+    }
+
+    /// The profile of a surface albedo and a length.
+    ///
+    /// # Errors
+    /// A parameter is outside its range, the model cannot reach the surface albedo, or η or g is not what a model
+    /// without a boundary is made for.
+    pub fn profile(
+        self,
+        appearance: &Appearance,
+        configuration: Configuration,
+        eta: f64,
+    ) -> Result<Box<dyn Profile>, ParameterError> {
+        self.require_known(eta, appearance.g)?;
+        let Appearance { surface_albedo, length, parameterization, .. } = *appearance;
+        Ok(match self {
+            Self::NormalizedDiffusion => {
+                Box::new(NormalizedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
+            }
+            Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
+            Self::BetterDipole => Box::new(BetterDipole::new(appearance, eta)?),
+            Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::new(appearance, eta)?),
+        })
+    }
+
+    /// The profile of a medium.
+    ///
+    /// Models that are parameterized by a surface albedo get the exact one of the index-matched half space, and
+    /// for g ≠ 0 that of the similar isotropic medium ([`Medium::surface_albedo`]).
+    ///
+    /// # Errors
+    /// As [`profile`](Self::profile).
+    pub fn profile_of_medium(
+        self,
+        medium: &Medium,
+        configuration: Configuration,
+        eta: f64,
+    ) -> Result<Box<dyn Profile>, ParameterError> {
+        let similar = Appearance {
+            surface_albedo: medium.surface_albedo(configuration),
+            length: medium.transport_mfp(),
+            parameterization: crate::Parameterization::Mfp,
+            g: 0.0,
+        };
+        Ok(match self {
+            Self::NormalizedDiffusion => return self.profile(&similar, configuration, eta),
+            Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
+            Self::BetterDipole => Box::new(BetterDipole::from_medium(medium, eta)?),
+            Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::from_medium(medium, eta)?),
+        })
+    }
+
+    /// Refuses a boundary or a phase function that the model knows nothing of.
+    fn require_known(self, eta: f64, g: f64) -> Result<(), ParameterError> {
+        if !self.knows_boundary() {
+            require(eta == 1.0, "eta", eta, "1, the index-matched boundary that this model is made for")?;
+            require(g == 0.0, "g", g, "0, the isotropic scattering that this model is made for")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::fmt::Display for Model {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(self.name())
+    }
+}
