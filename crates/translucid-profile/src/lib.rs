@@ -13,6 +13,7 @@
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
 //! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
 //!   into the parameters of a profile.
+//! - [`convention`]: the same material in the numbers of Blender, pbrt, RenderMan, Unreal and others.
 //! - [`fresnel_from_outside`] and its kin: reflectance of a dielectric boundary, exact and approximate, and
 //!   its angular moments.
 //!
@@ -60,6 +61,7 @@ mod better_dipole;
 mod burley;
 mod burley_f32;
 mod burley_kernel;
+pub mod convention;
 mod diffusion_boundary;
 mod dipole;
 mod elementary;

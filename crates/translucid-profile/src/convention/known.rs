@@ -1,0 +1,341 @@
+//! The known systems: names, versions, rules, and where each rule was read.
+
+use super::rule::{Factor, Rule};
+use super::{LengthUnit, Parameter, Role, Source, System};
+
+const fn length(name: &'static str) -> Parameter {
+    Parameter { name, role: Role::Length }
+}
+
+const fn distance(name: &'static str) -> Parameter {
+    Parameter { name, role: Role::Distance }
+}
+
+const fn factor(name: &'static str, default: f64, per: f64) -> Parameter {
+    Parameter { name, role: Role::Factor { default, per } }
+}
+
+const G: Parameter = Parameter { name: "g", role: Role::Setting { default: 0.0, above: -1.0, below: 1.0 } };
+const SKIN_IOR: Parameter = Parameter {
+    name: "subsurface_ior",
+    // The closed interval [1, 10]
+    role: Role::Setting { default: 1.4, above: 1.0 - 1e-16, below: 10.0 + 2e-15 },
+};
+
+const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
+const UNREAL: &[Parameter] =
+    &[length("MeanFreePathColor"), distance("MeanFreePathDistance"), factor("WorldUnitScale", 0.1, 0.1)];
+
+const fn code(place: &'static str) -> Source {
+    Source { place, is_code: true }
+}
+
+const fn document(place: &'static str) -> Source {
+    Source { place, is_code: false }
+}
+
+/// A system whose length is in the scene's unit and has no least value.
+const fn system(
+    name: &'static str,
+    title: &'static str,
+    version: &'static str,
+    parameters: &'static [Parameter],
+    rule: Rule,
+    formula: &'static str,
+    source: Source,
+) -> System {
+    System {
+        name,
+        title,
+        version,
+        albedo_name: Some("surface_albedo"),
+        parameters,
+        unit: LengthUnit::Scene,
+        rule,
+        formula,
+        least_length: None,
+        source,
+    }
+}
+
+impl System {
+    const fn albedo(mut self, name: &'static str) -> Self {
+        self.albedo_name = Some(name);
+        self
+    }
+
+    const fn albedo_by_coefficients(mut self) -> Self {
+        self.albedo_name = None;
+        self
+    }
+
+    const fn in_unit_of_its_own(mut self, unit: LengthUnit) -> Self {
+        self.unit = unit;
+        self
+    }
+
+    const fn at_least(mut self, length: f64) -> Self {
+        self.least_length = Some(length);
+        self
+    }
+}
+
+/// Every known system.
+pub(super) const KNOWN: &[System] = &[
+    system(
+        "translucid",
+        "translucid, mean free path",
+        "0.1",
+        &[length("mfp")],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        code("translucid-profile, scaling.rs"),
+    ),
+    system(
+        "translucid",
+        "translucid, diffuse mean free path",
+        "0.1",
+        &[length("dmfp")],
+        Rule::Width(Factor::OverDiffuseMfp(0.0)),
+        "d = length/s(A), s from dmfp",
+        code("translucid-profile, scaling.rs"),
+    ),
+    system(
+        "translucid",
+        "translucid, width of Burley's profile",
+        "0.1",
+        &[length("d")],
+        Rule::Width(Factor::One),
+        "d = length",
+        code("translucid-profile, burley.rs"),
+    ),
+    system(
+        "cycles-burley",
+        "Blender Cycles, Christensen-Burley",
+        "3.0 to 4.5",
+        CYCLES,
+        Rule::Width(Factor::OverFourPi),
+        "d = length/(4 pi)",
+        code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
+    )
+    .albedo("base_color"),
+    system(
+        "cycles-random-walk",
+        "Blender Cycles, Random Walk (3.0 to 3.6: Random Walk, Fixed Radius)",
+        "3.0 to 4.5",
+        CYCLES,
+        Rule::Mfp(Factor::OverFourPi),
+        "mfp = length/(4 pi)",
+        code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
+    )
+    .albedo("base_color"),
+    system(
+        "cycles-skin",
+        "Blender Cycles, Random Walk (Skin) (3.0 to 3.6: Random Walk)",
+        "3.0 to 4.5",
+        &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR],
+        Rule::Mfp(Factor::Skin),
+        "mfp = length sqrt(3 (1 - alpha')), alpha' of a dipole",
+        code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
+    )
+    .albedo("base_color"),
+    system(
+        "cycles-2.9",
+        "Blender Cycles before 3.0, Christensen-Burley",
+        "2.8 and 2.9",
+        &[length("subsurface_radius")],
+        Rule::Width(Factor::OverFourPiDiffuse),
+        "d = length/(4 pi s(A)), s diffuse",
+        code("blender/blender@6529d20 intern/cycles/kernel/closure/bssrdf.h, bssrdf_burley_setup"),
+    )
+    .albedo("subsurface_color"),
+    system(
+        "eevee",
+        "Blender EEVEE",
+        "3.x and 4.x",
+        CYCLES,
+        Rule::Width(Factor::OverFourPiDiffuseOfRelative),
+        "d = length/(4 pi s(A/max A)), s diffuse",
+        code("blender/blender@103e878 .../eevee_next/shaders/eevee_subsurface_convolve_comp.glsl"),
+    )
+    .albedo("base_color"),
+    system(
+        "pbrt",
+        "pbrt, coefficients",
+        "v4",
+        &[
+            Parameter { name: "sigma_a", role: Role::Absorption },
+            Parameter { name: "sigma_s", role: Role::Scattering },
+            G,
+            factor("scale", 1.0, 1.0),
+        ],
+        Rule::Medium,
+        "mfp = 1/(scale (sigma_a + (1 - g) sigma_s))",
+        code("mmp/pbrt-v4@04fd052 src/pbrt/materials.h, SubsurfaceMaterial"),
+    )
+    .albedo_by_coefficients(),
+    system(
+        "pbrt",
+        "pbrt, reflectance and mean free path",
+        "v4",
+        &[length("mfp"), factor("scale", 1.0, 1.0)],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        code("mmp/pbrt-v4@04fd052 src/pbrt/materials.h, SubsurfaceMaterial"),
+    )
+    .albedo("reflectance"),
+    system(
+        "pbrt-v3-disney",
+        "pbrt-v3, disney material",
+        "v3",
+        &[length("scatterdistance")],
+        Rule::Width(Factor::Fifth),
+        "d = 0.2 length",
+        code("mmp/pbrt-v3@50bec5e src/materials/disney.cpp, DisneyBSSRDF"),
+    )
+    .albedo("color"),
+    system(
+        "appleseed",
+        "appleseed, normalized diffusion",
+        "2018",
+        &[length("mfp"), factor("mfp_multiplier", 1.0, 1.0)],
+        Rule::Width(Factor::OverSearchlight(0.001, 0.999)),
+        "d = length/s(A), s searchlight",
+        code("appleseedhq/appleseed@c39aed7 .../bssrdf/normalizeddiffusionbssrdf.cpp, sss.cpp"),
+    )
+    .albedo("reflectance")
+    .at_least(1e-6),
+    system(
+        "appleseed-random-walk",
+        "appleseed, random walk",
+        "2018",
+        &[length("mfp"), factor("mfp_multiplier", 1.0, 1.0)],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        code("appleseedhq/appleseed@c39aed7 .../bssrdf/randomwalkbssrdf.cpp"),
+    )
+    .albedo("reflectance")
+    .at_least(1e-6),
+    system(
+        "moonray",
+        "MoonRay, normalized diffusion",
+        "2024",
+        &[length("radius")],
+        Rule::Width(Factor::OverDiffuseMfp(0.001)),
+        "d = length/s(A), s from dmfp",
+        code("dreamworksanimation/moonray@6f49185 lib/rendering/shading/bssrdf/NormalizedDiffusion.cc"),
+    )
+    .albedo("albedo")
+    .at_least(0.001),
+    system(
+        "renderman",
+        "RenderMan PxrSurface, Burley Normalized",
+        "22 and later",
+        &[distance("dmfp"), length("dmfpColor"), factor("unitLength", 0.1, 1.0)],
+        Rule::Width(Factor::OverDiffuseMfp(0.0)),
+        "d = length/s(A), s from dmfp",
+        document("rmanwiki.pixar.com, PxrSurface: dmfp x dmfpColor x unitLength; s(A) after the talk (code not public)"),
+    )
+    .albedo("subsurfaceColor"),
+    system(
+        "arnold",
+        "Arnold standard_surface, random walk",
+        "5 and later",
+        &[length("subsurface_radius"), distance("subsurface_scale")],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        document("Autodesk/standard-surface@0ee942e index.html: radii are mean free paths (code not public)"),
+    )
+    .albedo("subsurface_color"),
+    system(
+        "unreal",
+        "Unreal Engine, subsurface profile with mean free path",
+        "5.1 and later",
+        UNREAL,
+        Rule::Width(Factor::OverSixTenthsSearchlight),
+        "d = length/(0.6 s(A)), s searchlight",
+        code("Unreal Engine SubsurfaceProfile.cpp, UpgradeDiffuseMeanFreePathToMeanFreePath, and \
+              BurleyNormalizedSSSCommon.ush, GetMFPFromDMFPCoeff (copies)"),
+    )
+    .albedo("SurfaceAlbedo")
+    .in_unit_of_its_own(LengthUnit::Centimeter),
+    system(
+        "unreal-5.0",
+        "Unreal Engine, subsurface profile with diffuse mean free path",
+        "5.0 and before",
+        UNREAL,
+        Rule::Width(Factor::OverDiffuseMfp(0.0)),
+        "d = length/s(A), s from dmfp",
+        code("Unreal Engine BurleyNormalizedSSS.cpp, GetSearchLightDiffuseScalingFactor (copy)"),
+    )
+    .albedo("SurfaceAlbedo")
+    .in_unit_of_its_own(LengthUnit::Centimeter),
+    system(
+        "unreal-signed",
+        "Unreal Engine, internal mean free path before s(A) had its absolute value",
+        "5.0 and before",
+        &[length("mean_free_path")],
+        Rule::Width(Factor::OverSixTenthsSigned),
+        "d = length/(0.6 s(A)), s = 1.85 - A + 7 (A - 0.8)^3",
+        code("Unreal Engine BurleyNormalizedSSS.cpp, GetPerpendicularScalingFactor (older copy)"),
+    )
+    .albedo("SurfaceAlbedo")
+    .in_unit_of_its_own(LengthUnit::Centimeter),
+    system(
+        "hdrp",
+        "Unity HDRP, diffusion profile",
+        "since 2018",
+        &[length("scatteringDistance"), distance("scatteringDistanceMultiplier")],
+        Rule::Width(Factor::One),
+        "d = length",
+        code("Unity-Technologies/Graphics@75b3fc1 .../DiffusionProfile/DiffusionProfileSettings.cs, UpdateKernel"),
+    )
+    .albedo("baseColor")
+    .in_unit_of_its_own(LengthUnit::Millimeter),
+    system(
+        "openpbr",
+        "OpenPBR Surface",
+        "1.x",
+        &[distance("subsurface_radius"), length("subsurface_radius_scale")],
+        Rule::Mfp(Factor::One),
+        "mfp = length",
+        document("AcademySoftwareFoundation/OpenPBR@0042276 index.html, Subsurface: mu_t = 1/r"),
+    )
+    .albedo("subsurface_color"),
+    system(
+        "materialx",
+        "MaterialX subsurface_bsdf, as a profile",
+        "1.39",
+        &[length("radius")],
+        Rule::Width(Factor::One),
+        "d = length",
+        code("MaterialX libraries/pbrlib/genglsl/lib/mx_microfacet_diffuse.glsl, and PBR specification, Subsurface \
+              Scattering Model (copies)"),
+    )
+    .albedo("color")
+    .at_least(0.1),
+    system(
+        "rise",
+        "RISE, Burley normalized diffusion",
+        "2026",
+        &[
+            Parameter { name: "absorption", role: Role::Absorption },
+            Parameter { name: "scattering", role: Role::Scattering },
+            G,
+        ],
+        Rule::MediumAsProfile,
+        "d = mfp/s(alpha'), s diffuse; alpha' counts as surface albedo",
+        code("aravindkrishnaswamy/RISE@0dea553 src/Library/Materials/BurleyNormalizedDiffusionProfile.cpp"),
+    )
+    .albedo_by_coefficients(),
+    system(
+        "sort",
+        "SORT, Disney and SSS materials",
+        "2023",
+        &[length("scatterDistance")],
+        Rule::Width(Factor::OverFourPiDiffuse),
+        "d = length/(4 pi s(A)), s diffuse",
+        code("JiayinCao/SORT@7d33060 src/scatteringevent/bsdf/disney.cpp, DisneyBssrdf"),
+    )
+    .albedo("baseColor"),
+];

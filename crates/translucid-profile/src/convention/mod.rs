@@ -1,0 +1,61 @@
+//! The same material in the numbers of other systems: what each means by "radius", and the conversions.
+//!
+//! Every system that renders subsurface scattering takes a length, and no two agree what it is.
+//! The width d of Burley's profile for a length of 1, by the rule of each system's own code:
+//!
+//! | rule | A = 0.2 | A = 0.5 | A = 0.8 | A = 0.95 |
+//! |---|---|---|---|---|
+//! | Blender EEVEE, gray | 0.077 | 0.077 | 0.077 | 0.077 |
+//! | Blender Cycles Christensen–Burley since 3.0 | 0.080 | 0.080 | 0.080 | 0.080 |
+//! | the same before, SORT, EEVEE beside a white channel | 0.027 | 0.046 | 0.072 | 0.077 |
+//! | pbrt-v3 Disney | 0.200 | 0.200 | 0.200 | 0.200 |
+//! | MoonRay, Unreal 5.0, RenderMan with `unitLength` 1 | 0.283 | 0.279 | 0.119 | 0.055 |
+//! | appleseed | 0.316 | 0.650 | 0.952 | 1.083 |
+//! | RISE; random walks and media by the diffuse fit | 0.338 | 0.583 | 0.909 | 0.972 |
+//! | Unreal since 5.1 | 0.527 | 1.083 | 1.587 | 1.804 |
+//! | Unity HDRP, MaterialX | 1.000 | 1.000 | 1.000 | 1.000 |
+//!
+//! # What is equal
+//! - Systems that draw Burley's profile ([`Equal::Width`]): the width d in each channel. Profile and surface albedo are
+//!   then the same function, to the last digit.
+//! - Systems that walk or solve a medium ([`Equal::MeanFreePath`]): the transport mean free path ℓ* and the surface
+//!   albedo, the anisotropy being 0 except where a system states its own.
+//! - From one kind to the other: d = ℓ*/s(A), the fit of Christensen and Burley for the chosen
+//!   [`Configuration`](crate::Configuration). This is as good as the fit is ([`scaling`](crate::scaling)).
+//!
+//! What the surface albedo is called differs, and media are given it by inversions of different quality; conversions
+//! leave it as it is.
+//!
+//! ```
+//! use translucid_profile::Configuration;
+//! use translucid_profile::convention::{SurfaceAlbedo, System, Written};
+//!
+//! # fn main() -> Result<(), translucid_profile::ParameterError> {
+//! let find = |name| System::named(name).next().unwrap();
+//! let albedo = SurfaceAlbedo::gray(0.8)?;
+//! // A diffuse mean free path of 20 with RenderMan's unitLength of 0.1, in scene units
+//! let renderman = find("renderman");
+//! let channel = renderman.read(&[20.0, 1.0, 0.1], albedo, Configuration::Diffuse)?;
+//! // looks in Blender Cycles like this radius
+//! let cycles = find("cycles-burley");
+//! let Written::Length(radius) = cycles.write(&channel, &cycles.defaults(), Configuration::Diffuse)? else { panic!() };
+//! assert!((radius - 2.98).abs() < 0.01);
+//! # Ok(())
+//! # }
+//! ```
+
+mod albedo;
+mod channel;
+mod known;
+mod parameter;
+mod rule;
+mod skin;
+mod system;
+
+#[cfg(test)]
+mod tests;
+
+pub use albedo::SurfaceAlbedo;
+pub use channel::Channel;
+pub use parameter::{LengthUnit, Parameter, Role};
+pub use system::{Equal, Source, System, Written};

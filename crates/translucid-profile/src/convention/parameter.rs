@@ -1,0 +1,66 @@
+//! The parameters by which a system is told a material.
+
+/// A parameter of a system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name in the system.
+    pub name: &'static str,
+    /// What it does.
+    pub role: Role,
+}
+
+/// What a parameter does; the product of all lengths, distances and factors is the system's length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Role {
+    /// A number for each channel: a length, or a part of one beside a [`Distance`](Self::Distance).
+    Length,
+    /// One number for all channels that a conversion may choose: the greatest length.
+    Distance,
+    /// One number for all channels whose customary value is `default`; the length is multiplied by value/`per`.
+    Factor {
+        /// Value that the system starts with.
+        default: f64,
+        /// Value that changes nothing.
+        per: f64,
+    },
+    /// One number for all channels that is no factor of the length, in the open interval.
+    Setting {
+        /// Value that the system starts with.
+        default: f64,
+        /// The value must be greater.
+        above: f64,
+        /// The value must be less.
+        below: f64,
+    },
+    /// Absorption coefficient σ_a of each channel \[L⁻¹\], at least 0.
+    Absorption,
+    /// Scattering coefficient σ_s of each channel \[L⁻¹\], at least 0.
+    Scattering,
+}
+
+impl Role {
+    /// Whether each channel has its own value.
+    pub fn is_per_channel(self) -> bool {
+        matches!(self, Self::Length | Self::Absorption | Self::Scattering)
+    }
+
+    /// Value where nothing is said.
+    pub fn default(self) -> f64 {
+        match self {
+            Self::Length | Self::Distance => 1.0,
+            Self::Factor { default, .. } | Self::Setting { default, .. } => default,
+            Self::Absorption | Self::Scattering => 0.0,
+        }
+    }
+}
+
+/// Unit of a system's length, the product of its parameters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// The unit that the scene is modeled in, whatever it is.
+    Scene,
+    /// Millimeters.
+    Millimeter,
+    /// Centimeters.
+    Centimeter,
+}

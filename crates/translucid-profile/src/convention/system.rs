@@ -1,0 +1,287 @@
+//! A system with its parameters, and the way from them to a material and back.
+
+use super::known::KNOWN;
+use super::rule::{Factor, Rule};
+use super::{Channel, LengthUnit, Parameter, Role, SurfaceAlbedo};
+use crate::error::{ParameterError, require};
+use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
+
+/// One way in which one system is told a translucent material.
+///
+/// Some systems have several, with the same name and other parameters.
+#[derive(Clone, Copy, Debug)]
+pub struct System {
+    pub(super) name: &'static str,
+    pub(super) title: &'static str,
+    pub(super) version: &'static str,
+    pub(super) albedo_name: Option<&'static str>,
+    pub(super) parameters: &'static [Parameter],
+    pub(super) unit: LengthUnit,
+    pub(super) rule: Rule,
+    pub(super) formula: &'static str,
+    pub(super) least_length: Option<f64>,
+    pub(super) source: Source,
+}
+
+/// Where a rule was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Source {
+    /// File with its repository and revision, or document.
+    pub place: &'static str,
+    /// Whether the rule is code that was read there, not only what a document says.
+    pub is_code: bool,
+}
+
+/// What stays the same when a material goes to a system.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Equal {
+    /// The width d of Burley's profile.
+    Width,
+    /// The transport mean free path ℓ*.
+    MeanFreePath,
+}
+
+/// A channel in the numbers of a system.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Written {
+    /// Product of the parameters that are lengths \[L\]; factors are divided out.
+    Length(f64),
+    /// Coefficients \[L⁻¹\]; factors are divided out.
+    Coefficients {
+        /// Absorption σ_a.
+        sigma_a: f64,
+        /// Scattering σ_s.
+        sigma_s: f64,
+    },
+}
+
+impl System {
+    /// Every known system.
+    pub const ALL: &'static [Self] = KNOWN;
+
+    /// The ways in which the system of a name can be told a material.
+    pub fn named(name: &str) -> impl Iterator<Item = &'static Self> {
+        KNOWN.iter().filter(move |system| system.name == name)
+    }
+
+    /// Name, in letters, digits, hyphens and dots.
+    pub fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Name in words.
+    pub fn title(&self) -> &'static str {
+        self.title
+    }
+
+    /// Versions of the system for which the rule is known to hold.
+    pub fn version(&self) -> &'static str {
+        self.version
+    }
+
+    /// What the system calls the surface albedo; none where coefficients determine it.
+    pub fn albedo_name(&self) -> Option<&'static str> {
+        self.albedo_name
+    }
+
+    /// The parameters, in the order of the values that [`read`](Self::read) takes.
+    pub fn parameters(&self) -> &'static [Parameter] {
+        self.parameters
+    }
+
+    /// Unit of lengths, and the reciprocal of coefficients' unit.
+    pub fn unit(&self) -> LengthUnit {
+        self.unit
+    }
+
+    /// The rule as a formula, for people; `length` is the product of the parameters.
+    pub fn formula(&self) -> &'static str {
+        self.formula
+    }
+
+    /// Where the rule was read.
+    pub fn source(&self) -> Source {
+        self.source
+    }
+
+    /// The shortest length that the system uses as it is; it takes this one for every shorter one.
+    pub fn least_length(&self) -> Option<f64> {
+        self.least_length
+    }
+
+    /// What a conversion to this system keeps.
+    pub fn equal(&self) -> Equal {
+        match self.rule {
+            Rule::Width(_) | Rule::MediumAsProfile => Equal::Width,
+            Rule::Mfp(_) | Rule::Medium => Equal::MeanFreePath,
+        }
+    }
+
+    /// Whether the parameters determine the surface albedo, too.
+    pub fn has_coefficients(&self) -> bool {
+        matches!(self.rule, Rule::Medium | Rule::MediumAsProfile)
+    }
+
+    /// Values where nothing is said: 1 for lengths, the system's own for factors and settings.
+    pub fn defaults(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.role.default()).collect()
+    }
+
+    /// Surface albedo that the parameters of one channel determine, if they do.
+    ///
+    /// For a medium it is that of the half space without a boundary ([`Medium::surface_albedo`]).
+    ///
+    /// # Errors
+    /// A value is outside its range.
+    pub fn surface_albedo(
+        &self,
+        values: &[f64],
+        configuration: Configuration,
+    ) -> Result<Option<f64>, ParameterError> {
+        Ok(match self.rule {
+            Rule::Width(_) | Rule::Mfp(_) => None,
+            Rule::Medium => Some(self.medium(values)?.surface_albedo(configuration)),
+            Rule::MediumAsProfile => Some(self.medium(values)?.alpha_prime()),
+        })
+    }
+
+    /// One channel of the material that the parameters describe, in the system's unit.
+    ///
+    /// `values` are those of [`parameters`](Self::parameters); the surface albedo is the system's, or what
+    /// [`surface_albedo`](Self::surface_albedo) says.
+    ///
+    /// # Errors
+    /// A value is outside its range, or the rule has no meaning at this surface albedo.
+    pub fn read(
+        &self,
+        values: &[f64],
+        albedo: SurfaceAlbedo,
+        configuration: Configuration,
+    ) -> Result<Channel, ParameterError> {
+        match self.rule {
+            Rule::Width(factor) => {
+                let d = self.length(values)? * self.factor(factor, albedo, values)?;
+                Channel::from_d(albedo, d, configuration)
+            }
+            Rule::Mfp(factor) => {
+                let mfp = self.length(values)? * self.factor(factor, albedo, values)?;
+                Channel::from_mfp(albedo, mfp, configuration)
+            }
+            Rule::Medium => Channel::from_mfp(albedo, self.medium(values)?.transport_mfp(), configuration),
+            Rule::MediumAsProfile => {
+                let medium = self.medium(values)?;
+                let d = medium.transport_mfp() / scaling_from_mfp_diffuse(medium.alpha_prime());
+                Channel::from_d(albedo, d, configuration)
+            }
+        }
+    }
+
+    /// One channel in the numbers of the system, its lengths being in the system's unit.
+    ///
+    /// Of `settings`, which has a value for each of [`parameters`](Self::parameters), factors and settings count.
+    ///
+    /// # Errors
+    /// A value is outside its range, or the rule has no meaning at this surface albedo.
+    pub fn write(
+        &self,
+        channel: &Channel,
+        settings: &[f64],
+        configuration: Configuration,
+    ) -> Result<Written, ParameterError> {
+        let albedo = channel.albedo();
+        let factors = self.factors(settings)?;
+        Ok(match self.rule {
+            Rule::Width(factor) => {
+                Written::Length(channel.d() / factors / self.factor(factor, albedo, settings)?)
+            }
+            Rule::Mfp(factor) => {
+                Written::Length(channel.mfp() / factors / self.factor(factor, albedo, settings)?)
+            }
+            Rule::Medium => {
+                let alpha_prime = half_space_single_scattering_albedo(albedo.of_channel(), configuration);
+                self.coefficients(alpha_prime, channel.mfp(), settings)?
+            }
+            Rule::MediumAsProfile => {
+                let alpha_prime = albedo.of_channel();
+                self.coefficients(alpha_prime, channel.d() * scaling_from_mfp_diffuse(alpha_prime), settings)?
+            }
+        })
+    }
+
+    /// Each parameter with its value, the default where there is none.
+    fn with_values(&self, values: &[f64]) -> impl Iterator<Item = (&'static Parameter, f64)> {
+        self.parameters
+            .iter()
+            .enumerate()
+            .map(|(i, parameter)| (parameter, values.get(i).copied().unwrap_or(parameter.role.default())))
+    }
+
+    /// Product of lengths and factors.
+    fn length(&self, values: &[f64]) -> Result<f64, ParameterError> {
+        let mut length = self.factors(values)?;
+        for (parameter, value) in self.with_values(values) {
+            if matches!(parameter.role, Role::Length | Role::Distance) {
+                length *= require_moderate(parameter, value)?;
+            }
+        }
+        Ok(length)
+    }
+
+    /// Product of the factors, each over the value that changes nothing.
+    fn factors(&self, values: &[f64]) -> Result<f64, ParameterError> {
+        let mut product = 1.0;
+        for (parameter, value) in self.with_values(values) {
+            if let Role::Factor { per, .. } = parameter.role {
+                product *= require_moderate(parameter, value)? / per;
+            }
+        }
+        Ok(product)
+    }
+
+    /// The setting, of which no system has two that matter; 0 without one.
+    fn setting(&self, values: &[f64]) -> Result<f64, ParameterError> {
+        for (parameter, value) in self.with_values(values) {
+            if let Role::Setting { above, below, .. } = parameter.role {
+                let allowed = if above < 0.0 { "in (-1, 1)" } else { "in [1, 10]" };
+                return require(value > above && value < below, parameter.name, value, allowed);
+            }
+        }
+        Ok(0.0)
+    }
+
+    fn factor(&self, factor: Factor, albedo: SurfaceAlbedo, values: &[f64]) -> Result<f64, ParameterError> {
+        factor.value(albedo, self.setting(values)?)
+    }
+
+    /// The medium of σ_a, σ_s, g and a factor of the coefficients.
+    fn medium(&self, values: &[f64]) -> Result<Medium, ParameterError> {
+        let (mut sigma_a, mut sigma_s) = (self.factors(values)?, self.factors(values)?);
+        for (parameter, value) in self.with_values(values) {
+            match parameter.role {
+                Role::Absorption => sigma_a *= value,
+                Role::Scattering => sigma_s *= value,
+                _ => {}
+            }
+        }
+        Medium::new(sigma_a, sigma_s, self.setting(values)?)
+    }
+
+    /// The coefficients of a reduced albedo and a transport mean free path, with the g and the factor of the settings.
+    fn coefficients(
+        &self,
+        alpha_prime: f64,
+        transport_mfp: f64,
+        settings: &[f64],
+    ) -> Result<Written, ParameterError> {
+        let g = self.setting(settings)?;
+        let scale = self.factors(settings)?;
+        let medium =
+            Medium::from_reduced((1.0 - alpha_prime) / transport_mfp, alpha_prime / transport_mfp, g)?;
+        Ok(Written::Coefficients { sigma_a: medium.sigma_a() / scale, sigma_s: medium.sigma_s() / scale })
+    }
+}
+
+/// Passes on a length or a factor that leaves room for products.
+fn require_moderate(parameter: &Parameter, value: f64) -> Result<f64, ParameterError> {
+    require((1e-110..=1e110).contains(&value), parameter.name, value, "in [1e-110, 1e110]")
+}
