@@ -72,6 +72,7 @@ mod inversion;
 mod media;
 mod model;
 mod monotone_cell;
+mod photon_beam_diffusion;
 mod profile;
 pub mod quadrature;
 mod quantized_diffusion;
@@ -97,6 +98,7 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use model::Model;
+pub use photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{
