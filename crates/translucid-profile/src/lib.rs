@@ -57,6 +57,8 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
 )]
 
+mod albedo_table;
+mod albedo_table_f32;
 mod better_dipole;
 mod burley;
 mod burley_f32;
@@ -72,12 +74,13 @@ mod inversion;
 mod media;
 mod model;
 mod monotone_cell;
-mod photon_beam_diffusion;
+mod monotone_cubic;
 mod profile;
 pub mod quadrature;
 mod quantized_diffusion;
 mod radial_table;
 mod radial_table_build;
+mod radial_table_f32;
 pub mod roots;
 mod scaled_erfc;
 mod scaling;
@@ -85,6 +88,8 @@ mod slices;
 mod source_pair;
 mod tabulated_profile;
 
+pub use albedo_table::{AlbedoTable, ProfileView};
+pub use albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
 pub use better_dipole::BetterDipole;
 pub use burley::NormalizedDiffusion;
 pub use burley_f32::NormalizedDiffusionF32;
@@ -98,7 +103,6 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use model::Model;
-pub use photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{

@@ -89,6 +89,21 @@ impl RadialTable {
         &self.cells
     }
 
+    pub(crate) fn tail(&self) -> &Tail {
+        &self.tail
+    }
+
+    /// Exponent of the first octave, and j of each: it has 2^j cells, the last perhaps fewer.
+    pub(crate) fn layout(&self) -> (i32, impl Iterator<Item = u32>) {
+        let exponent = self.first_octave as i32 - 1023;
+        (exponent, self.octaves.iter().map(|octave| FRACTION_BITS - octave.shift))
+    }
+
+    /// Whether the density per area has a limit at r = 0.
+    pub(crate) fn is_finite_at_0(&self) -> bool {
+        self.cells[0].slope_in == 0.0
+    }
+
     /// The cell of a radius before the tail.
     #[inline(always)]
     fn cell_at(&self, x: f64) -> &Cell {

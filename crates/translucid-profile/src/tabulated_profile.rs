@@ -9,7 +9,7 @@ use crate::radial_table::RadialTable;
 use crate::radial_table_build::{Built, build};
 
 /// Radii below this many units of length count as this many for a profile that is finite at r = 0.
-const UNIT_RADIUS_MIN: f64 = 1e-150;
+pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 
 /// A profile as a table in the radius.
 ///
@@ -159,10 +159,14 @@ impl TabulatedProfile {
         self.quantile(u)
     }
 
+    pub(crate) fn table(&self) -> &RadialTable {
+        &self.table
+    }
+
     /// The radius at which R and its density per area can be told.
     #[inline(always)]
     fn resolved(&self, r: f64) -> f64 {
-        let least = if self.table.cells()[0].slope_in == 0.0 { UNIT_RADIUS_MIN * self.length } else { 0.0 };
+        let least = if self.table.is_finite_at_0() { UNIT_RADIUS_MIN * self.length } else { 0.0 };
         r.max(f64::MIN_POSITIVE).max(least)
     }
 }

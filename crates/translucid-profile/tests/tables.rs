@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use translucid_profile::{
-    BetterDipole, Medium, NormalizedDiffusion, Profile, StandardDipole, TabulatedProfile,
+    AlbedoTable, AlbedoTableF32, Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion,
+    ParameterError, Parameterization, Profile, StandardDipole, TabulatedProfile,
 };
 
 /// Error of a table's cdf below the median, and of 1 − cdf above it, that its documentation promises.
@@ -221,4 +222,237 @@ fn scaled_shares_the_shape() {
     for (factor, a) in [(0.0, 0.5), (-1.0, 0.5), (f64::NAN, 0.5), (1.0, 1.1), (1.0, f64::NAN)] {
         assert!(table.scaled(factor, a).is_err(), "{factor} {a}");
     }
+}
+
+type Model = fn(f64) -> Result<Box<dyn Profile>, ParameterError>;
+
+fn appearance(surface_albedo: f64, parameterization: Parameterization) -> Appearance {
+    Appearance { surface_albedo, length: 1.0, parameterization, g: 0.0 }
+}
+
+/// Models of length 1 as functions of the surface albedo.
+const MODELS: [(&str, Model); 4] = [
+    ("normalized diffusion", |a| {
+        let (parameterization, configuration) = (Parameterization::Mfp, Configuration::Searchlight);
+        Ok(Box::new(NormalizedDiffusion::new(a, 1.0, parameterization, configuration)?))
+    }),
+    ("dipole, eta 1.3", |a| Ok(Box::new(StandardDipole::new(&appearance(a, Parameterization::Mfp), 1.3)?))),
+    ("better dipole", |a| Ok(Box::new(BetterDipole::new(&appearance(a, Parameterization::Mfp), 1.0)?))),
+    ("dipole by dmfp", |a| Ok(Box::new(StandardDipole::new(&appearance(a, Parameterization::Dmfp), 1.0)?))),
+];
+
+fn every_albedo(model: Model) -> AlbedoTable {
+    AlbedoTable::for_every_albedo(model).expect("a model of every albedo")
+}
+
+#[test]
+fn rows_are_the_model_and_between_them_is_little_else() {
+    for (name, model) in MODELS {
+        let table = every_albedo(model);
+        assert!(table.cdf_error_of_rows() < REACHED, "{name}");
+        let rows = table.surface_albedos();
+        for pair in rows.windows(2) {
+            for (a, allowed) in [(pair[0], 3e-6), (0.5 * (pair[0] + pair[1]), 1e-4)] {
+                let (source, view) = (model(a).expect("between rows"), table.at(a, 1.0));
+                let off = |r: f64| (view.cdf(r) - source.enclosed(r) / source.total()).abs();
+                let worst = radii(source.scale()).step_by(7).map(off).fold(0.0, f64::max);
+                assert!(worst < allowed, "{name} {a}: {worst:e}");
+                assert_eq!(view.surface_albedo(), a);
+            }
+        }
+    }
+}
+
+#[test]
+fn views_are_distributions() {
+    for (name, model) in MODELS {
+        let table = every_albedo(model);
+        for (a, length) in [(0.0, 1.0), (0.02, 3.0), (0.5, 1e-100), (0.83, 1e100), (0.997, 0.1), (1.0, 1.0)] {
+            let view = table.at(a, length);
+            let (mut within, mut sum, step) = (0.0, 0.0, 0.01f64);
+            for r in radii(view.quantile(0.5)) {
+                let (u, v) = (view.cdf(r), view.complementary_cdf(r));
+                assert!(u >= within && (u + v - 1.0).abs() < 1e-14, "{name} {a} {r:e}");
+                within = u;
+                let back = if u < 0.5 { view.quantile(u) } else { view.quantile_complement(v) };
+                let steep = u.min(v) / (r * view.pdf(r)).max(1e-300);
+                assert!(
+                    (back / r - 1.0).abs() < 1e-13 + 1e-15 * steep || v < 1e-300,
+                    "{name} {a} {r:e}: {back:e}"
+                );
+                sum += view.pdf(r) * r * step;
+            }
+            assert!((sum - within).abs() < 1e-6, "{name} {a}: {sum} {within}");
+            for tail in [1e-9, 1e-3, 0.1, 0.9] {
+                let beyond = view.complementary_cdf(view.truncation_radius(tail));
+                assert!(beyond <= tail * (1.0 + 1e-12) && beyond > 0.5 * tail, "{name} {a} {tail}: {beyond}");
+            }
+        }
+    }
+}
+
+/// Kolmogorov–Smirnov, as [`samples_are_distributed_like_the_source`]: 8 trials, false alarm once in 1,000.
+#[test]
+fn samples_of_views_are_distributed_like_their_cdf() {
+    const COUNT: u32 = 100_000;
+    for (name, model) in MODELS {
+        let view = every_albedo(model);
+        let view = view.at(0.7654, 2.0);
+        let r_max = view.truncation_radius(0.05);
+        let mut state = 7u64;
+        for limit in [f64::INFINITY, r_max] {
+            let mut sample = || {
+                let u = uniform(&mut state);
+                if limit.is_finite() { view.sample_within(u, limit) } else { view.sample(u) }
+            };
+            let mut radii: Vec<f64> = (0..COUNT).map(|_| sample()).collect();
+            radii.sort_by(f64::total_cmp);
+            assert!(radii[radii.len() - 1] <= limit);
+            let steps = radii.iter().zip(0u32..).map(|(r, i)| {
+                let within = view.cdf(*r) / view.cdf(limit);
+                let (before, after) = (f64::from(i) / f64::from(COUNT), f64::from(i + 1) / f64::from(COUNT));
+                (within - before).abs().max((within - after).abs())
+            });
+            let statistic = steps.fold(0.0, f64::max) * f64::from(COUNT).sqrt();
+            assert!(statistic < 2.2, "{name} {limit}: {statistic}");
+        }
+    }
+}
+
+#[test]
+fn single_precision_follows_double() {
+    for (name, model) in MODELS {
+        let table = every_albedo(model);
+        let twin = AlbedoTableF32::from(&table);
+        for (a, length) in [(0.0f32, 1.0f32), (0.02, 3.0), (0.5, 1e-9), (0.83, 1e9), (0.997, 0.1), (1.0, 1.0)]
+        {
+            let (exact, view) = (table.at(f64::from(a), f64::from(length)), twin.at(a, length));
+            for r in radii(exact.quantile(0.5)).map(|r| r as f32) {
+                let at = f64::from(r);
+                let pairs = [
+                    (view.cdf(r), exact.cdf(at)),
+                    (view.complementary_cdf(r), exact.complementary_cdf(at)),
+                    (view.pdf(r), exact.pdf(at)),
+                    (view.pdf_area(r), exact.pdf_area(at)),
+                ];
+                for (i, (found, expected)) in pairs.into_iter().enumerate() {
+                    let off = (f64::from(found) / expected - 1.0).abs();
+                    // Tails of 1e-9 are what no random number of single precision gets to
+                    let matters = exact.complementary_cdf(at) > 1e-9;
+                    assert!(off < 1e-5 || !matters, "{name} {a} {length:e} {r:e}, method {i}: {off:e}");
+                }
+            }
+            for u in (0..=1000).map(|i| i as f32 / 1000.0) {
+                let (found, expected) = (view.sample(u), exact.sample(f64::from(u)));
+                // Near the lower row's share, which is rounded, u decides about the row
+                let off = (f64::from(found) / expected - 1.0).abs();
+                let [low, high] = [-2e-7, 2e-7].map(|shift| exact.sample(f64::from(u) + shift));
+                let is_near = f64::from(found) >= 0.99999 * low.min(high)
+                    && f64::from(found) <= 1.00001 * low.max(high);
+                assert!(
+                    off < 1e-5 || is_near || u == 1.0,
+                    "{name} {a} {length:e} {u}: {found:e} {expected:e}"
+                );
+                let r_max = view.truncation_radius(0.01);
+                assert!(view.complementary_cdf(r_max) <= 0.0100001 && view.complementary_cdf(r_max) > 0.007);
+                let r = view.sample_within(u, r_max);
+                assert!(r >= 0.0 && r <= r_max, "{name} {a} {u}: {r}");
+            }
+        }
+    }
+}
+
+/// What is drawn below a radius has the density over the cdf there: the mean of 1/p over samples is the radius.
+#[test]
+fn sample_within_is_exact_in_single_precision() {
+    for (name, model) in MODELS {
+        let table = AlbedoTableF32::from(&every_albedo(model));
+        for a in [0.3, 0.9531] {
+            let view = table.at(a, 1.0);
+            let r_max = view.truncation_radius(0.02);
+            // Equidistant numbers: both rows' parts are integrated by the midpoint rule
+            const COUNT: u32 = 100_000;
+            let mut shares = [0u32; 64];
+            for i in 0..COUNT {
+                let r = view.sample_within((i as f32 + 0.5) / COUNT as f32, r_max);
+                let share = view.cdf(r) / view.cdf(r_max);
+                shares[((share * 64.0) as usize).min(63)] += 1;
+            }
+            for (bin, count) in shares.iter().enumerate() {
+                let expected = f64::from(COUNT) / 64.0;
+                // Each row puts a number of samples into a bin that is off by two at most
+                assert!(
+                    (f64::from(*count) - expected).abs() < 8.0,
+                    "{name} {a} bin {bin}: {count} {expected}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn views_are_finite_for_any_argument() {
+    for (name, model) in MODELS {
+        let table = every_albedo(model);
+        let twin = AlbedoTableF32::from(&table);
+        for (a, length) in ARGUMENTS.iter().flat_map(|a| ARGUMENTS.map(|length| (*a, length))) {
+            let (view, narrow) = (table.at(a, length), twin.at(a as f32, length as f32));
+            for x in ARGUMENTS {
+                let values = [
+                    view.eval(x),
+                    view.eval_times_r(x),
+                    view.pdf(x),
+                    view.pdf_area(x),
+                    view.cdf(x),
+                    view.complementary_cdf(x),
+                    view.enclosed(x),
+                    view.quantile(x),
+                    view.quantile_complement(x),
+                    view.sample(x),
+                    view.truncation_radius(x),
+                    view.sample_within(x, 1.0),
+                    view.sample_within(0.5, x),
+                ];
+                for (i, value) in values.into_iter().enumerate() {
+                    assert!(
+                        value.is_finite() && value >= 0.0,
+                        "{name} {a} {length}, method {i} of {x}: {value}"
+                    );
+                }
+                let x = x as f32;
+                let values = [
+                    narrow.pdf(x),
+                    narrow.pdf_area(x),
+                    narrow.cdf(x),
+                    narrow.complementary_cdf(x),
+                    narrow.sample(x),
+                    narrow.truncation_radius(x),
+                    narrow.sample_within(x, 1.0),
+                    narrow.sample_within(0.5, x),
+                ];
+                for (i, value) in values.into_iter().enumerate() {
+                    assert!(
+                        value.is_finite() && value >= 0.0,
+                        "{name} {a} {length}, f32 method {i} of {x}: {value}"
+                    );
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn rows_must_rise() {
+    let model: Model = MODELS[0].1;
+    assert!(AlbedoTable::new(&[], model).is_err());
+    assert!(AlbedoTable::new(&[0.5, 0.5], model).is_err());
+    assert!(AlbedoTable::new(&[0.5, 1.5], model).is_err());
+    assert!(AlbedoTable::new(&[f64::NAN], model).is_err());
+    let message = AlbedoTable::new(&[0.5, 0.4], model).unwrap_err().to_string();
+    assert_eq!(message, "surface_albedo is 0.4, but must be in [0, 1] and greater than the one before");
+    let of_dmfp = AlbedoTable::new(&[0.5, 1.0], MODELS[3].1).unwrap_err();
+    assert_eq!(of_dmfp.parameter, "surface_albedo");
+    // Black has the shape of the next row
+    let table = AlbedoTable::new(&[0.0, 0.5], model).expect("valid rows");
+    assert_eq!(table.at(0.0, 1.0).cdf(0.3), table.at(0.5, 1.0).cdf(0.3));
 }
