@@ -8,6 +8,7 @@
 //!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
 //! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image;
 //!   [`QuantizedDiffusion`]: from a whole beam, as a sum of Gaussians.
+//! - [`SumOfGaussians`]: one to six Gaussians fitted to the exact half space, for those who blur textures or screens.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
@@ -69,6 +70,7 @@ mod dipole;
 mod elementary;
 mod error;
 mod fresnel;
+mod gaussian_coefficients;
 mod half_space;
 mod inversion;
 mod media;
@@ -86,6 +88,7 @@ mod scaled_erfc;
 mod scaling;
 mod slices;
 mod source_pair;
+mod sum_of_gaussians;
 mod tabulated_profile;
 
 pub use albedo_table::{AlbedoTable, ProfileView};
@@ -109,4 +112,5 @@ pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
 };
+pub use sum_of_gaussians::SumOfGaussians;
 pub use tabulated_profile::TabulatedProfile;

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
     Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    Profile, QuantizedDiffusion, StandardDipole,
+    Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -57,6 +57,18 @@ fn models() -> Vec<Model> {
         physical!(StandardDipole),
         physical!(BetterDipole),
         physical!(QuantizedDiffusion),
+        Model {
+            name: "SumOfGaussians",
+            new: |a, _| {
+                let (albedo, length, diffuse) = (a.surface_albedo, a.length, Configuration::Diffuse);
+                let terms = SumOfGaussians::DEFAULT_TERMS;
+                Ok(Box::new(SumOfGaussians::new(albedo, length, a.parameterization, diffuse, terms)?))
+            },
+            from_medium: None,
+            closed_total: None,
+            etas: &[1.0],
+            gs: &[0.0],
+        },
     ]
 }
 

@@ -1,0 +1,41 @@
+//! Fits of simple reflectance profiles to reference ones, and the errors that they keep.
+//!
+//! - [`l1_error`]: the share of the energy that a profile puts in the wrong place, the measure of P. H. Christensen and
+//!   B. Burley 2015; [`Judge`] measures many profiles against one reference.
+//! - [`fit`]: least squares with mixtures of K members of a [`Family`] ([`Gaussian`], [`Exponential`], [`Burley`]), whose
+//!   weights are not negative and sum to 1.
+//!
+//! Anything that is a [`Profile`](translucid_profile::Profile) can be the reference.
+//!
+//! ```
+//! use translucid_fit::{Exponential, fit, l1_error};
+//! use translucid_profile::NormalizedDiffusion;
+//!
+//! # fn main() -> Result<(), translucid_profile::ParameterError> {
+//! // Normalized diffusion is two exponentials
+//! let burley = NormalizedDiffusion::from_d(0.5, 2.0)?;
+//! let fits = fit::<Exponential>(&burley, 2)?;
+//! let [weights, scales] = [fits[1].mixture.weights(), fits[1].mixture.scales()];
+//! assert!((weights[0] - 0.25).abs() < 1e-9 && (scales[0] - 2.0).abs() < 1e-8);
+//! assert!((weights[1] - 0.75).abs() < 1e-9 && (scales[1] - 6.0).abs() < 1e-8);
+//! assert!(l1_error(&fits[1].mixture, &burley, f64::INFINITY) < 1e-8);
+//! assert!(l1_error(&fits[0].mixture, &burley, f64::INFINITY) > 0.05); // one exponential
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Units
+//! Lengths are in the unit of the reference.
+//!
+//! # Out of scope
+//! How a reference comes about (`translucid-reference`), files, figures.
+
+mod family;
+mod l1_error;
+mod least_squares;
+mod mixture;
+
+pub use family::{Burley, Exponential, Family, Gaussian};
+pub use l1_error::{Judge, l1_error};
+pub use least_squares::{Fit, Target, fit};
+pub use mixture::Mixture;
