@@ -338,9 +338,9 @@ impl ProfileView<'_> {
         for _ in 0..60 {
             let value = excess(r);
             if value > 0.0 {
-                high = r
+                high = r;
             } else {
-                low = r
+                low = r;
             }
             let newton = r - value / self.pdf(r);
             let next = if newton >= low && newton <= high { newton } else { 0.5 * (low + high) };

@@ -77,6 +77,7 @@ mod media;
 mod model;
 mod monotone_cell;
 mod monotone_cubic;
+mod photon_beam_diffusion;
 mod profile;
 pub mod quadrature;
 mod quantized_diffusion;
@@ -106,6 +107,7 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use model::Model;
+pub use photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{

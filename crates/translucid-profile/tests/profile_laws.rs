@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
     Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -69,6 +69,15 @@ fn models() -> Vec<Model> {
             etas: &[1.0],
             gs: &[0.0],
         },
+        Model {
+            name: "PhotonBeamDiffusion",
+            new: |appearance, eta| Ok(Box::new(PhotonBeamDiffusion::new(appearance, eta)?)),
+            from_medium: Some(|medium, eta| Ok(Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?))),
+            // Its total depends on g
+            closed_total: None,
+            etas: &[0.7, 1.0, 1.33, 1.5],
+            gs: &[-0.5, 0.0, 0.8],
+        },
     ]
 }
 
@@ -80,16 +89,16 @@ struct Case {
     label: String,
     appearance: Appearance,
     eta: f64,
+    /// The most that the model reaches.
+    limit: f64,
     profile: Box<dyn Profile>,
 }
 
-/// The most that a model reaches for a relative index and a kind of length.
+/// The most that a model reaches for a relative index and a phase function.
 fn most_reachable(model: &Model, appearance: Appearance, eta: f64) -> f64 {
-    // Without absorption there is no diffuse mean free path
-    let dmfp = appearance.parameterization == Parameterization::Dmfp;
-    let wanted = if dmfp { 1.0 - 1e-6 } else { 1.0 };
-    match (model.new)(&Appearance { surface_albedo: wanted, ..appearance }, eta) {
-        Ok(_) => wanted,
+    let white = Appearance { surface_albedo: 1.0, parameterization: Parameterization::Mfp, ..appearance };
+    match (model.new)(&white, eta) {
+        Ok(_) => 1.0,
         Err(error) => error.limit.unwrap_or_else(|| panic!("{}: {error}", model.name)),
     }
 }
@@ -101,12 +110,15 @@ fn cases_of(model: &Model, length: f64) -> Vec<Case> {
         for &g in model.gs {
             for parameterization in [Parameterization::Mfp, Parameterization::Dmfp] {
                 let start = Appearance { surface_albedo: 0.0, length, parameterization, g };
-                let most = most_reachable(model, start, eta);
+                let limit = most_reachable(model, start, eta);
+                // Without absorption there is no diffuse mean free path
+                let dmfp = parameterization == Parameterization::Dmfp;
+                let most = if dmfp { limit * (1.0 - 1e-6) } else { limit };
                 for surface_albedo in ALBEDOS.into_iter().filter(|a| *a < most).chain([most]) {
                     let appearance = Appearance { surface_albedo, ..start };
                     let label = format!("{} η = {eta}, {appearance:?}", model.name);
                     let profile = (model.new)(&appearance, eta).unwrap_or_else(|e| panic!("{label}: {e}"));
-                    cases.push(Case { label, appearance, eta, profile });
+                    cases.push(Case { label, appearance, eta, limit, profile });
                 }
             }
         }
@@ -255,9 +267,9 @@ fn eval_is_not_negative_and_continuous() {
 fn eval_is_continuous_in_the_surface_albedo() {
     for model in models() {
         for case in cases_of(&model, 1.0) {
-            // Light far away rests on 1 − A: a millionth of that, or of A
+            // Light far away rests on what is missing to the limit: a millionth of that, or of A
             let a = case.appearance.surface_albedo;
-            let surface_albedo = a - (1e-6 * a.min(1.0 - a)).max(1e-12 * a);
+            let surface_albedo = a - (1e-6 * a.min(case.limit - a)).max(1e-12 * a);
             let other = (model.new)(&Appearance { surface_albedo, ..case.appearance }, case.eta).unwrap();
             for r in radii(&*case.profile, 2) {
                 let r = r.min(10.0 * case.profile.scale());

@@ -1,0 +1,64 @@
+//! Surface albedo by multiple scattering: what dipoles along a beam send out in all.
+//!
+//! Without κ each dipole's energy is elementary (e^{−s d}/d integrates to 2π e^{−s z}/s over the plane), and so is its
+//! integral over the beam. Of κ's e^{−2(t + d_r)} the real source leaves elementary functions and an exponential
+//! integral, whose integral over the beam is elementary again; the virtual source leaves a double integral without
+//! any singularity, in polar coordinates about the exit.
+
+use std::sync::LazyLock;
+
+use super::beam_dipole::{BeamDipole, UnitRule};
+use crate::elementary::{Double, exp_negative};
+
+/// Points of the double integral.
+const POINTS: [usize; 2] = [36, 16];
+/// How many virtual sources a total takes.
+pub(super) const TOTAL_POINTS: u32 = (POINTS[0] * POINTS[1]) as u32;
+/// e^{−2ρ} is 1e-15 there.
+const RHO_MAX: f64 = 17.0;
+/// And this far e^{−x} is followed.
+const EXPONENT_MAX: f64 = 36.0;
+
+impl BeamDipole {
+    /// ∫ R over the plane, for a beam of the cosine given inside.
+    pub(super) fn total(&self, cos_theta: f64) -> f64 {
+        let BeamDipole { sigma_tr: s, z_b, fluence_weight, flux_weight, .. } = *self;
+        let (fades, faded) = exp_negative::<Double>(2.0 * s * z_b);
+        let fluence = if s * z_b > 1e-200 { faded / s } else { 2.0 * z_b };
+        let without_kappa = (fluence_weight * fluence + flux_weight * (1.0 + fades)) / (1.0 + s * cos_theta);
+
+        // ∫ e^{−3t} over the real source, where ∫ (1 + s d) e^{−(s+2)d}/d² dd = e^{−(s+2)z}/z − 2 E₁((s+2)z)
+        let b = (s + 2.0) * cos_theta;
+        let exponential_integral = (3.0 / b).ln_1p() / 9.0 - 1.0 / (3.0 * (3.0 + b));
+        let real = fluence_weight / ((s + 2.0) * (3.0 + b))
+            + flux_weight * (1.0 / (3.0 + b) - 2.0 * cos_theta * exponential_integral);
+        0.5 * self.alpha_squared * (without_kappa - real - self.virtual_part(cos_theta))
+    }
+
+    /// ∫∫ e^{−3t − 2d_r} {C_E (z + 2z_b)(1 + s d_v) e^{−s d_v}/d_v³ − C_φ/D e^{−s d_v}/d_v} r dr dt with d_r = ρ, z = ρμ:
+    /// r dr dz = ρ² dρ dμ.
+    fn virtual_part(&self, cos_theta: f64) -> f64 {
+        static RULES: LazyLock<[UnitRule; 2]> = LazyLock::new(|| POINTS.map(UnitRule::new));
+        let [outer, inner] = &*RULES;
+        let mut sum = 0.0;
+        for (x, weight) in outer.positions.iter().zip(&outer.weights) {
+            // ρ = ρ_max x², since ρ counts near 0
+            let rho = RHO_MAX * x * x;
+            let mu_max = (EXPONENT_MAX * cos_theta / (3.0 * rho)).min(1.0);
+            let over_mu: f64 = (inner.positions.iter().zip(&inner.weights))
+                .map(|(x, weight)| weight * self.virtual_source(rho, mu_max * x, cos_theta))
+                .sum();
+            sum += weight * 2.0 * x * RHO_MAX * rho * rho * mu_max * over_mu;
+        }
+        sum / cos_theta
+    }
+
+    fn virtual_source(&self, rho: f64, mu: f64, cos_theta: f64) -> f64 {
+        let (s, z) = (self.sigma_tr, rho * mu);
+        let height = z + 2.0 * self.z_b;
+        let d_v = (rho * rho + 4.0 * self.z_b * (z + self.z_b)).sqrt();
+        let (arrives, _) = exp_negative::<Double>(2.0 * rho + 3.0 * z / cos_theta + s * d_v);
+        let flux = height * (1.0 + s * d_v) / (d_v * d_v);
+        arrives / d_v * (self.flux_weight * flux - self.fluence_weight)
+    }
+}
