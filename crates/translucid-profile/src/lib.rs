@@ -8,6 +8,8 @@
 //!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
 //! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image;
 //!   [`QuantizedDiffusion`]: from a whole beam, as a sum of Gaussians.
+//! - [`DirectionalDipole`]: for light from any direction on any surface; [`DirectionalDipoleAverage`], its profile along
+//!   the normal.
 //! - [`SumOfGaussians`]: one to six Gaussians fitted to the exact half space, for those who blur textures or screens.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
@@ -67,6 +69,9 @@ mod burley_kernel;
 pub mod convention;
 mod diffusion_boundary;
 mod dipole;
+mod directional_average;
+mod directional_dipole;
+mod directional_kernel;
 mod elementary;
 mod error;
 mod fresnel;
@@ -98,6 +103,8 @@ pub use better_dipole::BetterDipole;
 pub use burley::NormalizedDiffusion;
 pub use burley_f32::NormalizedDiffusionF32;
 pub use dipole::StandardDipole;
+pub use directional_average::DirectionalDipoleAverage;
+pub use directional_dipole::DirectionalDipole;
 pub use error::ParameterError;
 pub use fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
