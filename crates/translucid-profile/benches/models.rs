@@ -5,6 +5,7 @@
 //! rounds: what else the machine does meanwhile falls on all alike, and little of it is left.
 //! Calls follow one another without depending on each other, behind a `dyn Profile` as a renderer that swaps models
 //! has them; normalized diffusion and tables also as their own types, which is how an inner loop would have them.
+//! A model is one [`Row`] of [`rows`].
 
 #![allow(clippy::print_stdout, reason = "the tables are what this program is for")]
 
@@ -13,7 +14,8 @@ use std::time::{Duration, Instant};
 
 use translucid_profile::roots::falling_root;
 use translucid_profile::{
-    Appearance, Configuration, Model, NormalizedDiffusion, Parameterization, Profile, TabulatedProfile,
+    Appearance, BetterDipole, Configuration, NormalizedDiffusion, Parameterization, PhotonBeamDiffusion,
+    Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
 
 /// Arguments a task goes through.
@@ -27,6 +29,70 @@ const SAMPLE_TOLERANCE: f64 = 1e-6;
 /// The talk's boundary and phase function, at a middling albedo.
 const APPEARANCE: Appearance =
     Appearance { surface_albedo: 0.8, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
+
+/// A model: its name, how it is made for an η, and how it is sampled where it knows a way of its own.
+struct Row {
+    name: &'static str,
+    make: fn(f64) -> Box<dyn Profile>,
+    /// Whether η and g are parameters.
+    knows_boundary: bool,
+    sampler: Option<Box<dyn Fn(f64) -> f64>>,
+}
+
+/// The row that the ratios refer to.
+const YARDSTICK: &str = "normalized diffusion";
+
+fn rows() -> Vec<Row> {
+    let physical = |name, make| Row { name, make, knows_boundary: true, sampler: None };
+    let normalized = normalized_diffusion();
+    let (two, six) = (gaussians(2), gaussians(6));
+    vec![
+        Row {
+            name: YARDSTICK,
+            make: |_| Box::new(normalized_diffusion()),
+            knows_boundary: false,
+            sampler: Some(Box::new(move |u| normalized.sample(u))),
+        },
+        Row {
+            name: "two Gaussians",
+            make: |_| Box::new(gaussians(2)),
+            knows_boundary: false,
+            sampler: Some(Box::new(move |u| two.sample(u))),
+        },
+        Row {
+            name: "six Gaussians",
+            make: |_| Box::new(gaussians(6)),
+            knows_boundary: false,
+            sampler: Some(Box::new(move |u| six.sample(u))),
+        },
+        physical("standard dipole", |eta| Box::new(StandardDipole::new(&appearance(), eta).expect(VALID))),
+        physical("better dipole", |eta| Box::new(BetterDipole::new(&appearance(), eta).expect(VALID))),
+        physical("quantized diffusion", |eta| {
+            Box::new(QuantizedDiffusion::new(&appearance(), eta).expect(VALID))
+        }),
+        physical("photon beam diffusion", |eta| {
+            Box::new(PhotonBeamDiffusion::new(&appearance(), eta).expect(VALID))
+        }),
+    ]
+}
+
+const VALID: &str = "valid parameters";
+
+fn appearance() -> Appearance {
+    black_box(APPEARANCE)
+}
+
+fn normalized_diffusion() -> NormalizedDiffusion {
+    let Appearance { surface_albedo, length, parameterization, .. } = appearance();
+    NormalizedDiffusion::new(surface_albedo, length, parameterization, Configuration::Searchlight)
+        .expect(VALID)
+}
+
+fn gaussians(terms: usize) -> SumOfGaussians {
+    let Appearance { surface_albedo, length, parameterization, .. } = appearance();
+    SumOfGaussians::new(surface_albedo, length, parameterization, Configuration::Searchlight, terms)
+        .expect(VALID)
+}
 
 /// Something that is timed: a row, a column, and a call for the i-th argument.
 struct Task {
@@ -43,7 +109,7 @@ fn main() {
     // Under `cargo test --benches` only see that everything runs
     let in_earnest = std::env::args().any(|argument| argument == "--bench");
 
-    let mut tasks: Vec<Task> = Model::ALL.into_iter().flat_map(tasks_of).collect();
+    let mut tasks: Vec<Task> = rows().into_iter().flat_map(tasks_of).collect();
     tasks.extend(tasks_of_types());
     if in_earnest {
         tasks.iter_mut().for_each(|task| task.calls = calls_in_a_turn(&*task.call));
@@ -60,42 +126,34 @@ fn task(row: impl Into<String>, column: &'static str, call: impl Fn(usize) -> f6
     Task { row: row.into(), column, call: Box::new(call), calls: 1, rounds: Vec::new() }
 }
 
-fn profile(model: Model, eta: f64) -> Box<dyn Profile> {
-    model
-        .profile(black_box(&APPEARANCE), Configuration::Searchlight, black_box(eta))
-        .expect("valid parameters")
-}
-
 /// What is timed of a model.
-fn tasks_of(model: Model) -> Vec<Task> {
-    let row = model.name();
+fn tasks_of(row: Row) -> Vec<Task> {
+    let Row { name, make, knows_boundary, sampler } = row;
     let uniforms = uniforms();
-    let table = TabulatedProfile::new(&*profile(model, 1.0));
+    let table = TabulatedProfile::new(&*make(1.0));
     let radii: Vec<f64> = uniforms.iter().map(|u| table.sample(*u)).collect();
 
-    let mut tasks = vec![task(row, "build", move |_| profile(model, 1.0).total())];
-    if model.knows_boundary() {
-        tasks.push(task(row, "build, η = 1.4", move |_| profile(model, 1.4).total()));
+    let mut tasks = vec![task(name, "build", move |_| make(black_box(1.0)).total())];
+    if knows_boundary {
+        tasks.push(task(name, "build, η = 1.4", move |_| make(black_box(1.4)).total()));
     }
-    let (source, at) = (profile(model, 1.0), radii.clone());
-    tasks.push(task(row, "eval", move |i| source.eval(at[i])));
-    let (source, at) = (profile(model, 1.0), radii.clone());
-    tasks.push(task(row, "enclosed", move |i| source.enclosed(at[i])));
-    let (source, at) = (profile(model, 1.0), uniforms.clone());
-    tasks.push(if model == Model::NormalizedDiffusion {
-        let source = normalized_diffusion();
-        task(row, "sample", move |i| source.sample(at[i]))
-    } else {
-        task(row, "sample", move |i| sample_by_search(&*source, at[i]))
+    let (source, at) = (make(1.0), radii.clone());
+    tasks.push(task(name, "eval", move |i| source.eval(at[i])));
+    let (source, at) = (make(1.0), radii.clone());
+    tasks.push(task(name, "enclosed", move |i| source.enclosed(at[i])));
+    let (source, at) = (make(1.0), uniforms.clone());
+    tasks.push(match sampler {
+        Some(sample) => task(name, "sample", move |i| sample(at[i])),
+        None => task(name, "sample", move |i| sample_by_search(&*source, at[i])),
     });
 
-    let source = profile(model, 1.0);
-    tasks.push(task(row, "tabulate", move |_| TabulatedProfile::new(&*source).surface_albedo()));
+    let source = make(1.0);
+    tasks.push(task(name, "tabulate", move |_| TabulatedProfile::new(&*source).surface_albedo()));
     let (source, at): (Box<dyn Profile>, _) = (Box::new(table.clone()), radii.clone());
-    tasks.push(task(row, "table eval", move |i| source.eval(at[i])));
+    tasks.push(task(name, "table eval", move |i| source.eval(at[i])));
     let (source, at): (Box<dyn Profile>, _) = (Box::new(table.clone()), radii);
-    tasks.push(task(row, "table enclosed", move |i| source.enclosed(at[i])));
-    tasks.push(task(row, "table sample", move |i| table.sample(uniforms[i])));
+    tasks.push(task(name, "table enclosed", move |i| source.enclosed(at[i])));
+    tasks.push(task(name, "table sample", move |i| table.sample(uniforms[i])));
     tasks
 }
 
@@ -119,12 +177,6 @@ fn tasks_of_types() -> Vec<Task> {
         task(table_row, "enclosed", move |i| b.enclosed(at_too[i])),
         task(table_row, "sample", move |i| c.sample(uniform[i])),
     ]
-}
-
-fn normalized_diffusion() -> NormalizedDiffusion {
-    let Appearance { surface_albedo, length, parameterization, .. } = black_box(APPEARANCE);
-    NormalizedDiffusion::new(surface_albedo, length, parameterization, Configuration::Searchlight)
-        .expect("valid parameters")
 }
 
 /// Uniform numbers in (0, 1), the golden-ratio sequence.
@@ -191,7 +243,7 @@ fn print_tables(tasks: &[Task]) {
     let tabulated = ["tabulate", "table eval", "table enclosed", "table sample"];
     print_table(tasks, &rows, &tabulated, &["build", "eval", "enclosed", "sample"]);
     println!(
-        "\n`sample` is exact for normalized diffusion and for tables, and else a search for {SAMPLE_TOLERANCE:e} of the \
+        "\n`sample` is exact for normalized diffusion, Gaussians and tables, and else a search for {SAMPLE_TOLERANCE:e} of the \
          energy."
     );
 }
@@ -204,12 +256,11 @@ fn print_table(tasks: &[Task], rows: &[&str], columns: &[&str], against: &[&str]
     println!("| model | {} |", columns.join(" | "));
     println!("|---|{}", "---|".repeat(columns.len()));
     for row in rows.iter().filter(|row| columns.iter().any(|c| time(row, c).is_some())) {
-        let cell =
-            |(column, base): (&&str, &&str)| match (time(row, column), time(Model::default().name(), base)) {
-                (Some(ns), Some(base)) => format!("{} ({:.2}×)", digits(ns), ns / base),
-                (Some(ns), None) => digits(ns),
-                _ => "–".to_owned(),
-            };
+        let cell = |(column, base): (&&str, &&str)| match (time(row, column), time(YARDSTICK, base)) {
+            (Some(ns), Some(base)) => format!("{} ({:.2}×)", digits(ns), ns / base),
+            (Some(ns), None) => digits(ns),
+            _ => "–".to_owned(),
+        };
         let cells: Vec<String> = columns.iter().zip(against).map(cell).collect();
         println!("| {row} | {} |", cells.join(" | "));
     }

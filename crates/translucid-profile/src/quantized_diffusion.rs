@@ -18,7 +18,7 @@ const COUNT: usize = 40;
 const LEAST_VARIANCE: f64 = 1e-7;
 /// Greatest variance times σ_tr²: its Gaussian has lost the factor e^−30 to absorption.
 const GREATEST_VARIANCE: f64 = 60.0;
-/// Below this σ_tr² the variances stay: the last one is then 6e10 ℓ*², the light beyond it 4e-6 of all.
+/// Below this σ_tr² the variances stay: the last one is then 6e10 ℓ*², the light beyond it some 1e-5 of all.
 const LEAST_SIGMA_TR_SQUARED: f64 = 1e-9;
 /// Where the steps of time turn from even in ln v to even in √v, as √v σ_tr.
 const TURN: f64 = 2.0;

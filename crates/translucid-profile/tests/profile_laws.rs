@@ -13,14 +13,14 @@ use translucid_profile::{
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
-type Total = fn(f64, f64) -> Result<f64, ParameterError>;
+type Total = fn(f64, f64, f64) -> Result<f64, ParameterError>;
 
 /// A way to make profiles of one kind, and where it may be used.
 struct Model {
     name: &'static str,
     new: fn(&Appearance, f64) -> Made,
     from_medium: Option<fn(&Medium, f64) -> Made>,
-    /// Total for 1 − α' and η in closed form.
+    /// Total for 1 − α', g and η in closed form, or the integral that the model inverts.
     closed_total: Option<Total>,
     etas: &'static [f64],
     gs: &'static [f64],
@@ -33,7 +33,7 @@ macro_rules! physical {
             name: stringify!($model),
             new: |appearance, eta| Ok(Box::new($model::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new($model::from_medium(medium, eta)?))),
-            closed_total: Some($model::surface_albedo),
+            closed_total: Some(|absorbed, _, eta| $model::surface_albedo(absorbed, eta)),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
         }
@@ -73,8 +73,7 @@ fn models() -> Vec<Model> {
             name: "PhotonBeamDiffusion",
             new: |appearance, eta| Ok(Box::new(PhotonBeamDiffusion::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?))),
-            // Its total depends on g
-            closed_total: None,
+            closed_total: Some(PhotonBeamDiffusion::surface_albedo),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
         },
@@ -169,7 +168,7 @@ fn total_is_its_closed_form() {
                 for absorbed in [0.0, 1e-12, 1e-6, 0.01, 0.3, 0.9, 1.0] {
                     let medium = Medium::from_reduced(2.0 * absorbed, 2.0 * (1.0 - absorbed), g).unwrap();
                     let found = from_medium(&medium, eta).unwrap().total();
-                    let expected = closed(absorbed, eta).unwrap();
+                    let expected = closed(absorbed, g, eta).unwrap();
                     assert!(
                         (found - expected).abs() < 1e-13,
                         "{} {eta} {g} {absorbed}: {found} is not {expected}",
@@ -186,7 +185,8 @@ fn new_is_from_medium_of_the_medium_found() {
     for model in models() {
         let (Some(from_medium), Some(closed)) = (model.from_medium, model.closed_total) else { continue };
         for case in cases_of(&model, 1.0) {
-            let found = case.appearance.medium(|absorbed| closed(absorbed, case.eta).unwrap()).unwrap();
+            let total = |absorbed| closed(absorbed, case.appearance.g, case.eta).unwrap();
+            let found = case.appearance.medium(total).unwrap();
             let other = from_medium(&found.medium, case.eta).unwrap();
             for r in radii(&*case.profile, 2) {
                 let (a, b) = (case.profile.eval(r), other.eval(r));
