@@ -14,8 +14,8 @@ use std::time::{Duration, Instant};
 
 use translucid_profile::roots::falling_root;
 use translucid_profile::{
-    Appearance, BetterDipole, Configuration, NormalizedDiffusion, Parameterization, PhotonBeamDiffusion,
-    Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
+    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, NormalizedDiffusion, Parameterization,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
 
 /// Arguments a task goes through.
@@ -67,6 +67,9 @@ fn rows() -> Vec<Row> {
         },
         physical("standard dipole", |eta| Box::new(StandardDipole::new(&appearance(), eta).expect(VALID))),
         physical("better dipole", |eta| Box::new(BetterDipole::new(&appearance(), eta).expect(VALID))),
+        physical("directional dipole, averaged", |eta| {
+            Box::new(DirectionalDipoleAverage::new(&appearance(), eta).expect(VALID))
+        }),
         physical("quantized diffusion", |eta| {
             Box::new(QuantizedDiffusion::new(&appearance(), eta).expect(VALID))
         }),
@@ -243,8 +246,8 @@ fn print_tables(tasks: &[Task]) {
     let tabulated = ["tabulate", "table eval", "table enclosed", "table sample"];
     print_table(tasks, &rows, &tabulated, &["build", "eval", "enclosed", "sample"]);
     println!(
-        "\n`sample` is exact for normalized diffusion, Gaussians and tables, and else a search for {SAMPLE_TOLERANCE:e} of the \
-         energy."
+        "\nEvery figure includes an empty call. `sample` is exact for normalized diffusion, Gaussians and tables, and \
+         else a search for {SAMPLE_TOLERANCE:e} of the energy."
     );
 }
 

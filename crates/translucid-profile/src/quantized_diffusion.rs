@@ -12,7 +12,7 @@ use crate::slices::{Elementwise, map_slice};
 use crate::source_pair::{bounded, damped};
 use crate::{Appearance, Medium, Profile};
 
-/// How many Gaussians: the paper uses 20 to 60.
+/// How many Gaussians; 20 to 60 are in use (R. Habel, P. H. Christensen and W. Jarosz 2013).
 const COUNT: usize = 40;
 /// Least variance \[ℓ*²\]: R levels off below r ≈ 1e-3 ℓ*.
 const LEAST_VARIANCE: f64 = 1e-7;
