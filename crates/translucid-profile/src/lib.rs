@@ -13,6 +13,8 @@
 //! - [`SumOfGaussians`]: one to six Gaussians fitted to the exact half space, for those who blur textures or screens.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
+//! - [`PhotonBeamDiffusion`] and [`ObliquePhotonBeamDiffusion`]: dipoles along the refracted beam, and exact single
+//!   scattering beside them (R. Habel et al. 2013).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
 //! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
 //!   into the parameters of a profile.
@@ -114,7 +116,9 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use model::Model;
-pub use photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
+pub use photon_beam_diffusion::{
+    BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
+};
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use scaling::{

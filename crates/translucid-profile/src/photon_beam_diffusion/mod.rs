@@ -6,6 +6,8 @@
 mod beam_dipole;
 mod energy_table;
 mod multiple_scattering;
+mod oblique;
+mod sampling;
 mod single_scattering;
 mod total;
 
@@ -13,6 +15,7 @@ use beam_dipole::BeamDipole;
 use single_scattering::Ways;
 
 pub use multiple_scattering::BeamMultipleScattering;
+pub use oblique::ObliquePhotonBeamDiffusion;
 pub use single_scattering::BeamSingleScattering;
 
 use total::TOTAL_POINTS;

@@ -28,8 +28,8 @@ use crate::{Medium, ParameterError, Profile};
 /// R(r) has a logarithm at r = 0, and 11 digits at every radius.
 #[derive(Clone, Debug)]
 pub struct BeamMultipleScattering {
-    dipole: BeamDipole,
-    transport_mfp: f64,
+    pub(super) dipole: BeamDipole,
+    pub(super) transport_mfp: f64,
     total: f64,
     energies: EnergyTable,
     evaluations_to_build: u32,
@@ -49,9 +49,8 @@ impl BeamMultipleScattering {
     pub(super) fn of(dipole: BeamDipole, transport_mfp: f64) -> Self {
         let dipoles = Cell::new(0);
         let reflectance = |r| {
-            let exit = Exit::along_the_normal(r);
-            dipoles.set(dipoles.get() + BeamDipole::points(exit));
-            dipole.eval(exit)
+            dipoles.set(dipoles.get() + BeamDipole::points(r));
+            dipole.eval(Exit::along_the_normal(r))
         };
         let first = within_the_logarithm(&dipole, EnergyTable::r_first());
         let energies = EnergyTable::new(first, dipole.beyond_without_kappa(R_LAST), reflectance);
@@ -78,7 +77,7 @@ impl BeamMultipleScattering {
     }
 
     /// r in transport mean free paths, not negative.
-    fn relative(&self, r: f64) -> f64 {
+    pub(super) fn relative(&self, r: f64) -> f64 {
         (r.max(0.0) / self.transport_mfp).min(R_MAX)
     }
 }

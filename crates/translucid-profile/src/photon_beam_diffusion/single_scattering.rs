@@ -68,8 +68,22 @@ pub(super) struct Scattering {
 }
 
 impl Scattering {
+    /// r R₁ in 1/mfp for α = 1, r > 0 in mean free paths.
+    pub(super) fn eval_times_r(&self, r: f64) -> f64 {
+        let Some(first) = self.first() else { return 0.0 };
+        let mut sum = 0.0;
+        let least = exp_negative::<Double>(r * first).0;
+        let last = (STEPS_PER_UNIT * (EXPONENT_MAX / r).ln()).min(f64::from(*STEPS.end())) as i32;
+        if least > 0.0 {
+            self.for_each(first, *STEPS.start()..=last, |y, weight| {
+                sum += weight * exp_negative::<Double>(r * y).0;
+            });
+        }
+        least * sum / (4.0 * PI)
+    }
+
     /// The least σ; `None` if no light gets out.
-    pub(super) fn first(&self) -> Option<f64> {
+    fn first(&self) -> Option<f64> {
         let Self { eta, cos_theta, gap, sum, .. } = *self;
         if eta <= 1.0 {
             return Some(1.0);
@@ -85,8 +99,8 @@ impl Scattering {
     }
 
     /// Calls back with σ − σ_first and f dσ.
-    pub(super) fn for_each(&self, first: f64, mut call: impl FnMut(f64, f64)) {
-        for step in STEPS {
+    fn for_each(&self, first: f64, steps: std::ops::RangeInclusive<i32>, mut call: impl FnMut(f64, f64)) {
+        for step in steps {
             let y = (f64::from(step) / STEPS_PER_UNIT).exp();
             call(y, self.density(first, y) * y / STEPS_PER_UNIT);
         }
@@ -142,7 +156,7 @@ impl Ways {
         let scattering = Scattering { eta, phase, cos_theta: 1.0, gap: 1.0, sum: 1.0 };
         let first = scattering.first().unwrap_or(f64::MAX);
         let (mut excess, mut weights) = (Vec::new(), Vec::new());
-        scattering.for_each(first, |y, weight| {
+        scattering.for_each(first, STEPS, |y, weight| {
             excess.push(y);
             weights.push(weight);
         });

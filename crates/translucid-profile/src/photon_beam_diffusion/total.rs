@@ -12,6 +12,8 @@ use crate::elementary::{Double, exp_negative};
 
 /// Points of the double integral.
 const POINTS: [usize; 2] = [36, 16];
+/// Points of the inner integral for an oblique beam, which has e^{−3z/cos θ}.
+const OBLIQUE_POINTS: usize = 32;
 /// How many virtual sources a total takes.
 pub(super) const TOTAL_POINTS: u32 = (POINTS[0] * POINTS[1]) as u32;
 /// e^{−2ρ} is 1e-15 there.
@@ -38,8 +40,10 @@ impl BeamDipole {
     /// ∫∫ e^{−3t − 2d_r} {C_E (z + 2z_b)(1 + s d_v) e^{−s d_v}/d_v³ − C_φ/D e^{−s d_v}/d_v} r dr dt with d_r = ρ, z = ρμ:
     /// r dr dz = ρ² dρ dμ.
     fn virtual_part(&self, cos_theta: f64) -> f64 {
-        static RULES: LazyLock<[UnitRule; 2]> = LazyLock::new(|| POINTS.map(UnitRule::new));
-        let [outer, inner] = &*RULES;
+        static RULES: LazyLock<[UnitRule; 3]> =
+            LazyLock::new(|| [POINTS[0], POINTS[1], OBLIQUE_POINTS].map(UnitRule::new));
+        let [outer, inner, inner_oblique] = &*RULES;
+        let inner = if cos_theta < 1.0 { inner_oblique } else { inner };
         let mut sum = 0.0;
         for (x, weight) in outer.positions.iter().zip(&outer.weights) {
             // ρ = ρ_max x², since ρ counts near 0
