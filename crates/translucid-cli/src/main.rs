@@ -3,6 +3,7 @@
 //! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
 //! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
 
+mod convert;
 mod failure;
 mod interrupt;
 mod machine;
@@ -41,6 +42,7 @@ enum Verb {
     Profile(profile::Arguments),
     Sample(sample::Arguments),
     Reference(reference::Arguments),
+    Convert(convert::Arguments),
 }
 
 const EXAMPLES: &str = "\
@@ -49,6 +51,7 @@ Examples:
   translucid render bust.glb --preset marble --size 800x800 --spp 128
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
+  translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid help render";
 
 fn main() -> ExitCode {
@@ -75,5 +78,6 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Profile(arguments)) => profile::run(&arguments),
         Some(Verb::Sample(arguments)) => sample::run(&arguments),
         Some(Verb::Reference(arguments)) => reference::run(&arguments),
+        Some(Verb::Convert(arguments)) => convert::run(&arguments),
     }
 }

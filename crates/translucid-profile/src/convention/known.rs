@@ -15,12 +15,18 @@ const fn factor(name: &'static str, default: f64, per: f64) -> Parameter {
     Parameter { name, role: Role::Factor { default, per } }
 }
 
-const G: Parameter = Parameter { name: "g", role: Role::Setting { default: 0.0, above: -1.0, below: 1.0 } };
-const SKIN_IOR: Parameter = Parameter {
-    name: "subsurface_ior",
-    // The closed interval [1, 10]
-    role: Role::Setting { default: 1.4, above: 1.0 - 1e-16, below: 10.0 + 2e-15 },
-};
+const fn setting(
+    name: &'static str,
+    default: f64,
+    [above, below]: [f64; 2],
+    allowed: &'static str,
+) -> Parameter {
+    Parameter { name, role: Role::Setting { default, above, below, allowed } }
+}
+
+const G: Parameter = setting("g", 0.0, [-1.0, 1.0], "in (-1, 1)");
+// Cycles keeps it in [1.01, 3.8] by itself
+const SKIN_IOR: Parameter = setting("subsurface_ior", 1.4, [0.0, 10.0], "in (0, 10)");
 
 const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
 const UNREAL: &[Parameter] =
@@ -121,7 +127,7 @@ pub(super) const KNOWN: &[System] = &[
     .albedo("base_color"),
     system(
         "cycles-random-walk",
-        "Blender Cycles, Random Walk (3.0 to 3.6: Random Walk, Fixed Radius)",
+        "Blender Cycles, Random Walk, before 4.0 with Fixed Radius",
         "3.0 to 4.5",
         CYCLES,
         Rule::Mfp(Factor::OverFourPi),
@@ -131,7 +137,7 @@ pub(super) const KNOWN: &[System] = &[
     .albedo("base_color"),
     system(
         "cycles-skin",
-        "Blender Cycles, Random Walk (Skin) (3.0 to 3.6: Random Walk)",
+        "Blender Cycles, Random Walk (Skin), before 4.0 Random Walk",
         "3.0 to 4.5",
         &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR],
         Rule::Mfp(Factor::Skin),

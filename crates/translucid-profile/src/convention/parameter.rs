@@ -31,6 +31,8 @@ pub enum Role {
         above: f64,
         /// The value must be less.
         below: f64,
+        /// Both in words, to follow "must be".
+        allowed: &'static str,
     },
     /// Absorption coefficient σ_a of each channel \[L⁻¹\], at least 0.
     Absorption,

@@ -241,8 +241,7 @@ impl System {
     /// The setting, of which no system has two that matter; 0 without one.
     fn setting(&self, values: &[f64]) -> Result<f64, ParameterError> {
         for (parameter, value) in self.with_values(values) {
-            if let Role::Setting { above, below, .. } = parameter.role {
-                let allowed = if above < 0.0 { "in (-1, 1)" } else { "in [1, 10]" };
+            if let Role::Setting { above, below, allowed, .. } = parameter.role {
                 return require(value > above && value < below, parameter.name, value, allowed);
             }
         }

@@ -1,0 +1,108 @@
+//! Names of systems, and what a misspelt one may have meant.
+
+use translucid_profile::convention::{LengthUnit, Role, System};
+
+use crate::failure::Failure;
+
+/// Every system's name, once.
+pub(super) fn all() -> Vec<&'static str> {
+    let mut names: Vec<_> = System::ALL.iter().map(System::name).collect();
+    names.dedup();
+    names
+}
+
+/// Every system with its parameters and its rule, a line each.
+pub(super) fn list() -> String {
+    let mut text = String::from("system                 length in  parameters and rule\n");
+    for system in System::ALL {
+        let unit = match system.unit() {
+            LengthUnit::Scene => "scene unit",
+            LengthUnit::Millimeter => "mm",
+            LengthUnit::Centimeter => "cm",
+        };
+        let parameters: Vec<String> = system
+            .parameters()
+            .iter()
+            .map(|parameter| match parameter.role {
+                Role::Factor { default, .. } | Role::Setting { default, .. } => {
+                    format!("{} ({default})", parameter.name)
+                }
+                _ => parameter.name.to_owned(),
+            })
+            .collect();
+        let (name, parameters, formula) = (system.name(), parameters.join(", "), system.formula());
+        text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
+    }
+    text
+}
+
+/// The ways in which the system of a name is told a material.
+pub(super) fn systems(option: &str, name: &str) -> Result<Vec<&'static System>, Failure> {
+    let found: Vec<_> = System::named(name).collect();
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let message = format!("{option} names the system \"{name}\", which is not known");
+    Err(Failure::input(message).with_help(advice(name, &all())))
+}
+
+/// "did you mean", and all there is.
+pub(super) fn advice(name: &str, known: &[&str]) -> String {
+    let list = known.join(", ");
+    match meant(name, known).as_slice() {
+        [] => format!("known are {list}"),
+        names => format!("did you mean {}? Known are {list}", names.join(" or ")),
+    }
+}
+
+/// Names that begin with what was written, else the nearest if it is near.
+fn meant<'a>(name: &str, known: &[&'a str]) -> Vec<&'a str> {
+    let name = name.to_lowercase();
+    // The distance takes time in the product of both lengths
+    if name.is_empty() || name.len() > 100 {
+        return Vec::new();
+    }
+    let beginning: Vec<_> = known.iter().copied().filter(|n| n.to_lowercase().starts_with(&name)).collect();
+    if !beginning.is_empty() {
+        return beginning;
+    }
+    let near = known.iter().map(|n| (distance(&name, &n.to_lowercase()), *n)).min_by_key(|&(d, _)| d);
+    near.filter(|&(d, _)| d <= (name.chars().count() / 3).max(1)).map(|(_, n)| n).into_iter().collect()
+}
+
+/// Letters to insert, lose or change (V. I. Levenshtein 1966).
+fn distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, from) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, &to) in b.iter().enumerate() {
+            let changed = diagonal + usize::from(from != to);
+            diagonal = row[j + 1];
+            row[j + 1] = changed.min(diagonal + 1).min(row[j] + 1);
+        }
+    }
+    row[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn distance_counts_edits() {
+        assert_eq!(distance("kitten", "sitting"), 3);
+        assert_eq!(distance("", "abc"), 3);
+        assert_eq!(distance("dmfp", "dmfp"), 0);
+    }
+
+    #[test]
+    fn meant_finds_slips_and_beginnings() {
+        let known = ["renderman", "cycles-burley", "cycles-skin"];
+        assert_eq!(meant("Rendermann", &known), ["renderman"]);
+        assert_eq!(meant("cycles", &known), ["cycles-burley", "cycles-skin"]);
+        assert!(meant("maya", &known).is_empty() && meant("", &known).is_empty());
+        assert!(meant(&"x".repeat(1_000_000), &known).is_empty());
+    }
+}
