@@ -7,7 +7,7 @@ use crate::diffusion_boundary::DiffusionBoundary;
 use crate::directional_dipole::{DirectionalDipole, find_medium};
 use crate::directional_kernel::{D, Falloff, Kernel};
 use crate::elementary::{Double, exp_negative};
-use crate::error::ParameterError;
+use crate::error::{ParameterError, require};
 use crate::quadrature::{gauss_legendre, integrate};
 use crate::{Appearance, Medium};
 
@@ -68,6 +68,21 @@ impl DirectionalDipoleAverage {
         let rule = gauss_legendre(POINTS);
         let total = beam.kernel.strength * beam.beyond(0.0, &rule);
         Self { dipole: *dipole, beam, rule, total, evaluations_to_build: beam.evaluations_of_total() }
+    }
+
+    /// Energy that a medium with 1 − α' = `absorbed` ∈ [0, 1] returns of light along the normal, for η ∈ [0.05, 20].
+    ///
+    /// It rises from 0 with α', and goes beyond 1 as [`DirectionalDipole`] says.
+    ///
+    /// # Errors
+    /// A parameter is out of its range.
+    pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+        require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
+        let alpha_prime = 1.0 - absorbed;
+        let boundary = DiffusionBoundary::new(eta)?;
+        let beam =
+            NormalBeam { kernel: Kernel::new([absorbed, alpha_prime], alpha_prime, 1.0, 1.0, boundary, eta) };
+        Ok(alpha_prime * beam.beyond(0.0, &gauss_legendre(POINTS)))
     }
 
     /// The directional dipole that this is the profile of.

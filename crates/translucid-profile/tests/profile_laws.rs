@@ -8,8 +8,9 @@ use std::f64::consts::PI;
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
-    Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, Medium, NormalizedDiffusion,
+    ParameterError, Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole,
+    SumOfGaussians,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -57,6 +58,7 @@ fn models() -> Vec<Model> {
         physical!(StandardDipole),
         physical!(BetterDipole),
         physical!(QuantizedDiffusion),
+        physical!(DirectionalDipoleAverage),
         Model {
             name: "SumOfGaussians",
             new: |a, _| {
