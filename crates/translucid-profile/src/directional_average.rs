@@ -78,11 +78,7 @@ impl DirectionalDipoleAverage {
     /// A parameter is out of its range.
     pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        let alpha_prime = 1.0 - absorbed;
-        let boundary = DiffusionBoundary::new(eta)?;
-        let beam =
-            NormalBeam { kernel: Kernel::new([absorbed, alpha_prime], alpha_prime, 1.0, 1.0, boundary, eta) };
-        Ok(alpha_prime * beam.beyond(0.0, &gauss_legendre(POINTS)))
+        Ok((1.0 - absorbed) * NormalBeam::total_per_strength(absorbed, eta)?)
     }
 
     /// The directional dipole that this is the profile of.
@@ -153,6 +149,13 @@ pub(crate) struct NormalBeam {
 }
 
 impl NormalBeam {
+    /// Energy of a medium with 1 − α' = `absorbed`, per strength of its source.
+    pub(crate) fn total_per_strength(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+        let boundary = DiffusionBoundary::new(eta)?;
+        let kernel = Kernel::new([absorbed, 1.0 - absorbed], 1.0, 1.0, 1.0, boundary, eta);
+        Ok(Self { kernel }.beyond(0.0, &gauss_legendre(POINTS)))
+    }
+
     /// 4πR.
     pub(crate) fn eval(&self, r: f64) -> f64 {
         let Kernel {

@@ -73,6 +73,7 @@ mod diffusion_boundary;
 mod dipole;
 mod directional_average;
 mod directional_dipole;
+mod directional_dipole_f32;
 mod directional_kernel;
 mod elementary;
 mod error;
@@ -107,6 +108,7 @@ pub use burley_f32::NormalizedDiffusionF32;
 pub use dipole::StandardDipole;
 pub use directional_average::DirectionalDipoleAverage;
 pub use directional_dipole::DirectionalDipole;
+pub use directional_dipole_f32::{DirectionalDipoleF32, DirectionalDipoleTable};
 pub use error::ParameterError;
 pub use fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
