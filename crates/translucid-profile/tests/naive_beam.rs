@@ -1,5 +1,5 @@
-//! Photon beam diffusion against a second, naive implementation: the integrals of R. Habel et al. 2013 as they stand, by
-//! panels of a high-order rule over the length along the beam, with a Fresnel formula of its own.
+//! Photon beam diffusion against a second, naive implementation: the integrals of R. Habel et al. 2013 as they
+//! stand, by panels of a high-order rule over the length along the beam, with a Fresnel formula of its own.
 
 use std::f64::consts::PI;
 

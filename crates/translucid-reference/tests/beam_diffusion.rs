@@ -1,5 +1,5 @@
-//! Photon beam diffusion against the exact half space: single scattering, which it has exactly, and how far off the whole
-//! is.
+//! Photon beam diffusion against the exact half space: single scattering, which it has exactly, and how far off
+//! the whole is.
 
 use std::f64::consts::PI;
 
@@ -35,8 +35,8 @@ fn single_scattering_is_exact() {
     }
 }
 
-/// With a boundary the exact solution does not tell single scattering apart, but near the entry there is little else: a
-/// few units of R in 1e4 to 1e5.
+/// With a boundary the exact solution does not tell single scattering apart, but near the entry there is little
+/// else: a few units of R in 1e4 to 1e5.
 #[test]
 fn single_scattering_under_a_boundary_is_the_limit_at_the_entry() {
     for eta in [0.8, 1.4] {
@@ -69,8 +69,8 @@ fn mean_error_is_as_stated() {
     }
 }
 
-/// As [`mean_error_is_as_stated`] over the plane, as a part of the exact surface albedo at that angle; A is the surface
-/// albedo along the normal.
+/// As [`mean_error_is_as_stated`] over the plane, as a part of the exact surface albedo at that angle; A is the
+/// surface albedo along the normal.
 fn assert_mean_error_of_oblique_beam(a: f64, cos_theta: f64, stated: f64) {
     let alpha = HalfSpace::from_surface_albedo(a, Entry::NORMAL).expect("valid").single_scattering_albedo();
     let exact = ObliqueHalfSpace::new(alpha, 1.0, cos_theta).expect("valid");

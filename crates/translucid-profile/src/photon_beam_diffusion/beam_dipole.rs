@@ -17,8 +17,8 @@
 //! t = r/2 [(1 − S)(e^y − 1) + (1 + S)(1 − e^{−y})],   d_r = r/2 [(1 − S) e^y + (1 + S) e^{−y}]
 //! ```
 //!
-//! (t = r sinh y, d_r = r cosh y along the normal), so that 24 to 60 Gauss–Legendre points give 11 digits along the
-//! normal for all radii, and 9 digits for an oblique beam, which is cut where it passes the exit.
+//! (t = r sinh y, d_r = r cosh y along the normal), so that 24 to 60 Gauss–Legendre points give 11 digits along
+//! the normal for all radii, and 9 digits for an oblique beam, which is cut where it passes the exit.
 
 use std::f64::consts::PI;
 use std::sync::LazyLock;
@@ -80,7 +80,8 @@ impl BeamDipole {
         value + logarithm * self.logarithm(exit.cos_theta)
     }
 
-    /// Slope of R(r) over ln(1/r) at r = 0: with κ ≈ 2(t + d_r) the flux of the real source goes like 4z/t² where t ≫ r.
+    /// Slope of R(r) over ln(1/r) at r = 0: with κ ≈ 2(t + d_r) the flux of the real source goes like 4z/t²
+    /// where t ≫ r.
     pub(super) fn logarithm(&self, cos_theta: f64) -> f64 {
         self.alpha_squared / PI * self.flux_weight * cos_theta
     }
@@ -216,7 +217,8 @@ impl Elementwise<f64> for Reflectance {
     }
 }
 
-/// Integrand of the energy beyond r without κ, less α'²/2: ∫ e^{−s d}/d r dr = e^{−s d}/s, and of the flux z e^{−s d}/d.
+/// Integrand of the energy beyond r without κ, less α'²/2: ∫ e^{−s d}/d r dr = e^{−s d}/s, and of the flux z
+/// e^{−s d}/d.
 struct Beyond(Beam);
 
 impl Elementwise<f64> for Beyond {
@@ -296,8 +298,8 @@ mod tests {
         }
     }
 
-    /// Without absorption dipoles of strength t + z_b leave R ~ r^−3 far away: α'²/4π ∫ e^{−t} {C_φ/D 2z_b (t + z_b)
-    /// + C_E (2t + 2z_b)} dt = α'²/4π (1 + z_b)(2 z_b C_φ/D + 2 C_E).
+    /// Without absorption dipoles of strength t + z_b leave R ~ r^−3 far away: α'²/4π ∫ e^{−t} {C_φ/D 2z_b (t +
+    /// z_b) + C_E (2t + 2z_b)} dt = α'²/4π (1 + z_b)(2 z_b C_φ/D + 2 C_E).
     #[test]
     fn eval_far_away_is_that_of_one_dipole() {
         for eta in [0.6, 1.0, 1.4] {

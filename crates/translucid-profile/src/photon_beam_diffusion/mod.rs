@@ -1,7 +1,9 @@
-//! Photon beam diffusion: dipoles along the refracted beam for multiple scattering, and single scattering beside it.
+//! Photon beam diffusion: dipoles along the refracted beam for multiple scattering, and single scattering beside
+//! it.
 //!
 //! R. Habel, P. H. Christensen and W. Jarosz, *Photon Beam Diffusion: A Hybrid Monte Carlo Method for Subsurface
-//! Scattering*, Eurographics Symposium on Rendering 2013.
+//! Scattering*, Eurographics Symposium on Rendering 2013; restated in M. Pharr, W. Jakob and G. Humphreys,
+//! *Physically Based Rendering*, third edition 2016, section 15.5.
 
 mod beam_dipole;
 mod energy_table;
@@ -24,18 +26,20 @@ use crate::diffusion_boundary::DiffusionBoundary;
 use crate::error::{require, require_fraction};
 use crate::{Appearance, Medium, ParameterError, Profile};
 
-/// Reflectance profile of photon beam diffusion for a pencil beam along the normal: multiple plus single scattering.
+/// Reflectance profile of photon beam diffusion for a pencil beam along the normal: multiple plus single
+/// scattering.
 ///
-/// Multiple scattering ([`BeamMultipleScattering`]) takes the reduced quantities σ'_s, σ'_t, α' and isotropic scattering;
-/// single scattering ([`BeamSingleScattering`]) is exact, with the medium's own σ_s, σ_t and the phase function of Henyey
-/// and Greenstein.
+/// Multiple scattering ([`BeamMultipleScattering`]) takes the reduced quantities σ'_s, σ'_t, α' and isotropic
+/// scattering; single scattering ([`BeamSingleScattering`]) is exact, with the medium's own σ_s, σ_t and the
+/// phase function of Henyey and Greenstein.
 /// Both integrals over the beam converge to 11 digits, where the paper takes 3 to 5 random samples.
 ///
 /// # Accuracy
-/// Without a boundary and with g = 0 the mean error ∫|R − R_exact| 2πr dr/A at the same A and mean free path is 2.8 % at
-/// A = 0.2, 7.1 % at 0.5 and 12.9 % at 0.8.
+/// Without a boundary and with g = 0 the mean error ∫|R − R_exact| 2πr dr/A at the same A and mean free path is
+/// 2.8 % at A = 0.2, 7.1 % at 0.5 and 12.9 % at 0.8.
 /// The model's albedo is too high for its medium: A = 0.5 needs α' = 0.912, where the exact solution needs 0.938.
-/// Without absorption it is 1.093 (η = 1, g = 0), up to 1.4 for g = −0.9; so A = 1 is reached with some absorption.
+/// Without absorption it is 1.093 (η = 1, g = 0), up to 1.4 for g = −0.9; so A = 1 is reached with some
+/// absorption.
 /// For forward scattering it falls short of 1: 0.946 at η = 1, g = 0.9.
 ///
 /// ```
@@ -66,8 +70,8 @@ impl PhotonBeamDiffusion {
     /// Of a surface albedo A ∈ [0, 1] and a length, under a boundary of relative index η ∈ [0.5, 3].
     ///
     /// # Errors
-    /// A parameter is outside its range, or the surface albedo is more than the model reaches, which the error's limit
-    /// then is.
+    /// A parameter is outside its range, or the surface albedo is more than the model reaches, which the error's
+    /// limit then is.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let parts = Parts::new(appearance.g, eta)?;
         let found = appearance.medium(|absorbed| parts.total(absorbed))?;
@@ -99,8 +103,8 @@ impl PhotonBeamDiffusion {
     ///   + 2πα ∫₀¹ T(μ) p(−μ) μ/(1 + μ) dμ
     /// ```
     ///
-    /// in transport mean free paths, s = σ_tr; K is what κ takes away, of which a double integral of a smooth function
-    /// has no closed form.
+    /// in transport mean free paths, s = σ_tr; K is what κ takes away, of which a double integral of a smooth
+    /// function has no closed form.
     ///
     /// # Errors
     /// A parameter is outside its range.

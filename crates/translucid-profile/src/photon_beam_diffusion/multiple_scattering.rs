@@ -20,10 +20,12 @@ use crate::{Medium, ParameterError, Profile};
 ///
 /// d_r² = r² + t², d_v² = r² + (t + 2z_b)², s = σ_tr = √(σ_a/D), D Grosjean's diffusion coefficient
 /// ([`Medium::diffusion_coefficient`]), z_b = 2D (1 + 3C₂)/(1 − 2C₁), C_φ = ¼(1 − 2C₁), C_E = ½(1 − 3C₂) with the
-/// moments of internal reflection. Light is scattered as by the similar isotropic medium: all quantities are reduced
-/// ones.
+/// moments of internal reflection. Light is scattered as by the similar isotropic medium: all quantities are
+/// reduced ones.
 /// One α' is the source's, the other belongs to Grosjean's point source, of which dipoles take the part that has
-/// been scattered.
+/// been scattered. κ is the paper's empirical correction near the beam.
+/// At A = 0.5 (η = 1, g = 0, single scattering added) the mean error against the exact solution is 7.1 % so,
+/// 15.8 % without κ and 9.5 % with one α' only.
 ///
 /// R(r) has a logarithm at r = 0, and 11 digits at every radius.
 #[derive(Clone, Debug)]

@@ -6,12 +6,12 @@ use super::beam_dipole::R_MIN;
 use super::multiple_scattering::BeamMultipleScattering;
 
 impl BeamMultipleScattering {
-    /// Estimate of R(r) \[L⁻²\] from random numbers in [0, 1): the mean over them of an unbiased estimate, two dipoles
-    /// each.
+    /// Estimate of R(r) \[L⁻²\] from random numbers in [0, 1): the mean over them of an unbiased estimate, two
+    /// dipoles each.
     ///
-    /// Each number u gives a length along the beam by *exponential* and one by *equiangular* sampling, which are good far
-    /// from the beam and near it; the balance heuristic weighs the two, as R. Habel et al. 2013 propose with 3 to 5
-    /// samples.
+    /// Each number u gives a length along the beam by *exponential* and one by *equiangular* sampling, which are
+    /// good far from the beam and near it; the balance heuristic weighs the two, as R. Habel et al. 2013 propose
+    /// with 3 to 5 samples.
     ///
     /// ```text
     /// t = −ln(1 − u)/σ'_t,   p = σ'_t e^{−σ'_t t}              t = r tan(πu/2),   p = (2/π) r/(r² + t²)

@@ -1,14 +1,15 @@
 //! Light that is scattered once on its way from a beam to the surface.
 //!
-//! At the length t along the beam a part σ_s e^{−σ_t t} dt is scattered, and reaches the exit over the distance D with
-//! the cosine μ = t cos θ/D. In mean free paths, with t = r w and D = r d,
+//! At the length t along the beam a part σ_s e^{−σ_t t} dt is scattered, and reaches the exit over the distance
+//! D with the cosine μ = t cos θ/D. In mean free paths, with t = r w and D = r d,
 //!
 //! ```text
 //! R₁ = (α/r) ∫ p T(μ) cos θ w/d³ e^{−r (w + d)} dw,   d² = 1 − 2wS + w²,   μ = w cos θ/d
 //! ```
 //!
-//! S being the cosine between beam and exit as seen from the entry, T what the boundary lets out, p the phase function
-//! of the angle whose cosine is (S − w)/d. That is a Laplace transform over σ = w + d, the length of the way:
+//! S being the cosine between beam and exit as seen from the entry, T what the boundary lets out, p the phase
+//! function of the angle whose cosine is (S − w)/d. That is a Laplace transform over σ = w + d, the length of
+//! the way:
 //!
 //! ```text
 //! R₁ = (α/4πr) ∫ f(σ) e^{−rσ} dσ,   f = 4πp T cos θ w/(d² q),   q = σ − S,
@@ -17,8 +18,8 @@
 //!
 //! (R. Habel et al. 2013 have it over t.) σ begins at 1, or where the boundary ceases to reflect all
 //! light (η > 1; along the normal t = r√(η² − 1)).
-//! All other singularities of f lie at least a right angle away from the path of σ as seen from there, whatever η, g and
-//! the direction; so the trapezoidal rule in the logarithm of σ − σ_first converges like e^{−π²/step}.
+//! All other singularities of f lie at least a right angle away from the path of σ as seen from there, whatever
+//! η, g and the direction; so the trapezoidal rule in the logarithm of σ − σ_first converges like e^{−π²/step}.
 
 use std::f64::consts::PI;
 
@@ -120,7 +121,8 @@ impl Scattering {
     }
 }
 
-/// Light scattered exactly once, for a pencil beam along the normal, by the phase function of Henyey and Greenstein: exact.
+/// Light scattered exactly once, for a pencil beam along the normal, by the phase function of Henyey and
+/// Greenstein: exact.
 ///
 /// ```text
 /// R₁(r) = ∫ σ_s e^{−σ_t (t + d)} p(−μ) T(μ) μ/d² dt,   d² = r² + t²,   μ = t/d

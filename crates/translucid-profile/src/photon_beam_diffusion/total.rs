@@ -1,9 +1,9 @@
 //! Surface albedo by multiple scattering: what dipoles along a beam send out in all.
 //!
-//! Without κ each dipole's energy is elementary (e^{−s d}/d integrates to 2π e^{−s z}/s over the plane), and so is its
-//! integral over the beam. Of κ's e^{−2(t + d_r)} the real source leaves elementary functions and an exponential
-//! integral, whose integral over the beam is elementary again; the virtual source leaves a double integral without
-//! any singularity, in polar coordinates about the exit.
+//! Without κ each dipole's energy is elementary (e^{−s d}/d integrates to 2π e^{−s z}/s over the plane), and so
+//! is its integral over the beam. Of κ's e^{−2(t + d_r)} the real source leaves elementary functions and an
+//! exponential integral, whose integral over the beam is elementary again; the virtual source leaves a double
+//! integral without any singularity, in polar coordinates about the exit.
 
 use std::sync::LazyLock;
 
@@ -37,8 +37,8 @@ impl BeamDipole {
         0.5 * self.alpha_squared * (without_kappa - real - self.virtual_part(cos_theta))
     }
 
-    /// ∫∫ e^{−3t − 2d_r} {C_E (z + 2z_b)(1 + s d_v) e^{−s d_v}/d_v³ − C_φ/D e^{−s d_v}/d_v} r dr dt with d_r = ρ, z = ρμ:
-    /// r dr dz = ρ² dρ dμ.
+    /// ∫∫ e^{−3t − 2d_r} {C_E (z + 2z_b)(1 + s d_v) e^{−s d_v}/d_v³ − C_φ/D e^{−s d_v}/d_v} r dr dt with d_r =
+    /// ρ, z = ρμ: r dr dz = ρ² dρ dμ.
     fn virtual_part(&self, cos_theta: f64) -> f64 {
         static RULES: LazyLock<[UnitRule; 3]> =
             LazyLock::new(|| [POINTS[0], POINTS[1], OBLIQUE_POINTS].map(UnitRule::new));
