@@ -69,7 +69,7 @@ use crate::{Appearance, Found, Medium};
 /// let from_left = [-0.8, 0.0, 0.6];
 /// let right = dipole.eval([1.0, 0.0, 0.0], from_left, up, up);
 /// let left = dipole.eval([-1.0, 0.0, 0.0], from_left, up, up);
-/// assert!(right > 2.0 * left);
+/// assert!(right > 1.5 * left);
 /// # Ok(())
 /// # }
 /// ```
