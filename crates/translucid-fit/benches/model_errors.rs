@@ -172,9 +172,12 @@ impl Errors {
 
 fn print_heading(title: &str) {
     println!("\n### {title}\n");
-    println!("Share of the energy in the wrong place, ∫|R_fit − R| 2πr dr / ∫ R 2πr dr, in percent:");
-    println!("mean over A = 0.01 … 0.99 for r ≤ 8 ℓ, r ≤ 16 ℓ and all r; single A, the worst A: all r;");
-    println!("of 99: how many of the albedos the model reaches.\n");
+    println!("L1 error ∫|R_model − R| 2πr dr / ∫ R 2πr dr in percent, up to 200 for equal totals.");
+    println!(
+        "The first three columns are means over A = 0.01, 0.02, … 0.99 for r ≤ 8 ℓ, r ≤ 16 ℓ and all r;"
+    );
+    println!("the others are for all r.");
+    println!("The last is how many of the 99 albedos the model reaches; means are over those.\n");
     println!("| model | r ≤ 8 | r ≤ 16 | all r | A = 0.2 | A = 0.5 | A = 0.8 | worst A | of 99 |");
     println!("|---|---|---|---|---|---|---|---|---|");
 }

@@ -10,8 +10,8 @@
 //! A weight r in place of r³, with which E. d'Eon and D. Luebke, *Advanced Techniques for Realistic Real-Time Skin
 //! Rendering*, 2007 (GPU Gems 3, chapter 14), fitted Gaussians to dipoles, is not possible here: a dipole is finite at
 //! r = 0, but the profile of a real medium grows like 1/r, and ∫ (R_fit − R)² r dr is infinite whatever the Gaussians.
-//! r² is possible, but draws terms to radii where there is hardly any energy: six Gaussians then put 8.0 % of the
-//! energy of A = 0.5 (searchlight) in the wrong place where r³ leaves 4.0 %, and 17.5 % in place of 10.4 % at A = 1;
+//! r² is possible, but draws terms to radii where there is hardly any energy: six Gaussians then have an
+//! [L1 error](crate::l1_error) of 8.0 % at A = 0.5 (searchlight) and 17.5 % at A = 1, where r³ leaves 4.0 % and 10.4 %;
 //! r⁴ leaves 5.4 % and 17.8 %.
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};

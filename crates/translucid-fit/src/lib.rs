@@ -1,7 +1,7 @@
 //! Fits of simple reflectance profiles to reference ones, and the errors that they keep.
 //!
-//! - [`l1_error`]: the share of the energy that a profile puts in the wrong place, the measure of P. H. Christensen and
-//!   B. Burley 2015; [`Judge`] measures many profiles against one reference.
+//! - [`l1_error`]: the area-weighted L1 distance of a profile from a reference, relative to the reference's energy;
+//!   [`Judge`] measures many profiles against one reference.
 //! - [`fit`]: least squares with mixtures of K members of a [`Family`] ([`Gaussian`], [`Exponential`], [`Burley`]), whose
 //!   weights are not negative and sum to 1.
 //!
