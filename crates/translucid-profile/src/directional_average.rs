@@ -363,6 +363,9 @@ mod tests {
             }
             assert!(last > 1.0, "{eta}: {last}");
         }
+        // Without the factor α' a black medium returns a fifth
+        let black = DirectionalDipole::as_published(&Medium::new(1.0, 0.0, 0.0).unwrap(), 1.0).unwrap();
+        assert!((DirectionalDipoleAverage::of(&black).total() - 0.21052).abs() < 1e-5);
         // Of a beam along the normal, in media without absorption, and with 0.1 of it
         for (alpha, eta, expected) in
             [(1.0, 1.0, 1.33947), (1.0, 1.4, 1.21615), (0.9, 1.0, 0.63847), (0.9, 1.4, 0.37155)]
