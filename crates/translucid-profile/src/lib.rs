@@ -77,6 +77,8 @@ mod directional_dipole_f32;
 mod directional_kernel;
 mod elementary;
 mod error;
+mod exact_profile;
+mod exact_table;
 mod fresnel;
 mod gaussian_coefficients;
 mod half_space;
@@ -110,6 +112,7 @@ pub use directional_average::DirectionalDipoleAverage;
 pub use directional_dipole::DirectionalDipole;
 pub use directional_dipole_f32::{DirectionalDipoleF32, DirectionalDipoleTable};
 pub use error::ParameterError;
+pub use exact_profile::ExactProfile;
 pub use fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,

@@ -53,9 +53,14 @@ pub(crate) struct Tail {
 impl Tail {
     /// The tail that goes on from a knot with its density.
     pub(crate) fn new(knot: &Knot) -> Self {
-        let rate = knot.density / knot.beyond;
-        let sane = rate * knot.x > 1e-3 && rate * knot.x < 1e9;
-        Self { start: knot.x, share: knot.beyond, rate: if sane { rate } else { 1.0 / knot.x } }
+        Self::with_density(knot.x, knot.beyond, knot.density)
+    }
+
+    /// The tail from a radius with what is beyond and the density there.
+    pub(crate) fn with_density(start: f64, share: f64, density: f64) -> Self {
+        let rate = density / share;
+        let sane = rate * start > 1e-3 && rate * start < 1e9;
+        Self { start, share, rate: if sane { rate } else { 1.0 / start } }
     }
 
     fn beyond(&self, x: f64) -> f64 {

@@ -63,6 +63,19 @@ impl TabulatedProfile {
         }
     }
 
+    /// A table that is there already; its error against a source is not known here.
+    pub(crate) fn from_table(table: RadialTable, length: f64, surface_albedo: f64) -> Self {
+        let inverse_length = 1.0 / length;
+        Self {
+            table: Arc::new(table),
+            surface_albedo,
+            length,
+            inverse_length,
+            cdf_error: 0.0,
+            evaluations: 0,
+        }
+    }
+
     /// The same shape with every length multiplied by a factor and another surface albedo; shares the table.
     ///
     /// # Errors
