@@ -11,7 +11,8 @@ use crate::error::{ParameterError, require};
 use crate::quadrature::{gauss_legendre, integrate};
 use crate::{Appearance, Medium};
 
-/// Profile of the [`DirectionalDipole`] for light along the normal of a plane, where it does not depend on the azimuth.
+/// Profile of the [`DirectionalDipole`] for light along the normal of a plane, where it does not depend on the
+/// azimuth.
 ///
 /// ```text
 /// R(r) = α'/4π {C_φ/D (E_r/d_r − E_v/d_v) + C_E P_r + 3C_φ h P_v + C_E [(1 + h) P_v − h² (3P_v + σ²E_v/d_v)/d_v²]}
@@ -70,7 +71,8 @@ impl DirectionalDipoleAverage {
         Self { dipole: *dipole, beam, rule, total, evaluations_to_build: beam.evaluations_of_total() }
     }
 
-    /// Energy that a medium with 1 − α' = `absorbed` ∈ [0, 1] returns of light along the normal, for η ∈ [0.05, 20].
+    /// Energy that a medium with 1 − α' = `absorbed` ∈ [0, 1] returns of light along the normal, for η ∈ [0.05,
+    /// 20].
     ///
     /// It rises from 0 with α', and goes beyond 1 as [`DirectionalDipole`] says.
     ///
@@ -239,8 +241,8 @@ impl NormalBeam {
 
     /// Intervals from a radius on, on each of which the correction is smooth.
     ///
-    /// It is singular at −D, wherefore they double, and it falls like r⁻⁴ or like an exponential, wherefore they end:
-    /// where e^{−σ(r − from)} is rounding, and where e^{−σr} is no number.
+    /// It is singular at −D, wherefore they double, and it falls like r⁻⁴ or like an exponential, wherefore they
+    /// end: where e^{−σ(r − from)} is rounding, and where e^{−σr} is no number.
     fn panels(&self, from: f64) -> impl Iterator<Item = [f64; 2]> {
         let sigma = self.kernel.sigma_tr;
         let far = 1e6 * from.max(1.0);

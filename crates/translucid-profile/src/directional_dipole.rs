@@ -2,8 +2,8 @@
 //!
 //! J. R. Frisvad, T. Hachisuka and T. K. Kjeldsen, *Directional Dipole Model for Subsurface Scattering*, ACM
 //! Transactions on Graphics 34(1), 2014.
-//! Exitance from fluence and flux as in E. d'Eon and G. Irving, *A Quantized-Diffusion Model for Rendering Translucent
-//! Materials*, 2011.
+//! Exitance from fluence and flux as in E. d'Eon and G. Irving, *A Quantized-Diffusion Model for Rendering
+//! Translucent Materials*, 2011.
 
 use std::cell::Cell;
 
@@ -15,7 +15,8 @@ use crate::error::ParameterError;
 use crate::quadrature::gauss_legendre;
 use crate::{Appearance, Found, Medium};
 
-/// Directional dipole of a half space: the exitance at one point for light that enters at another in a given direction.
+/// Directional dipole of a half space: the exitance at one point for light that enters at another in a given
+/// direction.
 ///
 /// ```text
 /// R(x_o − x_i; ω_i) = α' [S(x, ω, d_r) − S(x − h n*, ω*, d_v)]₊ / 4π
@@ -30,32 +31,33 @@ use crate::{Appearance, Found, Medium};
 /// ```
 ///
 /// # Convention
-/// R is exitance per unit of flux that has entered, 4π C_φ(1/η) S_d in the paper's terms: its BSSRDF S_d is a radiance
-/// that Fresnel's transmittance has yet to let out, and ∫ F_t cos θ dω = 4π C_φ(1/η), the paper's own normalization,
-/// which cancels. The outgoing radiance is F_t(ω_o) R/(4π C_φ(1/η)), times F_t(ω_i) per unit of flux that arrives.
+/// R is exitance per unit of flux that has entered, 4π C_φ(1/η) S_d in the paper's terms: its BSSRDF S_d is a
+/// radiance that Fresnel's transmittance has yet to let out, and ∫ F_t cos θ dω = 4π C_φ(1/η), the paper's own
+/// normalization, which cancels. The outgoing radiance is F_t(ω_o) R/(4π C_φ(1/η)), times F_t(ω_i) per unit of
+/// flux that arrives.
 ///
 /// # What it contains, and its energy
-/// *All light that scatters, once too*; the paper's other term, reduced intensity, goes straight on and does not come
-/// back out of a half space.
+/// *All light that scatters, once too*; the paper's other term, reduced intensity, goes straight on and does not
+/// come back out of a half space.
 ///
 /// The paper's formula has no α'. It is the diffusion of all light in the medium, and the light that has not been
 /// scattered is counted with the rest: black media would send back 21 % of the light (η = 1).
-/// Only scattered light comes back; it starts with the density σ'_s e^{−σ'_t s} along the ray, which to first order is
-/// the paper's source, monopole and dipole, times α'.
+/// Only scattered light comes back; it starts with the density σ'_s e^{−σ'_t s} along the ray, which to first
+/// order is the paper's source, monopole and dipole, times α'.
 /// With α' the model is closer to the exact solution at every albedo, and black where the medium is;
 /// [`as_published`](Self::as_published) leaves it out, as the paper does.
 ///
-/// The model's sources are not those of a medium that keeps energy: at η = 1 a medium without absorption returns 134 %
-/// of a beam along the normal, and one of α' = 0.9 64 % instead of 41 %.
+/// The model's sources are not those of a medium that keeps energy: at η = 1 a medium without absorption returns
+/// 134 % of a beam along the normal, and one of α' = 0.9 64 % instead of 41 %.
 /// [`new`](Self::new) therefore finds an α' that is less than the medium's true one.
 /// At oblique incidence energy is what comes out; at grazing incidence for η = 1 it grows like −ln cos θ.
 ///
 /// The part that is less than 0, behind light that arrives at a slant, is cut off: the cut is part of the model.
 ///
 /// # Arguments
-/// Vectors need not be of unit length. Light from below the surface at its entry, or beyond total reflection, gives 0.
-/// No argument gives a NaN or an infinity: a NaN in the offset counts as 0, a normal or a direction that has none
-/// (no length, no number) is replaced: n_i by the third axis, n_o and ω_i by n_i.
+/// Vectors need not be of unit length. Light from below the surface at its entry, or beyond total reflection,
+/// gives 0. No argument gives a NaN or an infinity: a NaN in the offset counts as 0, a normal or a direction that
+/// has none (no length, no number) is replaced: n_i by the third axis, n_o and ω_i by n_i.
 ///
 /// ```
 /// use translucid_profile::{Appearance, DirectionalDipole, Parameterization};
@@ -114,8 +116,8 @@ impl DirectionalDipole {
 
     /// R(x_o − x_i; ω_i) \[L⁻²\], exitance at x_o per unit of flux that entered at x_i, at least 0.
     ///
-    /// `offset` is x_o − x_i; ω_i points from x_i to where the light comes from, outside; n_i and n_o are the surface's
-    /// normals at x_i and x_o, outwards.
+    /// `offset` is x_o − x_i; ω_i points from x_i to where the light comes from, outside; n_i and n_o are the
+    /// surface's normals at x_i and x_o, outwards.
     pub fn eval(&self, offset: [f64; 3], omega_i: [f64; 3], n_i: [f64; 3], n_o: [f64; 3]) -> f64 {
         self.eval_unclamped(offset, omega_i, n_i, n_o).max(0.0)
     }

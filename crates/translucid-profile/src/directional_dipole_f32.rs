@@ -1,7 +1,8 @@
 //! The directional dipole between single-precision arguments and results, for the inner loop of a renderer.
 //!
-//! The formulas are those of [`DirectionalDipole`], which explains them, and so is the arithmetic: it runs in `f64`
-//! registers with short polynomials, as single precision would not hold the inverse cubes of small distances.
+//! The formulas are those of [`DirectionalDipole`], which explains them, and so is the arithmetic: it runs in
+//! `f64` registers with short polynomials, as single precision would not hold the inverse cubes of small
+//! distances.
 
 use crate::diffusion_boundary::DiffusionBoundary;
 use crate::directional_average::NormalBeam;
@@ -20,8 +21,8 @@ const INTERVALS: usize = 192;
 
 /// The directional dipole in single precision.
 ///
-/// For the same arguments it lies within a relative 1e-7 of its [`f64` twin](DirectionalDipole); where terms of the sum
-/// cancel, within 1e-9 of R along the normal at the same distance. No argument gives a NaN or an infinity.
+/// For the same arguments it lies within a relative 1e-7 of its [`f64` twin](DirectionalDipole); where terms of
+/// the sum cancel, within 1e-9 of R along the normal at the same distance. No argument gives a NaN or an infinity.
 /// An evaluation takes some 70 ns.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DirectionalDipoleF32 {
@@ -54,8 +55,8 @@ impl DirectionalDipoleF32 {
 /// Directional dipoles of every surface albedo and length, for one boundary and phase function.
 ///
 /// What [`DirectionalDipole::new`] finds by a root finder is tabulated over the surface albedo once, in some
-/// milliseconds. For η from 0.5 to 1.5 √(1 − α') is off by at most 1e-7, and α' by 3e-7 of itself; up to η = 3 by 4e-7 and
-/// 1.3e-6.
+/// milliseconds. For η from 0.5 to 1.5 √(1 − α') is off by at most 1e-7, and α' by 3e-7 of itself; up to η = 3 by
+/// 4e-7 and 1.3e-6.
 ///
 /// ```
 /// use translucid_profile::{DirectionalDipoleTable, Parameterization};
@@ -81,8 +82,8 @@ pub struct DirectionalDipoleTable {
 }
 
 impl DirectionalDipoleTable {
-    /// The table of a boundary η = n_inside/n_outside ∈ [0.05, 20], a mean cosine g ∈ (−1, 1) of the phase function,
-    /// and what lengths are to mean.
+    /// The table of a boundary η = n_inside/n_outside ∈ [0.05, 20], a mean cosine g ∈ (−1, 1) of the phase
+    /// function, and what lengths are to mean.
     ///
     /// # Errors
     /// A parameter is out of its range.

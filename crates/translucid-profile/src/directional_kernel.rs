@@ -11,8 +11,8 @@
 //!
 //! The formula of the paper, less two things:
 //!
-//! 1. The difference E/d_r − E/d_v is formed from d_v² − d_r² = h² − z², which keeps its digits at any distance: n* is
-//!    perpendicular to x, so that d_v² = |x|² + h².
+//! 1. The difference E/d_r − E/d_v is formed from d_v² − d_r² = h² − z², which keeps its digits at any distance:
+//!    n* is perpendicular to x, so that d_v² = |x|² + h².
 //! 2. Scalar products with mirrored vectors are formed from those with the vectors themselves.
 
 use crate::Medium;
@@ -21,8 +21,8 @@ use crate::elementary::{Accuracy, exp_negative};
 
 /// Diffusion coefficient, in transport mean free paths.
 pub(crate) const D: f64 = 1.0 / 3.0;
-/// Extrapolation length of a half space that does not absorb (B. Davison 1957, 0.7104 transport mean free paths), over
-/// D, as the paper rounds it.
+/// Extrapolation length of a half space that does not absorb (B. Davison 1957, 0.7104 transport mean free paths),
+/// over D, as the paper rounds it.
 const EXTRAPOLATION: f64 = 2.131;
 /// Reduced albedo below which the extrapolation length does not grow any more: its source is dark by then.
 const LEAST_ALPHA_PRIME: f64 = 1e-12;
@@ -82,8 +82,8 @@ impl Kernel {
         Self::new(albedos, strength, sigma_t_prime / medium.sigma_t(), sigma_t_prime, boundary, eta)
     }
 
-    /// The model of 1 − α' and α', each with its own digits, of the part `strength` that the source emits of the light
-    /// that entered, of the ratio σ'_t/σ_t and of σ'_t \[L⁻¹\].
+    /// The model of 1 − α' and α', each with its own digits, of the part `strength` that the source emits of the
+    /// light that entered, of the ratio σ'_t/σ_t and of σ'_t \[L⁻¹\].
     pub(crate) fn new(
         [absorbed, alpha_prime]: [f64; 2],
         strength: f64,
@@ -191,8 +191,8 @@ fn refracted(omega_i: [f64; 3], n_i: [f64; 3], eta: f64) -> Option<[f64; 3]> {
 
 /// Normal n* of the plane in which the source is mirrored: perpendicular to x, as near to n_i as that allows.
 ///
-/// n_i itself at x = 0; where x is parallel to n_i, one that lies across the beam, which is the mean of all that could
-/// be meant.
+/// n_i itself at x = 0; where x is parallel to n_i, one that lies across the beam, which is the mean of all that
+/// could be meant.
 #[inline(always)]
 fn modified_normal(x: [f64; 3], r2: f64, n_i: [f64; 3], omega: [f64; 3]) -> [f64; 3] {
     if r2 == 0.0 {

@@ -1,9 +1,10 @@
-//! The directional dipole against a second, naive implementation, from the derivation rather than from the formula.
+//! The directional dipole against a second, naive implementation, from the derivation rather than from the
+//! formula.
 //!
-//! The fluence of a directed source in an infinite medium is that of a point source, e^{−σd}/(4πDd), less the distance
-//! 1/σ'_t times its slope along the direction. Exitance is C_φ φ − C_E D ∂φ/∂n. Here both slopes are central
-//! differences of that one function, sources sit where the paper puts them, the mirrored direction is that of a mirrored
-//! point, and the moments of the reflectance are sums.
+//! The fluence of a directed source in an infinite medium is that of a point source, e^{−σd}/(4πDd), less the
+//! distance 1/σ'_t times its slope along the direction. Exitance is C_φ φ − C_E D ∂φ/∂n. Here both slopes are
+//! central differences of that one function, sources sit where the paper puts them, the mirrored direction is that
+//! of a mirrored point, and the moments of the reflectance are sums.
 
 use std::f64::consts::PI;
 
@@ -63,8 +64,8 @@ impl Naive {
         (8.0 * (f(1.0) - f(-1.0)) - (f(2.0) - f(-2.0))) / (12.0 * step)
     }
 
-    /// Exitance of a directed source at the vector `from_source`, as if the distance to it were `distance` there: the
-    /// paper takes formulas in d and x·ω and then replaces d.
+    /// Exitance of a directed source at the vector `from_source`, as if the distance to it were `distance` there:
+    /// the paper takes formulas in d and x·ω and then replaces d.
     fn source(&self, from_source: Vector, omega: Vector, distance: f64, n_o: Vector) -> f64 {
         let sigma_t_prime = self.sigma_a + (1.0 - self.g) * self.sigma_s;
         let d = 1.0 / (3.0 * sigma_t_prime);
@@ -118,8 +119,8 @@ impl Naive {
     }
 }
 
-/// The derivation is that of a source at the distance |x|: where the distance is replaced the slopes are those of the
-/// replaced formula with the vector as it is, which the naive one has by its constant excess.
+/// The derivation is that of a source at the distance |x|: where the distance is replaced the slopes are those of
+/// the replaced formula with the vector as it is, which the naive one has by its constant excess.
 #[test]
 fn eval_agrees_with_the_derivation() {
     let up = [0.0, 0.0, 1.0];

@@ -1,9 +1,9 @@
 //! How far the directional dipole is from the truth, by angle of incidence: the exact half space where there is no
 //! boundary, the walk where there is one.
 //!
-//! Errors are area-weighted L1 distances ∫|R_model − R| dA / ∫ R dA over the whole surface. They are figures of the model,
-//! not of its implementation, which `naive_directional.rs` in `translucid-profile` checks; they are asserted as they are,
-//! to 0.005, so that whoever changes the model sees what it did.
+//! Errors are area-weighted L1 distances ∫|R_model − R| dA / ∫ R dA over the whole surface. They are figures of
+//! the model, not of its implementation, which `naive_directional.rs` in `translucid-profile` checks; they are
+//! asserted as they are, to 0.005, so that whoever changes the model sees what it did.
 
 use std::f64::consts::PI;
 
@@ -89,7 +89,8 @@ fn cosine(degrees: f64) -> f64 {
     if degrees == 0.0 { 1.0 } else { degrees.to_radians().cos() }
 }
 
-/// Errors of the directional dipole, the standard dipole and normalized diffusion, by α (rows) and angle (columns).
+/// Errors of the directional dipole, the standard dipole and normalized diffusion, by α (rows) and angle
+/// (columns).
 ///
 /// The directional dipole is the best of the three at 60°, and better than the standard dipole at 30° too.
 /// At 80° all are far off. Along the normal normalized diffusion is what was fitted to the truth.
@@ -129,10 +130,12 @@ fn errors_at_equal_surface_albedo_are_what_they_are() {
     }
 }
 
-/// Errors of the directional dipole, the same as published, and the standard dipole, by α (rows) and at 0° and 60°.
+/// Errors of the directional dipole, the same as published, and the standard dipole, by α (rows) and at 0° and
+/// 60°.
 ///
 /// The factor α', which the published formula lacks, always helps: at α = 0.5 it takes two thirds of the error.
-/// With it energy is still too much (0.64 where 0.41 is right), and the standard dipole is closer along the normal.
+/// With it energy is still too much (0.64 where 0.41 is right), and the standard dipole is closer along the
+/// normal.
 const FOR_EQUAL_MEDIA: [[[f64; 3]; 2]; 3] = [
     [[0.682, 2.106, 0.591], [0.839, 2.278, 0.851]],
     [[0.628, 0.787, 0.421], [0.611, 0.713, 0.726]],
@@ -211,8 +214,8 @@ fn errors_under_a_boundary_are_what_they_are() {
     assert!((found - 0.2861).abs() < 1e-4 && (found - total.value) > 20.0 * total.error, "{found} {total:?}");
 }
 
-/// Energies of light from everywhere, as a furnace has it, by η and α: of the exact half space, and of the dipole that
-/// has its surface albedo along the normal.
+/// Energies of light from everywhere, as a furnace has it, by η and α: of the exact half space, and of the dipole
+/// that has its surface albedo along the normal.
 const OF_DIFFUSE_LIGHT: [[[f64; 2]; 3]; 2] = [
     [[0.1465, 0.1613], [0.4780, 0.4927], [0.7946, 0.8089]],
     [[0.0576, 0.0613], [0.2696, 0.2754], [0.6326, 0.6348]],
