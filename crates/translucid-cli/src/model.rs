@@ -1,67 +1,73 @@
 //! The models of the command line contract, and the options that describe a profile.
 
+use std::path::{Path, PathBuf};
+
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
-use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
+use translucid_profile::{
+    AlbedoTable, Appearance, Configuration, Medium, Model, NormalizedDiffusion, ParameterError,
+    Parameterization, Profile, ProfileView, TabulatedProfile,
+};
+use translucid_scene::{SubsurfaceModel, load_profile_table};
 
 use crate::failure::Failure;
 use crate::messages;
 use crate::table::exact;
 
-/// Every model that the command's contract names; those that are not available yet are not listed by
-/// `--help`, but known.
+/// A model as the command line names it; those that are not available yet are not listed by `--help`, but known.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Model {
-    NormalizedDiffusion,
-    None,
+pub(crate) enum ModelName {
+    Available(SubsurfaceModel),
     NotYet(&'static str),
 }
 
 /// Names that the contract reserves.
-const NOT_YET: [&str; 9] = [
-    "normalized-diffusion-refined",
-    "dipole",
-    "better-dipole",
-    "directional-dipole",
-    "quantized-diffusion",
-    "photon-beam-diffusion",
-    "gaussians",
-    "exact",
-    "random-walk",
-];
+const NOT_YET: [&str; 2] = ["normalized-diffusion-refined", "random-walk"];
 
-const MODELS: [Model; 2 + NOT_YET.len()] = {
-    let mut models = [Model::NormalizedDiffusion; 2 + NOT_YET.len()];
-    models[1] = Model::None;
+const MODELS: [ModelName; SubsurfaceModel::ALL.len() + NOT_YET.len()] = {
+    let available = SubsurfaceModel::ALL.len();
+    let mut models = [ModelName::NotYet(""); SubsurfaceModel::ALL.len() + NOT_YET.len()];
     let mut i = 0;
-    while i < NOT_YET.len() {
-        models[2 + i] = Model::NotYet(NOT_YET[i]);
+    while i < models.len() {
+        models[i] = if i < available {
+            ModelName::Available(SubsurfaceModel::ALL[i])
+        } else {
+            ModelName::NotYet(NOT_YET[i - available])
+        };
         i += 1;
     }
     models
 };
 
-impl ValueEnum for Model {
+impl ValueEnum for ModelName {
     fn value_variants<'a>() -> &'a [Self] {
         &MODELS
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match self {
-            Self::NormalizedDiffusion => {
-                PossibleValue::new("normalized-diffusion").help("Burley's normalized diffusion")
+        Some(match *self {
+            Self::Available(SubsurfaceModel::Profile(model)) => {
+                PossibleValue::new(model.name()).help(model.description())
             }
-            Self::None => PossibleValue::new("none").help("No transport under the surface"),
-            Self::NotYet(name) => PossibleValue::new(*name).hide(true),
+            Self::Available(model) => PossibleValue::new(model.name()).help("No transport under the surface"),
+            Self::NotYet(name) => PossibleValue::new(name).hide(true),
         })
     }
 }
 
-impl Model {
-    /// The error of a model that is only planned.
-    pub(crate) fn not_available(name: &str) -> Failure {
-        Failure::input(format!("the model {name} is not available yet"))
-            .with_help("the model normalized-diffusion is")
+impl ModelName {
+    const NORMALIZED_DIFFUSION: Self = Self::Available(SubsurfaceModel::Profile(Model::NormalizedDiffusion));
+
+    /// The model, if it is one that is available.
+    pub(crate) fn available(self) -> Result<SubsurfaceModel, Failure> {
+        match self {
+            Self::Available(model) => Ok(model),
+            Self::NotYet(name) => Err(Failure::input(format!("the model {name} is not available yet"))
+                .with_help(format!(
+                    "these are: {}",
+                    SubsurfaceModel::ALL.map(SubsurfaceModel::name).join(", ")
+                ))),
+        }
     }
 }
 
@@ -79,61 +85,171 @@ pub(crate) enum ConfigurationName {
 pub(crate) struct ModelArguments {
     /// Model of the profile
     #[arg(long, value_name = "MODEL", default_value = "normalized-diffusion")]
-    model: Model,
+    model: ModelName,
+    /// CSV file of a profile of your own in place of a model: columns r,reflectance[,surface_albedo], radii in units
+    /// of --mfp
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["model", "sigma_a", "configuration", "eta", "g"]
+    )]
+    table: Option<PathBuf>,
     /// Surface albedo A, in [0, 1]
-    #[arg(long, value_name = "A", allow_negative_numbers = true)]
-    surface_albedo: f64,
+    #[arg(long, value_name = "A", allow_negative_numbers = true, required_unless_present = "sigma_a")]
+    surface_albedo: Option<f64>,
     /// Mean free path in the volume [any unit; radii are in the same]
-    #[arg(long, value_name = "L", allow_negative_numbers = true, required_unless_present = "dmfp")]
+    #[arg(
+        long,
+        value_name = "L",
+        allow_negative_numbers = true,
+        required_unless_present_any = ["dmfp", "sigma_a"]
+    )]
     mfp: Option<f64>,
     /// Diffuse mean free path on the surface, in place of --mfp
     #[arg(long, value_name = "L", allow_negative_numbers = true, conflicts_with = "mfp")]
     dmfp: Option<f64>,
+    /// Absorption coefficient [per unit of length], with --sigma-s in place of --surface-albedo and --mfp
+    #[arg(
+        long,
+        value_name = "S",
+        allow_negative_numbers = true,
+        requires = "sigma_s",
+        conflicts_with_all = ["surface_albedo", "mfp", "dmfp"]
+    )]
+    sigma_a: Option<f64>,
+    /// Scattering coefficient [per unit of length]
+    #[arg(long, value_name = "S", allow_negative_numbers = true, requires = "sigma_a")]
+    sigma_s: Option<f64>,
     /// How light enters the medium [default: diffuse with --mfp, searchlight with --dmfp]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
-    /// Relative index of refraction; normalized-diffusion is fitted for 1
+    /// Relative index of refraction, for the models that know a boundary
     #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
     eta: f64,
-    /// Mean cosine of the phase function; normalized-diffusion is fitted for 0
+    /// Mean cosine of the phase function, for the models that know one
     #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
     g: f64,
 }
 
-impl ModelArguments {
-    /// The profile that the options describe.
-    pub(crate) fn profile(&self) -> Result<NormalizedDiffusion, Failure> {
-        match self.model {
-            Model::NormalizedDiffusion => {}
-            Model::None => return Err(Failure::input("the model none has no profile")),
-            Model::NotYet(name) => return Err(Model::not_available(name)),
-        }
-        self.require_fitted("--eta", self.eta, 1.0, "an index-matched boundary")?;
-        self.require_fitted("--g", self.g, 0.0, "isotropic scattering")?;
-        let (option, length, parameterization) = match (self.mfp, self.dmfp) {
-            (Some(mfp), _) => ("--mfp", mfp, Parameterization::Mfp),
-            (None, Some(dmfp)) => ("--dmfp", dmfp, Parameterization::Dmfp),
-            (None, None) => return Err(Failure::input("--mfp or --dmfp is missing")),
-        };
-        let configuration = self.configuration(parameterization);
-        NormalizedDiffusion::new(self.surface_albedo, length, parameterization, configuration).map_err(
-            |error| {
-                let name = if error.parameter == "surface_albedo" { "--surface-albedo" } else { option };
-                let message =
-                    format!("{name} is {}, but must be {}", exact(error.value), error.requirement());
-                if length == 0.0 && name == option {
-                    let help =
-                        "length 0 is a Lambertian surface: light leaves where it enters, there is no profile";
-                    return Failure::input(message).with_help(help);
-                }
-                Failure::input(message)
-            },
-        )
+/// A table's profile, together with the table.
+struct TableProfile {
+    table: AlbedoTable,
+    surface_albedo: f64,
+    length: f64,
+}
+
+impl TableProfile {
+    fn view(&self) -> ProfileView<'_> {
+        self.table.at(self.surface_albedo, self.length)
+    }
+}
+
+impl Profile for TableProfile {
+    fn eval_times_r(&self, r: f64) -> f64 {
+        self.view().eval_times_r(r)
     }
 
-    fn configuration(&self, parameterization: Parameterization) -> Configuration {
+    fn enclosed(&self, r: f64) -> f64 {
+        self.view().enclosed(r)
+    }
+
+    fn beyond(&self, r: f64) -> f64 {
+        self.view().beyond(r)
+    }
+
+    fn total(&self) -> f64 {
+        self.surface_albedo
+    }
+
+    fn scale(&self) -> f64 {
+        self.view().scale()
+    }
+
+    fn evaluations_to_build(&self) -> u32 {
+        self.view().evaluations_to_build()
+    }
+}
+
+/// What draws radii.
+pub(crate) enum Sampler {
+    ClosedForm(NormalizedDiffusion),
+    Table(TabulatedProfile),
+}
+
+impl Sampler {
+    /// Radius for a random number uniform on [0, 1).
+    pub(crate) fn sample(&self, u: f64) -> f64 {
+        match self {
+            Self::ClosedForm(profile) => profile.sample(u),
+            Self::Table(table) => table.sample(u),
+        }
+    }
+}
+
+impl ModelArguments {
+    /// What draws radii from the profile that the options describe.
+    pub(crate) fn sampler(&self) -> Result<Sampler, Failure> {
+        let profile = self.profile()?;
+        if self.table.is_none() && self.model == ModelName::NORMALIZED_DIFFUSION {
+            let closed_form = NormalizedDiffusion::from_d(profile.total(), profile.scale());
+            return closed_form.map(Sampler::ClosedForm).map_err(|error| Failure::input(error.to_string()));
+        }
+        Ok(Sampler::Table(TabulatedProfile::new(&*profile)))
+    }
+
+    /// The profile that the options describe.
+    pub(crate) fn profile(&self) -> Result<Box<dyn Profile>, Failure> {
+        if let Some(path) = &self.table {
+            return self.tabulated(path);
+        }
+        let SubsurfaceModel::Profile(model) = self.model.available()? else {
+            return Err(Failure::input("the model none has no profile"));
+        };
+        self.require_known(model)?;
+        let profile = match (self.sigma_a, self.sigma_s) {
+            (Some(sigma_a), Some(sigma_s)) => Medium::new(sigma_a, sigma_s, self.g).and_then(|medium| {
+                model.profile_of_medium(&medium, self.configuration(model, Parameterization::Mfp), self.eta)
+            }),
+            _ => {
+                let appearance = self.appearance()?;
+                let configuration = self.configuration(model, appearance.parameterization);
+                model.profile(&appearance, configuration, self.eta)
+            }
+        };
+        profile.map_err(|error| self.name_option(model, error))
+    }
+
+    /// The profile of a table from a file: its shape at the surface albedo and length asked for.
+    fn tabulated(&self, path: &Path) -> Result<Box<dyn Profile>, Failure> {
+        let table = load_profile_table(path)?.table()?;
+        let Appearance { surface_albedo, length, .. } = self.appearance()?;
+        let valid = Model::default().profile(&self.appearance()?, Configuration::default(), 1.0);
+        valid.map_err(|error| self.name_option(Model::default(), error))?;
+        Ok(Box::new(TableProfile { table, surface_albedo, length }))
+    }
+
+    fn appearance(&self) -> Result<Appearance, Failure> {
+        let (length, parameterization) = match (self.mfp, self.dmfp) {
+            (Some(mfp), _) => (mfp, Parameterization::Mfp),
+            (None, Some(dmfp)) => (dmfp, Parameterization::Dmfp),
+            (None, None) => return Err(Failure::input("--mfp or --dmfp is missing")),
+        };
+        let Some(surface_albedo) = self.surface_albedo else {
+            return Err(Failure::input("--surface-albedo is missing"));
+        };
+        Ok(Appearance { surface_albedo, length, parameterization, g: self.g })
+    }
+
+    fn configuration(&self, model: Model, parameterization: Parameterization) -> Configuration {
+        if self.configuration == Some(ConfigurationName::Diffuse) && !model.knows_configuration() {
+            messages::print_note(&format!(
+                "{model} is derived for a perpendicular pencil beam; the same profile stands in for diffuse light"
+            ));
+        }
         match (self.configuration, parameterization) {
-            (Some(ConfigurationName::Diffuse), Parameterization::Dmfp) => {
+            (Some(ConfigurationName::Diffuse), Parameterization::Dmfp)
+                if model == Model::NormalizedDiffusion =>
+            {
                 messages::print_note(
                     "there is no fit for --dmfp in the diffuse configuration; the searchlight fit stands in for it",
                 );
@@ -144,13 +260,59 @@ impl ModelArguments {
         }
     }
 
-    fn require_fitted(&self, option: &str, found: f64, fitted: f64, meaning: &str) -> Result<(), Failure> {
+    /// Refuses a boundary or phase function that the model knows nothing of.
+    fn require_known(&self, model: Model) -> Result<(), Failure> {
+        if model.knows_boundary() {
+            return Ok(());
+        }
+        self.require_fitted(model, "--eta", self.eta, 1.0, "an index-matched boundary")?;
+        // A medium is replaced by the similar isotropic one
+        if self.sigma_a.is_some() {
+            return Ok(());
+        }
+        self.require_fitted(model, "--g", self.g, 0.0, "isotropic scattering")
+    }
+
+    fn require_fitted(
+        &self,
+        model: Model,
+        option: &str,
+        found: f64,
+        fitted: f64,
+        meaning: &str,
+    ) -> Result<(), Failure> {
         if found == fitted {
             return Ok(());
         }
-        let found = exact(found);
-        let message = format!("{option} is {found}, but normalized-diffusion is fitted for {fitted} only");
-        Err(Failure::input(message)
-            .with_help(format!("the model's coefficients were fitted to {meaning}; leave {option} out")))
+        let known = Model::ALL.into_iter().filter(|model| model.knows_boundary()).map(Model::name);
+        let known = known.collect::<Vec<_>>().join(", ");
+        let message = format!("{option} is {}, but {model} is made for {fitted} only", exact(found));
+        let help = format!("the model stands for {meaning}; leave {option} out, or use one of {known}");
+        Err(Failure::input(message).with_help(help))
+    }
+
+    /// Says an error of the library in the words of the command.
+    fn name_option(&self, model: Model, error: ParameterError) -> Failure {
+        let length_option = if self.dmfp.is_some() { "--dmfp" } else { "--mfp" };
+        let option = match error.parameter {
+            "surface_albedo" => "--surface-albedo",
+            "length" | "mfp" | "transport_mfp" => length_option,
+            "eta" => "--eta",
+            "g" => "--g",
+            "sigma_a" => "--sigma-a",
+            "sigma_s" => "--sigma-s",
+            "sigma_t = sigma_a + sigma_s" => "--sigma-a + --sigma-s",
+            other => other,
+        };
+        let message = format!("{option} is {}, but must be {}", exact(error.value), error.requirement());
+        if option == length_option && error.value == 0.0 {
+            let help = "length 0 is a Lambertian surface: light leaves where it enters, there is no profile";
+            return Failure::input(message).with_help(help);
+        }
+        if error.limit.is_some() {
+            let help = format!("no medium makes {model} return more; choose another --model");
+            return Failure::input(message).with_help(help);
+        }
+        Failure::input(message)
     }
 }

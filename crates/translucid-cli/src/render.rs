@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, load_scene, still_life};
+use translucid_scene::{LoadOptions, Scene, Unit, load_scene, still_life};
 
 use crate::failure::Failure;
-use crate::model::Model;
+use crate::model::ModelName;
 use crate::outputs::Outputs;
 use crate::presets::print_presets;
 use crate::session::{self, Session};
@@ -59,7 +59,7 @@ pub(crate) struct Arguments {
     resume: bool,
     /// Model of the transport under all surfaces, in place of the scene's
     #[arg(long, value_name = "MODEL")]
-    subsurface: Option<Model>,
+    subsurface: Option<ModelName>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
@@ -178,12 +178,7 @@ fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
         unit: arguments.unit.map(Unit::from),
         mesh_overrides: arguments.mesh.clone(),
         size: arguments.size,
-        subsurface_model: match arguments.subsurface {
-            Some(Model::NormalizedDiffusion) => Some(SubsurfaceModel::NormalizedDiffusion),
-            Some(Model::None) => Some(SubsurfaceModel::None),
-            Some(Model::NotYet(name)) => return Err(Model::not_available(name)),
-            None => None,
-        },
+        subsurface_model: arguments.subsurface.map(ModelName::available).transpose()?,
     })
 }
 

@@ -2,8 +2,8 @@
 
 use crate::error::{ParameterError, require};
 use crate::{
-    Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, Profile, QuantizedDiffusion,
-    StandardDipole,
+    Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, PhotonBeamDiffusion, Profile,
+    QuantizedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 /// A model of the light that leaves a surface around the point where it entered.
@@ -33,12 +33,22 @@ pub enum Model {
     BetterDipole,
     /// [`QuantizedDiffusion`] \[d'Eon & Irving 2011\].
     QuantizedDiffusion,
+    /// [`PhotonBeamDiffusion`] with single scattering \[Habel et al. 2013\].
+    PhotonBeamDiffusion,
+    /// [`SumOfGaussians`] of six terms \[d'Eon & Luebke 2007\], fitted to the exact half space.
+    Gaussians,
 }
 
 impl Model {
     /// Every model.
-    pub const ALL: [Self; 4] =
-        [Self::NormalizedDiffusion, Self::Dipole, Self::BetterDipole, Self::QuantizedDiffusion];
+    pub const ALL: [Self; 6] = [
+        Self::NormalizedDiffusion,
+        Self::Dipole,
+        Self::BetterDipole,
+        Self::QuantizedDiffusion,
+        Self::PhotonBeamDiffusion,
+        Self::Gaussians,
+    ];
 
     /// The name that commands and scene files use.
     pub const fn name(self) -> &'static str {
@@ -47,6 +57,8 @@ impl Model {
             Self::Dipole => "dipole",
             Self::BetterDipole => "better-dipole",
             Self::QuantizedDiffusion => "quantized-diffusion",
+            Self::PhotonBeamDiffusion => "photon-beam-diffusion",
+            Self::Gaussians => "gaussians",
         }
     }
 
@@ -62,6 +74,8 @@ impl Model {
             Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
             Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
             Self::QuantizedDiffusion => "Quantized diffusion: an extended source [d'Eon & Irving 2011]",
+            Self::PhotonBeamDiffusion => "Photon beam diffusion with single scattering [Habel et al. 2013]",
+            Self::Gaussians => "A sum of Gaussians, fitted to the exact solution [d'Eon & Luebke 2007]",
         }
     }
 
@@ -69,18 +83,15 @@ impl Model {
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
-            Self::NormalizedDiffusion => false,
-            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion => true,
+            Self::NormalizedDiffusion | Self::Gaussians => false,
+            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion | Self::PhotonBeamDiffusion => true,
         }
     }
 
     /// Whether the model tells a perpendicular pencil beam from diffuse light; the others are derived for the
     /// pencil, and stand in for both.
     pub const fn knows_configuration(self) -> bool {
-        match self {
-            Self::NormalizedDiffusion => true,
-            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion => false,
-        }
+        !self.knows_boundary()
     }
 
     /// The profile of a surface albedo and a length.
@@ -103,6 +114,11 @@ impl Model {
             Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::new(appearance, eta)?),
             Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::new(appearance, eta)?),
+            Self::PhotonBeamDiffusion => Box::new(PhotonBeamDiffusion::new(appearance, eta)?),
+            Self::Gaussians => {
+                let terms = SumOfGaussians::DEFAULT_TERMS;
+                Box::new(SumOfGaussians::new(surface_albedo, length, parameterization, configuration, terms)?)
+            }
         })
     }
 
@@ -126,10 +142,13 @@ impl Model {
             g: 0.0,
         };
         Ok(match self {
-            Self::NormalizedDiffusion => return self.profile(&similar, configuration, eta),
+            Self::NormalizedDiffusion | Self::Gaussians => {
+                return self.profile(&similar, configuration, eta);
+            }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::from_medium(medium, eta)?),
             Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::from_medium(medium, eta)?),
+            Self::PhotonBeamDiffusion => Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?),
         })
     }
 

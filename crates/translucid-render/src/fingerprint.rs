@@ -21,6 +21,9 @@ pub(crate) fn fingerprint(scene: &Scene) -> u64 {
     for material in &scene.materials {
         hash.text(&format!("{material:?}"));
     }
+    for table in &scene.profile_tables {
+        hash.text(&format!("{:?}", table.rows));
+    }
     for object in &scene.objects {
         hash.text(&format!("{} {}", object.material, object.subsurface_group));
         let mesh = &object.mesh;

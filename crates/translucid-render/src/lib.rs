@@ -16,10 +16,12 @@ mod light;
 mod material;
 mod output;
 mod path;
+mod profile_tables;
 mod renderer;
 mod sampler;
 mod shadow;
 mod subsurface;
+mod subsurface_profile;
 mod triangle;
 mod wide_tree;
 

@@ -8,6 +8,7 @@ use translucid_scene::{
 
 use crate::bsdf::{MaterialTables, SurfaceParameters};
 use crate::geometry::SurfacePoint;
+use crate::profile_tables::{ProfileSource, ProfileTables};
 
 /// What a scene's materials need beside their parameters.
 pub(crate) struct Materials {
@@ -16,15 +17,21 @@ pub(crate) struct Materials {
     table_of: Vec<usize>,
     /// For each material, whether light may pass it: shadow rays then look closer.
     lets_light_through: Vec<bool>,
+    profile_tables: ProfileTables,
+    /// For each material, where its profile is.
+    profile_sources: Vec<ProfileSource>,
 }
 
-/// The width of the subsurface profile, per channel.
+/// The subsurface profile, per channel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Subsurface {
     /// Surface albedo A in [0, 1].
     pub(crate) albedo: Vec3,
-    /// Width d of the profile [L]; 0 where the channel is Lambertian.
-    pub(crate) d: Vec3,
+    /// Length that scales the profile [L], 0 where the channel is Lambertian: the width d of normalized diffusion,
+    /// and for a tabulated model the length that the material states.
+    pub(crate) length: Vec3,
+    /// The profile of length 1.
+    pub(crate) source: ProfileSource,
 }
 
 impl Materials {
@@ -50,7 +57,15 @@ impl Materials {
                 opacity.factor < 1.0 || opacity.texture.is_some() || clear
             })
             .collect();
-        Self { tables, table_of, lets_light_through }
+        let mut profile_tables = ProfileTables::default();
+        let files = &scene.profile_tables;
+        let profile_sources =
+            scene.materials.iter().map(|material| profile_tables.source(material, files)).collect();
+        Self { tables, table_of, lets_light_through, profile_tables, profile_sources }
+    }
+
+    pub(crate) fn profile_tables(&self) -> &ProfileTables {
+        &self.profile_tables
     }
 
     pub(crate) fn tables(&self, material: usize) -> &MaterialTables {
@@ -69,24 +84,34 @@ impl Materials {
 
 /// Evaluates a material's subsurface parameters at the point where light leaves: a textured albedo or
 /// length acts through its value at the exit.
-pub(crate) fn subsurface_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> Subsurface {
+pub(crate) fn subsurface_at(
+    scene: &Scene,
+    materials: &Materials,
+    index: usize,
+    point: &SurfacePoint,
+) -> Subsurface {
+    let material = &scene.materials[index];
+    let source = materials.profile_sources[index];
     let albedo = color(scene, &material.subsurface_color, point).clamp(Vec3::ZERO, Vec3::ONE);
     if material.subsurface_model == SubsurfaceModel::None {
-        return Subsurface { albedo, d: Vec3::ZERO };
+        return Subsurface { albedo, length: Vec3::ZERO, source };
     }
     let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
     let length = color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius;
-    let width = |channel: usize| {
-        let d = d_from_surface_albedo_f32(
-            albedo[channel],
-            length[channel],
-            material.subsurface_parameter,
-            material.subsurface_configuration,
-        );
+    let scale = |channel: usize| {
+        let length = match source {
+            ProfileSource::NormalizedDiffusion => d_from_surface_albedo_f32(
+                albedo[channel],
+                length[channel],
+                material.subsurface_parameter,
+                material.subsurface_configuration,
+            ),
+            ProfileSource::Table(_) => length[channel],
+        };
         // Below the rounding error of a position the profile is a point: the Lambertian limit.
-        if d > point.offset { d } else { 0.0 }
+        if length > point.offset { length } else { 0.0 }
     };
-    Subsurface { albedo, d: Vec3::new(width(0), width(1), width(2)) }
+    Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }
 }
 
 /// Evaluates everything that the surface itself does.
@@ -111,7 +136,7 @@ pub(crate) fn surface_at(
         transmission_tint: tint,
         subsurface_weight: unit_scalar(&material.subsurface_weight),
         subsurface_color: subsurface.albedo,
-        subsurface_active: [subsurface.d.x > 0.0, subsurface.d.y > 0.0, subsurface.d.z > 0.0],
+        subsurface_active: subsurface.length.cmpgt(Vec3::ZERO).into(),
         coat_weight: unit_scalar(&material.coat_weight),
         coat_color: unit_color(&material.coat_color),
         coat_roughness: unit_scalar(&material.coat_roughness),

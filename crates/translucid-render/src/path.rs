@@ -26,7 +26,8 @@ use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
-use crate::subsurface::{Exit, Prober, Truncation};
+use crate::subsurface::{Exit, Prober};
+use crate::subsurface_profile::Truncation;
 use crate::triangle::Ray;
 
 /// Least roughness of reflections that a diffusely scattered path sees with caustics off.
@@ -197,7 +198,7 @@ impl<'a> PathTracer<'a> {
         }
         // Before a clear surface is passed: light samples of it bring all of its emission, too.
         self.add_emission(path, point, material, hit);
-        let subsurface = material::subsurface_at(&world.scene, material, point);
+        let subsurface = material::subsurface_at(&world.scene, &world.materials, index, point);
         let mut surface = material::surface_at(&world.scene, material, point, &subsurface);
         if path.soft {
             let clear = surface.transmission_weight * (1.0 - surface.metalness);
@@ -296,11 +297,13 @@ impl<'a> PathTracer<'a> {
             subsurface: vertex.subsurface,
             importance: path.throughput,
         };
-        let Some(found) = self.prober.sample(&world.geometry, &exit, sampler) else { return false };
+        let tables = world.materials.profile_tables();
+        let Some(found) = self.prober.sample(&world.geometry, tables, &exit, sampler) else { return false };
         path.throughput *= found.weight;
         let point = world.geometry.surface_point(&world.scene, &found.hit);
         let (index, material) = world.material(&point);
-        let subsurface = Subsurface { albedo: Vec3::ONE, d: Vec3::ONE };
+        // What lies below has been dealt with: only the surface counts here
+        let subsurface = Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, ..vertex.subsurface };
         let surface = material::surface_at(&world.scene, material, &point, &subsurface);
         let entry = EntryBsdf::new(&surface, world.materials.tables(index));
         // Seen from inside an open mesh, light enters from inside, too.

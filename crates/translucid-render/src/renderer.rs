@@ -70,6 +70,12 @@ impl Renderer {
         &self.world.scene
     }
 
+    /// What a user should know of the scene as it was made ready, a sentence each.
+    #[must_use]
+    pub fn notes(&self) -> &[String] {
+        self.world.materials.profile_tables().notes()
+    }
+
     /// A number that differs when the picture would: two runs with the same one may be joined.
     #[must_use]
     pub fn fingerprint(&self) -> u64 {

@@ -48,7 +48,7 @@ fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }
         let material = &scene.materials[index];
         let point = world.geometry.surface_point(scene, &hit);
         let opacity = material::opacity_at(scene, material, &point);
-        let subsurface = material::subsurface_at(scene, material, &point);
+        let subsurface = material::subsurface_at(scene, &world.materials, index, &point);
         let surface = material::surface_at(scene, material, &point, &subsurface);
         let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
         result *= absorbed(absorption, hit.t);

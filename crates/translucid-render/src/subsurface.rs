@@ -17,14 +17,14 @@
 //! ball |x − P| ≤ R_m is the same for all axes, so the density is exact.
 //! All hits count: one of them is drawn in proportion to its weight and stands for their sum.
 
-use glam::Vec3;
-use translucid_profile::NormalizedDiffusionF32;
-
 use crate::Frame;
 use crate::geometry::{Geometry, Hit};
 use crate::material::Subsurface;
+use crate::profile_tables::{ProfileSource, ProfileTables};
 use crate::sampler::Sampler;
+use crate::subsurface_profile::{CutNormalizedDiffusion, CutProfile, CutTable, Truncation};
 use crate::triangle::Ray;
+use glam::Vec3;
 
 /// Probabilities of probing along the two tangents and the normal.
 ///
@@ -34,22 +34,6 @@ pub(crate) const AXIS_PROBES: [f32; 3] = [0.25, 0.25, 1.0];
 
 /// |n · axis| below which a hit is left out: its density would be rounding noise.
 const GRAZING: f32 = 1e-6;
-
-/// Where the profiles end.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Truncation {
-    /// Energy outside.
-    tail: f32,
-    /// Radius in units of d.
-    radius: f32,
-}
-
-impl Truncation {
-    /// Cuts every profile where `tail` of its energy is outside, tail in (0, 1).
-    pub(crate) fn new(tail: f32) -> Self {
-        Self { tail, radius: NormalizedDiffusionF32::from_d(1.0).quantile_complement(tail) }
-    }
-}
 
 /// The point that light leaves.
 #[derive(Clone, Copy, Debug)]
@@ -89,10 +73,33 @@ impl Prober {
     pub(crate) fn sample(
         &mut self,
         geometry: &Geometry,
+        tables: &ProfileTables,
         exit: &Exit,
         sampler: &mut Sampler,
     ) -> Option<Entry> {
-        let channels = Channels::new(exit, &self.truncation)?;
+        let truncation = self.truncation;
+        let Subsurface { albedo, length, source } = exit.subsurface;
+        match source {
+            ProfileSource::NormalizedDiffusion => {
+                let channels = Channels::new(exit, |c| CutNormalizedDiffusion::new(length[c], &truncation))?;
+                self.sample_from(&channels, geometry, exit, sampler)
+            }
+            ProfileSource::Table(index) => {
+                let table = tables.table(index);
+                let profile = |c: usize| CutTable::new(table.at(albedo[c], length[c]), truncation.tail);
+                self.sample_from(&Channels::new(exit, profile)?, geometry, exit, sampler)
+            }
+        }
+    }
+
+    /// The same with the channels' profiles at hand.
+    fn sample_from<P: CutProfile>(
+        &mut self,
+        channels: &Channels<P>,
+        geometry: &Geometry,
+        exit: &Exit,
+        sampler: &mut Sampler,
+    ) -> Option<Entry> {
         let frame = Frame::from_normal(exit.normal);
         self.hits.clear();
         self.weights.clear();
@@ -106,7 +113,7 @@ impl Prober {
             }
             let (channel, _) = choose(channels.shares, u[0] / self.axis_probes[axis]);
             let first = self.hits.len();
-            let ray = probe_segment(exit, &frame, axis, &channels, channel, [u[1], u[2]]);
+            let ray = probe_segment(exit, &frame, axis, &channels.profiles[channel], [u[1], u[2]]);
             geometry.all_in_group(&ray, exit.group, |hit| self.hits.push(hit));
             // The tree's order must not show in the picture.
             self.hits[first..].sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
@@ -138,44 +145,42 @@ impl Prober {
 }
 
 /// The three profiles and the shares of probes they get.
-struct Channels {
-    profiles: [NormalizedDiffusionF32; 3],
+struct Channels<P> {
+    /// Of channels that do not scatter the profile of one that does: their shares and albedos are 0.
+    profiles: [P; 3],
     albedo: Vec3,
     shares: [f32; 3],
-    /// Radius R_m at which each profile ends [L].
-    longest: Vec3,
-    tail: f32,
 }
 
-impl Channels {
+impl<P: CutProfile> Channels<P> {
     /// `None` if no channel scatters.
-    fn new(exit: &Exit, truncation: &Truncation) -> Option<Self> {
-        let Subsurface { albedo, d } = exit.subsurface;
-        let active = |c: usize| d[c] > 0.0;
+    fn new(exit: &Exit, profile: impl Fn(usize) -> P) -> Option<Self> {
+        let Subsurface { albedo, length, .. } = exit.subsurface;
+        let active = |c: usize| length[c] > 0.0;
         let share = |c: usize| if active(c) { albedo[c] * exit.importance[c] } else { 0.0 };
         let shares = [share(0), share(1), share(2)];
         let sum: f32 = shares.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
             return None;
         }
-        let profile = |c: usize| NormalizedDiffusionF32::from_d(if active(c) { d[c] } else { 1.0 });
+        let first = (0..3).find(|&c| active(c))?;
+        let profile = |c: usize| profile(if active(c) { c } else { first });
+        let albedo_of = |c: usize| if active(c) { albedo[c] } else { 0.0 };
         Some(Self {
             profiles: [profile(0), profile(1), profile(2)],
-            albedo,
+            albedo: Vec3::new(albedo_of(0), albedo_of(1), albedo_of(2)),
             shares: shares.map(|s| s / sum),
-            longest: d * truncation.radius,
-            tail: truncation.tail,
         })
     }
 
     /// R / p for a point at `offset` from the exit with normal `normal`, both in the exit's frame.
     ///
     /// Both R and the densities go like 1/r: each is multiplied with |x − P|, so that they stay finite.
-    /// The factors 2π and 1/(1 − tail) are in both and cancel.
+    /// The factor 2π is in both and cancels.
     fn weight(&self, offset: Vec3, normal: Vec3, axis_probes: [f32; 3]) -> Vec3 {
         let squared = offset.length_squared();
         let distance = squared.sqrt();
-        let inside = self.longest.to_array().map(|longest| distance <= longest);
+        let inside = [0, 1, 2].map(|c: usize| distance <= self.profiles[c].longest());
         let mut density = 0.0;
         for axis in 0..3 {
             let cosine = axis_probes[axis] * normal[axis].abs();
@@ -202,17 +207,9 @@ impl Channels {
 }
 
 /// The segment of a probe inside the ball of its channel.
-fn probe_segment(
-    exit: &Exit,
-    frame: &Frame,
-    axis: usize,
-    channels: &Channels,
-    channel: usize,
-    u: [f32; 2],
-) -> Ray {
-    let complement = 1.0 - u[0] * (1.0 - channels.tail);
-    let longest = channels.longest[channel];
-    let radius = channels.profiles[channel].quantile_complement(complement).min(longest);
+fn probe_segment(exit: &Exit, frame: &Frame, axis: usize, profile: &impl CutProfile, u: [f32; 2]) -> Ray {
+    let longest = profile.longest();
+    let radius = profile.sample(u[0]);
     let (sin, cos) = (std::f32::consts::TAU * u[1]).sin_cos();
     let (first, second) = (frame.axis((axis + 1) % 3), frame.axis((axis + 2) % 3));
     let half = (longest * longest - radius * radius).max(0.0).sqrt();

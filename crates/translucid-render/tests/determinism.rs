@@ -47,6 +47,7 @@ fn scene() -> Scene {
         objects: vec![Object { name: "sheet".into(), mesh, material: 0, subsurface_group: 0 }],
         materials: vec![material],
         images: Vec::new(),
+        profile_tables: Vec::new(),
         lights: vec![Light::Rectangle {
             center: Vec3::new(2.0, 2.0, 3.0),
             edge_x: Vec3::Y,

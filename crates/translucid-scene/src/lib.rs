@@ -23,6 +23,7 @@ mod material;
 mod mesh;
 mod nearest;
 mod preset;
+mod profile_table;
 mod repair;
 mod scene;
 mod settings;
@@ -40,10 +41,11 @@ pub use load::{
     GltfScene, ObjPart, ObjScene, decode_image, load_gltf, load_image, load_obj, load_ply, parse_gltf,
     parse_obj, parse_ply,
 };
-pub use load::{LoadOptions, SceneFile, load_scene};
+pub use load::{LoadOptions, SceneFile, load_profile_table, load_scene, parse_profile_table};
 pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
 pub use mesh::{Mesh, Triangle};
 pub use preset::{Preset, preset, presets};
+pub use profile_table::{ProfileRow, ProfileTable};
 pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, ToneMapping};

@@ -1,29 +1,46 @@
 //! Surface material with the parameter names of OpenPBR Surface 1.1.
 
 use glam::Vec3;
+use translucid_profile::Model;
 pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParameter};
 
 use crate::{ColorInput, ScalarInput, TextureRef};
 
 /// How light under the surface is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SubsurfaceModel {
-    /// Burley's normalized diffusion.
-    #[default]
-    NormalizedDiffusion,
+    /// A reflectance profile.
+    Profile(Model),
+    /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
+    Tabulated(usize),
     /// No transport under the surface: `subsurface_color` becomes a Lambertian color.
     None,
 }
 
+impl Default for SubsurfaceModel {
+    fn default() -> Self {
+        Self::Profile(Model::default())
+    }
+}
+
 impl SubsurfaceModel {
-    /// Every model.
-    pub const ALL: [Self; 2] = [Self::NormalizedDiffusion, Self::None];
+    /// Every model that can be asked for by its name alone.
+    pub const ALL: [Self; Model::ALL.len() + 1] = {
+        let mut all = [Self::None; Model::ALL.len() + 1];
+        let mut i = 0;
+        while i < Model::ALL.len() {
+            all[i] = Self::Profile(Model::ALL[i]);
+            i += 1;
+        }
+        all
+    };
 
     /// The model's name as scene files and the command line write it.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::NormalizedDiffusion => "normalized-diffusion",
+            Self::Profile(model) => model.name(),
+            Self::Tabulated(_) => "tabulated",
             Self::None => "none",
         }
     }
@@ -90,6 +107,8 @@ pub struct Material {
     pub subsurface_parameter: SubsurfaceParameter,
     /// How light enters the medium in the profile's model.
     pub subsurface_configuration: Configuration,
+    /// Relative index of refraction of the boundary in models that know one, in [0.5, 3]; 1 is index-matched.
+    pub subsurface_eta: f32,
     /// Strength of the clear coat.
     pub coat_weight: ScalarInput,
     /// Tint of what lies under the coat.
@@ -128,9 +147,10 @@ impl Default for Material {
             subsurface_radius: ScalarInput::constant(1.0),
             subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.5, 0.25)),
             subsurface_scatter_anisotropy: 0.0,
-            subsurface_model: SubsurfaceModel::NormalizedDiffusion,
+            subsurface_model: SubsurfaceModel::default(),
             subsurface_parameter: SubsurfaceParameter::Mfp,
             subsurface_configuration: Configuration::Diffuse,
+            subsurface_eta: 1.0,
             coat_weight: ScalarInput::constant(0.0),
             coat_color: ColorInput::constant(Vec3::ONE),
             coat_roughness: ScalarInput::constant(0.0),

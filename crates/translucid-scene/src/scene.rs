@@ -1,6 +1,6 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
-use crate::{Camera, Environment, Film, Image, Integrator, Light, Material, Mesh};
+use crate::{Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, ProfileTable};
 
 /// Length unit of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,6 +78,8 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Images that texture references and the environment refer to.
     pub images: Vec<Image>,
+    /// Profiles that [`SubsurfaceModel::Tabulated`](crate::SubsurfaceModel::Tabulated) refers to.
+    pub profile_tables: Vec<ProfileTable>,
     /// Lights other than emissive objects and the environment.
     pub lights: Vec<Light>,
     /// Light from infinity in all directions; `None` is black.

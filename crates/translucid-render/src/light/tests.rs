@@ -36,6 +36,7 @@ fn light_set(
         objects: Vec::new(),
         materials: Vec::new(),
         images,
+        profile_tables: Vec::new(),
         lights,
         environment,
     };

@@ -51,6 +51,7 @@ pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
         objects,
         materials: vec![material],
         images: Vec::new(),
+        profile_tables: Vec::new(),
         lights: Vec::new(),
         environment: None,
     }

@@ -91,6 +91,7 @@ fn stage(mut model: Model, unit: Unit, options: &LoadOptions) -> Scene {
         objects: model.objects,
         materials: model.materials,
         images: model.images,
+        profile_tables: Vec::new(),
         lights: model.lights,
         environment: dark.then(|| frame.environment()),
     }

@@ -11,6 +11,7 @@ mod obj;
 mod ply;
 mod png;
 mod polygon;
+mod profile_table;
 mod radiance;
 mod toml;
 
@@ -21,6 +22,7 @@ pub use gltf::{GltfScene, load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
 pub use obj::{ObjPart, ObjScene, load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
+pub use profile_table::{load_profile_table, parse_profile_table};
 pub use toml::SceneFile;
 
 use crate::{Film, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};

@@ -3,16 +3,17 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::input::ImageRequest;
+use super::input::{ImageRequest, TableRequest};
 use super::interval::Interval;
 use super::object::{Geometry, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::frame_mesh::Frame;
 use crate::load::model::{Model, scale_lengths, shift_images};
-use crate::load::{LoadOptions, is_gltf, load_image, load_model, read_file};
+use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
 use crate::nearest::nearest;
 use crate::{
-    Image, Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
+    Image, Light, Material, Mesh, Object, Place, ProfileTable, Scene, SceneError, Unit, Warning, build_shape,
+    repair_mesh,
 };
 
 /// Most triangles of a scene: 3 GiB of indices.
@@ -66,6 +67,7 @@ impl SceneFile {
             objects: builder.objects,
             materials: builder.materials,
             images: builder.images,
+            profile_tables: load_profile_tables(&self.profile_tables)?,
             lights: builder.lights,
             environment,
         })
@@ -123,6 +125,14 @@ fn load_images(requests: &[ImageRequest], warnings: &mut Vec<Warning>) -> Result
     let load = |request: &ImageRequest| {
         check_present(&request.path, &request.place)?;
         load_image(&request.path, request.color_space, warnings)
+    };
+    requests.iter().map(load).collect()
+}
+
+fn load_profile_tables(requests: &[TableRequest]) -> Result<Vec<ProfileTable>, SceneError> {
+    let load = |request: &TableRequest| {
+        check_present(&request.path, &request.place)?;
+        load_profile_table(&request.path)
     };
     requests.iter().map(load).collect()
 }

@@ -28,13 +28,21 @@ pub(super) struct ImageRequest {
     pub(super) place: Place,
 }
 
-/// The scene's images: the index of a request is the image's index in the scene.
-#[derive(Clone, Debug, Default)]
-pub(super) struct ImageList {
-    requests: Vec<ImageRequest>,
+/// A table of profiles that the scene needs, and where it is asked for.
+#[derive(Clone, Debug)]
+pub(super) struct TableRequest {
+    pub(super) path: PathBuf,
+    pub(super) place: Place,
 }
 
-impl ImageList {
+/// The scene's images and profile tables: the index of a request is the index in the scene.
+#[derive(Clone, Debug, Default)]
+pub(super) struct FileList {
+    requests: Vec<ImageRequest>,
+    tables: Vec<TableRequest>,
+}
+
+impl FileList {
     /// Index of the image in a file; the same file in the same color space is loaded once.
     pub(super) fn request(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
         let path = file.file()?;
@@ -45,8 +53,18 @@ impl ImageList {
         }))
     }
 
-    pub(super) fn into_requests(self) -> Vec<ImageRequest> {
-        self.requests
+    /// Index of the table of profiles in a file.
+    pub(super) fn request_table(&mut self, file: &Item<'_>) -> Result<usize, SceneError> {
+        let path = file.file()?;
+        let known = self.tables.iter().position(|r| r.path == path);
+        Ok(known.unwrap_or_else(|| {
+            self.tables.push(TableRequest { path, place: file.place() });
+            self.tables.len() - 1
+        }))
+    }
+
+    pub(super) fn into_requests(self) -> (Vec<ImageRequest>, Vec<TableRequest>) {
+        (self.requests, self.tables)
     }
 }
 
@@ -54,7 +72,7 @@ impl ImageList {
 pub(super) fn read_color(
     item: &Item<'_>,
     range: Interval,
-    images: &mut ImageList,
+    images: &mut FileList,
 ) -> Result<ColorInput, SceneError> {
     match item.value() {
         DeValue::String(word) if word.as_ref() == "vertex" => Ok(ColorInput::vertex()),
@@ -81,7 +99,7 @@ pub(super) fn read_constant_color(item: &Item<'_>, range: Interval) -> Result<Ve
     }
 }
 
-fn read_color_image(table: &Table<'_>, images: &mut ImageList) -> Result<ColorInput, SceneError> {
+fn read_color_image(table: &Table<'_>, images: &mut FileList) -> Result<ColorInput, SceneError> {
     let color_space = table.read("color_space", ColorSpace::Srgb, |item| item.word(&COLOR_SPACES))?;
     Ok(ColorInput {
         factor: table.read("factor", Vec3::ONE, |item| read_constant_color(item, Interval::FACTOR))?,
@@ -94,7 +112,7 @@ fn read_color_image(table: &Table<'_>, images: &mut ImageList) -> Result<ColorIn
 pub(super) fn read_scalar(
     item: &Item<'_>,
     range: Interval,
-    images: &mut ImageList,
+    images: &mut FileList,
 ) -> Result<ScalarInput, SceneError> {
     match item.value() {
         DeValue::Table(_) => read_scalar_image(&item.table()?.allow(SCALAR_KEYS)?, images),
@@ -103,7 +121,7 @@ pub(super) fn read_scalar(
     }
 }
 
-fn read_scalar_image(table: &Table<'_>, images: &mut ImageList) -> Result<ScalarInput, SceneError> {
+fn read_scalar_image(table: &Table<'_>, images: &mut FileList) -> Result<ScalarInput, SceneError> {
     let color_space = table.read("color_space", ColorSpace::Linear, |item| item.word(&COLOR_SPACES))?;
     let channel = table.read("channel", Channel::Red, |item| item.word(&CHANNELS))?;
     Ok(ScalarInput {
@@ -113,7 +131,7 @@ fn read_scalar_image(table: &Table<'_>, images: &mut ImageList) -> Result<Scalar
 }
 
 /// A normal map: the image's path, or a table.
-pub(super) fn read_normal_map(item: &Item<'_>, images: &mut ImageList) -> Result<NormalMap, SceneError> {
+pub(super) fn read_normal_map(item: &Item<'_>, images: &mut FileList) -> Result<NormalMap, SceneError> {
     match item.value() {
         DeValue::String(_) => {
             let image = images.request(item, ColorSpace::Linear)?;
@@ -133,7 +151,7 @@ pub(super) fn read_normal_map(item: &Item<'_>, images: &mut ImageList) -> Result
 fn read_texture(
     table: &Table<'_>,
     color_space: ColorSpace,
-    images: &mut ImageList,
+    images: &mut FileList,
 ) -> Result<TextureRef, SceneError> {
     Ok(TextureRef {
         image: images.request(&table.require("file")?, color_space)?,

@@ -3,7 +3,7 @@
 use glam::{DVec3, Mat3, Vec3};
 
 use super::document::{Item, Table};
-use super::input::{ImageList, read_constant_color};
+use super::input::{FileList, read_constant_color};
 use super::interval::Interval;
 use crate::{ColorSpace, Environment, Light, SceneError};
 
@@ -102,7 +102,7 @@ fn read_beam(table: &Table<'_>) -> Result<Light, SceneError> {
     })
 }
 
-pub(super) fn read_environment(table: &Table<'_>, images: &mut ImageList) -> Result<Environment, SceneError> {
+pub(super) fn read_environment(table: &Table<'_>, images: &mut FileList) -> Result<Environment, SceneError> {
     let file = table.get("file");
     if file.is_none() {
         table.require("radiance")?;

@@ -1,7 +1,7 @@
 //! `[[material]]`: a surface with the parameter names of OpenPBR.
 
 use super::document::{Item, Table};
-use super::input::{ImageList, read_color, read_normal_map, read_scalar};
+use super::input::{FileList, read_color, read_normal_map, read_scalar};
 use super::interval::Interval;
 use crate::preset::preset;
 use crate::{
@@ -27,8 +27,10 @@ pub(super) const KEYS: &[&str] = &[
     "subsurface_radius_scale",
     "subsurface_scatter_anisotropy",
     "subsurface_model",
+    "subsurface_table",
     "subsurface_parameter",
     "subsurface_configuration",
+    "subsurface_eta",
     "coat_weight",
     "coat_color",
     "coat_roughness",
@@ -48,7 +50,7 @@ const CONFIGURATIONS: [(&str, Configuration); 2] =
 pub(super) fn read_material(
     table: &Table<'_>,
     unit: Unit,
-    images: &mut ImageList,
+    images: &mut FileList,
 ) -> Result<Material, SceneError> {
     let mut material = table.read("preset", Material::default(), |item| read_preset(item, unit))?;
     material.name = table.require("name")?.name()?;
@@ -70,7 +72,7 @@ fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {
 
 struct Reader<'a, 'b> {
     table: &'a Table<'a>,
-    images: &'b mut ImageList,
+    images: &'b mut FileList,
 }
 
 impl Reader<'_, '_> {
@@ -125,12 +127,19 @@ impl Reader<'_, '_> {
         let models = SubsurfaceModel::ALL.map(|model| (model.name(), model));
         let (model, parameter) = (material.subsurface_model, material.subsurface_parameter);
         material.subsurface_model = self.table.read("subsurface_model", model, |item| item.word(&models))?;
+        if let Some(item) = self.table.get("subsurface_table") {
+            if self.table.get("subsurface_model").is_some() {
+                let message = "subsurface_table is the model: leave subsurface_model out, or the table";
+                return Err(SceneError::at(item.place(), message));
+            }
+            material.subsurface_model = SubsurfaceModel::Tabulated(self.images.request_table(&item)?);
+        }
         material.subsurface_parameter =
             self.table.read("subsurface_parameter", parameter, |item| item.word(&PARAMETERS))?;
         let configuration = material.subsurface_configuration;
         material.subsurface_configuration =
             self.table.read("subsurface_configuration", configuration, |item| item.word(&CONFIGURATIONS))?;
-        Ok(())
+        self.number("subsurface_eta", Interval::closed(0.5, 3.0), &mut material.subsurface_eta)
     }
 
     fn coat_and_emission(&mut self, material: &mut Material) -> Result<(), SceneError> {

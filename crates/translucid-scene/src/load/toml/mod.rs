@@ -16,7 +16,7 @@ use std::collections::HashSet;
 use std::path::Path;
 
 use document::{Item, Source, Table};
-use input::{ImageList, ImageRequest};
+use input::{FileList, ImageRequest, TableRequest};
 use object::{Geometry, ObjectEntry};
 
 use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError, Unit};
@@ -67,6 +67,7 @@ pub struct SceneFile {
     lights: Vec<Light>,
     environment: Option<Environment>,
     images: Vec<ImageRequest>,
+    profile_tables: Vec<TableRequest>,
 }
 
 impl SceneFile {
@@ -91,16 +92,17 @@ impl SceneFile {
         let document = source.parse()?;
         let root = Table::root(&source, document.get_ref()).allow(KEYS)?;
         let unit = root.require("unit")?.word(&Unit::WORDS)?;
-        let mut images = ImageList::default();
-        let materials = read_materials(&root, unit, &mut images)?;
+        let mut files = FileList::default();
+        let materials = read_materials(&root, unit, &mut files)?;
         let environment = match open(&root, "environment", light::ENVIRONMENT_KEYS)? {
-            Some(table) => Some(light::read_environment(&table, &mut images)?),
+            Some(table) => Some(light::read_environment(&table, &mut files)?),
             None => None,
         };
         let camera = open(&root, "camera", camera::KEYS)?;
         let film = open(&root, "film", settings::FILM_KEYS)?;
         let integrator = open(&root, "integrator", settings::INTEGRATOR_KEYS)?;
         let lights = root.tables("light", MOST_ENTRIES)?;
+        let (images, profile_tables) = files.into_requests();
         Ok(Self {
             unit,
             grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
@@ -112,7 +114,8 @@ impl SceneFile {
             materials,
             lights: lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?,
             environment,
-            images: images.into_requests(),
+            images,
+            profile_tables,
         })
     }
 }
@@ -126,12 +129,12 @@ fn open<'a>(
     root.get(key).map(|item| item.table()?.allow(keys)).transpose()
 }
 
-fn read_materials(root: &Table<'_>, unit: Unit, images: &mut ImageList) -> Result<Vec<Material>, SceneError> {
+fn read_materials(root: &Table<'_>, unit: Unit, files: &mut FileList) -> Result<Vec<Material>, SceneError> {
     let mut names = HashSet::new();
     let mut materials = Vec::new();
     for table in root.tables("material", MOST_ENTRIES)? {
         let table = table.allow(material::KEYS)?;
-        let material = material::read_material(&table, unit, images)?;
+        let material = material::read_material(&table, unit, files)?;
         claim_name(&table, &material.name, &mut names)?;
         materials.push(material);
     }

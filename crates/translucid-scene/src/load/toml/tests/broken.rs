@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{BALL, PATH, load, parse};
-use crate::{LoadOptions, SceneError};
+use crate::{LoadOptions, SceneError, SubsurfaceModel};
 
 /// Checks an error's message, the underlined text, its line, and the advice.
 fn assert_error(error: &SceneError, text: &str, message: &str, underlined: &str, help: &str) {
@@ -158,9 +158,14 @@ fn broken_material_is_refused() {
     refuse_material("subsurface_scatter_anisotropy = 1", message, "1", "");
     let message = "material[0].subsurface_radius is -0.1, but must be in [0, 1e9]";
     refuse_material("subsurface_radius = -0.1", message, "-0.1", "");
-    let message =
-        "material[0].subsurface_model is \"dipole\", but must be one of \"normalized-diffusion\", \"none\"";
-    refuse_material("subsurface_model = \"dipole\"", message, "\"dipole\"", "");
+    let names = SubsurfaceModel::ALL.map(|model| format!("\"{}\"", model.name())).join(", ");
+    let message = format!("material[0].subsurface_model is \"dipol\", but must be one of {names}");
+    refuse_material("subsurface_model = \"dipol\"", &message, "\"dipol\"", "did you mean \"dipole\"?");
+    let message = "material[0].subsurface_eta is 4, but must be in [0.5, 3]";
+    refuse_material("subsurface_eta = 4", message, "4", "");
+    let message = "subsurface_table is the model: leave subsurface_model out, or the table";
+    let both = "subsurface_model = \"none\"\nsubsurface_table = \"a.csv\"";
+    refuse_material(both, message, "\"a.csv\"", "");
     let message = "material[0].subsurface_parameter is \"mpf\", but must be one of \"mfp\", \"dmfp\"";
     refuse_material("subsurface_parameter = \"mpf\"", message, "\"mpf\"", "did you mean \"mfp\"?");
     let message = "material[0].geometry_normal is a number, but must be the path of an image or a table with an image file";

@@ -1,0 +1,159 @@
+//! The tables of every material's profile, made before the first path.
+
+use translucid_profile::{
+    AlbedoTable, AlbedoTableF32, Appearance, Configuration, Model, ParameterError, Parameterization, Profile,
+};
+use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
+
+/// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
+const DARKEST: f64 = 1e-3;
+/// Greatest surface albedo of a table over the diffuse mean free path, which does not exist at 1.
+const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
+
+/// What the light under a material's surface is computed with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ProfileSource {
+    /// Burley's closed form.
+    NormalizedDiffusion,
+    /// The table of this number.
+    Table(usize),
+}
+
+/// The tables of a scene.
+#[derive(Default)]
+pub(crate) struct ProfileTables {
+    /// What each table was made from.
+    recipes: Vec<Recipe>,
+    tables: Vec<AlbedoTableF32>,
+    notes: Vec<String>,
+}
+
+/// All that decides a table.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Recipe {
+    Model(ModelRecipe),
+    /// The scene's profile table of this number.
+    File(usize),
+}
+
+/// All that decides the table of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ModelRecipe {
+    model: Model,
+    parameterization: Parameterization,
+    configuration: Configuration,
+    eta: f64,
+    g: f64,
+    /// The three surface albedos of a material that is not textured.
+    albedos: Option<[f64; 3]>,
+}
+
+impl ProfileTables {
+    pub(crate) fn table(&self, index: usize) -> &AlbedoTableF32 {
+        &self.tables[index]
+    }
+
+    /// What a user should know of the tables.
+    pub(crate) fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Finds or makes what a material needs.
+    pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
+        let Some(recipe) = Recipe::of(material) else { return ProfileSource::NormalizedDiffusion };
+        if let Some(known) = self.recipes.iter().position(|&other| other == recipe) {
+            return ProfileSource::Table(known);
+        }
+        let made = match recipe {
+            Recipe::Model(recipe) => self.table_of_model(&recipe, material).map_err(|e| e.to_string()),
+            Recipe::File(index) => files[index].table().map_err(|e| e.to_string()),
+        };
+        match made {
+            Ok(table) => {
+                self.recipes.push(recipe);
+                self.tables.push(AlbedoTableF32::from(&table));
+                ProfileSource::Table(self.tables.len() - 1)
+            }
+            Err(error) => {
+                let (name, model) = (&material.name, material.subsurface_model.name());
+                self.notes.push(format!(
+                    "material {name}: {model}: {error}; normalized-diffusion stands in for it"
+                ));
+                ProfileSource::NormalizedDiffusion
+            }
+        }
+    }
+
+    fn table_of_model(
+        &mut self,
+        recipe: &ModelRecipe,
+        material: &Material,
+    ) -> Result<AlbedoTable, ParameterError> {
+        let (table, most) = recipe.table()?;
+        let wanted = recipe.albedos.map_or(1.0, |albedos| albedos.into_iter().fold(0.0, f64::max));
+        if most < wanted {
+            self.notes.push(format!(
+                "material {}: {} reaches a surface albedo of {most:.4} at most; its shape there stands in for what is above",
+                material.name, recipe.model
+            ));
+        }
+        Ok(table)
+    }
+}
+
+impl Recipe {
+    /// `None` where no table is needed.
+    fn of(material: &Material) -> Option<Self> {
+        if material.subsurface_weight.factor <= 0.0 {
+            return None;
+        }
+        match material.subsurface_model {
+            SubsurfaceModel::Profile(Model::NormalizedDiffusion) | SubsurfaceModel::None => None,
+            SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
+            SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
+        }
+    }
+}
+
+impl ModelRecipe {
+    fn of(model: Model, material: &Material) -> Self {
+        let color = &material.subsurface_color;
+        let textured = color.texture.is_some() || color.vertex_color;
+        let knows = model.knows_boundary();
+        let fraction = |a: f32| f64::from(a.max(0.0).min(1.0));
+        Self {
+            model,
+            parameterization: material.subsurface_parameter,
+            configuration: material.subsurface_configuration,
+            eta: if knows { f64::from(material.subsurface_eta) } else { 1.0 },
+            g: if knows { f64::from(material.subsurface_scatter_anisotropy) } else { 0.0 },
+            albedos: (!textured).then(|| color.factor.to_array().map(fraction)),
+        }
+    }
+
+    fn profile(&self, surface_albedo: f64) -> Result<Box<dyn Profile>, ParameterError> {
+        let Self { parameterization, g, .. } = *self;
+        let appearance = Appearance { surface_albedo, length: 1.0, parameterization, g };
+        self.model.profile(&appearance, self.configuration, self.eta)
+    }
+
+    /// The table, and the greatest surface albedo that the model reaches.
+    fn table(&self) -> Result<(AlbedoTable, f64), ParameterError> {
+        let brightest =
+            if self.parameterization == Parameterization::Dmfp { BRIGHTEST_WITH_DMFP } else { 1.0 };
+        let most = match self.profile(brightest) {
+            Ok(_) => brightest,
+            Err(error) => error.limit.unwrap_or(brightest),
+        };
+        let table = match self.albedos {
+            Some(albedos) => {
+                let mut rows = albedos.map(|a| a.max(DARKEST).min(most)).to_vec();
+                rows.sort_by(f64::total_cmp);
+                rows.dedup();
+                AlbedoTable::new(&rows, |a| self.profile(a))?
+            }
+            None => AlbedoTable::for_every_albedo(|a| self.profile(a))?,
+        };
+        Ok((table, if most == brightest { 1.0 } else { most }))
+    }
+}
