@@ -2,8 +2,8 @@
 
 use crate::error::{ParameterError, require};
 use crate::{
-    Appearance, BetterDipole, Configuration, Medium, NormalizedDiffusion, PhotonBeamDiffusion, Profile,
-    QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, Medium, NormalizedDiffusion,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 /// A model of the light that leaves a surface around the point where it entered.
@@ -31,6 +31,9 @@ pub enum Model {
     Dipole,
     /// [`BetterDipole`] \[d'Eon 2012\].
     BetterDipole,
+    /// [`DirectionalDipole`](crate::DirectionalDipole) \[Frisvad et al. 2014\]; its profile is the
+    /// [`DirectionalDipoleAverage`] of light along the normal.
+    DirectionalDipole,
     /// [`QuantizedDiffusion`] \[d'Eon & Irving 2011\].
     QuantizedDiffusion,
     /// [`PhotonBeamDiffusion`] with single scattering \[Habel et al. 2013\].
@@ -41,10 +44,11 @@ pub enum Model {
 
 impl Model {
     /// Every model.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::NormalizedDiffusion,
         Self::Dipole,
         Self::BetterDipole,
+        Self::DirectionalDipole,
         Self::QuantizedDiffusion,
         Self::PhotonBeamDiffusion,
         Self::Gaussians,
@@ -56,6 +60,7 @@ impl Model {
             Self::NormalizedDiffusion => "normalized-diffusion",
             Self::Dipole => "dipole",
             Self::BetterDipole => "better-dipole",
+            Self::DirectionalDipole => "directional-dipole",
             Self::QuantizedDiffusion => "quantized-diffusion",
             Self::PhotonBeamDiffusion => "photon-beam-diffusion",
             Self::Gaussians => "gaussians",
@@ -73,6 +78,7 @@ impl Model {
             Self::NormalizedDiffusion => "Burley's normalized diffusion [Christensen & Burley 2015]",
             Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
             Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
+            Self::DirectionalDipole => "The directional dipole, of light at any angle [Frisvad et al. 2014]",
             Self::QuantizedDiffusion => "Quantized diffusion: an extended source [d'Eon & Irving 2011]",
             Self::PhotonBeamDiffusion => "Photon beam diffusion with single scattering [Habel et al. 2013]",
             Self::Gaussians => "A sum of Gaussians, fitted to the exact solution [d'Eon & Luebke 2007]",
@@ -84,7 +90,11 @@ impl Model {
     pub const fn knows_boundary(self) -> bool {
         match self {
             Self::NormalizedDiffusion | Self::Gaussians => false,
-            Self::Dipole | Self::BetterDipole | Self::QuantizedDiffusion | Self::PhotonBeamDiffusion => true,
+            Self::Dipole
+            | Self::BetterDipole
+            | Self::DirectionalDipole
+            | Self::QuantizedDiffusion
+            | Self::PhotonBeamDiffusion => true,
         }
     }
 
@@ -113,6 +123,7 @@ impl Model {
             }
             Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::new(appearance, eta)?),
+            Self::DirectionalDipole => Box::new(DirectionalDipoleAverage::new(appearance, eta)?),
             Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::new(appearance, eta)?),
             Self::PhotonBeamDiffusion => Box::new(PhotonBeamDiffusion::new(appearance, eta)?),
             Self::Gaussians => {
@@ -147,6 +158,7 @@ impl Model {
             }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::from_medium(medium, eta)?),
+            Self::DirectionalDipole => Box::new(DirectionalDipoleAverage::from_medium(medium, eta)?),
             Self::QuantizedDiffusion => Box::new(QuantizedDiffusion::from_medium(medium, eta)?),
             Self::PhotonBeamDiffusion => Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?),
         })
