@@ -8,6 +8,7 @@
 
 pub mod bsdf;
 mod camera;
+mod directionality;
 mod film;
 mod fingerprint;
 mod frame;

@@ -106,7 +106,7 @@ pub(crate) fn subsurface_at(
                 material.subsurface_parameter,
                 material.subsurface_configuration,
             ),
-            ProfileSource::Table(_) => length[channel],
+            ProfileSource::Table(_) | ProfileSource::Directional { .. } => length[channel],
         };
         // Below the rounding error of a position the profile is a point: the Lambertian limit.
         if length > point.offset { length } else { 0.0 }

@@ -20,6 +20,7 @@ use translucid_scene::{Material, Scene};
 
 use crate::Frame;
 use crate::bsdf::{Bsdf, BsdfSample, EntryBsdf, Lobe, SurfaceParameters};
+use crate::directionality::{Directionality, Passage};
 use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
@@ -309,10 +310,18 @@ impl<'a> PathTracer<'a> {
         // Seen from inside an open mesh, light enters from inside, too.
         let normal = material::shading_normal_at(&world.scene, material, &point) * side;
         let geometric = point.geometric_normal * side;
-        self.add_entering_light(path, &point, normal, geometric, &entry, sampler.next_4d());
+        let passage = Passage {
+            offset: vertex.point.position - point.position,
+            entry_normal: normal,
+            exit_normal: vertex.normal * side,
+        };
+        let directionality = Directionality::new(tables, &vertex.subsurface, passage);
+        let entrance = Entrance { point: &point, normal, geometric, entry, directionality };
+        self.add_entering_light(path, &entrance, sampler.next_4d());
         let v = sampler.next_4d();
-        let (wi, weight) = entry.sample([v[0], v[1]]);
+        let (wi, weight) = entrance.entry.sample([v[0], v[1]]);
         let direction = Frame::from_normal(normal).to_world(wi).normalize();
+        let weight = weight * entrance.directionality.weight(direction);
         if direction.dot(geometric) <= 0.0 {
             return false;
         }
@@ -353,15 +362,8 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Light from one sampled light that enters the volume at a point.
-    fn add_entering_light(
-        &self,
-        path: &mut Path,
-        point: &SurfacePoint,
-        normal: Vec3,
-        geometric: Vec3,
-        entry: &EntryBsdf<'_>,
-        u: [f32; 4],
-    ) {
+    fn add_entering_light(&self, path: &mut Path, entrance: &Entrance<'_>, u: [f32; 4]) {
+        let Entrance { point, normal, geometric, ref entry, ref directionality } = *entrance;
         let Some(light) = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]]) else {
             return;
         };
@@ -372,6 +374,7 @@ impl<'a> PathTracer<'a> {
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
         let value = entry.eval(cosine) * (mis / light.pdf);
         let medium = Medium { absorption: path.absorption, soft: !self.world.scene.integrator.caustics };
+        let value = value * directionality.weight(light.direction);
         let received = self.unoccluded(point, &light, medium) * value * path.throughput;
         path.add_to(path.layer_after(Layer::Subsurface), received);
     }
@@ -491,6 +494,17 @@ struct Next {
     layer: Layer,
     is_diffuse: bool,
     transmitted: bool,
+}
+
+/// A point where light enters the volume.
+struct Entrance<'a> {
+    point: &'a SurfacePoint,
+    /// Shading normal on the side that is seen.
+    normal: Vec3,
+    /// Geometric normal on that side.
+    geometric: Vec3,
+    entry: EntryBsdf<'a>,
+    directionality: Directionality,
 }
 
 /// A surface point with what was worked out about it.

@@ -1,7 +1,8 @@
 //! The tables of every material's profile, made before the first path.
 
 use translucid_profile::{
-    AlbedoTable, AlbedoTableF32, Appearance, Configuration, Model, ParameterError, Parameterization, Profile,
+    AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model, ParameterError,
+    Parameterization, Profile,
 };
 use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 
@@ -17,14 +18,22 @@ pub(crate) enum ProfileSource {
     NormalizedDiffusion,
     /// The table of this number.
     Table(usize),
+    /// The directional dipole of this number, found by the table of its average.
+    Directional {
+        /// Number of the table.
+        table: usize,
+        /// Number of the dipole.
+        dipole: usize,
+    },
 }
 
 /// The tables of a scene.
 #[derive(Default)]
 pub(crate) struct ProfileTables {
-    /// What each table was made from.
-    recipes: Vec<Recipe>,
+    /// What has been made from what.
+    made: Vec<(Recipe, ProfileSource)>,
     tables: Vec<AlbedoTableF32>,
+    dipoles: Vec<DirectionalDipoleTable>,
     notes: Vec<String>,
 }
 
@@ -53,6 +62,10 @@ impl ProfileTables {
         &self.tables[index]
     }
 
+    pub(crate) fn dipole(&self, index: usize) -> &DirectionalDipoleTable {
+        &self.dipoles[index]
+    }
+
     /// What a user should know of the tables.
     pub(crate) fn notes(&self) -> &[String] {
         &self.notes
@@ -61,43 +74,57 @@ impl ProfileTables {
     /// Finds or makes what a material needs.
     pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
         let Some(recipe) = Recipe::of(material) else { return ProfileSource::NormalizedDiffusion };
-        if let Some(known) = self.recipes.iter().position(|&other| other == recipe) {
-            return ProfileSource::Table(known);
+        if let Some((_, source)) = self.made.iter().find(|(known, _)| *known == recipe) {
+            return *source;
         }
         let made = match recipe {
-            Recipe::Model(recipe) => self.table_of_model(&recipe, material).map_err(|e| e.to_string()),
-            Recipe::File(index) => files[index].table().map_err(|e| e.to_string()),
+            Recipe::Model(recipe) => self.source_of_model(&recipe, material).map_err(|e| e.to_string()),
+            Recipe::File(index) => {
+                files[index].table().map_err(|e| e.to_string()).map(|table| self.add(&table))
+            }
         };
         match made {
-            Ok(table) => {
-                self.recipes.push(recipe);
-                self.tables.push(AlbedoTableF32::from(&table));
-                ProfileSource::Table(self.tables.len() - 1)
+            Ok(source) => {
+                self.made.push((recipe, source));
+                source
             }
             Err(error) => {
                 let (name, model) = (&material.name, material.subsurface_model.name());
-                self.notes.push(format!(
-                    "material {name}: {model}: {error}; normalized-diffusion stands in for it"
-                ));
+                let note =
+                    format!("material {name}: {model}: {error}; normalized-diffusion stands in for it");
+                self.notes.push(note);
                 ProfileSource::NormalizedDiffusion
             }
         }
     }
 
-    fn table_of_model(
+    fn add(&mut self, table: &AlbedoTable) -> ProfileSource {
+        self.tables.push(AlbedoTableF32::from(table));
+        ProfileSource::Table(self.tables.len() - 1)
+    }
+
+    fn source_of_model(
         &mut self,
         recipe: &ModelRecipe,
         material: &Material,
-    ) -> Result<AlbedoTable, ParameterError> {
+    ) -> Result<ProfileSource, ParameterError> {
         let (table, most) = recipe.table()?;
         let wanted = recipe.albedos.map_or(1.0, |albedos| albedos.into_iter().fold(0.0, f64::max));
         if most < wanted {
+            let (name, model) = (&material.name, recipe.model);
             self.notes.push(format!(
-                "material {}: {} reaches a surface albedo of {most:.4} at most; its shape there stands in for what is above",
-                material.name, recipe.model
+                "material {name}: {model} reaches a surface albedo of {most:.4}; its shape there stands in above"
             ));
         }
-        Ok(table)
+        let source = self.add(&table);
+        match source {
+            ProfileSource::Table(table) if recipe.model == Model::DirectionalDipole => {
+                let dipole = DirectionalDipoleTable::new(recipe.eta, recipe.g, recipe.parameterization)?;
+                self.dipoles.push(dipole);
+                Ok(ProfileSource::Directional { table, dipole: self.dipoles.len() - 1 })
+            }
+            _ => Ok(source),
+        }
     }
 }
 

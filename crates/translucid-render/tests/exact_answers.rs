@@ -172,7 +172,7 @@ fn collimated_spot_reproduces_the_profile_in_rings() {
         let error = (means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
         let expected = ring_average(&profile, f64::from(inner), f64::from(outer), f64::from(spot));
         let z = (mean - expected) / error;
-        // Issue's criterion: three standard errors; six rings, false-alarm rate 1.6 %, seed fixed.
+        // Three standard errors; six rings, false-alarm rate 1.6 %, seed fixed.
         assert!(z.abs() < 3.0, "ring {inner}–{outer}: {mean} ± {error}, expected {expected}, z = {z}");
         assert!(error < 0.05 * expected, "ring {inner}–{outer}: too noisy to tell, {mean} ± {error}");
     }
