@@ -48,9 +48,10 @@ pub(crate) fn render(scene: Scene, session: &Session) -> Result<(), Failure> {
     pool.install(|| {
         let start = Instant::now();
         let renderer = Renderer::new(scene);
+        renderer.notes().iter().for_each(|note| messages::print_note(note));
         if session.verbose {
             let seconds = start.elapsed().as_secs_f64();
-            messages::line(&format!("prepared the scene (hierarchy, lights) in {seconds:.2} s"));
+            messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
         }
         let work = Work::start(&renderer, session)?;
         work.finish()
