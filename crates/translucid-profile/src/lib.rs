@@ -95,6 +95,7 @@ mod radial_table;
 mod radial_table_build;
 mod radial_table_f32;
 pub mod roots;
+mod sampled_profile;
 mod scaled_erfc;
 mod scaling;
 mod slices;
@@ -126,6 +127,7 @@ pub use photon_beam_diffusion::{
 };
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
+pub use sampled_profile::SampledProfile;
 pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,

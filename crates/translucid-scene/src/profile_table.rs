@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use translucid_profile::{AlbedoTable, TabulatedProfile};
+use translucid_profile::{AlbedoTable, SampledProfile, TabulatedProfile};
 
 use crate::{Place, SceneError};
 
@@ -28,7 +28,7 @@ impl ProfileTable {
         let mut rows = self.rows.iter();
         AlbedoTable::new(&albedos, |surface_albedo| {
             let row = rows.next().expect("one call for each albedo");
-            let profile = TabulatedProfile::from_samples(&row.radii, &row.reflectances)?;
+            let profile = TabulatedProfile::new(&SampledProfile::new(&row.radii, &row.reflectances)?);
             Ok(Box::new(profile.scaled(1.0, surface_albedo)?))
         })
         .map_err(|error| SceneError::at(Place::file(&self.path), error.to_string()))
