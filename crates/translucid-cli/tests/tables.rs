@@ -268,7 +268,7 @@ fn wrong_options_are_refused_with_a_reason() {
             "not available yet",
         ),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model none", "has no profile"),
-        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --eta 9", "--eta is 9"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --eta 99", "--eta is 99"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --g 1", "--g is 1"),
         ("profile --surface-albedo 0.8 --mfp 0 --at 1 --model dipole", "Lambertian"),
         ("profile --surface-albedo 1 --dmfp 1 --at 1 --model dipole", "--surface-albedo is 1"),
