@@ -11,6 +11,10 @@ const DARKEST: f64 = 1e-3;
 /// Greatest surface albedo of a table over the diffuse mean free path, which does not exist at 1.
 const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
 
+/// Below this the directional dipole's energy at grazing incidence is far from the surface albedo: without a change of
+/// index it grows without end.
+const LEAST_ETA_OF_DIRECTIONAL_DIPOLE: f64 = 1.1;
+
 /// What the light under a material's surface is computed with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ProfileSource {
@@ -114,6 +118,12 @@ impl ProfileTables {
             let (name, model) = (&material.name, recipe.model);
             self.notes.push(format!(
                 "material {name}: {model} reaches a surface albedo of {most:.4}; its shape there stands in above"
+            ));
+        }
+        if recipe.model == Model::DirectionalDipole && recipe.eta < LEAST_ETA_OF_DIRECTIONAL_DIPOLE {
+            self.notes.push(format!(
+                "material {}: at subsurface_eta {} the directional dipole is noisy, and pale where light grazes; it is made for an index like 1.4",
+                material.name, recipe.eta
             ));
         }
         let source = self.add(&table);
