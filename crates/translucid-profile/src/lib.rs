@@ -76,6 +76,7 @@ mod directional_dipole;
 mod directional_dipole_f32;
 mod directional_kernel;
 mod elementary;
+mod energy_profile;
 mod error;
 mod exact_profile;
 mod exact_table;

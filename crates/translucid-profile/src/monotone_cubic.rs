@@ -15,12 +15,8 @@ pub(crate) struct MonotoneCubic {
 impl MonotoneCubic {
     /// The curve through at least one point; `xs` rise strictly.
     pub(crate) fn new(xs: &[f64], ys: &[f64]) -> Self {
-        let chords: Vec<[f64; 2]> = xs
-            .windows(2)
-            .zip(ys.windows(2))
-            .map(|(x, y)| [x[1] - x[0], (y[1] - y[0]) / (x[1] - x[0])])
-            .collect();
-        let slopes: Vec<f64> = (0..xs.len()).map(|i| slope(&chords, i)).collect();
+        let chords = chords(xs, ys);
+        let slopes = monotone_slopes(xs, ys);
         let cubic = |i: usize| {
             let Some([width, chord]) = chords.get(i).copied() else { return [ys[i], 0.0, 0.0, 0.0] };
             let (start, end) = (slopes[i], slopes[i + 1]);
@@ -52,6 +48,18 @@ impl MonotoneCubic {
     pub(crate) fn intervals(&self) -> impl Iterator<Item = (f64, [f64; 4])> {
         self.xs.iter().copied().zip(self.cubics.iter().copied())
     }
+}
+
+/// The slopes of the curve at its points.
+pub(crate) fn monotone_slopes(xs: &[f64], ys: &[f64]) -> Vec<f64> {
+    let chords = chords(xs, ys);
+    (0..xs.len()).map(|i| slope(&chords, i)).collect()
+}
+
+/// Width and slope of each chord.
+fn chords(xs: &[f64], ys: &[f64]) -> Vec<[f64; 2]> {
+    let pairs = xs.windows(2).zip(ys.windows(2));
+    pairs.map(|(x, y)| [x[1] - x[0], (y[1] - y[0]) / (x[1] - x[0])]).collect()
 }
 
 /// Slope at point i, from the widths and slopes of the chords.

@@ -63,7 +63,7 @@ impl Tail {
         Self { start, share, rate: if sane { rate } else { 1.0 / start } }
     }
 
-    fn beyond(&self, x: f64) -> f64 {
+    pub(crate) fn beyond(&self, x: f64) -> f64 {
         self.share * (-self.rate * (x - self.start)).exp()
     }
 
@@ -140,7 +140,7 @@ impl RadialTable {
     #[inline(always)]
     pub(crate) fn beyond(&self, x: f64) -> f64 {
         let x = x.max(0.0);
-        if x < self.tail.start { self.cell_at(x).beyond(x) } else { self.tail.beyond(x) }
+        if x < self.tail.start { self.cell_at(x).beyond(x).min(1.0) } else { self.tail.beyond(x) }
     }
 
     /// Radius within which the share u is, u ∈ [0, 1] or NaN.

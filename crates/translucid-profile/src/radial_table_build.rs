@@ -86,7 +86,9 @@ impl Source<'_> {
             cells.extend(octave.cells);
             end = octave.end;
         }
-        let table = RadialTable::new(first_exponent, &bits_of_octaves, cells, Tail::new(&end));
+        let mut tail = Tail::new(&end);
+        make_consistent(&mut cells, &mut tail);
+        let table = RadialTable::new(first_exponent, &bits_of_octaves, cells, tail);
         Built { table, length: self.length, error, evaluations: self.evaluations.get() }
     }
 
@@ -192,6 +194,24 @@ impl Source<'_> {
 
     fn count(&self) {
         self.evaluations.set(self.evaluations.get() + 1);
+    }
+}
+
+/// Sums up shares from both sides, where each keeps its digits: the source's energies may not rise in the last one, or not
+/// agree with each other.
+fn make_consistent(cells: &mut [Cell], tail: &mut Tail) {
+    let total = cells.iter().map(|cell| cell.share).sum::<f64>() + tail.share;
+    tail.share /= total;
+    let mut within = 0.0;
+    for cell in cells.iter_mut() {
+        cell.share /= total;
+        cell.within = within;
+        within += cell.share;
+    }
+    let mut beyond = tail.share;
+    for cell in cells.iter_mut().rev() {
+        cell.beyond = beyond;
+        beyond += cell.share;
     }
 }
 

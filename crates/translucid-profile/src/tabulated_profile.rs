@@ -3,6 +3,8 @@
 use std::f64::consts::PI;
 use std::sync::Arc;
 
+use crate::SampledProfile;
+use crate::energy_profile::EnergyProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
 use crate::profile::{Profile, finite_quotient};
 use crate::radial_table::RadialTable;
@@ -16,8 +18,8 @@ pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 /// All methods follow from one cdf, a chain of rational functions that rises (see the crate's source,
 /// `monotone_cell.rs`): the density is its exact slope and the quantile its exact inverse.
 /// Sampling is therefore exact for what is evaluated, whatever the table's error against its source.
-/// That error is at most 1e-4 of the cdf below the median, and of 1 − cdf above it as far as that is 1e-6; some 1e-6 for
-/// smooth profiles, which [`cdf_error`](Self::cdf_error) says of each.
+/// That error is some 1e-6 of the cdf below the median, and of 1 − cdf above it as far as that is 1e-6, for every model of
+/// this crate; [`cdf_error`](Self::cdf_error) says it of each table.
 /// The density's error is some ten times that.
 ///
 /// A clone shares the table, and so do [`scaled`](Self::scaled) ones.
@@ -61,6 +63,52 @@ impl TabulatedProfile {
             cdf_error: error,
             evaluations,
         }
+    }
+
+    /// The profile through samples R(rᵢ) at four radii or more, which rise: [`SampledProfile`] as a table.
+    ///
+    /// # Errors
+    /// As [`SampledProfile::new`].
+    pub fn from_samples(radii: &[f64], reflectances: &[f64]) -> Result<Self, ParameterError> {
+        Ok(Self::new(&SampledProfile::new(radii, reflectances)?))
+    }
+
+    /// The profile of which the energies within radii are known, E(rᵢ) = ∫₀^rᵢ R 2πr dr: what a tally of rings measures.
+    ///
+    /// These energies are kept. Beyond the last radius energy goes on as the last two rings say.
+    ///
+    /// ```
+    /// use translucid_profile::{NormalizedDiffusion, TabulatedProfile};
+    ///
+    /// # fn main() -> Result<(), translucid_profile::ParameterError> {
+    /// let source = NormalizedDiffusion::from_d(0.8, 1.0)?;
+    /// let radii: Vec<f64> = (0..60).map(|i| 0.05 * 1.12_f64.powi(i)).collect();
+    /// let enclosed: Vec<f64> = radii.iter().map(|r| source.enclosed(*r)).collect();
+    /// let table = TabulatedProfile::from_enclosed(&radii, &enclosed)?;
+    /// assert!((table.surface_albedo() - 0.8).abs() < 1e-5);
+    /// assert!((table.enclosed(1.234) - source.enclosed(1.234)).abs() < 2e-5);
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not greater than the one
+    /// before; an energy is less than the one before or not finite; the last ring does not have less than the one before, per
+    /// length. The error names the value and, as its limit, the index.
+    pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
+        Ok(Self::new(&EnergyProfile::from_enclosed(radii, enclosed)?))
+    }
+
+    /// The profile of which both samples and energies within radii are known; it keeps both.
+    ///
+    /// # Errors
+    /// As [`from_samples`](Self::from_samples) and [`from_enclosed`](Self::from_enclosed).
+    pub fn from_samples_and_enclosed(
+        radii: &[f64],
+        reflectances: &[f64],
+        enclosed: &[f64],
+    ) -> Result<Self, ParameterError> {
+        Ok(Self::new(&EnergyProfile::from_samples_and_enclosed(radii, reflectances, enclosed)?))
     }
 
     /// A table that is there already; its error against a source is not known here.

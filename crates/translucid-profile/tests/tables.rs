@@ -456,3 +456,99 @@ fn rows_must_rise() {
     let table = AlbedoTable::new(&[0.0, 0.5], model).expect("valid rows");
     assert_eq!(table.at(0.0, 1.0).cdf(0.3), table.at(0.5, 1.0).cdf(0.3));
 }
+
+/// Radii from 0.02 to 40 widths of normalized diffusion, and its samples and energies there.
+fn samples() -> [Vec<f64>; 3] {
+    let source = diffusion(0.8, 1.0);
+    let radii: Vec<f64> = (0..=60).map(|i| 0.02 * 2000f64.powf(f64::from(i) / 60.0)).collect();
+    [
+        radii.clone(),
+        radii.iter().map(|r| source.eval(*r)).collect(),
+        radii.iter().map(|r| source.enclosed(*r)).collect(),
+    ]
+}
+
+#[test]
+fn samples_make_the_profile_they_are_of() {
+    let source = diffusion(0.8, 1.0);
+    let [radii, reflectances, enclosed] = samples();
+    let from_samples = TabulatedProfile::from_samples(&radii, &reflectances).expect("valid samples");
+    let from_enclosed = TabulatedProfile::from_enclosed(&radii, &enclosed).expect("valid energies");
+    let from_both =
+        TabulatedProfile::from_samples_and_enclosed(&radii, &reflectances, &enclosed).expect("valid samples");
+    // Far out neighbouring samples differ by a factor of three, which is what the errors of R are about
+    for (table, energy, value) in
+        [(&from_samples, 6e-5, 2e-2), (&from_enclosed, 1e-5, 3e-2), (&from_both, 1e-5, 3e-2)]
+    {
+        assert!((table.surface_albedo() - 0.8).abs() < energy, "{}", table.surface_albedo());
+        assert!(table.cdf_error() < PROMISED, "{:e}", table.cdf_error());
+        let (mut worst, mut worst_value) = (0.0f64, 0.0f64);
+        for i in 0..=700 {
+            let r = 0.001 * 35_000f64.powf(f64::from(i) / 700.0);
+            worst = worst.max((table.enclosed(r) - source.enclosed(r)).abs());
+            worst_value = worst_value.max((table.eval(r) / source.eval(r) - 1.0).abs());
+        }
+        assert!(worst < energy && worst_value < value, "{worst:e} {worst_value:e}");
+    }
+    // Energies that were given are kept
+    for (r, energy) in radii.iter().zip(&enclosed) {
+        for table in [&from_enclosed, &from_both] {
+            assert!((table.enclosed(*r) - energy).abs() < 1e-5, "{r}: {} {energy}", table.enclosed(*r));
+        }
+    }
+    assert_finite("from samples", &from_samples);
+    assert_finite("from enclosed", &from_enclosed);
+}
+
+#[test]
+fn noise_and_zeros_make_a_distribution() {
+    let [radii, mut reflectances, _] = samples();
+    let mut state = 3u64;
+    for value in &mut reflectances {
+        *value *= 0.5 + uniform(&mut state);
+    }
+    for i in [0, 7, 30, 31, 59, 60] {
+        reflectances[i] = 0.0;
+    }
+    let table = TabulatedProfile::from_samples(&radii, &reflectances).expect("valid samples");
+    assert!((table.surface_albedo() - 0.8).abs() < 0.1, "{}", table.surface_albedo());
+    let mut within = 0.0;
+    for i in 0..=5000 {
+        let u = table.cdf(0.01 * f64::from(i));
+        assert!(u >= within, "{i}");
+        within = u;
+    }
+    assert!(within > 1.0 - 1e-6);
+    assert_finite("noise", &table);
+}
+
+#[test]
+fn errors_of_energies_say_which() {
+    let error = |radii: &[f64], energies: &[f64]| {
+        TabulatedProfile::from_enclosed(radii, energies).unwrap_err().to_string()
+    };
+    let (radii, good) = ([1.0, 2.0, 3.0, 4.0], [0.1, 0.2, 0.27, 0.3]);
+    assert!(TabulatedProfile::from_enclosed(&radii, &good).is_ok());
+    assert_eq!(error(&radii[..3], &good[..3]), "number of radii is 3, but must be at least 4");
+    let expected =
+        "radius is 2, but must be in [1e-150, 1e150] and greater than the one before; its index is 2";
+    assert_eq!(error(&[1.0, 2.0, 2.0, 3.0], &good), expected);
+    assert!(error(&[f64::NAN, 2.0, 3.0, 4.0], &good).starts_with("radius is NaN"));
+    assert_eq!(
+        error(&radii, &good[..3]),
+        "number of enclosed energies is 3, but must be that of the radii, 4"
+    );
+    assert_eq!(
+        error(&radii, &[0.1, 0.3, 0.2, 0.4]),
+        "enclosed is 0.2, but must be finite and no less than the one before; its index is 2"
+    );
+    assert!(error(&radii, &[0.1, 0.2, 0.3, 0.5]).starts_with("energy per length of the last ring"));
+    assert!(error(&radii, &[0.0; 4]).starts_with("energy of all samples is 0"));
+    let both = |reflectances: &[f64]| {
+        TabulatedProfile::from_samples_and_enclosed(&radii, reflectances, &good).unwrap_err().to_string()
+    };
+    assert_eq!(both(&[1.0, -1.0, 1.0, 0.1]), "reflectance is -1, but must be in [0, 1e300); its index is 1");
+    // r R rises: what lies beyond would be infinite
+    assert!(both(&[1.0; 4]).starts_with("rate at which r R falls"));
+    assert!(both(&[0.0; 4]).starts_with("number of reflectances is 0"));
+}
