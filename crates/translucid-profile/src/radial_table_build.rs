@@ -213,6 +213,8 @@ fn make_consistent(cells: &mut [Cell], tail: &mut Tail) {
         cell.beyond = beyond;
         beyond += cell.share;
     }
+    // All is beyond r = 0, to the last digit
+    cells[0].beyond = 1.0 - cells[0].share;
 }
 
 /// The cells of an octave: 2^`bits`, or fewer where the tail begins before its end.
