@@ -1,7 +1,7 @@
 //! Time per call of every model, by itself and as a table, beside normalized diffusion.
 //!
 //! `cargo bench -p translucid-profile --bench models` prints Markdown.
-//! All tasks take turns of a third of a millisecond, round after round, and every figure is the lower quartile over the
+//! All tasks take turns of a third of a millisecond, round after round, and every figure is the lower decile over the
 //! rounds: what else the machine does meanwhile falls on all alike, and little of it is left.
 //! Calls follow one another without depending on each other, behind a `dyn Profile` as a renderer that swaps models
 //! has them; normalized diffusion and tables also as their own types, which is how an inner loop would have them.
@@ -14,8 +14,9 @@ use std::time::{Duration, Instant};
 
 use translucid_profile::roots::falling_root;
 use translucid_profile::{
-    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, NormalizedDiffusion, Parameterization,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
+    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, NormalizedDiffusion,
+    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    TabulatedProfile,
 };
 
 /// Arguments a task goes through.
@@ -46,6 +47,7 @@ fn rows() -> Vec<Row> {
     let physical = |name, make| Row { name, make, knows_boundary: true, sampler: None };
     let normalized = normalized_diffusion();
     let (two, six) = (gaussians(2), gaussians(6));
+    let exact_one = exact();
     vec![
         Row {
             name: YARDSTICK,
@@ -64,6 +66,12 @@ fn rows() -> Vec<Row> {
             make: |_| Box::new(gaussians(6)),
             knows_boundary: false,
             sampler: Some(Box::new(move |u| six.sample(u))),
+        },
+        Row {
+            name: "exact, from its table",
+            make: |_| Box::new(exact()),
+            knows_boundary: false,
+            sampler: Some(Box::new(move |u| exact_one.tabulated().sample(u))),
         },
         physical("standard dipole", |eta| Box::new(StandardDipole::new(&appearance(), eta).expect(VALID))),
         physical("better dipole", |eta| Box::new(BetterDipole::new(&appearance(), eta).expect(VALID))),
@@ -95,6 +103,11 @@ fn gaussians(terms: usize) -> SumOfGaussians {
     let Appearance { surface_albedo, length, parameterization, .. } = appearance();
     SumOfGaussians::new(surface_albedo, length, parameterization, Configuration::Searchlight, terms)
         .expect(VALID)
+}
+
+fn exact() -> ExactProfile {
+    let Appearance { surface_albedo, length, parameterization, .. } = appearance();
+    ExactProfile::new(surface_albedo, length, parameterization, Configuration::Searchlight).expect(VALID)
 }
 
 /// Something that is timed: a row, a column, and a call for the i-th argument.
@@ -223,10 +236,10 @@ fn calls_in_a_turn(call: &dyn Fn(usize) -> f64) -> usize {
     }
 }
 
-fn lower_quartile(values: &[f64]) -> f64 {
+fn lower_decile(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    sorted[sorted.len() / 4]
+    sorted[sorted.len() / 10]
 }
 
 /// One table for the models by themselves, one for their tables.
@@ -254,7 +267,7 @@ fn print_tables(tasks: &[Task]) {
 /// Rows that have any of the columns; each ratio is to the column of normalized diffusion that is named beside it.
 fn print_table(tasks: &[Task], rows: &[&str], columns: &[&str], against: &[&str]) {
     let time = |row: &str, column: &str| {
-        tasks.iter().find(|t| t.row == row && t.column == column).map(|t| lower_quartile(&t.rounds))
+        tasks.iter().find(|t| t.row == row && t.column == column).map(|t| lower_decile(&t.rounds))
     };
     println!("| model | {} |", columns.join(" | "));
     println!("|---|{}", "---|".repeat(columns.len()));
