@@ -2,8 +2,8 @@
 
 use crate::error::{ParameterError, require};
 use crate::{
-    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, Medium, NormalizedDiffusion,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, Medium,
+    NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 /// A model of the light that leaves a surface around the point where it entered.
@@ -40,11 +40,13 @@ pub enum Model {
     PhotonBeamDiffusion,
     /// [`SumOfGaussians`] of six terms \[d'Eon & Luebke 2007\], fitted to the exact half space.
     Gaussians,
+    /// [`ExactProfile`], the tabulated solution for isotropic scattering without a boundary \[Rybicki 1971\].
+    Exact,
 }
 
 impl Model {
     /// Every model.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::NormalizedDiffusion,
         Self::Dipole,
         Self::BetterDipole,
@@ -52,6 +54,7 @@ impl Model {
         Self::QuantizedDiffusion,
         Self::PhotonBeamDiffusion,
         Self::Gaussians,
+        Self::Exact,
     ];
 
     /// The name that commands and scene files use.
@@ -64,6 +67,7 @@ impl Model {
             Self::QuantizedDiffusion => "quantized-diffusion",
             Self::PhotonBeamDiffusion => "photon-beam-diffusion",
             Self::Gaussians => "gaussians",
+            Self::Exact => "exact",
         }
     }
 
@@ -82,6 +86,7 @@ impl Model {
             Self::QuantizedDiffusion => "Quantized diffusion: an extended source [d'Eon & Irving 2011]",
             Self::PhotonBeamDiffusion => "Photon beam diffusion with single scattering [Habel et al. 2013]",
             Self::Gaussians => "A sum of Gaussians, fitted to the exact solution [d'Eon & Luebke 2007]",
+            Self::Exact => "The exact solution of isotropic scattering, as a table [Rybicki 1971]",
         }
     }
 
@@ -89,7 +94,7 @@ impl Model {
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
-            Self::NormalizedDiffusion | Self::Gaussians => false,
+            Self::NormalizedDiffusion | Self::Gaussians | Self::Exact => false,
             Self::Dipole
             | Self::BetterDipole
             | Self::DirectionalDipole
@@ -130,6 +135,9 @@ impl Model {
                 let terms = SumOfGaussians::DEFAULT_TERMS;
                 Box::new(SumOfGaussians::new(surface_albedo, length, parameterization, configuration, terms)?)
             }
+            Self::Exact => {
+                Box::new(ExactProfile::new(surface_albedo, length, parameterization, configuration)?)
+            }
         })
     }
 
@@ -153,7 +161,7 @@ impl Model {
             g: 0.0,
         };
         Ok(match self {
-            Self::NormalizedDiffusion | Self::Gaussians => {
+            Self::NormalizedDiffusion | Self::Gaussians | Self::Exact => {
                 return self.profile(&similar, configuration, eta);
             }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
