@@ -8,7 +8,7 @@ use crate::directional_dipole::{DirectionalDipole, find_medium};
 use crate::directional_kernel::{D, Falloff, Kernel};
 use crate::elementary::{Double, exp_negative};
 use crate::error::{ParameterError, require};
-use crate::quadrature::{gauss_legendre, integrate};
+use crate::quadrature::{integrate, shared_gauss_legendre};
 use crate::{Appearance, Medium};
 
 /// Profile of the [`DirectionalDipole`] for light along the normal of a plane, where it does not depend on the
@@ -38,7 +38,7 @@ use crate::{Appearance, Medium};
 pub struct DirectionalDipoleAverage {
     dipole: DirectionalDipole,
     beam: NormalBeam,
-    rule: Vec<(f64, f64)>,
+    rule: &'static [(f64, f64)],
     total: f64,
     evaluations_to_build: u32,
 }
@@ -66,8 +66,8 @@ impl DirectionalDipoleAverage {
     /// The profile of a directional dipole.
     pub fn of(dipole: &DirectionalDipole) -> Self {
         let beam = NormalBeam { kernel: *dipole.kernel() };
-        let rule = gauss_legendre(POINTS);
-        let total = beam.kernel.strength * beam.beyond(0.0, &rule);
+        let rule = shared_gauss_legendre(POINTS);
+        let total = beam.kernel.strength * beam.beyond(0.0, rule);
         Self { dipole: *dipole, beam, rule, total, evaluations_to_build: beam.evaluations_of_total() }
     }
 
@@ -112,7 +112,7 @@ impl Profile for DirectionalDipoleAverage {
         if r > 1.0 {
             self.total - self.beyond_relative(r)
         } else {
-            self.beam.kernel.strength * self.beam.enclosed_near(r, &self.rule)
+            self.beam.kernel.strength * self.beam.enclosed_near(r, self.rule)
         }
     }
 
@@ -135,7 +135,7 @@ impl Profile for DirectionalDipoleAverage {
 
 impl DirectionalDipoleAverage {
     fn beyond_relative(&self, r: f64) -> f64 {
-        self.beam.kernel.strength * self.beam.beyond(r, &self.rule).max(0.0)
+        self.beam.kernel.strength * self.beam.beyond(r, self.rule).max(0.0)
     }
 }
 
@@ -155,7 +155,7 @@ impl NormalBeam {
     pub(crate) fn total_per_strength(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         let boundary = DiffusionBoundary::new(eta)?;
         let kernel = Kernel::new([absorbed, 1.0 - absorbed], 1.0, 1.0, 1.0, boundary, eta);
-        Ok(Self { kernel }.beyond(0.0, &gauss_legendre(POINTS)))
+        Ok(Self { kernel }.beyond(0.0, shared_gauss_legendre(POINTS)))
     }
 
     /// 4πR.
@@ -321,12 +321,12 @@ mod tests {
 
     #[test]
     fn enclosed_and_beyond_are_integrals_of_eval() {
-        let rule = gauss_legendre(20);
+        let rule = shared_gauss_legendre(20);
         for alpha in [0.1, 0.9, 0.999, 1.0] {
             for eta in [0.8, 1.0, 1.4] {
                 let p = profile(alpha, eta);
                 for (a, b) in [(0.0, 1e-6), (0.1, 0.2), (0.9, 1.1), (2.0, 3.0), (20.0, 22.0), (1e4, 1.1e4)] {
-                    let expected = integrate(&rule, a, b, |r| 2.0 * PI * p.eval_times_r(r));
+                    let expected = integrate(rule, a, b, |r| 2.0 * PI * p.eval_times_r(r));
                     let (inner, outer) = (p.enclosed(b) - p.enclosed(a), p.beyond(a) - p.beyond(b));
                     assert!(
                         (inner - expected).abs() < 1e-14 + 1e-13 * expected,

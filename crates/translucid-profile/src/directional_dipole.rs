@@ -12,7 +12,7 @@ use crate::directional_average::{NormalBeam, POINTS};
 use crate::directional_kernel::Kernel;
 use crate::elementary::Double;
 use crate::error::ParameterError;
-use crate::quadrature::gauss_legendre;
+use crate::quadrature::shared_gauss_legendre;
 use crate::{Appearance, Found, Medium};
 
 /// Directional dipole of a half space: the exitance at one point for light that enters at another in a given
@@ -146,13 +146,13 @@ impl DirectionalDipole {
 pub(crate) fn find_medium(appearance: &Appearance, eta: f64) -> Result<Found, ParameterError> {
     let boundary = DiffusionBoundary::new(eta)?;
     let evaluations = Cell::new(0);
-    let rule = gauss_legendre(POINTS);
+    let rule = shared_gauss_legendre(POINTS);
     let total = |absorbed: f64| {
         let alpha_prime = 1.0 - absorbed;
         let beam =
             NormalBeam { kernel: Kernel::new([absorbed, alpha_prime], alpha_prime, 1.0, 1.0, boundary, eta) };
         evaluations.set(evaluations.get() + beam.evaluations_of_total());
-        alpha_prime * beam.beyond(0.0, &rule)
+        alpha_prime * beam.beyond(0.0, rule)
     };
     let Found { medium, .. } = appearance.medium(total)?;
     Ok(Found { medium, evaluations: evaluations.get() })

@@ -4,7 +4,7 @@
 //! side.
 //! Exact reflectance: A.-J. Fresnel 1823, as in M. Born and E. Wolf, *Principles of Optics*, §1.5.2.
 
-use crate::quadrature::{gauss_legendre, integrate};
+use crate::quadrature::{integrate, shared_gauss_legendre};
 
 /// Reflectance of unpolarized light that comes from outside, in [0, 1].
 ///
@@ -175,14 +175,14 @@ fn moment_from_denser_side(eta: f64, order: Order) -> f64 {
 /// F has its Brewster dip at tanh t = 1/η², near grazing when η is large: panels double in size from there,
 /// up to 1.
 fn integrate_over_t(eta: f64, delta: f64, weight: impl Fn(f64) -> f64) -> f64 {
-    let rule = gauss_legendre(20);
+    let rule = shared_gauss_legendre(20);
     let end = (1.0 / delta).asinh();
     let mut from = 0.0;
     let mut sum = 0.0;
     while from < end {
         let size = if from == 0.0 { (1.0 / eta).powi(2) } else { from };
         let to = (from + size.min(1.0)).min(end);
-        sum += integrate(&rule, from, to, |t| reflectance_over_t(t, eta) * weight(t));
+        sum += integrate(rule, from, to, |t| reflectance_over_t(t, eta) * weight(t));
         from = to;
     }
     sum
@@ -204,14 +204,14 @@ mod tests {
 
     /// ∫₀¹ F μⁿ dμ by graded panels around the critical angle and near grazing.
     fn brute_moment(f: impl Fn(f64) -> f64, kink: f64, n: i32) -> f64 {
-        let rule = gauss_legendre(16);
+        let rule = shared_gauss_legendre(16);
         let mut edges = vec![0.0, kink, 1.0];
         for k in 1..=60 {
             let step = 0.5f64.powi(k);
             edges.extend([step, kink + step, kink - step].into_iter().filter(|e| (0.0..=1.0).contains(e)));
         }
         edges.sort_by(f64::total_cmp);
-        edges.windows(2).map(|e| integrate(&rule, e[0], e[1], |mu| f(mu) * mu.powi(n))).sum()
+        edges.windows(2).map(|e| integrate(rule, e[0], e[1], |mu| f(mu) * mu.powi(n))).sum()
     }
 
     #[test]

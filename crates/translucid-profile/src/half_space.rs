@@ -13,7 +13,7 @@
 use std::f64::consts::PI;
 
 use crate::Configuration;
-use crate::quadrature::{gauss_legendre, integrate};
+use crate::quadrature::{integrate, shared_gauss_legendre};
 use crate::roots::falling_root;
 
 /// Surface albedo A ∈ [0, 1] of a half space of isotropic scatterers whose refractive index is that of its
@@ -113,8 +113,8 @@ impl HFunction {
 
     /// ∫₀¹ μ H(μ) dμ, with μ = w³ because H has a term μ ln μ.
     fn first_moment(&self) -> f64 {
-        let rule = gauss_legendre(24);
-        integrate(&rule, 0.0, 1.0, |w| {
+        let rule = shared_gauss_legendre(24);
+        integrate(rule, 0.0, 1.0, |w| {
             let mu = w * w * w;
             mu * self.eval(mu) * 3.0 * w * w
         })
@@ -153,10 +153,10 @@ mod tests {
     /// Chandrasekhar 1950, chapter V, equation 11: ∫H dμ = (2/α)(1 − √(1−α)).
     #[test]
     fn h_function_has_its_exact_zeroth_moment() {
-        let rule = gauss_legendre(40);
+        let rule = shared_gauss_legendre(40);
         for alpha in [1e-6, 0.1, 0.5, 0.9, 0.999, 1.0 - 1e-9, 1.0] {
             let h = HFunction::new(alpha);
-            let found = integrate(&rule, 0.0, 1.0, |w| h.eval(w * w * w) * 3.0 * w * w);
+            let found = integrate(rule, 0.0, 1.0, |w| h.eval(w * w * w) * 3.0 * w * w);
             let expected = 2.0 / (1.0 + (1.0f64 - alpha).sqrt());
             assert!((found - expected).abs() < 1e-13, "{alpha}: {found} {expected}");
         }

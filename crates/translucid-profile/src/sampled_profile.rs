@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::Profile;
 use crate::error::{ParameterError, require};
 use crate::monotone_cubic::MonotoneCubic;
-use crate::quadrature::{gauss_legendre, integrate};
+use crate::quadrature::{integrate, shared_gauss_legendre};
 
 /// Points of the Gauss rule between two samples, where ln(r R) is a cubic in ln r.
 const POINTS: usize = 8;
@@ -49,7 +49,7 @@ pub struct SampledProfile {
     last: [f64; 2],
     /// Energy within the last sample's radius and behind it.
     total: f64,
-    rule: Vec<(f64, f64)>,
+    rule: &'static [(f64, f64)],
     /// Radius of the sample in the middle \[L\].
     length: f64,
 }
@@ -103,7 +103,7 @@ impl SampledProfile {
             tail_rate,
             last,
             total: 0.0,
-            rule: gauss_legendre(POINTS),
+            rule: shared_gauss_legendre(POINTS),
             length,
         };
         let mut enclosed = profile.within_head(unit[0]);
@@ -136,7 +136,7 @@ impl SampledProfile {
 
     /// Energy between two logarithms of radii, with no sample in between.
     fn between(&self, from: f64, to: f64) -> f64 {
-        2.0 * PI * integrate(&self.rule, from, to, |x| (self.curve.eval(x) + x).exp())
+        2.0 * PI * integrate(self.rule, from, to, |x| (self.curve.eval(x) + x).exp())
     }
 
     /// r R at the radius x, both in units of the length.

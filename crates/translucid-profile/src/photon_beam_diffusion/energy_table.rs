@@ -6,7 +6,7 @@
 use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-use crate::quadrature::gauss_legendre;
+use crate::quadrature::shared_gauss_legendre;
 
 /// Points of a panel.
 const POINTS: usize = 16;
@@ -28,7 +28,7 @@ struct Panel {
 }
 
 static PANEL: LazyLock<Panel> = LazyLock::new(|| {
-    let rule = gauss_legendre(POINTS);
+    let rule = shared_gauss_legendre(POINTS);
     let mut transform = [[0.0; POINTS]; POINTS];
     for (i, &(x, weight)) in rule.iter().enumerate() {
         for (k, p) in legendre::<POINTS>(x).into_iter().enumerate() {
