@@ -34,6 +34,8 @@ const UNIT_RADIUS_MIN: f32 = 1e-12;
 /// ```
 #[derive(Clone, Debug)]
 pub struct AlbedoTableF32 {
+    /// Of the rows, apart from them: what is searched lies together.
+    surface_albedos: Vec<f64>,
     rows: Vec<Row>,
 }
 
@@ -46,6 +48,8 @@ struct Row {
     median: [f64; 4],
     /// Median radius in the unit of the row's table.
     unit_median: f64,
+    /// Least radius that counts, in that unit.
+    unit_radius_min: f32,
     table: RadialTableF32,
 }
 
@@ -54,14 +58,16 @@ impl From<&AlbedoTable> for AlbedoTableF32 {
         let rows = table.rows();
         let median: &MonotoneCubic = table.median();
         let starts: Vec<f64> = table.surface_albedos().to_vec();
-        let row = |(i, (start, cubic)): (usize, (f64, [f64; 4]))| Row {
+        let new = |(i, (start, cubic)): (usize, (f64, [f64; 4]))| Row {
             surface_albedo: start,
             inverse_width: starts.get(i + 1).map_or(0.0, |next| 1.0 / (next - start)),
             median: cubic,
             unit_median: rows[i].unit_median,
+            unit_radius_min: if rows[i].profile.table().is_finite_at_0() { UNIT_RADIUS_MIN } else { 0.0 },
             table: RadialTableF32::new(rows[i].profile.table()),
         };
-        Self { rows: median.intervals().enumerate().map(row).collect() }
+        let rows = median.intervals().enumerate().map(new).collect();
+        Self { surface_albedos: starts, rows }
     }
 }
 
@@ -73,7 +79,7 @@ impl AlbedoTableF32 {
     pub fn at(&self, surface_albedo: f32, length: f32) -> ProfileViewF32<'_> {
         // Rows are close to each other: in single precision their difference from A would have few digits
         let surface_albedo = f64::from(surface_albedo.max(0.0).min(1.0));
-        let lower = self.rows.partition_point(|row| row.surface_albedo <= surface_albedo).saturating_sub(1);
+        let lower = self.surface_albedos.partition_point(|start| *start <= surface_albedo).saturating_sub(1);
         let upper = (lower + 1).min(self.rows.len() - 1);
         let (lower, upper) = (&self.rows[lower], &self.rows[upper]);
         let excess = (surface_albedo - lower.surface_albedo).max(0.0);
@@ -81,7 +87,10 @@ impl AlbedoTableF32 {
         let [value, slope, square, cube] = lower.median;
         let median = value + excess * (slope + excess * (square + excess * cube));
         let inverse = 1.0 / (median * f64::from(length.max(LENGTH_MIN).min(LENGTH_MAX)));
+        let radius_min =
+            lower.unit_radius_min.min(upper.unit_radius_min) / (lower.unit_median * inverse) as f32;
         ProfileViewF32 {
+            radius_min: radius_min.max(f32::MIN_POSITIVE),
             rows: [&lower.table, &upper.table],
             scales: [lower, upper].map(|row| (row.unit_median * inverse) as f32),
             shares: [(1.0 - mix) as f32, mix as f32],
@@ -101,6 +110,8 @@ pub struct ProfileViewF32<'a> {
     scales: [f32; 2],
     /// The rows' shares in the mixture.
     shares: [f32; 2],
+    /// Radii below this count as this for the density per area \[L\].
+    radius_min: f32,
 }
 
 impl ProfileViewF32<'_> {
@@ -109,7 +120,7 @@ impl ProfileViewF32<'_> {
     pub fn pdf(self, r: f32) -> f32 {
         let r = r.max(0.0);
         let row = |i: usize| self.shares[i] * self.scales[i] * self.rows[i].density(r * self.scales[i]);
-        row(0) + row(1)
+        if self.shares[1] == 0.0 { row(0) } else { row(0) + row(1) }
     }
 
     /// Density per area p_a(r) = R(r)/A \[L⁻²\].
@@ -118,10 +129,8 @@ impl ProfileViewF32<'_> {
     /// greatest number as that one.
     #[inline]
     pub fn pdf_area(self, r: f32) -> f32 {
-        let is_finite = self.rows[0].is_finite_at_0() && self.rows[1].is_finite_at_0();
-        let least = if is_finite { UNIT_RADIUS_MIN / self.scales[0] } else { 0.0 };
-        let r = r.max(f32::MIN_POSITIVE).max(least);
-        (self.pdf(r) / (2.0 * PI) / r).min(f32::MAX)
+        let r = r.max(self.radius_min);
+        (self.pdf(r) * (0.5 / PI) / r).min(f32::MAX)
     }
 
     /// Share of the energy that leaves within r, with the digits of a small r.
@@ -136,7 +145,7 @@ impl ProfileViewF32<'_> {
     pub fn complementary_cdf(self, r: f32) -> f32 {
         let r = r.max(0.0);
         let row = |i: usize| self.shares[i] * self.rows[i].beyond(r * self.scales[i]);
-        row(0) + row(1)
+        if self.shares[1] == 0.0 { row(0) } else { row(0) + row(1) }
     }
 
     /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its quantile.
@@ -183,7 +192,8 @@ impl ProfileViewF32<'_> {
     #[inline(always)]
     fn shares_within(&self, r: f32) -> [f32; 2] {
         let r = r.max(0.0);
-        [0, 1].map(|i| self.shares[i] * self.rows[i].within(r * self.scales[i]))
+        let row = |i: usize| self.shares[i] * self.rows[i].within(r * self.scales[i]);
+        [row(0), if self.shares[1] == 0.0 { 0.0 } else { row(1) }]
     }
 
     #[inline(always)]

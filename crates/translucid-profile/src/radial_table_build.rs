@@ -18,7 +18,7 @@ pub(crate) const LEAST_TAIL: f64 = 1e-6;
 /// Where the table leaves the rest to an exponential.
 const TAIL_SHARE: f64 = 1e-8;
 /// Greatest share before the first octave.
-const HEAD_SHARE: f64 = 1e-2;
+const HEAD_SHARE: f64 = 1e-3;
 /// An octave has at most 2^this cells.
 const OCTAVE_BITS_MAX: u32 = 6;
 /// Octaves of the table on either side of the profile's scale.

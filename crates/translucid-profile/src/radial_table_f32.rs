@@ -31,70 +31,79 @@ struct Octave {
     base: u32,
 }
 
-/// Twin of [`Cell`], which explains it.
+/// Twin of [`Cell`], which explains it, with polynomials in θ multiplied out.
+///
+/// Cells begin and end at multiples of powers of two, so that θ is exact, and in [0, 1) without a clamp.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(32))]
+#[repr(C, align(64))]
 struct CellF32 {
     start: f32,
     inverse_width: f32,
+    /// Q(θ) = 1 + θ (`q`₁ + θ `q`₂).
+    q: [f32; 2],
+    /// Density times Q²: `n`₀ + θ (`n`₁ + θ `n`₂).
+    n: [f32; 3],
+    /// Share within the cell times Q: θ (`s`₀ + θ `s`₁).
+    s: [f32; 2],
+    /// Share beyond, in the cell, times Q: (1 − θ) (`share` + θ `c`).
+    c: f32,
     within: f32,
     beyond: f32,
     share: f32,
     slope_in: f32,
-    slope_out: f32,
+    /// w d₁.
+    weighted_slope_out: f32,
     weight: f32,
 }
 
 impl CellF32 {
     fn new(cell: &Cell) -> Self {
+        let Cell { share, weight, inverse_width, .. } = *cell;
+        let (d0, d1) = (cell.slope_in.min(1e9), cell.slope_out.min(1e9));
+        let outer = weight * d1;
+        let q = [d0 + outer - 2.0, 1.0 + weight - d0 - outer];
+        let n = [d0, 2.0 * (weight - d0), d0 - 2.0 * weight + weight * outer];
+        let s = [d0, weight - d0];
         Self {
             start: cell.start as f32,
-            inverse_width: cell.inverse_width as f32,
+            inverse_width: inverse_width as f32,
+            q: q.map(|q| q as f32),
+            n: n.map(|n| (share * inverse_width * n) as f32),
+            s: s.map(|s| (share * s) as f32),
+            c: (share * (outer - 1.0)) as f32,
             within: cell.within as f32,
             beyond: cell.beyond as f32,
-            share: cell.share as f32,
-            slope_in: cell.slope_in.min(1e9) as f32,
-            slope_out: cell.slope_out.min(1e9) as f32,
-            weight: cell.weight as f32,
+            share: share as f32,
+            slope_in: d0 as f32,
+            weighted_slope_out: outer as f32,
+            weight: weight as f32,
         }
     }
 
+    /// θ and Q(θ).
     #[inline(always)]
-    fn theta(&self, x: f32) -> f32 {
-        ((x - self.start) * self.inverse_width).max(0.0).min(1.0)
-    }
-
-    #[inline(always)]
-    fn denominator(&self, theta: f32, rest: f32) -> f32 {
-        let Self { slope_in, slope_out, weight, .. } = self;
-        rest * rest + theta * ((slope_in + weight * slope_out) * rest + weight * theta)
+    fn place(&self, x: f32) -> (f32, f32) {
+        let theta = (x - self.start) * self.inverse_width;
+        (theta, 1.0 + theta * (self.q[0] + theta * self.q[1]))
     }
 
     #[inline(always)]
     fn density(&self, x: f32) -> f32 {
-        let Self { slope_in, slope_out, weight, .. } = self;
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let outer = weight * theta;
-        let q = self.denominator(theta, rest);
-        let numerator = slope_in * rest * rest + outer * (2.0 * rest + slope_out * outer);
-        self.share * self.inverse_width * (numerator / (q * q))
+        let (theta, q) = self.place(x);
+        // Rounding may leave less than nothing where the density is 0
+        ((self.n[0] + theta * (self.n[1] + theta * self.n[2])) / (q * q)).max(0.0)
     }
 
     #[inline(always)]
     fn within(&self, x: f32) -> f32 {
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let numerator = theta * (self.slope_in * rest + self.weight * theta);
-        self.within + self.share * (numerator / self.denominator(theta, rest))
+        let (theta, q) = self.place(x);
+        self.within + theta * (self.s[0] + theta * self.s[1]) / q
     }
 
     #[inline(always)]
     fn beyond(&self, x: f32) -> f32 {
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let numerator = rest * (rest + self.weight * self.slope_out * theta);
-        self.beyond + self.share * (numerator / self.denominator(theta, rest))
+        let (theta, q) = self.place(x);
+        self.beyond + (1.0 - theta) * (self.share + theta * self.c) / q
     }
 
     #[inline(always)]
@@ -116,11 +125,10 @@ impl CellF32 {
 
     #[inline(always)]
     fn inverse(&self, s: f32, rest: f32) -> f32 {
-        let Self { slope_in, slope_out, weight, .. } = self;
-        let b = slope_in * rest - weight * slope_out * s;
-        let root = (b * b + 4.0 * weight * s * rest).sqrt();
+        let b = self.slope_in * rest - self.weighted_slope_out * s;
+        let root = (b * b + 4.0 * self.weight * s * rest).sqrt();
         let numerator = if b >= 0.0 { 2.0 * s } else { root - b };
-        let other = if b >= 0.0 { b + root } else { 2.0 * weight * rest };
+        let other = if b >= 0.0 { b + root } else { 2.0 * self.weight * rest };
         self.start + numerator / ((numerator + other).max(1e-30) * self.inverse_width)
     }
 }
@@ -148,11 +156,6 @@ impl RadialTableF32 {
             guide_beyond: guide_beyond(&cells, tail.share as f32),
             cells,
         }
-    }
-
-    /// Whether the density per area has a limit at r = 0.
-    pub(crate) fn is_finite_at_0(&self) -> bool {
-        self.cells[0].slope_in == 0.0
     }
 
     #[inline(always)]
