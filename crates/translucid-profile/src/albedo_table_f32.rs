@@ -98,11 +98,13 @@ impl AlbedoTableF32 {
     }
 }
 
-/// A profile at one surface albedo and length, in single precision: a mixture of two rows of an [`AlbedoTableF32`].
+/// A profile at one surface albedo and length, in single precision: a mixture of two rows of an
+/// [`AlbedoTableF32`].
 ///
-/// Densities, cdf and sampling belong to one distribution: up to rounding, sampling is exact for what is evaluated.
-/// They do not contain the surface albedo: multiply [`pdf_area`](Self::pdf_area) by A to get the profile R(r).
-/// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
+/// Densities, cdf and sampling belong to one distribution: up to rounding, sampling is exact for what is
+/// evaluated. They do not contain the surface albedo: multiply [`pdf_area`](Self::pdf_area) by A to get the
+/// profile R(r). A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a
+/// NaN or an infinity.
 #[derive(Clone, Copy, Debug)]
 pub struct ProfileViewF32<'a> {
     rows: [&'a RadialTableF32; 2],
@@ -125,8 +127,8 @@ impl ProfileViewF32<'_> {
 
     /// Density per area p_a(r) = R(r)/A \[L⁻²\].
     ///
-    /// So that it stays finite, r below the least normal number 1.2e-38 counts as that number and a density above the
-    /// greatest number as that one.
+    /// So that it stays finite, r below the least normal number 1.2e-38 counts as that number and a density above
+    /// the greatest number as that one.
     #[inline]
     pub fn pdf_area(self, r: f32) -> f32 {
         let r = r.max(self.radius_min);
@@ -148,7 +150,8 @@ impl ProfileViewF32<'_> {
         if self.shares[1] == 0.0 { row(0) } else { row(0) + row(1) }
     }
 
-    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its quantile.
+    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its
+    /// quantile.
     ///
     /// Not monotone in u: two strata overlap in r.
     /// u is clamped to \[0, 1\]; NaN counts as 0.

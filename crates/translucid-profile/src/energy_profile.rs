@@ -1,7 +1,7 @@
 //! A profile through energies: what a tally of rings around the point of entry says.
 //!
-//! Between radii the cdf is a chain of the cells of `monotone_cell.rs`, of unequal widths, whose energies are those that
-//! were given. Densities at the radii are given too, or slopes of energies.
+//! Between radii the cdf is a chain of the cells of `monotone_cell.rs`, of unequal widths, whose energies are
+//! those that were given. Densities at the radii are given too, or slopes of energies.
 //! Inside the first radius the energy is a r + b r², beyond the last it falls exponentially, as in the last rings.
 
 use std::f64::consts::PI;
@@ -26,7 +26,8 @@ pub(crate) struct EnergyProfile {
     total: f64,
 }
 
-/// Energies, not yet normalized: of each interval and its first half, beginning at 0, and of all beyond the last radius.
+/// Energies, not yet normalized: of each interval and its first half, beginning at 0, and of all beyond the last
+/// radius.
 struct Energies {
     intervals: Vec<[f64; 2]>,
     tail: f64,
@@ -179,8 +180,8 @@ fn densities(radii: &[f64], reflectances: &[f64]) -> Vec<f64> {
     radii.iter().zip(reflectances).map(|(r, value)| 2.0 * PI * r * value).collect()
 }
 
-/// Densities per length from the energies within radii and beyond the last: as the slopes of ln E in ln r up to the median,
-/// of the logarithm of what is beyond in r from there on.
+/// Densities per length from the energies within radii and beyond the last: as the slopes of ln E in ln r up to
+/// the median, of the logarithm of what is beyond in r from there on.
 fn densities_of_energies(radii: &[f64], enclosed: &[f64], tail: f64, rate: f64) -> Vec<f64> {
     let last = radii.len() - 1;
     let first = enclosed.iter().position(|energy| *energy > 0.0).unwrap_or(last);

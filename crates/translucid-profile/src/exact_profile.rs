@@ -8,14 +8,15 @@ use crate::{
 
 /// Reflectance profile of a half space that scatters isotropically (g = 0) without a boundary (η = 1), exact.
 ///
-/// The solution after G. B. Rybicki, *The searchlight problem with isotropic scattering*, J. Quant. Spectrosc. Radiat.
-/// Transfer 11, 1971, as the crate `translucid-reference` computes it, tabulated over radius and surface albedo.
-/// This is what the approximate models and fits are judged by.
+/// The solution after G. B. Rybicki, *The searchlight problem with isotropic scattering*, J. Quant. Spectrosc.
+/// Radiat. Transfer 11, 1971, as the crate `translucid-reference` computes it, tabulated over radius and surface
+/// albedo. This is what the approximate models and fits are judged by.
 ///
-/// Against that solution, for every surface albedo (`tests/exact_profile.rs` of that crate): the cdf is off by less than
-/// 1e-6, and by less than 2e-5 of itself close to the point of entry; R(r) by less than 5e-5 of itself up to 20 mean free
-/// paths, by less than 1e-3 of itself for albedos below 0.02, which have next to nothing left there.
-/// Beyond 16,384 mean free paths an exponential takes the place of what at A = 1 is R ~ r⁻³, with 1e-4 of the energy.
+/// Against that solution, for every surface albedo (`tests/exact_profile.rs` of that crate): the cdf is off by
+/// less than 1e-6, and by less than 2e-5 of itself close to the point of entry; R(r) by less than 5e-5 of itself
+/// up to 20 mean free paths, by less than 1e-3 of itself for albedos below 0.02, which have next to nothing left
+/// there. Beyond 16,384 mean free paths an exponential takes the place of what at A = 1 is R ~ r⁻³, with 1e-4 of
+/// the energy.
 ///
 /// It is a [table](Self::tabulated): densities, quantile and sampling belong to it.
 ///
@@ -37,13 +38,14 @@ pub struct ExactProfile {
 
 impl ExactProfile {
     /// The profile of a surface albedo A ∈ \[0, 1\] and a length > 0 \[L\], which is the mean free path or, as the
-    /// parameterization says, the diffuse mean free path with Grosjean's D ([`Medium::dmfp`](crate::Medium::dmfp)).
+    /// parameterization says, the diffuse mean free path with Grosjean's D
+    /// ([`Medium::dmfp`](crate::Medium::dmfp)).
     ///
     /// A diffuse mean free path takes up to 2 ms to convert, a mean free path 10 µs in all.
     ///
     /// # Errors
-    /// A parameter is outside its range, or A is so close to 1 that there is no absorption, with a diffuse mean free
-    /// path, or the mean free path is not in \[1e-150, 1e150\].
+    /// A parameter is outside its range, or A is so close to 1 that there is no absorption, with a diffuse mean
+    /// free path, or the mean free path is not in \[1e-150, 1e150\].
     pub fn new(
         surface_albedo: f64,
         length: f64,

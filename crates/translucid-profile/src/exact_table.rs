@@ -1,14 +1,14 @@
 //! The exact half space as rows over the surface albedo, and the table of radii for an albedo between them.
 //!
 //! The rows are equidistant in the angle θ ∈ [0, π/2] with 1 − A = cos⁴θ, and all have the same cells of radii.
-//! Logarithms of shares, densities and weights (see `monotone_cell.rs`) are polynomials through six rows: logarithms,
-//! because far out energy falls like e^{−k₀(A) r}; in θ, because α rises to ½ before A does to 0.1, and because k₀ ~ 1 − A
-//! lets profiles change the faster the farther out.
+//! Logarithms of shares, densities and weights (see `monotone_cell.rs`) are polynomials through six rows:
+//! logarithms, because far out energy falls like e^{−k₀(A) r}; in θ, because α rises to ½ before A does to 0.1,
+//! and because k₀ ~ 1 − A lets profiles change the faster the farther out.
 //! A is even about both ends of θ, so that rows go on beyond them as in a mirror.
 //! What comes out is positive, and thereby a cdf that rises, whatever the interpolation's error.
 //!
-//! `data/exact-*.bin` are made by the example `exact_table` of `translucid-reference`: a header of text, an empty line,
-//! then rows of `f32`, least byte first.
+//! `data/exact-*.bin` are made by the example `exact_table` of `translucid-reference`: a header of text, an empty
+//! line, then rows of `f32`, least byte first.
 
 use std::f64::consts::FRAC_PI_2;
 use std::sync::OnceLock;

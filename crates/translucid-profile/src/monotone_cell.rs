@@ -1,8 +1,8 @@
 //! One cell of a tabulated cdf: a ratio of quadratics that rises, with a closed-form inverse.
 //!
-//! After J. A. Gregory and R. Delbourgo, *Piecewise Rational Quadratic Interpolation to Monotonic Data*, IMA J. Numer.
-//! Anal. 2, 1982, which has w = 1. With θ ∈ [0, 1] across the cell, s ∈ [0, 1] the share of the cell's energy, and
-//! slopes d₀, d₁ ≥ 0 of s at both ends:
+//! After J. A. Gregory and R. Delbourgo, *Piecewise Rational Quadratic Interpolation to Monotonic Data*, IMA J.
+//! Numer. Anal. 2, 1982, which has w = 1. With θ ∈ [0, 1] across the cell, s ∈ [0, 1] the share of the cell's
+//! energy, and slopes d₀, d₁ ≥ 0 of s at both ends:
 //!
 //! ```text
 //! s(θ)  = [d₀ θ(1−θ) + w θ²] / Q(θ),     Q(θ) = (1−θ)² + (d₀ + w d₁) θ(1−θ) + w θ²
@@ -16,8 +16,8 @@
 //! w = [d₀ (1 − s(½)) − s(½)] / [d₁ s(½) − (1 − s(½))]
 //! ```
 //!
-//! θ and θ² are cells themselves (d₀ = d₁ = 1, and d₀ = 0, d₁ = 2, with w = 1), and every mean of the two: a cell that
-//! begins at radius 0 has the right behaviour there, whether R grows like 1/r or is finite.
+//! θ and θ² are cells themselves (d₀ = d₁ = 1, and d₀ = 0, d₁ = 2, with w = 1), and every mean of the two: a cell
+//! that begins at radius 0 has the right behaviour there, whether R grows like 1/r or is finite.
 //!
 //! For the inverse, τ = θ/(1−θ) is the positive root of w(1−s) τ² + [d₀(1−s) − w d₁ s] τ − s = 0.
 

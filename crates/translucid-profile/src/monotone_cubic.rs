@@ -3,8 +3,8 @@
 /// Piecewise cubic through points, with a continuous slope; constant beyond the ends.
 ///
 /// Slopes are those of parabolas through three points, limited after F. N. Fritsch and R. E. Carlson, *Monotone
-/// Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17, 1980: at most three times the lesser of the slopes of both
-/// chords, and 0 where these differ in sign.
+/// Piecewise Cubic Interpolation*, SIAM J. Numer. Anal. 17, 1980: at most three times the lesser of the slopes of
+/// both chords, and 0 where these differ in sign.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MonotoneCubic {
     xs: Vec<f64>,

@@ -1,13 +1,13 @@
 //! A tabulated distribution of radii: from a radius or a share to its cell in a few operations.
 //!
 //! Cells divide octaves: between 2^k and 2^{k+1} lie 2^j cells of equal width, as many as that octave needs.
-//! The number of a cell is then what the bits of a radius say, its exponent and the first j bits of its fraction; no
-//! logarithm is taken and nothing is searched.
+//! The number of a cell is then what the bits of a radius say, its exponent and the first j bits of its fraction;
+//! no logarithm is taken and nothing is searched.
 //! The first cell begins at 0, and beyond the last one the energy falls exponentially.
 //!
-//! From a share to a cell leads a guide table over the share's bits, below the median those of u, above it those of
-//! 1 − u, whose cell is at most a few before the one sought (H.-C. Chen and Y. Asau 1974, *On generating random variates
-//! from an empirical distribution*).
+//! From a share to a cell leads a guide table over the share's bits, below the median those of u, above it those
+//! of 1 − u, whose cell is at most a few before the one sought (H.-C. Chen and Y. Asau 1974, *On generating random
+//! variates from an empirical distribution*).
 
 use crate::monotone_cell::{Cell, Knot};
 
@@ -73,8 +73,8 @@ impl Tail {
 }
 
 impl RadialTable {
-    /// Puts cells together: one from 0 to 2^`first_exponent`, then for each octave 2^j of them, the last octave perhaps
-    /// not full.
+    /// Puts cells together: one from 0 to 2^`first_exponent`, then for each octave 2^j of them, the last octave
+    /// perhaps not full.
     pub(crate) fn new(first_exponent: i32, bits_of_octaves: &[u32], cells: Vec<Cell>, tail: Tail) -> Self {
         let first_octave = (1023 + i64::from(first_exponent)) as u64;
         let mut next = 1;

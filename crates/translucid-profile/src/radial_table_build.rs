@@ -1,8 +1,8 @@
 //! Builds the table of a profile with as few evaluations as its accuracy takes.
 //!
-//! Octave by octave, cells are halved until the density in their middles is the profile's: a cell has the right shares
-//! at both ends and in the middle whatever its density there, so that its density's error tells that of its shares in
-//! between. Halving wastes nothing, as middles become ends.
+//! Octave by octave, cells are halved until the density in their middles is the profile's: a cell has the right
+//! shares at both ends and in the middle whatever its density there, so that its density's error tells that of its
+//! shares in between. Halving wastes nothing, as middles become ends.
 
 use std::cell::Cell as Counter;
 use std::f64::consts::PI;
@@ -23,9 +23,9 @@ const HEAD_SHARE: f64 = 1e-3;
 const OCTAVE_BITS_MAX: u32 = 6;
 /// Octaves of the table on either side of the profile's scale.
 const OCTAVES_MAX: i32 = 40;
-/// Error of a cell's share over that of its density in the middle times its width: of θ²(θ−½)(1−θ)², the leading term,
-/// the greatest value 0.00894 over the slope 1/16 in the middle; twice that, as the lesser of share and complement may
-/// be half as great there as in the middle.
+/// Error of a cell's share over that of its density in the middle times its width: of θ²(θ−½)(1−θ)², the leading
+/// term, the greatest value 0.00894 over the slope 1/16 in the middle; twice that, as the lesser of share and
+/// complement may be half as great there as in the middle.
 const SHARE_ERROR: f64 = 0.286;
 
 /// A table and what it was made with.
@@ -197,8 +197,8 @@ impl Source<'_> {
     }
 }
 
-/// Sums up shares from both sides, where each keeps its digits: the source's energies may not rise in the last one, or not
-/// agree with each other.
+/// Sums up shares from both sides, where each keeps its digits: the source's energies may not rise in the last
+/// one, or not agree with each other.
 fn make_consistent(cells: &mut [Cell], tail: &mut Tail) {
     let total = cells.iter().map(|cell| cell.share).sum::<f64>() + tail.share;
     tail.share /= total;

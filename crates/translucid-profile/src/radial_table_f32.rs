@@ -1,4 +1,5 @@
-//! Twin of [`RadialTable`](crate::radial_table::RadialTable) in single precision: half the size, the same bits deciding.
+//! Twin of [`RadialTable`](crate::radial_table::RadialTable) in single precision: half the size, the same bits
+//! deciding.
 
 use crate::monotone_cell::Cell;
 use crate::radial_table::RadialTable;

@@ -18,13 +18,14 @@ pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 /// All methods follow from one cdf, a chain of rational functions that rises (see the crate's source,
 /// `monotone_cell.rs`): the density is its exact slope and the quantile its exact inverse.
 /// Sampling is therefore exact for what is evaluated, whatever the table's error against its source.
-/// For the models of this crate that error is less than 1e-5 of the cdf below the median, and of 1 − cdf above it as far as
-/// that is 1e-6 (6e-5 for quantized diffusion with little absorption, close to r = 0); [`cdf_error`](Self::cdf_error)
-/// estimates it.
+/// For the models of this crate that error is less than 1e-5 of the cdf below the median, and of 1 − cdf above it
+/// as far as that is 1e-6 (6e-5 for quantized diffusion with little absorption, close to r = 0);
+/// [`cdf_error`](Self::cdf_error) estimates it.
 /// The density's error is some ten times that.
 ///
 /// A clone shares the table, and so do [`scaled`](Self::scaled) ones.
-/// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
+/// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an
+/// infinity.
 ///
 /// ```
 /// use translucid_profile::{NormalizedDiffusion, TabulatedProfile};
@@ -74,7 +75,8 @@ impl TabulatedProfile {
         Ok(Self::new(&SampledProfile::new(radii, reflectances)?))
     }
 
-    /// The profile of which the energies within radii are known, E(rᵢ) = ∫₀^rᵢ R 2πr dr: what a tally of rings measures.
+    /// The profile of which the energies within radii are known, E(rᵢ) = ∫₀^rᵢ R 2πr dr: what a tally of rings
+    /// measures.
     ///
     /// These energies are kept. Beyond the last radius energy goes on as the last two rings say.
     ///
@@ -93,9 +95,9 @@ impl TabulatedProfile {
     /// ```
     ///
     /// # Errors
-    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not greater than the one
-    /// before; an energy is less than the one before or not finite; the last ring does not have less than the one before, per
-    /// length. The error names the value and, as its limit, the index.
+    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not
+    /// greater than the one before; an energy is less than the one before or not finite; the last ring does not
+    /// have less than the one before, per length. The error names the value and, as its limit, the index.
     pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
         Ok(Self::new(&EnergyProfile::from_enclosed(radii, enclosed)?))
     }
@@ -128,7 +130,8 @@ impl TabulatedProfile {
     /// The same shape with every length multiplied by a factor and another surface albedo; shares the table.
     ///
     /// # Errors
-    /// The factor is not finite and greater than 0, or takes lengths out of range; the surface albedo is not in \[0, 1\].
+    /// The factor is not finite and greater than 0, or takes lengths out of range; the surface albedo is not in
+    /// \[0, 1\].
     pub fn scaled(&self, length_factor: f64, surface_albedo: f64) -> Result<Self, ParameterError> {
         require_positive("length_factor", length_factor)?;
         require_fraction("surface_albedo", surface_albedo)?;
@@ -143,17 +146,19 @@ impl TabulatedProfile {
         self.surface_albedo
     }
 
-    /// Estimate, good to a factor of 10 for smooth profiles, of the worst relative error against the source: of the cdf
-    /// below the median, of 1 − cdf above it as far as that is 1e-6, beyond which it is relative to 1e-6.
+    /// Estimate, good to a factor of 10 for smooth profiles, of the worst relative error against the source: of
+    /// the cdf below the median, of 1 − cdf above it as far as that is 1e-6, beyond which it is relative to 1e-6.
     ///
-    /// From the density in the middle of every cell, where cells have the source's cdf. Its rounding errors are left out.
+    /// From the density in the middle of every cell, where cells have the source's cdf. Its rounding errors are
+    /// left out.
     pub fn cdf_error(&self) -> f64 {
         self.cdf_error
     }
 
     /// Reflectance profile R(r) \[L⁻²\].
     ///
-    /// r below the least normal number 2.2e-308 counts as that number, and R above the greatest number as that one.
+    /// r below the least normal number 2.2e-308 counts as that number, and R above the greatest number as that
+    /// one.
     #[inline]
     pub fn eval(&self, r: f64) -> f64 {
         let r = self.resolved(r);
@@ -205,8 +210,8 @@ impl TabulatedProfile {
         (self.table.quantile(u) * self.length).min(f64::MAX)
     }
 
-    /// Radius beyond which the share u ∈ \[0, 1\] of the energy leaves \[L\]: `quantile(1 − u)` with every digit of the
-    /// tail.
+    /// Radius beyond which the share u ∈ \[0, 1\] of the energy leaves \[L\]: `quantile(1 − u)` with every digit
+    /// of the tail.
     ///
     /// u is clamped to \[2.2e-308, 1\]; NaN counts as 1.
     #[inline]
@@ -214,8 +219,8 @@ impl TabulatedProfile {
         (self.table.quantile_complement(u) * self.length).min(f64::MAX)
     }
 
-    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: [`quantile`](Self::quantile), which rises
-    /// with u.
+    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: [`quantile`](Self::quantile), which
+    /// rises with u.
     #[inline]
     pub fn sample(&self, u: f64) -> f64 {
         self.quantile(u)
