@@ -104,6 +104,15 @@ mod single {
         bench_view(bencher, false, |view, x| view.pdf(x));
     }
 
+    /// Of a material whose albedo is no texture.
+    #[divan::bench]
+    fn pdf_of_one_row(bencher: Bencher<'_, '_>) {
+        let table = AlbedoTableF32::from(&AlbedoTable::new(&[0.8], dipole).expect("one albedo"));
+        let view = table.at(0.8, 1.0);
+        let radii: Vec<f32> = uniforms().iter().map(|u| view.sample(*u as f32)).collect();
+        one_by_one(bencher, &radii, |r| view.pdf(r));
+    }
+
     #[divan::bench]
     fn pdf_area(bencher: Bencher<'_, '_>) {
         bench_view(bencher, false, |view, x| view.pdf_area(x));
