@@ -1,12 +1,15 @@
 //! A white table at one albedo.
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, TabulatedProfile};
 
 use super::exit::Side;
 use super::layout::Region;
 use super::weights::{Weighed, Weights};
 use super::white_table::WhiteTable;
 use crate::Estimate;
+
+/// Effective photons that a ring needs to have a say in a profile.
+const PHOTONS_OF_A_RING: f64 = 100.0;
 
 /// A [`WhiteTable`] as seen at one single-scattering albedo α.
 ///
@@ -135,6 +138,21 @@ impl<'a> AtAlbedo<'a> {
         let area: f64 = regions.iter().map(|&region| self.table.layout().area(region)).sum();
         let reflectance = Estimate { value: energy.value / area, error: energy.error / area };
         Ok(AtRadius { reflectance, enclosed: self.enclosed(side, edge) })
+    }
+
+    /// The profile to evaluate and to sample, in mean free paths: the energies within the layout's radii are kept, as far
+    /// out as rings have 100 [effective photons](Self::effective_photons); behind them it falls exponentially.
+    ///
+    /// Choose rings that are filled well: their noise is the profile's.
+    ///
+    /// # Errors
+    /// There are fewer than four such rings, or R does not fall towards the last of them.
+    pub fn profile(&self, side: Side) -> Result<TabulatedProfile, ParameterError> {
+        let radii = self.table.layout().radii();
+        let sparse = |&ring: &usize| self.effective_photons(side, Region::Ring(ring)) < PHOTONS_OF_A_RING;
+        let count = radii.len() - (0..radii.len()).rev().take_while(sparse).count();
+        let enclosed: Vec<f64> = (0..count).map(|radius| self.enclosed(side, radius).value).collect();
+        TabulatedProfile::from_enclosed(&radii[..count], &enclosed)?.scaled(1.0, self.total(side).value)
     }
 
     /// Energy that is absorbed: what does not leave.
