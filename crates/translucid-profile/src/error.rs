@@ -31,7 +31,7 @@ impl ParameterError {
     /// Range or condition with its number, worded to follow "must be".
     pub fn requirement(&self) -> String {
         match self.limit {
-            Some(limit) => format!("{} {limit}", self.allowed),
+            Some(limit) => format!("{} {}", self.allowed, Written(limit)),
             None => self.allowed.to_owned(),
         }
     }
@@ -40,11 +40,26 @@ impl ParameterError {
 impl fmt::Display for ParameterError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { parameter, value, .. } = self;
-        write!(f, "{parameter} is {value}, but must be {}", self.requirement())
+        let (value, requirement) = (Written(*value), self.requirement());
+        write!(f, "{parameter} is {value}, but must be {requirement}")
     }
 }
 
 impl std::error::Error for ParameterError {}
+
+/// A number as people write it: 0.95, but 1e200 and 3e-9 instead of all their zeros.
+struct Written(f64);
+
+impl fmt::Display for Written {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let magnitude = self.0.abs();
+        if magnitude >= 1e15 && magnitude.is_finite() || magnitude < 1e-4 && magnitude > 0.0 {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}
 
 /// Passes a value on if the condition holds.
 pub(crate) fn require(
@@ -74,6 +89,24 @@ pub(crate) fn require_positive(parameter: &'static str, value: f64) -> Result<f6
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn messages_spare_zeros() {
+        let message = |value| ParameterError::new("x", value, "good").to_string();
+        for (value, expected) in [
+            (0.0, "0"),
+            (-0.25, "-0.25"),
+            (1e6, "1000000"),
+            (1e200, "1e200"),
+            (-3e-9, "-3e-9"),
+            (f64::NAN, "NaN"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(message(value), format!("x is {expected}, but must be good"));
+        }
+        let most = ParameterError { limit: Some(1e-9), ..ParameterError::new("x", 1.0, "at most") };
+        assert_eq!(most.to_string(), "x is 1, but must be at most 1e-9");
+    }
 
     #[test]
     fn require_refuses_nan() {

@@ -7,19 +7,23 @@ use crate::error::{ParameterError, require};
 use crate::monotone_cubic::MonotoneCubic;
 use crate::quadrature::{integrate, shared_gauss_legendre};
 
-/// Points of the Gauss rule between two samples, where ln(r R) is a cubic in ln r.
+/// Points of the Gauss rule on each panel, on which ln(r R) is a cubic in ln r.
 const POINTS: usize = 8;
-/// r R of a sample that is 0 between others, relative to the greatest.
+/// The most that r R of a sample of 0 between others counts as, relative to the greatest.
 const FLOOR: f64 = 1e-12;
+/// Natural logarithm by which radius or r R change over one panel of the Gauss rule.
+const PANEL: f64 = 2.0;
+/// Least ratio of a radius to the one before it, so that their logarithms differ.
+const RATIO_MIN: f64 = 1.0 + 1e-9;
 
 /// The reflectance profile through samples (r, R): a monotone cubic of ln(r R) in ln r between them, r R a straight line
 /// before the first and an exponential behind the last.
 ///
 /// The straight line goes through the first two samples, kept between 0 and twice the first at r = 0: R may tend to a
 /// constant there or grow like 1/r.
-/// The rate of the exponential in r R is the least-squares one of the samples in the outer half of the radii.
-/// Noise is not smoothed; a sample of 0 between others counts as 1e-12 of the greatest r R, and samples of 0 at the end
-/// are left out.
+/// The rate of the exponential in r R is the least-squares one of the samples with light in the outer half of the radii.
+/// Noise is not smoothed; a sample of 0 between others counts as 1e-12 of the greatest r R, or as the least if that is
+/// less, and samples of 0 at the end are left out.
 /// To evaluate often, to sample or to rescale, make a [`TabulatedProfile`](crate::TabulatedProfile) of it.
 ///
 /// ```
@@ -39,8 +43,12 @@ const FLOOR: f64 = 1e-12;
 pub struct SampledProfile {
     /// ln(r R) over ln r, radii in units of `length`.
     curve: MonotoneCubic,
+    /// Radii of the samples in units of `length`.
+    radii: Vec<f64>,
     /// Energy within each sample's radius.
     enclosed: Vec<f64>,
+    /// Energy beyond each sample's radius.
+    beyond: Vec<f64>,
     /// r R at r = 0, and at the first sample.
     head: [f64; 2],
     /// Rate at which r R falls behind the last sample, in 1/`length`.
@@ -69,8 +77,8 @@ impl SampledProfile {
         )?;
         let mut before = 0.0;
         for &r in radii {
-            let allowed = "greater than the one before, in (0, 1e100]";
-            require(r > before && r <= 1e100, "radius", r, allowed)?;
+            let allowed = "greater than the one before by 1e-9 of itself, in (0, 1e100]";
+            require(r > before * RATIO_MIN && r <= 1e100, "radius", r, allowed)?;
             before = r;
         }
         for &reflectance in reflectances {
@@ -85,20 +93,28 @@ impl SampledProfile {
         let densities: Vec<f64> =
             unit.iter().zip(reflectances).map(|(x, value)| (x * length) * value * length).collect();
         let greatest = densities.iter().copied().fold(0.0, f64::max);
-        let logarithm = |density: &f64| density.max(FLOOR * greatest).ln();
+        let with_light = densities.iter().copied().filter(|density| *density > 0.0);
+        let floor = with_light.fold(FLOOR * greatest, f64::min).max(f64::MIN_POSITIVE);
+        let logarithm = |density: &f64| density.max(floor).ln();
         let (xs, ys): (Vec<f64>, Vec<f64>) =
             (unit.iter().map(|x| x.ln()).collect(), densities.iter().map(logarithm).collect());
         let (first, second) = (ys[0].exp(), ys[1].exp());
         let at_zero = first - (second - first) / (unit[1] - unit[0]) * unit[0];
         let head = [at_zero.max(0.0).min(2.0 * first), first];
-        let tail_rate = falling_rate(&unit, &ys);
+        let lit: Vec<(f64, f64)> = (unit.iter().copied().zip(ys.iter().copied()).zip(&densities))
+            .filter_map(|(point, density)| (*density > 0.0).then_some(point))
+            .collect();
+        require(lit.len() > 1, "number of radii with light", lit.len() as f64, "at least 2")?;
+        let tail_rate = falling_rate(&lit);
         let allowed = "greater than 0: the reflectance has to fall towards its end";
         require(tail_rate > 0.0, "rate at which r R falls in the outer half", tail_rate / length, allowed)?;
 
         let last = [unit[count - 1], ys[count - 1].exp()];
         let mut profile = Self {
             curve: MonotoneCubic::new(&xs, &ys),
+            radii: unit,
             enclosed: Vec::new(),
+            beyond: Vec::new(),
             head,
             tail_rate,
             last,
@@ -106,13 +122,20 @@ impl SampledProfile {
             rule: shared_gauss_legendre(POINTS),
             length,
         };
-        let mut enclosed = profile.within_head(unit[0]);
-        for i in 0..count {
-            if i > 0 {
-                enclosed += profile.between(xs[i - 1], xs[i]);
-            }
+
+        // Sum up the energies from both sides, where each keeps its digits
+        let rings: Vec<f64> = xs.windows(2).map(|pair| profile.between(pair[0], pair[1])).collect();
+        let mut enclosed = profile.within_head(profile.radii[0]);
+        let mut beyond = profile.tail(last[0]);
+        profile.enclosed.push(enclosed);
+        profile.beyond.push(beyond);
+        for (ring, opposite) in rings.iter().zip(rings.iter().rev()) {
+            enclosed += ring;
+            beyond += opposite;
             profile.enclosed.push(enclosed);
+            profile.beyond.push(beyond);
         }
+        profile.beyond.reverse();
         profile.total = enclosed + profile.tail(last[0]);
         let allowed = "finite and greater than 0";
         require(
@@ -136,21 +159,29 @@ impl SampledProfile {
 
     /// Energy between two logarithms of radii, with no sample in between.
     fn between(&self, from: f64, to: f64) -> f64 {
-        2.0 * PI * integrate(self.rule, from, to, |x| (self.curve.eval(x) + x).exp())
+        // The curve does not turn between samples: its ends say how much it changes
+        let change = (self.curve.eval(to) - self.curve.eval(from)).abs().max(to - from);
+        let panels = 1 + (change / PANEL) as usize;
+        let edge = |i: usize| from + (to - from) * (i as f64 / panels as f64);
+        let panel = |i: usize| integrate(self.rule, edge(i), edge(i + 1), |x| (self.curve.eval(x) + x).exp());
+        2.0 * PI * (0..panels).map(panel).sum::<f64>()
     }
 
     /// r R at the radius x, both in units of the length.
     fn density(&self, x: f64) -> f64 {
-        let first = self.curve.abscissae()[0];
-        let [last, density] = self.last;
+        let [first, last] = [self.radii[0], self.last[0]];
         if x >= last {
-            return density * (-self.tail_rate * (x - last)).exp();
+            return self.last[1] * (-self.tail_rate * (x - last)).exp();
         }
-        let logarithm = x.max(f64::MIN_POSITIVE).ln();
-        if logarithm >= first {
-            return self.curve.eval(logarithm).exp();
+        if x >= first {
+            return self.curve.eval(x.ln()).exp();
         }
-        self.head[0] + (self.head[1] - self.head[0]) * (x / first.exp())
+        self.head[0] + (self.head[1] - self.head[0]) * (x / first)
+    }
+
+    /// Number of the sample at or before x, which lies between the first and the last.
+    fn sample_before(&self, x: f64) -> usize {
+        self.radii.partition_point(|radius| *radius <= x).saturating_sub(1).min(self.radii.len() - 2)
     }
 
     /// Radius in units of the length; NaN and less than 0 count as 0.
@@ -169,12 +200,11 @@ impl Profile for SampledProfile {
         if x >= self.last[0] {
             return self.total - self.tail(x);
         }
-        let (logarithm, samples) = (x.max(f64::MIN_POSITIVE).ln(), self.curve.abscissae());
-        if logarithm <= samples[0] {
+        if x <= self.radii[0] {
             return self.within_head(x);
         }
-        let i = self.curve.interval(logarithm);
-        self.enclosed[i] + self.between(samples[i], logarithm)
+        let i = self.sample_before(x);
+        self.enclosed[i] + self.between(self.radii[i].ln(), x.ln())
     }
 
     fn beyond(&self, r: f64) -> f64 {
@@ -182,15 +212,11 @@ impl Profile for SampledProfile {
         if x >= self.last[0] {
             return self.tail(x);
         }
-        let (logarithm, samples) = (x.max(f64::MIN_POSITIVE).ln(), self.curve.abscissae());
-        if logarithm <= samples[0] {
-            return self.total - self.enclosed(r);
+        if x <= self.radii[0] {
+            return self.total - self.within_head(x);
         }
-        // From the far end inwards, so that the tail keeps its digits
-        let i = self.curve.interval(logarithm);
-        let whole: f64 =
-            samples.windows(2).skip(i + 1).rev().map(|pair| self.between(pair[0], pair[1])).sum();
-        self.tail(self.last[0]) + whole + self.between(logarithm, samples[i + 1])
+        let i = self.sample_before(x);
+        self.beyond[i + 1] + self.between(x.ln(), self.radii[i + 1].ln())
     }
 
     fn total(&self) -> f64 {
@@ -199,8 +225,7 @@ impl Profile for SampledProfile {
 
     fn scale(&self) -> f64 {
         let half = self.enclosed.partition_point(|&enclosed| enclosed < 0.5 * self.total);
-        let samples = self.curve.abscissae();
-        self.length * samples[half.min(samples.len() - 1)].exp()
+        self.length * self.radii[half.min(self.radii.len() - 1)]
     }
 
     fn evaluations_to_build(&self) -> u32 {
@@ -209,15 +234,15 @@ impl Profile for SampledProfile {
 }
 
 /// Least-squares rate at which the logarithms fall with x over the outer half of the range, two points at least.
-fn falling_rate(xs: &[f64], logarithms: &[f64]) -> f64 {
-    let outer = xs.partition_point(|&x| x < 0.5 * xs[xs.len() - 1]).min(xs.len() - 2);
-    let (xs, ys) = (&xs[outer..], &logarithms[outer..]);
-    let n = xs.len() as f64;
-    let (mean_x, mean_y) = (xs.iter().sum::<f64>() / n, ys.iter().sum::<f64>() / n);
-    let products = |f: &dyn Fn(f64, f64) -> f64| -> f64 {
-        xs.iter().zip(ys).map(|(&x, &y)| f(x - mean_x, y - mean_y)).sum()
-    };
-    -products(&|x, y| x * y) / products(&|x, _| x * x)
+fn falling_rate(points: &[(f64, f64)]) -> f64 {
+    let end = points[points.len() - 1].0;
+    let outer = points.partition_point(|(x, _)| *x < 0.5 * end).min(points.len() - 2);
+    let points = &points[outer..];
+    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
+    let (mean_x, mean_y) = (mean(|point| point.0), mean(|point| point.1));
+    let products =
+        |f: fn(f64, f64) -> f64| -> f64 { points.iter().map(|(x, y)| f(x - mean_x, y - mean_y)).sum() };
+    -products(|x, y| x * y) / products(|x, _| x * x)
 }
 
 #[cfg(test)]
@@ -252,6 +277,34 @@ mod tests {
         }
     }
 
+    /// r R = e^{−r} down to 1e-87: no sample with light counts as more than it is.
+    #[test]
+    fn samples_far_away_stay_what_they_are() {
+        let radii: Vec<f64> = (1..=800).map(|i| 0.25 * f64::from(i)).collect();
+        let values: Vec<f64> = radii.iter().map(|r| (-r).exp() / r).collect();
+        let profile = SampledProfile::new(&radii, &values).unwrap();
+        for r in [1.0f64, 30.3, 150.2, 199.0, 230.0] {
+            let expected = 2.0 * PI * (-r).exp();
+            assert!((profile.beyond(r) / expected - 1.0).abs() < 1e-2, "{r}: {}", profile.beyond(r));
+        }
+        assert!((profile.total() / (2.0 * PI) - 1.0).abs() < 0.02, "{}", profile.total());
+    }
+
+    /// Where r R falls by thousands from sample to sample, energies still rise.
+    #[test]
+    fn energies_rise_between_samples_that_are_far_apart() {
+        let (radii, values) = ([0.003, 0.02, 0.07, 2.3], [220.0, 28.0, 6.1, 7e-8]);
+        let profile = SampledProfile::new(&radii, &values).unwrap();
+        let (mut within, mut beyond) = (0.0, f64::MAX);
+        for i in 0..=2000 {
+            let r = 1e-4 * 1e5f64.powf(f64::from(i) / 2000.0);
+            let next = (profile.enclosed(r), profile.beyond(r));
+            assert!(next.0 >= within * (1.0 - 1e-13), "{r}: {} after {within}", next.0);
+            assert!(next.1 <= beyond * (1.0 + 1e-13), "{r}: {} after {beyond}", next.1);
+            (within, beyond) = next;
+        }
+    }
+
     #[test]
     fn table_of_samples_keeps_their_shares() {
         let (profile, expected) = (sampled(1.0), source());
@@ -278,6 +331,39 @@ mod tests {
         assert!(profile.eval(7.0) < 1e-9);
     }
 
+    /// Noise with zeros in it, by the trapezoidal rule in ln r.
+    #[test]
+    fn eval_integrates_to_total() {
+        let radii: Vec<f64> = (0..60).map(|i| 0.02 * 1.13f64.powi(i)).collect();
+        let noise = |i: usize| f64::from((i as u32 * 7919) % 23) / 12.0;
+        let values: Vec<f64> =
+            radii.iter().enumerate().map(|(i, r)| noise(i) * (-r / 3.0).exp() / r).collect();
+        assert!(values.iter().filter(|value| **value == 0.0).count() > 1);
+        let profile = SampledProfile::new(&radii, &values).unwrap();
+        let step = 1e-3;
+        let ring = |i: i32| (step * f64::from(i)).exp();
+        let sum: f64 =
+            (-20_000..=8000).map(|i| 2.0 * PI * ring(i) * profile.eval_times_r(ring(i)) * step).sum();
+        assert!((sum / profile.total() - 1.0).abs() < 1e-5, "{sum} {}", profile.total());
+    }
+
+    /// Radii next to the samples, where logarithms do not tell the two apart.
+    #[test]
+    fn energies_rise_through_the_samples() {
+        let radii: Vec<f64> = (0..40).map(|i| 1e5 + 700.0 * f64::from(i)).collect();
+        let values: Vec<f64> = radii.iter().map(|r| (-r / 3e3).exp()).collect();
+        let profile = SampledProfile::new(&radii, &values).unwrap();
+        let mut before = 0.0;
+        for r in radii {
+            for r in [r.next_down(), r, r.next_up()] {
+                let (within, beyond) = (profile.enclosed(r), profile.beyond(r));
+                assert!(within >= before * (1.0 - 1e-15), "{r}: {within} after {before}");
+                assert!(((within + beyond) / profile.total() - 1.0).abs() < 1e-14, "{r}: {within} {beyond}");
+                before = within;
+            }
+        }
+    }
+
     #[test]
     fn new_refuses_what_is_no_profile() {
         let refuse = |radii: &[f64], values: &[f64], expected: &str| {
@@ -287,6 +373,7 @@ mod tests {
         refuse(&[1.0, 2.0, 3.0], &[3.0, 2.0, 1.0], "at least 4");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[3.0, 2.0, 1.0], "number of reflectances is 3");
         refuse(&[1.0, 2.0, 2.0, 4.0], &[4.0, 3.0, 2.0, 1.0], "radius is 2");
+        refuse(&[1.0, 2.0, 2.0 + 1e-12, 4.0], &[4.0, 3.0, 2.0, 1.0], "radius is 2");
         refuse(&[0.0, 2.0, 3.0, 4.0], &[4.0, 3.0, 2.0, 1.0], "radius is 0");
         refuse(&[1.0, 2.0, 3.0, f64::INFINITY], &[4.0, 3.0, 2.0, 1.0], "radius is inf");
         refuse(&[1.0, 2.0, 3.0, 4.0], &[4.0, -3.0, 2.0, 1.0], "reflectance is -3");

@@ -8,9 +8,9 @@ use std::f64::consts::PI;
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
-    Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, Medium,
-    NormalizedDiffusion, ParameterError, Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion,
-    StandardDipole, SumOfGaussians, TabulatedProfile,
+    Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
+    DirectionalDipoleAverage, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -107,7 +107,44 @@ fn models() -> Vec<Model> {
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
         },
+        Model {
+            name: "BeamMultipleScattering",
+            new: |appearance, eta| {
+                let total = |absorbed| multiple_total(absorbed, appearance.g, eta).unwrap_or(1.0);
+                let medium = appearance.medium(total)?.medium;
+                Ok(Box::new(BeamMultipleScattering::from_medium(&medium, eta)?))
+            },
+            from_medium: Some(|medium, eta| Ok(Box::new(BeamMultipleScattering::from_medium(medium, eta)?))),
+            closed_total: Some(multiple_total),
+            etas: &[0.7, 1.4],
+            gs: &[0.0, 0.8],
+            smooth: true,
+        },
+        Model {
+            name: "BeamSingleScattering",
+            new: |appearance, eta| {
+                let total = |absorbed| single_total(absorbed, appearance.g, eta).unwrap_or(1.0);
+                let medium = appearance.medium(total)?.medium;
+                Ok(Box::new(BeamSingleScattering::from_medium(&medium, eta)?))
+            },
+            from_medium: Some(|medium, eta| Ok(Box::new(BeamSingleScattering::from_medium(medium, eta)?))),
+            closed_total: Some(single_total),
+            etas: &[0.7, 1.4],
+            gs: &[0.0, 0.8],
+            smooth: true,
+        },
     ]
+}
+
+/// Total of single scattering for 1 − α'.
+fn single_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
+    let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, g)?;
+    Ok(BeamSingleScattering::from_medium(&medium, eta)?.total())
+}
+
+/// What single scattering leaves of photon beam diffusion.
+fn multiple_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
+    Ok(PhotonBeamDiffusion::surface_albedo(absorbed, g, eta)? - single_total(absorbed, g, eta)?)
 }
 
 const ALBEDOS: [f64; 6] = [1e-9, 0.01, 0.2, 0.5, 0.8, 0.95];
