@@ -86,8 +86,8 @@ pub(crate) struct ModelArguments {
     /// Model of the profile
     #[arg(long, value_name = "MODEL", default_value = "normalized-diffusion")]
     model: ModelName,
-    /// CSV file of a profile of your own in place of a model: columns r,reflectance[,surface_albedo], radii in units
-    /// of --mfp
+    /// CSV file of a profile of your own in place of a model: columns r, reflectance and optionally surface_albedo,
+    /// radii in units of --mfp
     #[arg(
         long,
         value_name = "FILE",

@@ -21,6 +21,10 @@ pub(crate) struct Passage {
 }
 
 /// The weight of light by its direction, per channel.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack for one event: a box would allocate in the inner loop"
+)]
 pub(crate) enum Directionality {
     /// All directions alike.
     Radial,

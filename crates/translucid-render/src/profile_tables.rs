@@ -157,7 +157,7 @@ impl ModelRecipe {
         let color = &material.subsurface_color;
         let textured = color.texture.is_some() || color.vertex_color;
         let knows = model.knows_boundary();
-        let fraction = |a: f32| f64::from(a.max(0.0).min(1.0));
+        let fraction = |a: f32| f64::from(a.clamp(0.0, 1.0));
         Self {
             model,
             parameterization: material.subsurface_parameter,
