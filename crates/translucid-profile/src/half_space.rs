@@ -10,6 +10,7 @@
 //! diffuse       A = 1 − 2 √(1−α) ∫₀¹ μ H(μ) dμ
 //! ```
 
+use std::cell::Cell;
 use std::f64::consts::PI;
 
 use crate::Configuration;
@@ -34,13 +35,16 @@ use crate::roots::falling_root;
 /// ```
 pub fn half_space_surface_albedo(single_scattering_albedo: f64, configuration: Configuration) -> f64 {
     let alpha = single_scattering_albedo.max(0.0).min(1.0);
-    let h = HFunction::new(alpha);
-    let root = (1.0 - alpha).sqrt();
-    let absorbed = match configuration {
+    (1.0 - kept((1.0 - alpha).sqrt(), configuration)).max(0.0).min(1.0)
+}
+
+/// 1 − A, what the half space keeps of the light, from √(1 − α): every digit of either near white.
+fn kept(root: f64, configuration: Configuration) -> f64 {
+    let h = HFunction::new(root * root);
+    match configuration {
         Configuration::Searchlight => h.eval(1.0) * root,
         Configuration::Diffuse => 2.0 * h.first_moment() * root,
-    };
-    (1.0 - absorbed).max(0.0).min(1.0)
+    }
 }
 
 /// Single-scattering albedo α ∈ [0, 1] of the half space with surface albedo A: the inverse of
@@ -58,16 +62,24 @@ pub fn half_space_surface_albedo(single_scattering_albedo: f64, configuration: C
 /// assert!((alpha - 0.938171938710).abs() < 1e-12);
 /// ```
 pub fn half_space_single_scattering_albedo(surface_albedo: f64, configuration: Configuration) -> f64 {
-    let target = surface_albedo.max(0.0).min(1.0);
+    1.0 - half_space_absorption(surface_albedo, configuration).0
+}
+
+/// 1 − α of the half space with surface albedo A, with the digits that 1 − A has, and how often A was evaluated.
+pub(crate) fn half_space_absorption(surface_albedo: f64, configuration: Configuration) -> (f64, u32) {
+    let target = 1.0 - surface_albedo.max(0.0).min(1.0);
     // The ends of the bracket are exact where the target is
     if target == 1.0 || target == 0.0 {
-        return target;
+        return (target, 0);
     }
-    let alpha = |root: f64| 1.0 - root * root;
-    let excess = |root: f64| half_space_surface_albedo(alpha(root), configuration) - target;
-    // Rounding errors of A, and of α by way of √(1 − α)
-    let tolerance = |root: f64| 2e-15 + 2e-16 / root;
-    alpha(falling_root(excess, [1.0 - target, -target], tolerance))
+    let evaluations = Cell::new(0);
+    let excess = |root: f64| {
+        evaluations.set(evaluations.get() + 1);
+        target - kept(root, configuration)
+    };
+    // Rounding errors of H
+    let root = falling_root(excess, [target, target - 1.0], |_| 2e-15 * target);
+    (root * root, evaluations.get())
 }
 
 /// Chandrasekhar's H function of one albedo, as the samples that its integral needs.
@@ -87,10 +99,12 @@ impl HFunction {
     /// Range of s: at its ends the integrand is below 1e-17.
     const STEPS: std::ops::RangeInclusive<i32> = -168..=168;
 
-    fn new(alpha: f64) -> Self {
+    /// For 1 − α.
+    fn new(absorbed: f64) -> Self {
+        let alpha = 1.0 - absorbed;
         let sample = |step: i32| {
             let t = (Self::STEP * f64::from(step)).exp();
-            let log = ((1.0 - alpha) + alpha * one_minus_atan_over(t)).ln();
+            let log = (absorbed + alpha * one_minus_atan_over(t)).ln();
             (t, log * t * Self::STEP)
         };
         let (small, samples): (Vec<_>, Vec<_>) = Self::STEPS.map(sample).partition(|(t, _)| *t < 1e-9);
@@ -155,7 +169,7 @@ mod tests {
     fn h_function_has_its_exact_zeroth_moment() {
         let rule = shared_gauss_legendre(40);
         for alpha in [1e-6, 0.1, 0.5, 0.9, 0.999, 1.0 - 1e-9, 1.0] {
-            let h = HFunction::new(alpha);
+            let h = HFunction::new(1.0 - alpha);
             let found = integrate(rule, 0.0, 1.0, |w| h.eval(w * w * w) * 3.0 * w * w);
             let expected = 2.0 / (1.0 + (1.0f64 - alpha).sqrt());
             assert!((found - expected).abs() < 1e-13, "{alpha}: {found} {expected}");
@@ -214,22 +228,32 @@ mod tests {
         }
     }
 
+    /// √(1−α) = (1 − A)/H(1), and with 2∫μH dμ for diffuse light, where at α = 1 H(1) = 2.9078 (S. Chandrasekhar
+    /// 1950, table XI) and ∫μH dμ = 2/√3.
+    #[test]
+    fn absorption_keeps_its_digits_near_white() {
+        for complement in [1e-6, 1e-9, 1e-13, 1.0 - 1.0f64.next_down()] {
+            let a = 1.0 - complement;
+            for (configuration, slope, accuracy) in [
+                (Configuration::Searchlight, 2.9078, 2e-5),
+                (Configuration::Diffuse, 4.0 / 3f64.sqrt(), 1e-11),
+            ] {
+                let (absorbed, evaluations) = half_space_absorption(a, configuration);
+                let ratio = absorbed.sqrt() * slope / (1.0 - a);
+                // H falls by some 2√(1−α) of itself
+                assert!((ratio - 1.0).abs() < accuracy + 2.0 * complement, "{complement:e}: {ratio}");
+                assert!(evaluations <= 9, "{complement:e}: {evaluations}");
+            }
+        }
+    }
+
     #[test]
     fn root_finder_takes_few_steps() {
         for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
             for i in 1..100 {
-                let target = f64::from(i) / 100.0;
-                let calls = std::cell::Cell::new(0);
-                let root = falling_root(
-                    |root| {
-                        calls.set(calls.get() + 1);
-                        half_space_surface_albedo(1.0 - root * root, configuration) - target
-                    },
-                    [1.0 - target, -target],
-                    |root| 2e-15 + 2e-16 / root,
-                );
-                assert!(root > 0.0 && root < 1.0);
-                assert!(calls.get() <= 9, "{target}: {}", calls.get());
+                let (absorbed, evaluations) = half_space_absorption(f64::from(i) / 100.0, configuration);
+                assert!(absorbed > 0.0 && absorbed < 1.0);
+                assert!(evaluations <= 9, "{i}: {evaluations}");
             }
         }
     }

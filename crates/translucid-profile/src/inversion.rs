@@ -1,6 +1,7 @@
 //! From a surface albedo to the medium that has it, according to a model.
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
+use crate::media::transport_mfp_over_dmfp;
 use crate::roots::falling_root;
 use crate::{Medium, Parameterization};
 
@@ -76,11 +77,13 @@ impl Appearance {
             Parameterization::Mfp => self.length * (absorbed + alpha_prime / (1.0 - self.g)),
             Parameterization::Dmfp => {
                 require(absorbed > 0.0, "surface_albedo", self.surface_albedo, "less than 1 with a dmfp")?;
-                self.length * (3.0 * absorbed / (1.0 + absorbed)).sqrt()
+                self.length * transport_mfp_over_dmfp(absorbed)
             }
         };
-        require_positive("transport_mfp", transport_mfp)?;
+        // Of the medium's parameters the length alone can be at fault now
+        let allowed = "such that the mean free path is in [1e-150, 1e150]";
         Medium::from_reduced(absorbed / transport_mfp, alpha_prime / transport_mfp, self.g)
+            .map_err(|_| ParameterError::new("length", self.length, allowed))
     }
 }
 
@@ -128,5 +131,10 @@ mod tests {
         assert!(appearance(0.5, 0.0, Parameterization::Mfp, 0.0).medium(total).is_err());
         assert!(appearance(0.5, 1.0, Parameterization::Mfp, 1.0).medium(total).is_err());
         assert!(appearance(f64::NAN, 1.0, Parameterization::Mfp, 0.0).medium(total).is_err());
+        // In the words of who asked
+        for (length, parameterization) in [(1e-160, Parameterization::Mfp), (1e200, Parameterization::Dmfp)] {
+            let error = appearance(0.5, length, parameterization, 0.0).medium(total).unwrap_err();
+            assert_eq!([error.value, f64::from(u8::from(error.parameter == "length"))], [length, 1.0]);
+        }
     }
 }

@@ -82,7 +82,7 @@ impl Medium {
     pub fn from_dmfp(alpha_prime: f64, dmfp: f64, g: f64) -> Result<Self, ParameterError> {
         require((0.0..1.0).contains(&alpha_prime), "alpha_prime", alpha_prime, "in [0, 1)")?;
         require_positive("dmfp", dmfp)?;
-        let transport_mfp = dmfp * (3.0 * (1.0 - alpha_prime) / (2.0 - alpha_prime)).sqrt();
+        let transport_mfp = dmfp * transport_mfp_over_dmfp(1.0 - alpha_prime);
         require_positive("transport_mfp", transport_mfp)?;
         Self::from_reduced((1.0 - alpha_prime) / transport_mfp, alpha_prime / transport_mfp, g)
     }
@@ -199,6 +199,11 @@ impl Medium {
     pub fn surface_albedo(&self, configuration: Configuration) -> f64 {
         half_space_surface_albedo(self.alpha_prime(), configuration)
     }
+}
+
+/// ℓ*/ℓ_d with Grosjean's D, for 1 − α' = `absorbed`.
+pub(crate) fn transport_mfp_over_dmfp(absorbed: f64) -> f64 {
+    (3.0 * absorbed / (1.0 + absorbed)).sqrt()
 }
 
 #[cfg(test)]

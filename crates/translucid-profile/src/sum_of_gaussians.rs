@@ -6,17 +6,16 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{ParameterError, require, require_fraction};
+use crate::error::{ParameterError, require, require_fraction, require_positive};
 use crate::gaussian_coefficients::{DIFFUSE, INTERVALS, ROW, SEARCHLIGHT};
-use crate::{Appearance, Configuration, Parameterization, Profile, half_space_surface_albedo};
+use crate::half_space::half_space_absorption;
+use crate::media::transport_mfp_over_dmfp;
+use crate::{Configuration, Parameterization, Profile};
 
 /// Least length that the arithmetic holds.
 const LENGTH_MIN: f64 = 1e-150;
 /// Greatest length that the arithmetic holds.
 const LENGTH_MAX: f64 = 1e150;
-
-/// Surface albedo above which the inversion of the exact albedo runs out of digits of 1 − α.
-const INVERTIBLE: f64 = 1.0 - 1e-4;
 
 /// A profile that is a sum of K ≤ 6 Gaussians.
 ///
@@ -67,8 +66,7 @@ impl SumOfGaussians {
     /// have an error ∫|R − R_exact| 2πr dr/A of 4.6 % (searchlight) or 4.2 % (diffuse) on average over A, and 10 % at
     /// A = 1. Interpolation adds 0.001 % at most.
     /// The diffuse mean free path becomes a mean free path by the exact relation between A and the
-    /// single-scattering albedo; above A = 1 − 1e-4 the relation is continued by its limit, √(1−α) ∝ 1 − A, with a
-    /// relative error below 2e-4.
+    /// single-scattering albedo.
     ///
     /// # Errors
     /// A parameter is outside its range, the mean free path is not in [1e-150, 1e150], or the surface albedo is 1 with
@@ -258,13 +256,10 @@ fn mfp_from_dmfp(
     dmfp: f64,
     configuration: Configuration,
 ) -> Result<(f64, u32), ParameterError> {
-    let parameterization = Parameterization::Dmfp;
-    let appearance = Appearance { surface_albedo, length: dmfp, parameterization, g: 0.0 };
+    require_positive("length", dmfp)?;
     require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
-    let invertible = Appearance { surface_albedo: surface_albedo.min(INVERTIBLE), ..appearance };
-    let found = invertible.medium(|absorbed| half_space_surface_albedo(1.0 - absorbed, configuration))?;
-    let share = ((1.0 - surface_albedo) / (1.0 - INVERTIBLE)).min(1.0);
-    Ok((found.medium.mfp() * share, found.evaluations))
+    let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
+    Ok((dmfp * transport_mfp_over_dmfp(absorbed), evaluations))
 }
 
 /// Weights and logarithms of the standard deviations in mean free paths.
@@ -403,7 +398,8 @@ mod tests {
                 for (found, expected) in found.variances().zip(expected.variances()) {
                     assert!((found / expected - 1.0).abs() < 1e-6, "{a}: {found} {expected}");
                 }
-                assert!(found.evaluations_to_build() > 0 && expected.evaluations_to_build() == 0);
+                assert_eq!(found.evaluations_to_build() > 0, a > 0.0);
+                assert_eq!(expected.evaluations_to_build(), 0);
             }
         }
     }
