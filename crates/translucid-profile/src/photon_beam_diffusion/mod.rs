@@ -8,6 +8,7 @@
 mod beam_dipole;
 mod energy_table;
 mod multiple_scattering;
+mod near_field;
 mod oblique;
 mod sampling;
 mod single_scattering;

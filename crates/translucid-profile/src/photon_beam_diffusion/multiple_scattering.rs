@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::beam_dipole::{BeamDipole, Exit, R_MAX, R_MIN};
 use super::energy_table::{EnergyTable, R_LAST};
+use super::near_field::{LN_R, NearField};
 use super::require_eta;
 use super::total::TOTAL_POINTS;
 use crate::diffusion_boundary::DiffusionBoundary;
@@ -55,7 +56,10 @@ impl BeamMultipleScattering {
             dipole.eval(Exit::along_the_normal(r))
         };
         let first = within_the_logarithm(&dipole, EnergyTable::r_first());
-        let energies = EnergyTable::new(first, dipole.beyond_without_kappa(R_LAST), reflectance);
+        let near = NearField::new(reflectance);
+        let energies = EnergyTable::new(first, dipole.beyond_without_kappa(R_LAST), |r| {
+            if r < LN_R[1].exp() { near.eval(r) } else { reflectance(r) }
+        });
         let evaluations_to_build = dipoles.get() + TOTAL_POINTS;
         Self { dipole, transport_mfp, total: dipole.total(1.0), energies, evaluations_to_build }
     }

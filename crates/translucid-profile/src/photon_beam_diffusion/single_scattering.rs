@@ -148,6 +148,9 @@ pub(super) struct Ways {
     excess: Vec<f64>,
     /// f dσ
     weights: Vec<f64>,
+    /// f/σ dσ, and the sums from each on
+    weights_of_energy: Vec<f64>,
+    energies_from: Vec<f64>,
     /// ½ ∫ f/σ dσ: the total for α = 1.
     pub(super) total: f64,
 }
@@ -162,17 +165,26 @@ impl Ways {
             excess.push(y);
             weights.push(weight);
         });
-        let total = 0.5 * excess.iter().zip(&weights).map(|(y, w)| w / (first + y)).sum::<f64>();
-        Self { first, excess, weights, total }
+        let weights_of_energy: Vec<f64> = excess.iter().zip(&weights).map(|(y, w)| w / (first + y)).collect();
+        let mut energies_from = vec![0.0; excess.len() + 1];
+        for (i, weight) in weights_of_energy.iter().enumerate().rev() {
+            energies_from[i] = energies_from[i + 1] + weight;
+        }
+        let total = 0.5 * energies_from[0];
+        Self { first, excess, weights, weights_of_energy, energies_from, total }
     }
 
-    /// Σ f dσ × kernel(σ − first), up to the excess given.
-    fn sum(&self, excess_max: f64, kernel: impl Elementwise<f64>) -> f64 {
-        let count = self.excess.partition_point(|y| *y < excess_max);
+    /// How many ways have an excess less than that.
+    fn count(&self, excess_max: f64) -> usize {
+        self.excess.partition_point(|y| *y < excess_max)
+    }
+
+    /// Σ weight × kernel(σ − first) over the ways that come first.
+    fn sum(&self, weights: &[f64], count: usize, kernel: impl Elementwise<f64>) -> f64 {
         let mut terms = [0.0; WAYS];
         let terms = &mut terms[..count];
         map_slice(&self.excess[..count], terms, kernel);
-        dot(&self.weights[..count], terms)
+        dot(&weights[..count], terms)
     }
 }
 
@@ -191,20 +203,7 @@ impl Elementwise<f64> for Fading {
     }
 }
 
-/// e^{−ry}/(first + y)
-struct Beyond {
-    r: f64,
-    first: f64,
-}
-
-impl Elementwise<f64> for Beyond {
-    #[inline(always)]
-    fn at(&self, y: f64) -> f64 {
-        exp_negative::<Double>(self.r * y).0 / (self.first + y)
-    }
-}
-
-/// (1 − e^{−r (first + y)})/(first + y)
+/// 1 − e^{−r (first + y)}
 struct Within {
     r: f64,
     first: f64,
@@ -213,8 +212,7 @@ struct Within {
 impl Elementwise<f64> for Within {
     #[inline(always)]
     fn at(&self, y: f64) -> f64 {
-        let sigma = self.first + y;
-        exp_negative::<Double>(self.r * sigma).1 / sigma
+        exp_negative::<Double>(self.r * (self.first + y)).1
     }
 }
 
@@ -242,19 +240,24 @@ impl Profile for BeamSingleScattering {
     fn eval_times_r(&self, r: f64) -> f64 {
         let r = self.relative(r);
         let (least, _) = exp_negative::<Double>(r * self.ways.first);
-        let sum = self.ways.sum(EXPONENT_MAX / r, Fading { r });
+        let sum = self.ways.sum(&self.ways.weights, self.ways.count(EXPONENT_MAX / r), Fading { r });
         (self.single_scattering_albedo / (4.0 * PI) * least * sum / self.mfp).min(f64::MAX)
     }
 
     fn enclosed(&self, r: f64) -> f64 {
-        let within = Within { r: self.relative(r), first: self.ways.first };
-        0.5 * self.single_scattering_albedo * self.ways.sum(f64::INFINITY, within)
+        let r = self.relative(r);
+        // Of the rest all lies within r
+        let ways = &self.ways;
+        let count = ways.count(EXPONENT_MAX / r - ways.first);
+        let near = ways.sum(&ways.weights_of_energy, count, Within { r, first: ways.first });
+        0.5 * self.single_scattering_albedo * (near + ways.energies_from[count])
     }
 
     fn beyond(&self, r: f64) -> f64 {
         let r = self.relative(r);
         let (least, _) = exp_negative::<Double>(r * self.ways.first);
-        let sum = self.ways.sum(EXPONENT_MAX / r, Beyond { r, first: self.ways.first });
+        let sum =
+            self.ways.sum(&self.ways.weights_of_energy, self.ways.count(EXPONENT_MAX / r), Fading { r });
         0.5 * self.single_scattering_albedo * least * sum
     }
 

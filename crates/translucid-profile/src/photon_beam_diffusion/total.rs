@@ -7,8 +7,9 @@
 
 use std::sync::LazyLock;
 
-use super::beam_dipole::{BeamDipole, UnitRule};
+use super::beam_dipole::{BeamDipole, UnitRule, dot};
 use crate::elementary::{Double, exp_negative};
+use crate::slices::{Elementwise, map_slice};
 
 /// Points of the double integral.
 const POINTS: [usize; 2] = [36, 16];
@@ -44,25 +45,39 @@ impl BeamDipole {
             LazyLock::new(|| [POINTS[0], POINTS[1], OBLIQUE_POINTS].map(UnitRule::new));
         let [outer, inner, inner_oblique] = &*RULES;
         let inner = if cos_theta < 1.0 { inner_oblique } else { inner };
+        let mut terms = [0.0; OBLIQUE_POINTS];
+        let terms = &mut terms[..inner.positions.len()];
         let mut sum = 0.0;
         for (x, weight) in outer.positions.iter().zip(&outer.weights) {
             // ρ = ρ_max x², since ρ counts near 0
             let rho = RHO_MAX * x * x;
             let mu_max = (EXPONENT_MAX * cos_theta / (3.0 * rho)).min(1.0);
-            let over_mu: f64 = (inner.positions.iter().zip(&inner.weights))
-                .map(|(x, weight)| weight * self.virtual_source(rho, mu_max * x, cos_theta))
-                .sum();
-            sum += weight * 2.0 * x * RHO_MAX * rho * rho * mu_max * over_mu;
+            map_slice(&inner.positions, terms, VirtualSources { dipole: *self, rho, mu_max, cos_theta });
+            sum += weight * 2.0 * x * RHO_MAX * rho * rho * mu_max * dot(&inner.weights, terms);
         }
         sum / cos_theta
     }
+}
 
-    fn virtual_source(&self, rho: f64, mu: f64, cos_theta: f64) -> f64 {
-        let (s, z) = (self.sigma_tr, rho * mu);
-        let height = z + 2.0 * self.z_b;
-        let d_v = (rho * rho + 4.0 * self.z_b * (z + self.z_b)).sqrt();
+/// The virtual sources whose real ones are ρ away from the exit, over μ/μ_max.
+struct VirtualSources {
+    dipole: BeamDipole,
+    rho: f64,
+    mu_max: f64,
+    cos_theta: f64,
+}
+
+impl Elementwise<f64> for VirtualSources {
+    #[inline(always)]
+    fn at(&self, x: f64) -> f64 {
+        let Self { dipole, rho, mu_max, cos_theta } = *self;
+        let BeamDipole { sigma_tr: s, z_b, fluence_weight, flux_weight, .. } = dipole;
+        let z = rho * (mu_max * x);
+        let height = z + 2.0 * z_b;
+        let d_v = (rho * rho + 4.0 * z_b * (z + z_b)).sqrt();
         let (arrives, _) = exp_negative::<Double>(2.0 * rho + 3.0 * z / cos_theta + s * d_v);
-        let flux = height * (1.0 + s * d_v) / (d_v * d_v);
-        arrives / d_v * (self.flux_weight * flux - self.fluence_weight)
+        let inverse = 1.0 / d_v;
+        let flux = height * (1.0 + s * d_v) * (inverse * inverse);
+        arrives * inverse * (flux_weight * flux - fluence_weight)
     }
 }
