@@ -25,7 +25,7 @@ use crate::roots::falling_root;
 /// For a forward-scattering medium pass the reduced albedo α', by similarity; see
 /// [`Medium::surface_albedo`](crate::Medium::surface_albedo).
 /// α is clamped to [0, 1]; NaN counts as 0.
-/// Takes some 20 µs (searchlight) or 0.2 ms (diffuse): for textures tabulate it.
+/// Takes tens of microseconds: for textures tabulate it.
 ///
 /// ```
 /// use translucid_profile::{Configuration, half_space_surface_albedo};

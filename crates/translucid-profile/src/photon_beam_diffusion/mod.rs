@@ -39,7 +39,7 @@ use crate::{Appearance, Medium, ParameterError, Profile};
 /// Without a boundary and with g = 0 the mean error ∫|R − R_exact| 2πr dr/A at the same A and mean free path is
 /// 2.8 % at A = 0.2, 7.1 % at 0.5 and 12.9 % at 0.8.
 /// The model's albedo is too high for its medium: A = 0.5 needs α' = 0.912, where the exact solution needs 0.938.
-/// Without absorption it is 1.093 (η = 1, g = 0), up to 1.4 for g = −0.9; so A = 1 is reached with some
+/// Without absorption it is 1.093 (η = 1, g = 0), 1.406 for g = −0.9; so A = 1 is reached with some
 /// absorption.
 /// For forward scattering it falls short of 1: 0.946 at η = 1, g = 0.9.
 ///
@@ -217,6 +217,17 @@ mod tests {
         assert!((most - white).abs() < 1e-14 && most < 0.95, "{error}");
         assert!(PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 3.1).is_err());
         assert!(PhotonBeamDiffusion::from_medium(&medium, f64::NAN).is_err());
+    }
+
+    /// As the documentation has them.
+    #[test]
+    fn albedos_are_too_high_for_their_media() {
+        let half = PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 1.0).expect("reached");
+        assert!((half.medium().alpha_prime() - 0.912).abs() < 5e-4, "{}", half.medium().alpha_prime());
+        for (g, expected) in [(0.0, 1.093), (-0.9, 1.406), (0.9, 0.946)] {
+            let white = PhotonBeamDiffusion::surface_albedo(0.0, g, 1.0).expect("valid");
+            assert!((white - expected).abs() < 5e-4, "{g}: {white}");
+        }
     }
 
     /// What makes the inversion unique.
