@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use super::beam_dipole::{BeamDipole, Exit, R_MAX, R_MIN};
 use super::energy_table::{EnergyTable, R_LAST};
-use super::near_field::{LN_R, NearField};
+use super::near_field::NearField;
 use super::require_eta;
 use super::total::TOTAL_POINTS;
 use crate::diffusion_boundary::DiffusionBoundary;
@@ -58,7 +58,7 @@ impl BeamMultipleScattering {
         let first = within_the_logarithm(&dipole, EnergyTable::r_first());
         let near = NearField::new(reflectance);
         let energies = EnergyTable::new(first, dipole.beyond_without_kappa(R_LAST), |r| {
-            if r < LN_R[1].exp() { near.eval(r) } else { reflectance(r) }
+            near.eval(r).unwrap_or_else(|| reflectance(r))
         });
         let evaluations_to_build = dipoles.get() + TOTAL_POINTS;
         Self { dipole, transport_mfp, total: dipole.total(1.0), energies, evaluations_to_build }
@@ -66,6 +66,9 @@ impl BeamMultipleScattering {
 
     /// Profile R(r) in σ'_t², r > 0 in transport mean free paths.
     fn reflectance(&self, r: f64) -> f64 {
+        if (EnergyTable::r_first()..=R_LAST).contains(&r) {
+            return self.energies.reflectance(r);
+        }
         self.dipole.eval(Exit::along_the_normal(r))
     }
 
@@ -159,6 +162,19 @@ mod tests {
                 let slope = (energy(-2.0) - 8.0 * energy(-1.0) + 8.0 * energy(1.0) - energy(2.0)) / 0.012;
                 let expected = 2.0 * PI * r * multiple.eval_times_r(r);
                 assert!((slope / expected - 1.0).abs() < 1e-6, "{absorbed} {eta} {r}: {slope} {expected}");
+            }
+        }
+    }
+
+    /// The polynomials against the integral over the beam, which has 11 digits itself.
+    #[test]
+    fn reflectance_is_the_integral_over_the_beam() {
+        for (absorbed, eta, multiple) in media() {
+            for i in 0..=600 {
+                let r = 0.9e-10 * (20.0 / 0.9e-10_f64).powf(f64::from(i) / 600.0);
+                let expected = multiple.dipole.eval(Exit::along_the_normal(r));
+                let off = (multiple.reflectance(r) / expected - 1.0).abs();
+                assert!(off < 1e-11, "{absorbed} {eta} {r}: {off:e}");
             }
         }
     }
