@@ -1,6 +1,6 @@
 //! The directional dipole for light along the normal: a radial profile, and its energy.
 //!
-//! Made for a surface albedo and tabulated it takes 55 µs where it took 430: panels that grow as the integrand allows,
+//! Made for a surface albedo and tabulated it takes 45 µs (η = 1) where it took 430: panels that grow as the integrand allows,
 //! vector code, and a table of the integral that has no closed form.
 
 use std::f64::consts::PI;

@@ -5,7 +5,7 @@
 //! Scattering*, Eurographics Symposium on Rendering 2013; restated in M. Pharr, W. Jakob and G. Humphreys,
 //! *Physically Based Rendering*, third edition 2016, section 15.5.
 //!
-//! Made for a surface albedo and tabulated it takes 260 µs (η = 1) where it took 450: polynomials stand for the integrals
+//! Made for a surface albedo and tabulated it takes 270 µs (η = 1) where it took 450: polynomials stand for the integrals
 //! over the beam (`energy_table`, `near_field`), and virtual sources are vector code (`total`).
 
 mod beam_dipole;
