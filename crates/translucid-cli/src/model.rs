@@ -6,7 +6,7 @@ use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use translucid_profile::{
     AlbedoTable, Appearance, Configuration, Medium, Model, NormalizedDiffusion, ParameterError,
-    Parameterization, Profile, ProfileView, TabulatedProfile,
+    Parameterization, Profile, ProfileView, SumOfGaussians, TabulatedProfile,
 };
 use translucid_scene::{SubsurfaceModel, load_profile_table};
 
@@ -91,9 +91,12 @@ pub(crate) struct ModelArguments {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["model", "sigma_a", "configuration", "eta", "g"]
+        conflicts_with_all = ["model", "terms", "sigma_a", "configuration", "eta", "g"]
     )]
     table: Option<PathBuf>,
+    /// Number of Gaussians, 1 to 6, for the model gaussians [default: 6]
+    #[arg(long, value_name = "K", value_parser = parse_terms)]
+    terms: Option<usize>,
     /// Surface albedo A, in [0, 1]
     #[arg(long, value_name = "A", allow_negative_numbers = true, required_unless_present = "sigma_a")]
     surface_albedo: Option<f64>,
@@ -186,7 +189,27 @@ impl Sampler {
     }
 }
 
+fn parse_terms(text: &str) -> Result<usize, String> {
+    let most = SumOfGaussians::MAX_TERMS;
+    let terms = text.parse().ok().filter(|terms| (1..=most).contains(terms));
+    terms.ok_or_else(|| format!("a number of Gaussians is in [1, {most}]"))
+}
+
+fn gaussians(
+    appearance: &Appearance,
+    configuration: Configuration,
+    terms: usize,
+) -> Result<Box<dyn Profile>, ParameterError> {
+    let Appearance { surface_albedo, length, parameterization, .. } = *appearance;
+    Ok(Box::new(SumOfGaussians::new(surface_albedo, length, parameterization, configuration, terms)?))
+}
+
 impl ModelArguments {
+    /// The file that the profile is read from, if it is.
+    pub(crate) fn table_file(&self) -> Option<&Path> {
+        self.table.as_deref()
+    }
+
     /// What draws radii from the profile that the options describe.
     pub(crate) fn sampler(&self) -> Result<Sampler, Failure> {
         let profile = self.profile()?;
@@ -206,25 +229,35 @@ impl ModelArguments {
             return Err(Failure::input("the model none has no profile"));
         };
         self.require_known(model)?;
-        let profile = match (self.sigma_a, self.sigma_s) {
-            (Some(sigma_a), Some(sigma_s)) => Medium::new(sigma_a, sigma_s, self.g).and_then(|medium| {
-                model.profile_of_medium(&medium, self.configuration(model, Parameterization::Mfp), self.eta)
-            }),
-            _ => {
-                let appearance = self.appearance()?;
-                let configuration = self.configuration(model, appearance.parameterization);
-                model.profile(&appearance, configuration, self.eta)
+        let fail = |error| self.name_option(model, error);
+        if let (Some(sigma_a), Some(sigma_s)) = (self.sigma_a, self.sigma_s) {
+            let medium = Medium::new(sigma_a, sigma_s, self.g).map_err(fail)?;
+            let configuration = self.configuration(model, Parameterization::Mfp);
+            if let Some(terms) = self.terms {
+                let surface_albedo = medium.surface_albedo(configuration);
+                let (length, parameterization) = (medium.transport_mfp(), Parameterization::Mfp);
+                let similar = Appearance { surface_albedo, length, parameterization, g: 0.0 };
+                return gaussians(&similar, configuration, terms).map_err(fail);
             }
-        };
-        profile.map_err(|error| self.name_option(model, error))
+            return model.profile_of_medium(&medium, configuration, self.eta).map_err(fail);
+        }
+        let appearance = self.appearance()?;
+        let configuration = self.configuration(model, appearance.parameterization);
+        match self.terms {
+            Some(terms) => gaussians(&appearance, configuration, terms),
+            None => model.profile(&appearance, configuration, self.eta),
+        }
+        .map_err(fail)
     }
 
     /// The profile of a table from a file: its shape at the surface albedo and length asked for.
     fn tabulated(&self, path: &Path) -> Result<Box<dyn Profile>, Failure> {
         let table = load_profile_table(path)?.table()?;
-        let Appearance { surface_albedo, length, .. } = self.appearance()?;
-        let valid = Model::default().profile(&self.appearance()?, Configuration::default(), 1.0);
-        valid.map_err(|error| self.name_option(Model::default(), error))?;
+        let appearance = self.appearance()?;
+        let Appearance { surface_albedo, length, .. } = appearance;
+        // Normalized diffusion takes what a table takes: any albedo in [0, 1], and any length
+        let like = Model::NormalizedDiffusion;
+        like.profile(&appearance, Configuration::default(), 1.0).map_err(|e| self.name_option(like, e))?;
         Ok(Box::new(TableProfile { table, surface_albedo, length }))
     }
 
@@ -260,8 +293,12 @@ impl ModelArguments {
         }
     }
 
-    /// Refuses a boundary or phase function that the model knows nothing of.
+    /// Refuses a number of terms, a boundary or a phase function that the model knows nothing of.
     fn require_known(&self, model: Model) -> Result<(), Failure> {
+        if self.terms.is_some() && model != Model::Gaussians {
+            let message = format!("--terms is for --model gaussians, but the model is {model}");
+            return Err(Failure::input(message));
+        }
         if model.knows_boundary() {
             return Ok(());
         }

@@ -186,7 +186,8 @@ fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
 fn inputs<'a>(arguments: &'a Arguments, scene: &'a Scene) -> impl Iterator<Item = &'a Path> {
     let images = scene.images.iter().filter_map(|image| image.path.as_deref());
     let meshes = arguments.mesh.iter().map(|(_, path)| path.as_path());
-    arguments.scene.as_deref().into_iter().chain(meshes).chain(images)
+    let tables = scene.profile_tables.iter().map(|table| table.path.as_path());
+    arguments.scene.as_deref().into_iter().chain(meshes).chain(images).chain(tables)
 }
 
 fn scene_name(arguments: &Arguments) -> String {

@@ -7,13 +7,16 @@ use crate::model::ModelArguments;
 use crate::table::TableArguments;
 
 const EXAMPLES: &str = "\
-Column: r, in the unit of --mfp or --dmfp; its density is 2 pi r R(r) / A.
+Column: r, in the unit of --mfp or --dmfp, with --sigma-a and --sigma-s in its inverse.
+Its density is 2 pi r R(r) / A.
 normalized-diffusion is sampled in closed form, every other model by a table of its cdf (error below 1e-4).
 Number i of a seed is the same whatever the count.
 
 Examples:
   translucid sample --surface-albedo 0.8 --mfp 1 --count 1000
-  translucid sample --surface-albedo 0.8 --mfp 1 --count 1000000 --seed 7 -o radii.csv";
+  translucid sample --surface-albedo 0.8 --mfp 1 --count 1000000 --seed 7 -o radii.csv
+  translucid sample --model dipole --sigma-a 0.0021 --sigma-s 2.19 --count 1000
+  translucid sample --table measured.csv --surface-albedo 0.8 --mfp 2 --count 1000";
 
 /// Draws radii from a reflectance profile
 #[derive(Args, Debug)]
@@ -33,6 +36,7 @@ pub(crate) struct Arguments {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    arguments.table.spare(arguments.model.table_file())?;
     let sampler = arguments.model.sampler()?;
     let radius = |index| [sampler.sample(random(arguments.seed, index))];
     arguments.table.write(["r"], (0..arguments.count).map(radius))

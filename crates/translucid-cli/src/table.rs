@@ -1,5 +1,6 @@
 //! Tables of numbers: CSV or JSON, to stdout or a file.
 
+use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -39,6 +40,21 @@ impl TableArguments {
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_render::check_writable(path)?))
+    }
+
+    /// Refuses to write over a file that is read, whatever paths both go by.
+    pub(crate) fn spare(&self, input: Option<&Path>) -> Result<(), Failure> {
+        let (Some(output), Some(input)) = (self.output(), input) else { return Ok(()) };
+        match (fs::canonicalize(output), fs::canonicalize(input)) {
+            (Ok(written), Ok(read)) if written == read => {
+                let message = format!(
+                    "--output is {}, a file that is read, and would be written over",
+                    output.display()
+                );
+                Err(Failure::input(message).with_help("choose another file for the printed table"))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Writes a table row by row; a reader that closes stdout early ends it without an error.

@@ -268,6 +268,17 @@ fn render_never_writes_over_its_inputs() {
         assert_eq!(files(&directory), files_before, "{words}");
     }
     stdout(&directory, "render bark.toml -q --spp 1 -o other.png");
+
+    // A table of profiles, whatever its name
+    let table = "r,reflectance\n0.1,5\n1,1\n2,0.4\n4,0.05\n";
+    fs::write(directory.join("table.png"), table).unwrap();
+    let colored = "subsurface_color = [0.8, 0.5, 0.3]";
+    let scene = BALL.replace(colored, &format!("{colored}\nsubsurface_table = \"table.png\""));
+    fs::write(directory.join("measured.toml"), scene).unwrap();
+    let output = run(&directory, "render measured.toml --spp 2 -o table.exr");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("written over"), "{}", stderr(&output));
+    assert_eq!(fs::read_to_string(directory.join("table.png")).unwrap(), table);
 }
 
 #[test]

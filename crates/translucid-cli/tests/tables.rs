@@ -6,7 +6,9 @@ use std::io::Read;
 use std::process::Stdio;
 
 use common::{run, stderr, stdout, translucid};
-use translucid_profile::{Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization};
+use translucid_profile::{
+    Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile, SumOfGaussians,
+};
 
 const MODEL: &str = "--surface-albedo 0.8 --mfp 2";
 
@@ -133,6 +135,49 @@ fn profile_reads_a_table_of_its_own() {
     for (found, expected) in table.iter().zip(&source) {
         assert!((found[1] / expected[1] - 1.0).abs() < 3e-3, "{found:?} {expected:?}");
         assert!((found[2] / expected[2] - 1.0).abs() < 1e-3, "{found:?} {expected:?}");
+    }
+}
+
+#[test]
+fn terms_choose_the_number_of_gaussians() {
+    for terms in 1..=SumOfGaussians::MAX_TERMS {
+        let model =
+            format!("profile --model gaussians --terms {terms} --configuration searchlight --at 0.1,1,9");
+        let medium = Medium::new(0.2, 1.0, 0.3).unwrap();
+        let of_medium = medium.surface_albedo(Configuration::Searchlight);
+        for (options, surface_albedo, length) in [
+            ("--surface-albedo 0.6 --mfp 2", 0.6, 2.0),
+            ("--sigma-a 0.2 --sigma-s 1 --g 0.3", of_medium, medium.transport_mfp()),
+        ] {
+            let (parameterization, configuration) = (Parameterization::Mfp, Configuration::Searchlight);
+            let expected =
+                SumOfGaussians::new(surface_albedo, length, parameterization, configuration, terms).unwrap();
+            let rows = numbers(&stdout(&here(), &format!("{model} {options}")));
+            for (row, r) in rows.iter().zip([0.1, 1.0, 9.0]) {
+                assert_eq!(row, &[r, expected.eval(r), expected.enclosed(r)], "{terms} {options}");
+            }
+        }
+    }
+}
+
+/// The table that is printed must not take the place of the one that it is printed from.
+#[test]
+fn table_that_is_read_is_not_written_over() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path().join("table.csv");
+    let text = "r,reflectance\n0.1,5\n1,1\n2,0.4\n4,0.05\n";
+    std::fs::write(&path, text).unwrap();
+    std::fs::create_dir(directory.path().join("folder")).unwrap();
+    for words in [
+        "profile --at 1 -o table.csv",
+        "profile --at 1 -o ./folder/../table.csv",
+        "sample --count 3 -o table.csv",
+    ] {
+        let output =
+            run(directory.path(), &format!("{words} --table table.csv --surface-albedo 0.5 --mfp 1"));
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(stderr(&output).contains("--output") && stderr(&output).contains("written over"), "{words}");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "{words}");
     }
 }
 
@@ -272,6 +317,9 @@ fn wrong_options_are_refused_with_a_reason() {
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --g 1", "--g is 1"),
         ("profile --surface-albedo 0.8 --mfp 0 --at 1 --model dipole", "Lambertian"),
         ("profile --surface-albedo 1 --dmfp 1 --at 1 --model dipole", "--surface-albedo is 1"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --terms 2", "--terms is for --model gaussians"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model gaussians --terms 7", "in [1, 6]"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model gaussians --terms 0", "in [1, 6]"),
         ("profile --sigma-a 1 --at 1 --model dipole", "--sigma-s"),
         ("profile --sigma-a -1 --sigma-s 1 --at 1 --model dipole", "--sigma-a is -1"),
         ("profile --sigma-a 1 --sigma-s 1 --mfp 1 --at 1 --model dipole", "--mfp"),
