@@ -85,6 +85,10 @@ impl Source<'_> {
             bits_of_octaves.push(octave.bits);
             cells.extend(octave.cells);
             end = octave.end;
+            // An octave that is not full is the last one: the cells of the next would not be where they are sought
+            if end.beyond < TAIL_SHARE {
+                break;
+            }
         }
         let mut tail = Tail::new(&end);
         make_consistent(&mut cells, &mut tail);

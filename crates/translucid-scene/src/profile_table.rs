@@ -26,12 +26,17 @@ impl ProfileTable {
     pub fn table(&self) -> Result<AlbedoTable, SceneError> {
         let albedos: Vec<f64> = self.rows.iter().map(|row| row.surface_albedo.unwrap_or(1.0)).collect();
         let mut rows = self.rows.iter();
+        let mut current = None;
         AlbedoTable::new(&albedos, |surface_albedo| {
             let row = rows.next().expect("one call for each albedo");
+            current = row.surface_albedo;
             let profile = TabulatedProfile::new(&SampledProfile::new(&row.radii, &row.reflectances)?);
             Ok(Box::new(profile.scaled(1.0, surface_albedo)?))
         })
-        .map_err(|error| SceneError::at(Place::file(&self.path), error.to_string()))
+        .map_err(|error| {
+            let of = current.map_or(String::new(), |a| format!("the profile of surface_albedo {a}: "));
+            SceneError::at(Place::file(&self.path), format!("{of}{error}"))
+        })
     }
 }
 

@@ -15,6 +15,9 @@ const FEWEST_RADII: usize = 4;
 /// Most rows of a file: a profile has some hundred radii.
 const MOST_LINES: usize = 1_000_000;
 
+/// Most profiles of a file: each becomes a table of some 60 KB.
+const MOST_PROFILES: usize = 1000;
+
 /// Loads a table of reflectance profiles.
 ///
 /// # Errors
@@ -55,20 +58,26 @@ struct Columns {
 
 impl Columns {
     fn find(header: &StringRecord, path: &Path) -> Result<Self, SceneError> {
-        let find = |name: &str| header.iter().position(|column| column.eq_ignore_ascii_case(name));
-        let require = |name: &str| {
-            find(name).ok_or_else(|| {
-                let found = header.iter().collect::<Vec<_>>().join(", ");
-                let message = format!("there is no column \"{name}\"; the first line has {found}");
-                SceneError::at(Place::line(path, 1), message)
-                    .with_help("a profile's columns are r,reflectance and optionally surface_albedo")
-            })
+        let fail = |message: String| {
+            SceneError::at(Place::line(path, 1), message).with_help(
+                "a profile's columns are r,reflectance and optionally surface_albedo, separated by commas",
+            )
         };
-        Ok(Self {
-            r: require("r")?,
-            reflectance: require("reflectance")?,
-            surface_albedo: find("surface_albedo"),
-        })
+        let find = |name: &str| {
+            let mut columns = (0..header.len()).filter(|&i| header[i].eq_ignore_ascii_case(name));
+            let first = columns.next();
+            match columns.next() {
+                Some(_) => Err(fail(format!("there are two columns \"{name}\""))),
+                None => Ok(first),
+            }
+        };
+        let require = |name: &str| {
+            let found = header.iter().collect::<Vec<_>>().join(", ");
+            let message = || fail(format!("there is no column \"{name}\"; the first line has \"{found}\""));
+            find(name)?.ok_or_else(message)
+        };
+        let (r, reflectance) = (require("r")?, require("reflectance")?);
+        Ok(Self { r, reflectance, surface_albedo: find("surface_albedo")? })
     }
 }
 
@@ -98,6 +107,9 @@ fn add(
         return Err(fail(format!("surface_albedo is {a}, but must be in [0, 1]")));
     }
     let known = rows.iter().position(|row| row.surface_albedo == surface_albedo);
+    if known.is_none() && rows.len() == MOST_PROFILES {
+        return Err(fail(format!("more than {MOST_PROFILES} surface albedos")));
+    }
     let index = known.unwrap_or_else(|| {
         rows.push(ProfileRow { surface_albedo, radii: Vec::new(), reflectances: Vec::new() });
         rows.len() - 1
@@ -161,18 +173,84 @@ mod tests {
     #[test]
     fn table_takes_the_columns_it_knows() {
         let table =
-            parse("r,enclosed,Reflectance\n0.1,0,3\n# noise\n 0.2 ,0,2\n0.4,0,1e-1\n1,0,0\n").unwrap();
+            parse("r,enclosed,Reflectance\n0.1,0,3\n# noise\n 0.2 ,0,2\n0.4,0,1e-1\n1,0,0.01\n2,0,0\n")
+                .unwrap();
         let row = ProfileRow {
             surface_albedo: None,
-            radii: vec![0.1, 0.2, 0.4, 1.0],
-            reflectances: vec![3.0, 2.0, 0.1, 0.0],
+            radii: vec![0.1, 0.2, 0.4, 1.0, 2.0],
+            reflectances: vec![3.0, 2.0, 0.1, 0.01, 0.0],
         };
         assert_eq!(table.rows, [row]);
     }
 
     #[test]
+    fn table_is_read_as_other_programs_write_it() {
+        let plain = "r,reflectance\n0.1,5\n1,1\n2,0.4\n4,0.05\n";
+        let expected = parse(plain).unwrap();
+        assert_eq!(parse(&format!("\u{feff}{}", plain.replace('\n', "\r\n"))).unwrap(), expected);
+        assert_eq!(parse("\"r\",\"reflectance\"\n\n0.1,5\n1,1\n2,0.4\n4,0.05").unwrap(), expected);
+    }
+
+    #[test]
+    fn table_may_span_all_radii() {
+        for text in [
+            "r,reflectance\n1e-100,1\n1e-99,1\n1e99,1e-200\n1e100,0\n",
+            "r,reflectance\n1e-100,1\n1e-99,1\n1e99,1e-200\n1e100,1e-290\n",
+            "r,reflectance\n1e-100,1e200\n2e-100,1e199\n3e-100,1e198\n4e-100,1e197\n",
+            "r,reflectance\n1e99,1e-300\n2e99,1e-301\n3e99,1e-302\n4e99,1e-303\n",
+        ] {
+            let Ok(table) = parse(text) else { continue };
+            let table = table.table().unwrap();
+            let view = table.at(0.5, 1.0);
+            for i in -1100..=1100 {
+                let r = 10.0_f64.powf(0.1 * f64::from(i));
+                let (density, within) = (view.eval(r), view.enclosed(r));
+                assert!(density >= 0.0 && density.is_finite(), "{text} {r}: {density}");
+                assert!((0.0..=0.5 * (1.0 + 1e-12)).contains(&within), "{text} {r}: {within}");
+            }
+        }
+    }
+
+    /// Changed, lost and repeated bytes: a table or an error, and a table can be evaluated and sampled.
+    #[test]
+    fn table_survives_any_change_of_its_bytes() {
+        let seed =
+            b"surface_albedo,r,reflectance\n0.2,1e-1,5\n0.2,1,1\n0.2,2,0.4\n0.2,4,.05\n0.8,1,1\n0.8,2,.5\n\
+                     0.8,3,0.3\n0.8,9,1e-4\n";
+        let letters = b"0123456789eE+-.,\n\r\"#; naif\xff";
+        let mut state = 7_u64;
+        let mut random = |n: usize| {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            ((state >> 33) as usize) % n
+        };
+        let mut accepted = 0;
+        for _ in 0..3000 {
+            let mut bytes = seed.to_vec();
+            for _ in 0..=random(3) {
+                let (at, letter) = (random(bytes.len()), letters[random(letters.len())]);
+                match random(4) {
+                    0 => bytes[at] = letter,
+                    1 => bytes.insert(at, letter),
+                    2 => drop(bytes.remove(at)),
+                    _ => bytes.extend_from_within(at..),
+                }
+            }
+            let Ok(table) = parse_profile_table(&bytes, Path::new("table.csv")) else { continue };
+            accepted += 1;
+            let table = table.table().unwrap();
+            for (a, u) in [(0.0, 0.0), (0.2, 0.3), (0.5, 0.7), (1.0, 1.0)] {
+                let view = table.at(a, 1.0);
+                let r = view.sample(u);
+                let values = [r, view.eval(r), view.enclosed(r), view.pdf(r)];
+                assert!(values.iter().all(|x| x.is_finite() && *x >= 0.0), "{values:?} of {bytes:?}");
+            }
+        }
+        assert!(accepted > 50, "{accepted}");
+    }
+
+    #[test]
     fn table_sorts_profiles_by_albedo() {
-        let lines = |a: &str| (1..=4).map(|r| format!("{a},{r},{r}\n")).collect::<String>();
+        let lines = |a: &str| (1..=4).map(|r| format!("{a},{r},1e-{r}\n")).collect::<String>();
         let text = format!("surface_albedo,r,reflectance\n{}{}", lines("0.8"), lines("0.2"));
         let albedos: Vec<_> = parse(&text).unwrap().rows.iter().map(|row| row.surface_albedo).collect();
         assert_eq!(albedos, [Some(0.2), Some(0.8)]);
@@ -183,8 +261,10 @@ mod tests {
         refuse("", "there is no column \"r\"");
         refuse(
             "radius,reflectance\n1,1\n",
-            "there is no column \"r\"; the first line has radius, reflectance",
+            "there is no column \"r\"; the first line has \"radius, reflectance\"",
         );
+        refuse("r;reflectance\n1;1\n", "there is no column \"r\"; the first line has \"r;reflectance\"");
+        refuse("r,R,reflectance\n1,1,1\n", "there are two columns \"r\"");
         refuse("r,reflectance\n", "no lines");
         refuse("r,reflectance\n1,x\n", "table.csv:2: reflectance is \"x\", but must be a number");
         refuse("r,reflectance\n1\n", "table.csv:2: the line has 1 values");
@@ -195,6 +275,15 @@ mod tests {
         refuse("r,reflectance\n1,1\n2,1\n3,1\n", "has 3 radii, but needs at least 4");
         refuse("r,reflectance\n1,0\n2,0\n3,0\n4,0\n", "is 0 everywhere");
         refuse("r,reflectance,surface_albedo\n1,1,1.5\n", "surface_albedo is 1.5");
+        refuse(
+            "surface_albedo,r,reflectance\n0.3,1,1\n0.3,2,2\n0.3,3,9\n0.3,4,27\n",
+            "the profile of surface_albedo 0.3: ",
+        );
+        let many: String = (0..=MOST_PROFILES).map(|i| format!("{},1,1\n", 1e-4 * i as f64)).collect();
+        refuse(
+            &format!("surface_albedo,r,reflectance\n{many}"),
+            "table.csv:1002: more than 1000 surface albedos",
+        );
         let error = parse_profile_table(b"r,reflectance\n1,\xff\n", Path::new("t")).unwrap_err();
         assert!(error.message.contains("UTF-8"), "{error}");
     }
