@@ -2,9 +2,9 @@
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
 use crate::exact_table::ExactTable;
-use crate::{
-    Configuration, Parameterization, Profile, TabulatedProfile, half_space_single_scattering_albedo,
-};
+use crate::half_space::half_space_absorption;
+use crate::media::transport_mfp_over_dmfp;
+use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
 
 /// Reflectance profile of a half space that scatters isotropically (g = 0) without a boundary (η = 1), exact.
 ///
@@ -34,6 +34,8 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct ExactProfile {
     table: TabulatedProfile,
+    /// How often the exact surface albedo was evaluated, for the inversion that a dmfp needs.
+    evaluations: u32,
 }
 
 impl ExactProfile {
@@ -41,11 +43,11 @@ impl ExactProfile {
     /// parameterization says, the diffuse mean free path with Grosjean's D
     /// ([`Medium::dmfp`](crate::Medium::dmfp)).
     ///
-    /// A diffuse mean free path takes up to 2 ms to convert, a mean free path 10 µs in all.
+    /// A diffuse mean free path takes up to 0.3 ms to convert, a mean free path 10 µs in all.
     ///
     /// # Errors
-    /// A parameter is outside its range, or A is so close to 1 that there is no absorption, with a diffuse mean
-    /// free path, or the mean free path is not in \[1e-150, 1e150\].
+    /// A parameter is outside its range, A is 1 with a diffuse mean free path, or the mean free path is not in
+    /// \[1e-150, 1e150\].
     pub fn new(
         surface_albedo: f64,
         length: f64,
@@ -54,23 +56,22 @@ impl ExactProfile {
     ) -> Result<Self, ParameterError> {
         require_fraction("surface_albedo", surface_albedo)?;
         require_positive("length", length)?;
-        let mfp = match parameterization {
-            Parameterization::Mfp => length,
+        let (mfp, evaluations) = match parameterization {
+            Parameterization::Mfp => (length, 0),
             Parameterization::Dmfp => {
-                let alpha = half_space_single_scattering_albedo(surface_albedo, configuration);
-                require(alpha < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
-                // ℓ/ℓ_d = √(3 (1 − α)/(2 − α)), as in `Medium::from_dmfp`
-                length * (3.0 * (1.0 - alpha) / (2.0 - alpha)).sqrt()
+                require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
+                let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
+                (length * transport_mfp_over_dmfp(absorbed), evaluations)
             }
         };
         require(
             (1e-150..=1e150).contains(&mfp),
             "length",
-            mfp,
+            length,
             "such that the mean free path is in [1e-150, 1e150]",
         )?;
         let table = ExactTable::of(configuration).at(surface_albedo);
-        Ok(Self { table: TabulatedProfile::from_table(table, mfp, surface_albedo) })
+        Ok(Self { table: TabulatedProfile::from_table(table, mfp, surface_albedo), evaluations })
     }
 
     /// Mean free path ℓ \[L\].
@@ -110,7 +111,7 @@ impl Profile for ExactProfile {
     }
 
     fn evaluations_to_build(&self) -> u32 {
-        0
+        self.evaluations
     }
 }
 
@@ -149,7 +150,7 @@ mod tests {
         for a in [0.0, 0.2, 0.8, 0.999] {
             let configuration = Configuration::Searchlight;
             let by_dmfp = ExactProfile::new(a, 3.0, Parameterization::Dmfp, configuration).expect("valid");
-            let alpha = half_space_single_scattering_albedo(a, configuration);
+            let alpha = crate::half_space_single_scattering_albedo(a, configuration);
             let medium = crate::Medium::from_mfp(alpha, by_dmfp.mfp(), 0.0).expect("valid");
             assert!((medium.dmfp() / 3.0 - 1.0).abs() < 1e-9, "{a}: {}", medium.dmfp());
         }
@@ -166,6 +167,8 @@ mod tests {
             assert!(new(a, length, Parameterization::Mfp).is_err(), "{a} {length}");
         }
         assert!(new(1.0, 1.0, Parameterization::Dmfp).is_err());
+        assert!(new(1.0f64.next_down(), 1.0, Parameterization::Dmfp).is_ok());
+        assert_eq!(new(0.5, 1e200, Parameterization::Dmfp).map_err(|error| error.value).err(), Some(1e200));
         assert!(
             new(1.0, 1.0, Parameterization::Mfp).is_ok() && new(0.0, 1.0, Parameterization::Dmfp).is_ok()
         );

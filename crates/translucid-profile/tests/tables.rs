@@ -92,6 +92,50 @@ fn table_has_the_cdf_of_its_source() {
     }
 }
 
+/// Normalized diffusion that gives a length far from where its energy is.
+struct Misleading(f64);
+
+impl Profile for Misleading {
+    fn eval_times_r(&self, r: f64) -> f64 {
+        diffusion(0.5, 1.0).eval_times_r(r)
+    }
+
+    fn enclosed(&self, r: f64) -> f64 {
+        diffusion(0.5, 1.0).enclosed(r)
+    }
+
+    fn beyond(&self, r: f64) -> f64 {
+        Profile::beyond(&diffusion(0.5, 1.0), r)
+    }
+
+    fn total(&self) -> f64 {
+        0.5
+    }
+
+    fn scale(&self) -> f64 {
+        self.0
+    }
+
+    fn evaluations_to_build(&self) -> u32 {
+        0
+    }
+}
+
+#[test]
+fn table_does_not_rest_on_the_scale() {
+    let expected = diffusion(0.5, 1.0);
+    for scale in [1e-6, 1e-3, 0.1, 10.0, 40.0, 200.0, 1e3, 1e6] {
+        let table = TabulatedProfile::new(&Misleading(scale));
+        for r in radii(1.0) {
+            let (found, expected) = (table.cdf(r), expected.cdf(r));
+            assert!(
+                (found - expected).abs() < 1e-5 * expected.max(1e-5),
+                "{scale} at {r}: {found} {expected}"
+            );
+        }
+    }
+}
+
 #[test]
 fn cdf_rises_to_one_and_quantile_inverts_it() {
     for (name, source) in sources() {
