@@ -299,7 +299,10 @@ fn wrong_input_is_told_what_is_allowed() {
         ("--from rendermann:dmfp=2 --surface-albedo 0.5", "did you mean renderman?"),
         ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-random-walk"),
         ("--from maya:dmfp=2 --surface-albedo 0.5", "known are translucid"),
-        ("--from renderman:dmpf=2 --surface-albedo 0.5", "known are dmfp, dmfpColor, unitLength"),
+        (
+            "--from renderman:dmpf=2 --surface-albedo 0.5",
+            "did you mean dmfp? Known are dmfp, dmfpColor, unitLength",
+        ),
         ("--from renderman:dmf=2 --surface-albedo 0.5", "did you mean dmfp"),
         ("--from renderman --surface-albedo 0.5", "must be SYSTEM:PARAMETER=VALUE"),
         ("--from renderman:dmfp=x --surface-albedo 0.5", "must be a number, or three"),
