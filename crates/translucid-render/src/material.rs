@@ -98,18 +98,23 @@ pub(crate) fn subsurface_at(
     }
     let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
     let length = color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius;
-    let scale = |channel: usize| {
-        let length = match source {
-            ProfileSource::NormalizedDiffusion => d_from_surface_albedo_f32(
+    // Below the rounding error of a position the profile is a point: the Lambertian limit.
+    let scale = |channel: usize| match source {
+        ProfileSource::NormalizedDiffusion => {
+            let d = d_from_surface_albedo_f32(
                 albedo[channel],
                 length[channel],
                 material.subsurface_parameter,
                 material.subsurface_configuration,
-            ),
-            ProfileSource::Table(_) | ProfileSource::Directional { .. } => length[channel],
-        };
-        // Below the rounding error of a position the profile is a point: the Lambertian limit.
-        if length > point.offset { length } else { 0.0 }
+            );
+            if d > point.offset { d } else { 0.0 }
+        }
+        ProfileSource::Table(table) | ProfileSource::Directional { table, .. } => {
+            let length = length[channel];
+            let profile = materials.profile_tables.table(table).at(albedo[channel], length);
+            // The length says little of the width: a file's radii may be in any unit
+            if length > 0.0 && profile.cdf(point.offset) < 0.5 { length } else { 0.0 }
+        }
     };
     Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }
 }

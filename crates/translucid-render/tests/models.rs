@@ -173,3 +173,22 @@ fn table_from_a_file_gives_the_picture_of_its_model() {
     let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
     assert_within("table", result, beyond(Model::Dipole, 0.7) / std::f32::consts::PI);
 }
+
+/// A profile too narrow for positions to tell, whatever the length that its file counts in: a Lambertian surface.
+#[test]
+fn narrow_table_is_the_lambertian_limit() {
+    for unit in [1e-100, 1e-30, 1e-12] {
+        let row = ProfileRow {
+            surface_albedo: None,
+            radii: [0.1, 1.0, 2.0, 4.0].map(|r| r * unit).to_vec(),
+            reflectances: vec![5.0, 1.0, 0.4, 0.05],
+        };
+        let plane = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
+        let mut scene = scene(vec![plane], material(SubsurfaceModel::Tabulated(0)));
+        scene.profile_tables = vec![ProfileTable { path: "narrow.csv".into(), rows: vec![row] }];
+        scene.environment = uniform_environment(Vec3::ONE);
+        let point = Vec3::new(3.3, 1.1, 0.0);
+        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 12);
+        assert_within(&format!("unit {unit:e}"), result, ALBEDO);
+    }
+}
