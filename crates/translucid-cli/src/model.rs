@@ -239,7 +239,12 @@ impl ModelArguments {
                 let similar = Appearance { surface_albedo, length, parameterization, g: 0.0 };
                 return gaussians(&similar, configuration, terms).map_err(fail);
             }
-            return model.profile_of_medium(&medium, configuration, self.eta).map_err(fail);
+            let profile = model.profile_of_medium(&medium, configuration, self.eta).map_err(fail)?;
+            if profile.total() > 1.0 + 1e-6 {
+                let total = profile.total();
+                messages::print_note(&format!("{model} sends back {total:.3} times the light that enters"));
+            }
+            return Ok(profile);
         }
         let appearance = self.appearance()?;
         let configuration = self.configuration(model, appearance.parameterization);

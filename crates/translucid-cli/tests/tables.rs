@@ -98,6 +98,20 @@ fn profile_takes_coefficients() {
     }
 }
 
+#[test]
+fn profile_says_when_more_leaves_than_enters() {
+    let note = |sigma_a: &str| {
+        let words = format!("profile --model directional-dipole --sigma-a {sigma_a} --sigma-s 1 --at 1");
+        stderr(&run(&here(), &words))
+    };
+    assert!(
+        note("0").contains("directional-dipole sends back 1.339 times the light that enters"),
+        "{}",
+        note("0")
+    );
+    assert!(!note("0.5").contains("sends back"));
+}
+
 /// The share of radii within each tenth of the energy: χ² over ten equal bins of 20,000 draws, 9 degrees of freedom,
 /// is above 33.7 with probability 1e-4 for each model.
 #[test]
