@@ -165,7 +165,7 @@ fn table_from_a_file_gives_the_picture_of_its_model() {
         let profile = Model::Dipole.profile(&appearance, Configuration::Diffuse, 1.0).unwrap();
         let radii: Vec<f64> = (0..240).map(|i| 1e-3 * 1.045_f64.powi(i)).collect();
         let reflectances = radii.iter().map(|&r| profile.eval(r)).collect();
-        ProfileRow { surface_albedo: Some(a), radii, reflectances }
+        ProfileRow { surface_albedo: Some(a), radii, reflectances, ..ProfileRow::default() }
     };
     let mut scene = slab(material(SubsurfaceModel::Tabulated(0)), 0.7);
     let rows = [0.2, 0.5, 0.9].map(row).to_vec();
@@ -182,6 +182,7 @@ fn narrow_table_is_the_lambertian_limit() {
             surface_albedo: None,
             radii: [0.1, 1.0, 2.0, 4.0].map(|r| r * unit).to_vec(),
             reflectances: vec![5.0, 1.0, 0.4, 0.05],
+            enclosed: Vec::new(),
         };
         let plane = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
         let mut scene = scene(vec![plane], material(SubsurfaceModel::Tabulated(0)));

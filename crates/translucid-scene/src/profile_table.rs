@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use translucid_profile::{AlbedoTable, SampledProfile, TabulatedProfile};
+use translucid_profile::{AlbedoTable, ParameterError, TabulatedProfile};
 
 use crate::{Place, SceneError};
 
@@ -30,8 +30,7 @@ impl ProfileTable {
         AlbedoTable::new(&albedos, |surface_albedo| {
             let row = rows.next().expect("one call for each albedo");
             current = row.surface_albedo;
-            let profile = TabulatedProfile::new(&SampledProfile::new(&row.radii, &row.reflectances)?);
-            Ok(Box::new(profile.scaled(1.0, surface_albedo)?))
+            Ok(Box::new(row.profile()?.scaled(1.0, surface_albedo)?))
         })
         .map_err(|error| {
             let of = current.map_or(String::new(), |a| format!("the profile of surface_albedo {a}: "));
@@ -41,7 +40,7 @@ impl ProfileTable {
 }
 
 /// The profile of one surface albedo.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ProfileRow {
     /// Surface albedo A in [0, 1], if the file says it.
     pub surface_albedo: Option<f64>,
@@ -49,4 +48,23 @@ pub struct ProfileRow {
     pub radii: Vec<f64>,
     /// R(r), finite and at least 0, one for each radius.
     pub reflectances: Vec<f64>,
+    /// Energy within r, finite and rising, one for each radius; empty where the file does not say it.
+    pub enclosed: Vec<f64>,
+}
+
+impl ProfileRow {
+    /// The numbers as a table in the radius: it keeps the energies, if they are known.
+    fn profile(&self) -> Result<TabulatedProfile, ParameterError> {
+        if self.enclosed.is_empty() {
+            return TabulatedProfile::from_samples(&self.radii, &self.reflectances);
+        }
+        // Where a tally has run out of photons there is nothing to keep
+        let dark = self.reflectances.iter().rev().take_while(|&&reflectance| reflectance == 0.0).count();
+        let count = self.radii.len() - dark;
+        TabulatedProfile::from_samples_and_enclosed(
+            &self.radii[..count],
+            &self.reflectances[..count],
+            &self.enclosed[..count],
+        )
+    }
 }

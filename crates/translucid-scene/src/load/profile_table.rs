@@ -1,6 +1,6 @@
 //! Tables of reflectance profiles: CSV with a header.
 //!
-//! Columns `r` and `reflectance`, optionally `surface_albedo`; others are ignored, so that what
+//! Columns `r` and `reflectance`, optionally `surface_albedo` and `enclosed`; others are ignored, so that what
 //! `translucid reference` prints can be read back.
 
 use std::path::Path;
@@ -54,13 +54,14 @@ struct Columns {
     r: usize,
     reflectance: usize,
     surface_albedo: Option<usize>,
+    enclosed: Option<usize>,
 }
 
 impl Columns {
     fn find(header: &StringRecord, path: &Path) -> Result<Self, SceneError> {
         let fail = |message: String| {
             SceneError::at(Place::line(path, 1), message).with_help(
-                "a profile's columns are r,reflectance and optionally surface_albedo, separated by commas",
+                "a profile's columns are r,reflectance and optionally surface_albedo and enclosed, separated by commas",
             )
         };
         let find = |name: &str| {
@@ -77,7 +78,7 @@ impl Columns {
             find(name)?.ok_or_else(message)
         };
         let (r, reflectance) = (require("r")?, require("reflectance")?);
-        Ok(Self { r, reflectance, surface_albedo: find("surface_albedo")? })
+        Ok(Self { r, reflectance, surface_albedo: find("surface_albedo")?, enclosed: find("enclosed")? })
     }
 }
 
@@ -97,6 +98,7 @@ fn add(
     let r = number(columns.r, "r")?;
     let reflectance = number(columns.reflectance, "reflectance")?;
     let surface_albedo = columns.surface_albedo.map(|column| number(column, "surface_albedo")).transpose()?;
+    let enclosed = columns.enclosed.map(|column| number(column, "enclosed")).transpose()?;
     if !(1e-100..=1e100).contains(&r) {
         return Err(fail(format!("r is {r}, but must be in [1e-100, 1e100]")));
     }
@@ -106,18 +108,28 @@ fn add(
     if let Some(a) = surface_albedo.filter(|a| !(0.0..=1.0).contains(a)) {
         return Err(fail(format!("surface_albedo is {a}, but must be in [0, 1]")));
     }
+    if let Some(energy) = enclosed.filter(|energy| !(0.0..=1e200).contains(energy)) {
+        return Err(fail(format!("enclosed is {energy}, but must be in [0, 1e200]")));
+    }
     let known = rows.iter().position(|row| row.surface_albedo == surface_albedo);
     if known.is_none() && rows.len() == MOST_PROFILES {
         return Err(fail(format!("more than {MOST_PROFILES} surface albedos")));
     }
     let index = known.unwrap_or_else(|| {
-        rows.push(ProfileRow { surface_albedo, radii: Vec::new(), reflectances: Vec::new() });
+        let row = ProfileRow { surface_albedo, ..ProfileRow::default() };
+        rows.push(row);
         rows.len() - 1
     });
     let row = &mut rows[index];
     if let Some(&before) = row.radii.last().filter(|&&before| before >= r) {
         return Err(fail(format!("r is {r}, but must be greater than {before}, the one before")));
     }
+    if let (Some(energy), Some(&before)) = (enclosed, row.enclosed.last())
+        && energy < before
+    {
+        return Err(fail(format!("enclosed is {energy}, but must be at least {before}, the one before")));
+    }
+    row.enclosed.extend(enclosed);
     row.radii.push(r);
     row.reflectances.push(reflectance);
     Ok(())
@@ -173,14 +185,31 @@ mod tests {
     #[test]
     fn table_takes_the_columns_it_knows() {
         let table =
-            parse("r,enclosed,Reflectance\n0.1,0,3\n# noise\n 0.2 ,0,2\n0.4,0,1e-1\n1,0,0.01\n2,0,0\n")
-                .unwrap();
+            parse("r,error,Reflectance\n0.1,0,3\n# noise\n 0.2 ,0,2\n0.4,0,1e-1\n1,0,0.01\n2,0,0\n").unwrap();
         let row = ProfileRow {
             surface_albedo: None,
             radii: vec![0.1, 0.2, 0.4, 1.0, 2.0],
             reflectances: vec![3.0, 2.0, 0.1, 0.01, 0.0],
+            enclosed: Vec::new(),
         };
         assert_eq!(table.rows, [row]);
+    }
+
+    /// R = e^−r/r with noise of 20 %, but energies without: the table has their shares, 1 − e^−r.
+    #[test]
+    fn table_keeps_energies() {
+        let line = |i: i32| {
+            let r = 0.05 * 1.12_f64.powi(i);
+            let noise = if i % 2 == 0 { 1.2 } else { 0.8 };
+            format!("{r},{},{}\n", noise * (-r).exp() / r, -2.0 * std::f64::consts::PI * (-r).exp_m1())
+        };
+        let text = format!("r,reflectance,enclosed\n{}", (0..50).map(line).collect::<String>());
+        let table = parse(&text).unwrap().table().unwrap();
+        for i in 0..50 {
+            let r = 0.05 * 1.12_f64.powi(i);
+            let share = table.at(0.8, 1.0).cdf(r);
+            assert!((share + (-r).exp_m1()).abs() < 1e-4, "{r}: {share}");
+        }
     }
 
     #[test]
@@ -275,6 +304,11 @@ mod tests {
         refuse("r,reflectance\n1,1\n2,1\n3,1\n", "has 3 radii, but needs at least 4");
         refuse("r,reflectance\n1,0\n2,0\n3,0\n4,0\n", "is 0 everywhere");
         refuse("r,reflectance,surface_albedo\n1,1,1.5\n", "surface_albedo is 1.5");
+        refuse("r,reflectance,enclosed\n1,1,-1\n", "table.csv:2: enclosed is -1");
+        refuse(
+            "r,reflectance,enclosed\n1,1,0.5\n2,1,0.4\n",
+            "table.csv:3: enclosed is 0.4, but must be at least 0.5",
+        );
         refuse(
             "surface_albedo,r,reflectance\n0.3,1,1\n0.3,2,2\n0.3,3,9\n0.3,4,27\n",
             "the profile of surface_albedo 0.3: ",
