@@ -10,7 +10,8 @@ use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
     Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
     DirectionalDipoleAverage, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole, SumOfGaussians,
+    TabulatedProfile,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -52,6 +53,19 @@ fn models() -> Vec<Model> {
                 let (albedo, length) = (a.surface_albedo, a.length);
                 let searchlight = Configuration::Searchlight;
                 Ok(Box::new(NormalizedDiffusion::new(albedo, length, a.parameterization, searchlight)?))
+            },
+            from_medium: None,
+            closed_total: None,
+            etas: &[1.0],
+            gs: &[0.0],
+            smooth: true,
+        },
+        Model {
+            name: "RefinedDiffusion",
+            new: |a, _| {
+                let (albedo, length) = (a.surface_albedo, a.length);
+                let searchlight = Configuration::Searchlight;
+                Ok(Box::new(RefinedDiffusion::new(albedo, length, a.parameterization, searchlight)?))
             },
             from_medium: None,
             closed_total: None,
