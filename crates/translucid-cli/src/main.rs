@@ -5,6 +5,7 @@
 
 mod convert;
 mod failure;
+mod fit;
 mod interrupt;
 mod machine;
 mod messages;
@@ -42,6 +43,7 @@ enum Verb {
     Profile(profile::Arguments),
     Sample(sample::Arguments),
     Reference(reference::Arguments),
+    Fit(fit::Arguments),
     Convert(convert::Arguments),
 }
 
@@ -51,6 +53,7 @@ Examples:
   translucid render bust.glb --preset marble --size 800x800 --spp 128
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
+  translucid fit --configuration searchlight --parameter mfp --family burley
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid help render";
 
@@ -78,6 +81,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Profile(arguments)) => profile::run(&arguments),
         Some(Verb::Sample(arguments)) => sample::run(&arguments),
         Some(Verb::Reference(arguments)) => reference::run(&arguments),
+        Some(Verb::Fit(arguments)) => fit::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
     }
 }

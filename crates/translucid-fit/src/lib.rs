@@ -4,6 +4,8 @@
 //!   [`Judge`] measures many profiles against one reference.
 //! - [`fit`]: least squares with mixtures of K members of a [`Family`] ([`Gaussian`], [`Exponential`], [`Burley`]), whose
 //!   weights are not negative and sum to 1.
+//! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
+//!   [`ScalingPolynomial`]s through it.
 //!
 //! Anything that is a [`Profile`](translucid_profile::Profile) can be the reference.
 //!
@@ -33,9 +35,14 @@
 mod family;
 mod l1_error;
 mod least_squares;
+mod minimum;
 mod mixture;
+mod scaling_fit;
+mod scaling_polynomial;
 
 pub use family::{Burley, Exponential, Family, Gaussian};
 pub use l1_error::{Judge, l1_error};
 pub use least_squares::{Fit, Target, fit};
 pub use mixture::Mixture;
+pub use scaling_fit::{ErrorSummary, ScalingFit, ScalingPoint};
+pub use scaling_polynomial::ScalingPolynomial;

@@ -1,0 +1,52 @@
+//! Errors of fits over many surface albedos, as text and as a table.
+
+use std::fmt::Write;
+
+use translucid_fit::ErrorSummary;
+
+use super::output::{Table, Value};
+
+/// Greatest radii that errors are stated for, in mean free paths.
+pub(super) const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
+
+/// Errors of one fit up to each of [`R_MAX`].
+pub(super) struct Errors {
+    /// What was fitted, in one word.
+    pub(super) name: &'static str,
+    pub(super) summaries: [ErrorSummary; 3],
+}
+
+/// The errors as `errors.csv`; an empty r_max means all radii.
+pub(super) fn table(errors: &[Errors]) -> Table {
+    let columns = ["fit", "r_max", "mean_error", "worst_error", "worst_surface_albedo"];
+    let mut table = Table::new("errors.csv", &columns);
+    for of in errors {
+        for (r_max, summary) in R_MAX.into_iter().zip(&of.summaries) {
+            let numbers = [r_max, summary.mean, summary.worst, summary.worst_surface_albedo];
+            table.rows.push([Value::from(of.name)].into_iter().chain(numbers.map(Value::from)).collect());
+        }
+    }
+    table
+}
+
+/// The errors in percent, as columns of text.
+pub(super) fn text(errors: &[Errors]) -> String {
+    let mut text = String::from("error in percent: mean, worst (at A)\n");
+    let head = |r_max: f64| if r_max.is_finite() { format!("r <= {r_max}") } else { String::from("all r") };
+    let heads = R_MAX.map(|r_max| format!("{:<22}", head(r_max)));
+    line(&mut text, "", heads.as_slice());
+    for of in errors {
+        let cell = |s: &ErrorSummary| {
+            let (mean, worst) = (100.0 * s.mean, 100.0 * s.worst);
+            format!("{:<22}", format!("{mean:5.2}, {worst:5.2} ({:.2})", s.worst_surface_albedo))
+        };
+        line(&mut text, of.name, &of.summaries.iter().map(cell).collect::<Vec<_>>());
+    }
+    text
+}
+
+fn line(text: &mut String, name: &str, cells: &[String]) {
+    let cells = cells.concat();
+    // Writing to a string does not fail
+    let _ = writeln!(text, "  {name:<12}{}", cells.trim_end());
+}

@@ -1,0 +1,120 @@
+//! `translucid fit`: the contract that scripts depend on.
+
+mod common;
+
+use std::fs;
+
+use common::{files, run, stderr, stdout};
+
+const BURLEY: &str = "fit --configuration searchlight --parameter mfp --family burley";
+
+fn here() -> std::path::PathBuf {
+    std::env::temp_dir()
+}
+
+fn numbers(csv: &str) -> Vec<Vec<f64>> {
+    csv.lines().skip(1).map(|line| line.split(',').map(|number| number.parse().unwrap()).collect()).collect()
+}
+
+#[test]
+fn burley_prints_the_best_scale_of_every_albedo() {
+    let csv = stdout(&here(), BURLEY);
+    assert_eq!(csv.lines().next(), Some("surface_albedo,s,error"));
+    let rows = numbers(&csv);
+    assert_eq!(rows.len(), 99);
+    for (i, row) in rows.iter().enumerate() {
+        assert_eq!(row[0], (i + 1) as f64 / 100.0);
+    }
+    let known = [3.950, 2.972, 2.359, 1.921, 1.594, 1.333, 1.132, 0.955, 0.816];
+    for (i, s) in known.into_iter().enumerate() {
+        assert!((rows[10 * i + 9][1] / s - 1.0).abs() < 0.006, "{:?}", rows[10 * i + 9]);
+    }
+    assert_eq!(stdout(&here(), BURLEY), csv);
+}
+
+#[test]
+fn burley_reports_both_polynomials_with_their_errors() {
+    for (options, talk, stated) in [
+        ("--configuration searchlight --parameter mfp", "s = 1.85 - A + 7 |A - 0.8|^3", "5.47, 18.06 (0.99)"),
+        ("--configuration diffuse --parameter mfp", "s = 1.9 - A + 3.5 (A - 0.8)^2", "3.86, 13.35 (0.99)"),
+        ("--configuration searchlight --parameter dmfp", "s = 3.5 + 100 (A - 0.33)^4", "7.63, 88.55 (0.99)"),
+    ] {
+        let output = run(&here(), &format!("fit {options} --family burley"));
+        let report = stderr(&output);
+        for part in [talk, stated, "fitted: s = ", "r <= 8", "r <= 16", "all r"] {
+            assert!(report.contains(part), "{part} is missing in\n{report}");
+        }
+    }
+}
+
+/// Mean over all albedos of the error over all radii: below that of normalized diffusion, and falling.
+#[test]
+fn exponentials_print_weights_and_rates() {
+    for (terms, most) in [(1, 0.3), (2, 0.04)] {
+        let words = format!(
+            "fit --configuration searchlight --parameter mfp --family exponentials --terms {terms} --format json"
+        );
+        let rows: Vec<serde_json::Value> = serde_json::from_str(&stdout(&here(), &words)).unwrap();
+        assert_eq!(rows.len(), 99);
+        let number = |row: &serde_json::Value, name: &str| row[name].as_f64().unwrap();
+        for row in &rows {
+            let weights: f64 = (1..=terms).map(|k| number(row, &format!("weight_{k}"))).sum();
+            assert!((weights - 1.0).abs() < 1e-12, "{row}");
+            assert!((1..=terms).all(|k| number(row, &format!("rate_{k}")) > 0.0), "{row}");
+        }
+        let mean = rows.iter().map(|row| number(row, "error")).sum::<f64>() / 99.0;
+        assert!(mean < most, "{terms}: {mean}");
+    }
+}
+
+#[test]
+fn directory_takes_all_tables() {
+    let directory = tempfile::tempdir().unwrap();
+    let printed = stdout(directory.path(), BURLEY);
+    assert_eq!(stdout(directory.path(), &format!("{BURLEY} -o a/b")), "");
+    let made = directory.path().join("a/b");
+    assert_eq!(files(&made), ["coefficients.csv", "errors.csv", "points.csv", "report.txt"]);
+    let read = |name: &str| fs::read_to_string(made.join(name)).unwrap();
+    assert_eq!(read("points.csv"), printed);
+    let coefficients = read("coefficients.csv");
+    assert_eq!(coefficients.lines().next(), Some("fit,constant,slope,factor,center,power"));
+    assert_eq!(coefficients.lines().last(), Some("talk,1.85,1,7,0.8,3"));
+    let errors = read("errors.csv");
+    assert_eq!(errors.lines().next(), Some("fit,r_max,mean_error,worst_error,worst_surface_albedo"));
+    assert_eq!(errors.lines().count(), 10);
+    assert!(errors.contains("\ntalk,8,0.048"), "{errors}");
+    assert!(errors.contains("\ntalk,,0.062"), "{errors}");
+}
+
+/// With fewer radii that count, the error over them can only be less.
+#[test]
+fn max_radius_is_the_range_of_the_error() {
+    let all = numbers(&stdout(&here(), BURLEY));
+    let near = numbers(&stdout(&here(), &format!("{BURLEY} --max-radius 8")));
+    let mean = |rows: &[Vec<f64>]| rows.iter().map(|row| row[2]).sum::<f64>() / 99.0;
+    assert!((mean(&near) - 0.0406).abs() < 1e-4 && (mean(&all) - 0.0500).abs() < 1e-4);
+}
+
+#[test]
+fn wrong_input_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("file"), "").unwrap();
+    for (words, part) in [
+        ("fit", "--configuration"),
+        ("fit --configuration searchlight --parameter mfp --family gaussians", "gaussians"),
+        ("fit --configuration oblique --parameter mfp --family burley", "oblique"),
+        (&format!("{BURLEY} --terms 2"), "--terms is for"),
+        (&format!("{BURLEY} --max-radius 0"), "--max-radius is 0"),
+        (&format!("{BURLEY} --max-radius -1"), "--max-radius is -1"),
+        (&format!("{BURLEY} --max-radius nan"), "--max-radius is NaN"),
+        (&format!("{BURLEY} -o file"), "cannot make the directory"),
+        (&format!("{BURLEY} -o file/below"), "cannot make the directory"),
+        ("fit --configuration diffuse --parameter mfp --family exponentials --terms 0", "0"),
+        ("fit --configuration diffuse --parameter mfp --family exponentials --terms 9", "9"),
+    ] {
+        let output = run(directory.path(), words);
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
+        assert!(stderr(&output).contains(part) && output.stdout.is_empty(), "{words}: {}", stderr(&output));
+    }
+    assert_eq!(files(directory.path()), ["file"]);
+}
