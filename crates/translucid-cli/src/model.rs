@@ -22,7 +22,7 @@ pub(crate) enum ModelName {
 }
 
 /// Names that the contract reserves.
-const NOT_YET: [&str; 2] = ["normalized-diffusion-refined", "random-walk"];
+const NOT_YET: [&str; 1] = ["random-walk"];
 
 const MODELS: [ModelName; SubsurfaceModel::ALL.len() + NOT_YET.len()] = {
     let available = SubsurfaceModel::ALL.len();

@@ -3,7 +3,8 @@
 use crate::error::{ParameterError, require};
 use crate::{
     Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, Medium,
-    NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
+    SumOfGaussians,
 };
 
 /// A model of the light that leaves a surface around the point where it entered.
@@ -27,6 +28,8 @@ pub enum Model {
     /// [`NormalizedDiffusion`] \[Burley 2015; Christensen & Burley 2015\].
     #[default]
     NormalizedDiffusion,
+    /// [`RefinedDiffusion`]: four exponentials, fitted to the exact half space.
+    NormalizedDiffusionRefined,
     /// [`StandardDipole`] \[Jensen et al. 2001\].
     Dipole,
     /// [`BetterDipole`] \[d'Eon 2012\].
@@ -46,8 +49,9 @@ pub enum Model {
 
 impl Model {
     /// Every model.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::NormalizedDiffusion,
+        Self::NormalizedDiffusionRefined,
         Self::Dipole,
         Self::BetterDipole,
         Self::DirectionalDipole,
@@ -61,6 +65,7 @@ impl Model {
     pub const fn name(self) -> &'static str {
         match self {
             Self::NormalizedDiffusion => "normalized-diffusion",
+            Self::NormalizedDiffusionRefined => "normalized-diffusion-refined",
             Self::Dipole => "dipole",
             Self::BetterDipole => "better-dipole",
             Self::DirectionalDipole => "directional-dipole",
@@ -80,6 +85,7 @@ impl Model {
     pub const fn description(self) -> &'static str {
         match self {
             Self::NormalizedDiffusion => "Burley's normalized diffusion [Christensen & Burley 2015]",
+            Self::NormalizedDiffusionRefined => "Four exponentials, fitted to the exact solution",
             Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
             Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
             Self::DirectionalDipole => "The directional dipole, of light at any angle [Frisvad et al. 2014]",
@@ -94,7 +100,9 @@ impl Model {
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
-            Self::NormalizedDiffusion | Self::Gaussians | Self::Exact => false,
+            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined | Self::Gaussians | Self::Exact => {
+                false
+            }
             Self::Dipole
             | Self::BetterDipole
             | Self::DirectionalDipole
@@ -125,6 +133,9 @@ impl Model {
         Ok(match self {
             Self::NormalizedDiffusion => {
                 Box::new(NormalizedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
+            }
+            Self::NormalizedDiffusionRefined => {
+                Box::new(RefinedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
             }
             Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::new(appearance, eta)?),
@@ -161,7 +172,7 @@ impl Model {
             g: 0.0,
         };
         Ok(match self {
-            Self::NormalizedDiffusion | Self::Gaussians | Self::Exact => {
+            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined | Self::Gaussians | Self::Exact => {
                 return self.profile(&similar, configuration, eta);
             }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
