@@ -13,7 +13,7 @@ mod contenders;
 #[path = "../tests/exact_profile/mod.rs"]
 mod exact_profile;
 
-use contenders::{Contender, Made, contenders, normalized_diffusion};
+use contenders::{Contender, Made, contenders, normalized_diffusion, refined};
 use exact_profile::ExactHalfSpace;
 use translucid_fit::{Burley, Exponential, Judge, Target};
 use translucid_profile::{
@@ -61,6 +61,11 @@ fn main() {
         Ok(Box::new(normalized_diffusion(reference.surface_albedo, Configuration::Diffuse)?))
     });
     normalized.print();
+    diffuse
+        .errors("normalized-diffusion-refined", |reference| {
+            Ok(Box::new(refined(reference.surface_albedo, Configuration::Diffuse)?))
+        })
+        .print();
     for terms in [2, 4, SumOfGaussians::DEFAULT_TERMS] {
         let gaussians = |reference: &Reference| -> Made {
             let (mfp, diffuse) = (Parameterization::Mfp, Configuration::Diffuse);

@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 use translucid_profile::roots::falling_root;
 use translucid_profile::{
     Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, NormalizedDiffusion,
-    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
-    TabulatedProfile,
+    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
+    SumOfGaussians, TabulatedProfile,
 };
 
 /// Arguments a task goes through.
@@ -48,12 +48,19 @@ fn rows() -> Vec<Row> {
     let normalized = normalized_diffusion();
     let (two, six) = (gaussians(2), gaussians(6));
     let exact_one = exact();
+    let refined_one = refined();
     vec![
         Row {
             name: YARDSTICK,
             make: |_| Box::new(normalized_diffusion()),
             knows_boundary: false,
             sampler: Some(Box::new(move |u| normalized.sample(u))),
+        },
+        Row {
+            name: "normalized diffusion, refined",
+            make: |_| Box::new(refined()),
+            knows_boundary: false,
+            sampler: Some(Box::new(move |u| refined_one.sample(u))),
         },
         Row {
             name: "two Gaussians",
@@ -97,6 +104,11 @@ fn normalized_diffusion() -> NormalizedDiffusion {
     let Appearance { surface_albedo, length, parameterization, .. } = appearance();
     NormalizedDiffusion::new(surface_albedo, length, parameterization, Configuration::Searchlight)
         .expect(VALID)
+}
+
+fn refined() -> RefinedDiffusion {
+    let Appearance { surface_albedo, length, parameterization, .. } = appearance();
+    RefinedDiffusion::new(surface_albedo, length, parameterization, Configuration::Searchlight).expect(VALID)
 }
 
 fn gaussians(terms: usize) -> SumOfGaussians {

@@ -3,7 +3,7 @@
 use translucid_profile::{
     Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
     DirectionalDipoleAverage, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole, SumOfGaussians,
 };
 
 pub(crate) type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -87,6 +87,11 @@ pub(crate) fn contenders() -> Vec<Contender> {
             from_albedo: Box::new(|a| Ok(Box::new(normalized_diffusion(a, Configuration::Searchlight)?))),
             from_medium: None,
         },
+        Contender {
+            name: "normalized-diffusion-refined".to_owned(),
+            from_albedo: Box::new(|a| Ok(Box::new(refined(a, Configuration::Searchlight)?))),
+            from_medium: None,
+        },
         physical!("dipole", StandardDipole),
         physical!("better-dipole", BetterDipole),
         with_single_scattering!("better-dipole + single scattering", BetterDipole),
@@ -115,6 +120,14 @@ pub(crate) fn normalized_diffusion(
     configuration: Configuration,
 ) -> Result<NormalizedDiffusion, ParameterError> {
     NormalizedDiffusion::new(surface_albedo, 1.0, Parameterization::Mfp, configuration)
+}
+
+/// Refined normalized diffusion from the mean free path 1.
+pub(crate) fn refined(
+    surface_albedo: f64,
+    configuration: Configuration,
+) -> Result<RefinedDiffusion, ParameterError> {
+    RefinedDiffusion::new(surface_albedo, 1.0, Parameterization::Mfp, configuration)
 }
 
 fn appearance(surface_albedo: f64) -> Appearance {
