@@ -1,8 +1,11 @@
-//! `translucid fit`: simple profiles fitted to the exact half space.
+//! `translucid fit`: simple profiles fitted to the exact half space, or to a table of a user's own.
 
 mod albedos;
 mod output;
 mod report;
+mod table;
+
+use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use translucid_profile::{Configuration, Parameterization};
@@ -26,30 +29,44 @@ L1 distance: the integral of |R_fit - R| 2 pi r dr over that of R 2 pi r dr, up 
 The table goes to stdout, the report to stderr. With -o both go to files of a directory: points.csv,
 errors.csv, report.txt and, for burley, coefficients.csv.
 
+With --table normalized diffusion, exponentials and Gaussians are fitted to a file of your own by least squares
+of (fit - reflectance)/error; without errors the same relative error is taken for each line. Columns: fit,
+parameter, value, standard_error, empty where nothing limits the parameter; a warning names those that the
+file does not determine, whose error exceeds a third of the value. Lengths are in the unit of r. With -o the files are parameters.csv,
+residuals.csv (fit - reflectance in units of the error) and report.txt.
+
 Examples:
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid fit --configuration diffuse --parameter mfp --family burley --max-radius 8 -o fit
-  translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit";
+  translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit
+  translucid fit --table measured.csv --terms 2";
 
 /// Fits simple profiles to the exact one, and prints how far they are
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
     /// How light enters the medium
-    #[arg(long)]
-    configuration: ConfigurationName,
+    #[arg(long, required_unless_present = "table")]
+    configuration: Option<ConfigurationName>,
     /// Length that the fit is in
-    #[arg(long, value_enum)]
-    parameter: ParameterName,
+    #[arg(long, value_enum, required_unless_present = "table")]
+    parameter: Option<ParameterName>,
     /// What is fitted
-    #[arg(long, value_enum)]
-    family: FamilyName,
-    /// Number of exponentials, 1 to 8 [default: 3]
+    #[arg(long, value_enum, required_unless_present = "table")]
+    family: Option<FamilyName>,
+    /// Number of exponentials, with --table also of Gaussians, 1 to 8 [default: 3, with --table 2]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=8))]
     terms: Option<u32>,
     /// Greatest radius that counts in the error, in mean free paths [default: all count]
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, hide_default_value = true, allow_negative_numbers = true)]
     max_radius: f64,
+    /// CSV file of a profile of your own to fit: columns r, reflectance and optionally error
+    #[arg(
+        long,
+        value_name = "FILE",
+        conflicts_with_all = ["configuration", "parameter", "family", "max_radius"]
+    )]
+    table: Option<PathBuf>,
     #[command(flatten)]
     output: output::OutputArguments,
 }
@@ -74,21 +91,48 @@ enum FamilyName {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let terms = |default: u32| arguments.terms.unwrap_or(default) as usize;
+    if let Some(path) = &arguments.table {
+        return table::run(arguments, path, terms(2));
+    }
     let r_max = arguments.max_radius;
     if r_max.is_nan() || r_max < 1e-3 {
         let message = format!("--max-radius is {}, but must be at least 0.001 mean free paths", exact(r_max));
         return Err(Failure::input(message));
     }
-    match (arguments.family, arguments.terms) {
+    let case = arguments.case()?;
+    match (case.family, arguments.terms) {
         (FamilyName::Burley, Some(_)) => {
             Err(Failure::input("--terms is for --family exponentials, but the family is burley"))
         }
-        (FamilyName::Burley, None) => albedos::burley(arguments),
-        (FamilyName::Exponentials, terms) => albedos::exponentials(arguments, terms.unwrap_or(3) as usize),
+        (FamilyName::Burley, None) => albedos::burley(&case, &arguments.output),
+        (FamilyName::Exponentials, _) => albedos::exponentials(&case, terms(3), &arguments.output),
     }
 }
 
 impl Arguments {
+    fn case(&self) -> Result<Case, Failure> {
+        let missing = |option: &str| Failure::input(format!("{option} is missing"));
+        Ok(Case {
+            configuration: self.configuration.ok_or_else(|| missing("--configuration"))?,
+            parameter: self.parameter.ok_or_else(|| missing("--parameter"))?,
+            family: self.family.ok_or_else(|| missing("--family"))?,
+            max_radius: self.max_radius,
+        })
+    }
+}
+
+/// What is fitted to the exact half space.
+#[derive(Clone, Copy, Debug)]
+struct Case {
+    configuration: ConfigurationName,
+    parameter: ParameterName,
+    family: FamilyName,
+    /// In mean free paths.
+    max_radius: f64,
+}
+
+impl Case {
     fn configuration(&self) -> Configuration {
         match self.configuration {
             ConfigurationName::Searchlight => Configuration::Searchlight,

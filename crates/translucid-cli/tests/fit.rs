@@ -5,6 +5,7 @@ mod common;
 use std::fs;
 
 use common::{files, run, stderr, stdout};
+use translucid_profile::NormalizedDiffusion;
 
 const BURLEY: &str = "fit --configuration searchlight --parameter mfp --family burley";
 
@@ -117,4 +118,112 @@ fn wrong_input_is_refused() {
         assert!(stderr(&output).contains(part) && output.stdout.is_empty(), "{words}: {}", stderr(&output));
     }
     assert_eq!(files(directory.path()), ["file"]);
+}
+
+/// A table of normalized diffusion, A = 0.6 and d = 2, with the errors given and noise within them.
+fn measured(with_errors: bool) -> String {
+    let truth = NormalizedDiffusion::from_d(0.6, 2.0).unwrap();
+    let mut state = 5u64;
+    let mut uniform = || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1u64 << 53) as f64
+    };
+    let mut text = String::from(if with_errors { "r,reflectance,error\n" } else { "r,reflectance\n" });
+    for i in 1..=60 {
+        let r = 0.3 * f64::from(i);
+        let error = 0.02 * truth.eval(r);
+        // Twelve uniform numbers make a normal one
+        let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
+        let reflectance = truth.eval(r) + error * noise;
+        text += &if with_errors {
+            format!("{r},{reflectance},{error}\n")
+        } else {
+            format!("{r},{reflectance}\n")
+        };
+    }
+    text
+}
+
+/// Value and standard error of a parameter.
+fn estimate(csv: &str, fit: &str, parameter: &str) -> [f64; 2] {
+    let start = format!("{fit},{parameter},");
+    let line = csv.lines().find_map(|line| line.strip_prefix(&start)).unwrap();
+    let numbers: Vec<f64> = line.split(',').map(|text| text.parse().unwrap_or(f64::INFINITY)).collect();
+    [numbers[0], numbers[1]]
+}
+
+/// Each of the four within 4 standard errors: a false alarm has a probability of 3e-4.
+#[test]
+fn table_is_recovered_within_the_errors() {
+    let directory = tempfile::tempdir().unwrap();
+    for with_errors in [true, false] {
+        fs::write(directory.path().join("table.csv"), measured(with_errors)).unwrap();
+        let csv = stdout(directory.path(), "fit --table table.csv");
+        assert_eq!(csv.lines().next(), Some("fit,parameter,value,standard_error"));
+        for (parameter, truth) in [("surface_albedo", 0.6), ("d", 2.0)] {
+            let [value, error] = estimate(&csv, "normalized-diffusion", parameter);
+            assert!((value - truth).abs() < 4.0 * error && error < 0.02 * truth, "{value} {error}");
+        }
+        // Two exponentials hold the truth, too: scales d and 3d
+        let [narrow, wide] = ["scale_1", "scale_2"].map(|name| estimate(&csv, "exponentials", name));
+        assert!((narrow[0] - 2.0).abs() < 4.0 * narrow[1] && (wide[0] - 6.0).abs() < 4.0 * wide[1]);
+        assert!(estimate(&csv, "gaussians", "standard_deviation_1")[0] > 0.0);
+    }
+}
+
+#[test]
+fn table_goes_to_a_directory() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("table.csv"), measured(true)).unwrap();
+    let printed = stdout(directory.path(), "fit --table table.csv --terms 1");
+    assert_eq!(stdout(directory.path(), "fit --table table.csv --terms 1 -o out"), "");
+    let out = directory.path().join("out");
+    assert_eq!(files(&out), ["parameters.csv", "report.txt", "residuals.csv"]);
+    assert_eq!(fs::read_to_string(out.join("parameters.csv")).unwrap(), printed);
+    let residuals = fs::read_to_string(out.join("residuals.csv")).unwrap();
+    let header = "r,reflectance,error,normalized_diffusion_residual,exponentials_residual,gaussians_residual";
+    assert_eq!(residuals.lines().next(), Some(header));
+    // χ² of 58 degrees of freedom is within 4 standard deviations of 58 with a probability of 1 - 3e-4
+    let chi_square: f64 = numbers(&residuals).iter().map(|row| row[3] * row[3]).sum();
+    assert!((chi_square - 58.0).abs() < 43.0, "{chi_square}");
+}
+
+#[test]
+fn parameters_that_the_table_does_not_determine_are_warned_about() {
+    let directory = tempfile::tempdir().unwrap();
+    fs::write(directory.path().join("table.csv"), measured(true)).unwrap();
+    let output = run(directory.path(), "fit --table table.csv --terms 4");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("exponentials: the samples do not determine"), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("warning: normalized-diffusion"), "{}", stderr(&output));
+    // One Gaussian is nothing like it
+    let output = run(directory.path(), "fit --table table.csv --terms 1");
+    assert!(stderr(&output).contains("gaussians: misses the samples"), "{}", stderr(&output));
+}
+
+#[test]
+fn wrong_tables_are_refused_with_their_line() {
+    let directory = tempfile::tempdir().unwrap();
+    let good = "1,1\n2,0.3\n3,0.1\n4,0.05\n5,0.02\n";
+    for (text, part) in [
+        (format!("r,value\n{good}"), "no column \"reflectance\""),
+        (format!("r,r,reflectance\n{good}"), "two columns \"r\""),
+        (format!("r,reflectance\n{good}x,1\n"), "table.csv:7"),
+        (format!("r,reflectance\n{good}6,-1\n"), "reflectance is -1"),
+        (format!("r,reflectance\n{good}6,nan\n"), "reflectance is \"nan\""),
+        (format!("r,reflectance\n{good}0,1\n"), "r is \"0\""),
+        (format!("r,reflectance\n{good}6\n"), "table.csv:7"),
+        (String::from("r,reflectance,error\n1,1,0\n"), "error is \"0\""),
+        (String::from("r,reflectance\n1,1\n2,0.5\n"), "there are 2 samples"),
+        (String::new(), "no column"),
+        (String::from("surface_albedo,r,reflectance\n0.5,1,1\n0.6,1,1\n"), "another surface_albedo"),
+    ] {
+        fs::write(directory.path().join("table.csv"), &text).unwrap();
+        let output = run(directory.path(), "fit --table table.csv");
+        assert_eq!(output.status.code(), Some(2), "{text}: {}", stderr(&output));
+        assert!(stderr(&output).contains(part) && output.stdout.is_empty(), "{text}: {}", stderr(&output));
+    }
+    for words in ["fit --table none.csv", "fit --table .", "fit --table table.csv --family burley"] {
+        assert_eq!(run(directory.path(), words).status.code(), Some(2), "{words}");
+    }
 }

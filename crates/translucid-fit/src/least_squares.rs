@@ -144,7 +144,7 @@ impl Target {
 }
 
 /// Terms with one more: each split in two, and one added at either end.
-fn extensions(terms: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
+pub(crate) fn extensions(terms: &[(f64, f64)]) -> Vec<Vec<(f64, f64)>> {
     let split = |index: usize, factor: f64| {
         let mut more = terms.to_vec();
         let (weight, scale) = more[index];

@@ -4,6 +4,7 @@
 //!   [`Judge`] measures many profiles against one reference.
 //! - [`fit`]: least squares with mixtures of K members of a [`Family`] ([`Gaussian`], [`Exponential`], [`Burley`]), whose
 //!   weights are not negative and sum to 1.
+//! - [`SampleFit`]: mixtures fitted to a measured or simulated table, with the uncertainties of their parameters.
 //! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
 //!   [`ScalingPolynomial`]s through it.
 //!
@@ -37,6 +38,7 @@ mod l1_error;
 mod least_squares;
 mod minimum;
 mod mixture;
+mod sample_fit;
 mod scaling_fit;
 mod scaling_polynomial;
 
@@ -44,5 +46,6 @@ pub use family::{Burley, Exponential, Family, Gaussian};
 pub use l1_error::{Judge, l1_error};
 pub use least_squares::{Fit, Target, fit};
 pub use mixture::Mixture;
+pub use sample_fit::{Errors, Estimate, Sample, SampleFit};
 pub use scaling_fit::{ErrorSummary, ScalingFit, ScalingPoint};
 pub use scaling_polynomial::ScalingPolynomial;

@@ -9,9 +9,9 @@ use translucid_profile::{
     half_space_single_scattering_albedo,
 };
 
-use super::output::{Table, Value};
+use super::output::{OutputArguments, Table, Value};
 use super::report::{self, Errors, R_MAX};
-use super::{Arguments, FamilyName, ParameterName};
+use super::{Case, FamilyName, ParameterName};
 use crate::failure::Failure;
 use crate::model::ConfigurationName;
 use crate::progress::{Meter, Unit};
@@ -28,11 +28,11 @@ fn unexpected(error: ParameterError) -> Failure {
 }
 
 /// Normalized diffusion: the best s for each surface albedo, and polynomials through them.
-pub(super) fn burley(arguments: &Arguments) -> Result<(), Failure> {
+pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failure> {
     let files = ["points.csv", "coefficients.csv", "errors.csv"];
-    arguments.output.check(&files, None)?;
-    let (parameterization, configuration) = (arguments.parameterization(), arguments.configuration());
-    let fit = ScalingFit::new(parameterization, configuration, &surface_albedos(), arguments.max_radius)
+    output.check(&files, None)?;
+    let (parameterization, configuration) = (case.parameterization(), case.configuration());
+    let fit = ScalingFit::new(parameterization, configuration, &surface_albedos(), case.max_radius)
         .map_err(unexpected)?;
     let talk = ScalingPolynomial::talk(parameterization, configuration);
     let ours = fit.polynomial(&talk);
@@ -55,24 +55,24 @@ pub(super) fn burley(arguments: &Arguments) -> Result<(), Failure> {
     ];
 
     // Say what came out
-    let mut text = arguments.heading();
+    let mut text = case.heading();
     text += &format!("fitted: {ours}\n");
-    text += &format!("talk:   {talk}{}\n", arguments.talk_note());
+    text += &format!("talk:   {talk}{}\n", case.talk_note());
     text += &report::text(&errors);
-    arguments.output.write(&text, &[points, coefficients, report::table(&errors)])
+    output.write(&text, &[points, coefficients, report::table(&errors)])
 }
 
 /// A sum of exponentials for each surface albedo.
-pub(super) fn exponentials(arguments: &Arguments, terms: usize) -> Result<(), Failure> {
+pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) -> Result<(), Failure> {
     let files = ["points.csv", "errors.csv"];
-    arguments.output.check(&files, None)?;
+    output.check(&files, None)?;
     let albedos = surface_albedos();
     let meter = Meter::new(Unit::Albedos, 0, None);
     let done = AtomicU64::new(0);
     let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
         .par_iter()
         .map(|surface_albedo| {
-            let fit = AlbedoFit::new(arguments, *surface_albedo, terms);
+            let fit = AlbedoFit::new(case, *surface_albedo, terms);
             meter.update(done.fetch_add(1, Ordering::Relaxed) + 1, albedos.len() as u64);
             fit
         })
@@ -90,8 +90,8 @@ pub(super) fn exponentials(arguments: &Arguments, terms: usize) -> Result<(), Fa
         ErrorSummary::new(&errors)
     };
     let errors = [Errors { name: "fitted", summaries: [0, 1, 2].map(summary) }];
-    let text = arguments.heading() + &report::text(&errors);
-    arguments.output.write(&text, &[points, report::table(&errors)])
+    let text = case.heading() + &report::text(&errors);
+    output.write(&text, &[points, report::table(&errors)])
 }
 
 /// The exponentials of one surface albedo.
@@ -107,14 +107,14 @@ struct AlbedoFit {
 }
 
 impl AlbedoFit {
-    fn new(arguments: &Arguments, surface_albedo: f64, terms: usize) -> Result<Self, ParameterError> {
-        let configuration = arguments.configuration();
+    fn new(case: &Case, surface_albedo: f64, terms: usize) -> Result<Self, ParameterError> {
+        let configuration = case.configuration();
         let exact = ExactProfile::new(surface_albedo, 1.0, Parameterization::Mfp, configuration)?;
         let mut fits = Target::new(&exact)?.fit::<Exponential>(terms)?;
         let mixture = fits.swap_remove(terms - 1).mixture;
         let [a, b, c] = R_MAX;
-        let [a, b, c, error] = Judge::new(&exact).l1_errors(&mixture, [a, b, c, arguments.max_radius]);
-        let length = match arguments.parameter {
+        let [a, b, c, error] = Judge::new(&exact).l1_errors(&mixture, [a, b, c, case.max_radius]);
+        let length = match case.parameter {
             ParameterName::Mfp => 1.0,
             ParameterName::Dmfp => dmfp(surface_albedo, configuration)?,
         };
@@ -134,7 +134,7 @@ fn dmfp(surface_albedo: f64, configuration: Configuration) -> Result<f64, Parame
     Ok(Medium::from_mfp(alpha, 1.0, 0.0)?.dmfp())
 }
 
-impl Arguments {
+impl Case {
     /// What was fitted to what.
     fn heading(&self) -> String {
         let family = match self.family {
