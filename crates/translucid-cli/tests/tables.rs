@@ -322,10 +322,7 @@ fn wrong_options_are_refused_with_a_reason() {
         ("profile --surface-albedo 0.8 --mfp 1 --points 3 --max 0", "--max"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --eta 1.4", "--eta is 1.4"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --g 0.9", "--g is 0.9"),
-        (
-            "profile --surface-albedo 0.8 --mfp 1 --at 1 --model normalized-diffusion-refined",
-            "not available yet",
-        ),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model random-walk", "not available yet"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model none", "has no profile"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --eta 99", "--eta is 99"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --g 1", "--g is 1"),
