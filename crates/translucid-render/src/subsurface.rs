@@ -17,6 +17,8 @@
 //! ball |x − P| ≤ R_m is the same for all axes, so the density is exact.
 //! All hits count: one of them is drawn in proportion to its weight and stands for their sum.
 
+use glam::Vec3;
+
 use crate::Frame;
 use crate::geometry::{Geometry, Hit};
 use crate::material::Subsurface;
@@ -24,7 +26,6 @@ use crate::profile_tables::{ProfileSource, ProfileTables};
 use crate::sampler::Sampler;
 use crate::subsurface_profile::{CutNormalizedDiffusion, CutProfile, CutTable, Truncation};
 use crate::triangle::Ray;
-use glam::Vec3;
 
 /// Probabilities of probing along the two tangents and the normal.
 ///
