@@ -1,0 +1,40 @@
+//! Comparisons of reflectance profiles, drawn as figures and laid out as pages.
+//!
+//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es, and a [`DataTable`] of its
+//!   numbers.
+//! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
+//! - [`DataTable`]: words and numbers, as CSV, HTML or Markdown.
+//! - [`Page`]: text, charts and tables.
+//!
+//! ```
+//! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
+//! use translucid_profile::{Model, NormalizedDiffusion, Profile};
+//!
+//! # fn main() -> Result<(), translucid_profile::ParameterError> {
+//! let profile = NormalizedDiffusion::from_d(0.5, 1.0)?;
+//! let points = (1..100).map(|i| f64::from(i) / 10.0).map(|r| [r, profile.eval(r)]).collect();
+//! let mut chart = Chart::new("profile", "Normalized diffusion", Axis::linear("r", "ℓ"), Axis::logarithmic("R(r) ℓ²", ""));
+//! chart.series.push(Series::new("A = 0.5", Ink::Model(Model::NormalizedDiffusion), Mark::Line, points));
+//! assert_eq!(chart.table().rows.len(), 99);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Units
+//! A chart's numbers have the units that its axes name.
+//!
+//! # Out of scope
+//! Writing files: everything here returns text or bytes.
+
+mod axis;
+mod chart;
+mod data_table;
+mod ink;
+mod markup;
+mod page;
+
+pub use axis::{Axis, Scale};
+pub use chart::{Chart, Mark, Series};
+pub use data_table::{Cell, DataTable};
+pub use ink::Ink;
+pub use page::{Block, Page, Section};
