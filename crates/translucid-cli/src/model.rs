@@ -84,7 +84,7 @@ pub(crate) enum ConfigurationName {
 #[derive(Args, Debug)]
 pub(crate) struct ModelArguments {
     /// Model of the profile
-    #[arg(long, value_name = "MODEL", default_value = "normalized-diffusion")]
+    #[arg(long, value_name = "MODEL", default_value = Model::default().name())]
     model: ModelName,
     /// CSV file of a profile of your own in place of a model: columns r, reflectance and optionally surface_albedo,
     /// radii in units of --mfp

@@ -7,7 +7,8 @@ use std::process::Stdio;
 
 use common::{run, stderr, stdout, translucid};
 use translucid_profile::{
-    Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile, SumOfGaussians,
+    Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile,
+    RefinedDiffusion, SumOfGaussians,
 };
 
 const MODEL: &str = "--surface-albedo 0.8 --mfp 2";
@@ -51,8 +52,13 @@ fn profile_knows_every_parameterization() {
             Configuration::Searchlight,
         ),
     ] {
-        let rows = numbers(&stdout(&here(), &format!("profile --surface-albedo 0.8 {options} --at 1.5")));
-        assert_eq!(rows[0][1], profile(parameterization, configuration).eval(1.5), "{options}");
+        let reflectance = |options: &str| numbers(&stdout(&here(), options))[0][1];
+        let options = format!("profile --surface-albedo 0.8 {options} --at 1.5");
+        let normalized = format!("{options} --model normalized-diffusion");
+        assert_eq!(reflectance(&normalized), profile(parameterization, configuration).eval(1.5), "{options}");
+        // Without a model: the refined profile
+        let refined = RefinedDiffusion::new(0.8, 2.0, parameterization, configuration).unwrap();
+        assert_eq!(reflectance(&options), refined.eval(1.5), "{options}");
     }
 }
 

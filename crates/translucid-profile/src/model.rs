@@ -26,9 +26,10 @@ use crate::{
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Model {
     /// [`NormalizedDiffusion`] \[Burley 2015; Christensen & Burley 2015\].
-    #[default]
     NormalizedDiffusion,
-    /// [`RefinedDiffusion`]: four exponentials, fitted to the exact half space.
+    /// [`RefinedDiffusion`]: four exponentials, fitted to the exact half space. The default: it has a twentieth of
+    /// [`NormalizedDiffusion`]'s error at nearly the same cost.
+    #[default]
     NormalizedDiffusionRefined,
     /// [`StandardDipole`] \[Jensen et al. 2001\].
     Dipole,

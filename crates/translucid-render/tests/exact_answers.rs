@@ -7,14 +7,15 @@ mod common;
 
 use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
-use translucid_profile::{Configuration, Parameterization, d_from_surface_albedo};
+use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
 use translucid_render::Renderer;
-use translucid_scene::{ColorInput, Light, Material, ScalarInput};
+use translucid_scene::{ColorInput, Light, Material, ScalarInput, SubsurfaceModel};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.4, 0.05);
 
-/// An index-matched translucent material without a specular interface.
+/// An index-matched translucent material without a specular interface, of the model whose slabs and edges have closed
+/// forms.
 fn translucent() -> Material {
     Material {
         name: "translucent".into(),
@@ -22,6 +23,7 @@ fn translucent() -> Material {
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(ALBEDO),
         subsurface_radius_scale: ColorInput::constant(LENGTH),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusion),
         ..Material::default()
     }
 }
