@@ -52,4 +52,14 @@ impl Axis {
     pub fn caption(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} / {}", self.label, self.unit) }
     }
+
+    /// Whether a number has a place on the axis.
+    ///
+    /// Numbers beyond [`Self::GREATEST`] have none: differences of them are not finite.
+    pub(crate) fn has(&self, value: f64) -> bool {
+        value.abs() <= Self::GREATEST && (self.scale == Scale::Linear || value >= 1.0 / Self::GREATEST)
+    }
+
+    /// Greatest number with a place on an axis.
+    pub(crate) const GREATEST: f64 = 1e300;
 }

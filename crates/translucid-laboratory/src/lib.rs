@@ -1,13 +1,13 @@
 //! Comparisons of reflectance profiles, drawn as figures and laid out as pages.
 //!
-//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es, and a [`DataTable`] of its
-//!   numbers.
+//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG in a light
+//!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV, HTML or Markdown.
-//! - [`Page`]: text, charts and tables.
+//! - [`Page`]: text, charts and tables as one HTML file that needs nothing else.
 //!
 //! ```
-//! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
+//! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series, Theme};
 //! use translucid_profile::{Model, NormalizedDiffusion, Profile};
 //!
 //! # fn main() -> Result<(), translucid_profile::ParameterError> {
@@ -15,7 +15,7 @@
 //! let points = (1..100).map(|i| f64::from(i) / 10.0).map(|r| [r, profile.eval(r)]).collect();
 //! let mut chart = Chart::new("profile", "Normalized diffusion", Axis::linear("r", "ℓ"), Axis::logarithmic("R(r) ℓ²", ""));
 //! chart.series.push(Series::new("A = 0.5", Ink::Model(Model::NormalizedDiffusion), Mark::Line, points));
-//! assert_eq!(chart.table().rows.len(), 99);
+//! assert!(chart.svg(Theme::Light).starts_with("<svg"));
 //! # Ok(())
 //! # }
 //! ```
@@ -29,12 +29,15 @@
 mod axis;
 mod chart;
 mod data_table;
+mod drawing;
 mod ink;
 mod markup;
 mod page;
+mod theme;
 
 pub use axis::{Axis, Scale};
-pub use chart::{Chart, Mark, Series};
+pub use chart::{Chart, ChartError, Mark, Series};
 pub use data_table::{Cell, DataTable};
 pub use ink::Ink;
 pub use page::{Block, Page, Section};
+pub use theme::Theme;

@@ -8,3 +8,98 @@ pub enum Theme {
     /// Light on near black, as for a dark page.
     Dark,
 }
+
+/// A color on white and its counterpart on near black, as "#rrggbb".
+///
+/// The first names the pair: a page turns a light figure dark by its colors.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Shade {
+    pub(crate) light: &'static str,
+    pub(crate) dark: &'static str,
+}
+
+impl Shade {
+    pub(crate) const BACKGROUND: Self = Self::new("#ffffff", "#15171b");
+    pub(crate) const TEXT: Self = Self::new("#1a1a1a", "#e8e8e8");
+    pub(crate) const FRAME: Self = Self::new("#404040", "#b8b8b8");
+    pub(crate) const GRID: Self = Self::new("#e4e4e4", "#33373e");
+
+    pub(crate) const BLACK: Self = Self::new("#000000", "#f5f5f5");
+    pub(crate) const VERMILION: Self = Self::new("#d55e00", "#ff8a3d");
+    pub(crate) const BLUE: Self = Self::new("#0072b2", "#4fa8e0");
+    pub(crate) const GREEN: Self = Self::new("#009e73", "#2cc79a");
+    pub(crate) const ORANGE: Self = Self::new("#d68f00", "#f0b429");
+    pub(crate) const SKY: Self = Self::new("#3a9fd8", "#8fd0f5");
+    pub(crate) const PURPLE: Self = Self::new("#c05f96", "#e49ac2");
+    pub(crate) const WINE: Self = Self::new("#7a1f4f", "#cc6d9f");
+    pub(crate) const GRAY: Self = Self::new("#6e6e6e", "#a3a3a3");
+
+    /// Every pair that charts use.
+    pub(crate) const ALL: [Self; 13] = [
+        Self::BACKGROUND,
+        Self::TEXT,
+        Self::FRAME,
+        Self::GRID,
+        Self::BLACK,
+        Self::VERMILION,
+        Self::BLUE,
+        Self::GREEN,
+        Self::ORANGE,
+        Self::SKY,
+        Self::PURPLE,
+        Self::WINE,
+        Self::GRAY,
+    ];
+
+    const fn new(light: &'static str, dark: &'static str) -> Self {
+        Self { light, dark }
+    }
+
+    pub(crate) const fn color(self, theme: Theme) -> &'static str {
+        match theme {
+            Theme::Light => self.light,
+            Theme::Dark => self.dark,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Relative luminance \[WCAG 2.2\].
+    fn luminance(color: &str) -> f64 {
+        let channel = |i: usize| {
+            let c = f64::from(u8::from_str_radix(&color[i..i + 2], 16).unwrap()) / 255.0;
+            if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        };
+        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+    }
+
+    #[test]
+    fn shades_stand_out_from_the_background() {
+        for theme in [Theme::Light, Theme::Dark] {
+            let paper = luminance(Shade::BACKGROUND.color(theme));
+            for shade in Shade::ALL {
+                if shade == Shade::BACKGROUND || shade == Shade::GRID {
+                    continue;
+                }
+                let [low, high] = {
+                    let ink = luminance(shade.color(theme));
+                    [ink.min(paper), ink.max(paper)]
+                };
+                let contrast = (high + 0.05) / (low + 0.05);
+                // WCAG 2.2, 1.4.11: graphics need 3 : 1, 1.4.3: text 4.5 : 1
+                let least = if shade == Shade::TEXT { 4.5 } else { 2.6 };
+                assert!(contrast > least, "{shade:?} in {theme:?} has a contrast of {contrast:.2}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_light_color_has_one_dark_one() {
+        for (i, a) in Shade::ALL.iter().enumerate() {
+            assert!(Shade::ALL[..i].iter().all(|b| a.light != b.light && a.dark != b.dark), "{a:?}");
+        }
+    }
+}

@@ -1,0 +1,189 @@
+//! The series of a chart on its plot.
+
+use super::canvas::{Anchor, Canvas, Label, Pen};
+use super::polyline::Area;
+use super::span::Span;
+use super::text;
+use crate::axis::Axis;
+use crate::chart::{Mark, Series};
+use crate::theme::Shade;
+
+/// Half width of the caps of an error bar \[px\].
+const CAP: f64 = 3.0;
+/// Font size of the words at points.
+const WORDS: u32 = 12;
+
+/// Where series are drawn.
+pub(crate) struct Plot<'a> {
+    pub(crate) axes: [&'a Axis; 2],
+    pub(crate) spans: [Span; 2],
+    pub(crate) area: Area,
+}
+
+impl Plot<'_> {
+    /// Where a point is \[px\], if it has a place on the axes.
+    pub(crate) fn place(&self, point: [f64; 2]) -> Option<[f64; 2]> {
+        let has_place = self.axes[0].has(point[0]) && self.axes[1].has(point[1]);
+        has_place.then(|| [self.spans[0].place(point[0]), self.spans[1].place(point[1])])
+    }
+
+    /// Draws a series, but for its words.
+    pub(crate) fn draw(&self, canvas: &mut Canvas, series: &Series) {
+        let style = series.ink.style();
+        let pen = Pen { shade: style.shade, width: style.width, dash: style.dash };
+        match &series.mark {
+            Mark::Line => self.draw_line(canvas, &series.points, &pen),
+            Mark::Steps => self.draw_line(canvas, &self.outline(&series.points), &pen),
+            Mark::Band(upper) => self.draw_band(canvas, &series.points, upper, style.shade),
+            Mark::PointsWithErrors(errors) => {
+                for (&[x, y], &error) in series.points.iter().zip(errors) {
+                    self.draw_error(canvas, [x, y], error, style.shade);
+                }
+                self.draw_markers(canvas, series);
+            }
+            Mark::Points | Mark::LabelledPoints(_) => self.draw_markers(canvas, series),
+        }
+    }
+
+    fn draw_line(&self, canvas: &mut Canvas, points: &[[f64; 2]], pen: &Pen) {
+        for run in self.runs(points) {
+            for piece in self.area.pieces(&run) {
+                canvas.line(&piece, pen);
+            }
+        }
+    }
+
+    /// The runs of points that have a place, each at least two points long.
+    fn runs(&self, points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
+        let places: Vec<Option<[f64; 2]>> = points.iter().map(|&point| self.place(point)).collect();
+        let runs = places.split(Option::is_none).map(|run| run.iter().flatten().copied().collect());
+        runs.filter(|run: &Vec<_>| run.len() > 1).collect()
+    }
+
+    /// The outline of a histogram: its steps, from and to the foot of the plot.
+    fn outline(&self, bins: &[[f64; 2]]) -> Vec<[f64; 2]> {
+        // A bin whose height has no place (an empty one on a logarithmic axis) reaches down to the foot
+        let foot = if self.axes[1].range.is_none() && self.spans[1].contains(0.0) {
+            0.0
+        } else {
+            self.spans[1].range[0]
+        };
+        let height = |y: f64| if self.axes[1].has(y) { y } else { foot };
+        let mut outline = Vec::new();
+        let mut last = foot;
+        for ends in bins.windows(2) {
+            let [[left, y], [right, _]] = [ends[0], ends[1]];
+            outline.extend([[left, last], [left, height(y)], [right, height(y)]]);
+            last = height(y);
+        }
+        if let Some(&[right, _]) = bins.last().filter(|_| bins.len() > 1) {
+            outline.push([right, foot]);
+        }
+        outline
+    }
+
+    fn draw_band(&self, canvas: &mut Canvas, lower: &[[f64; 2]], upper: &[f64], shade: Shade) {
+        let pairs: Vec<Option<[[f64; 2]; 2]>> = lower
+            .iter()
+            .zip(upper)
+            .map(|(&[x, y], &up)| Some([self.place([x, y])?, self.place([x, up])?]))
+            .collect();
+        for run in pairs.split(Option::is_none) {
+            let run: Vec<[[f64; 2]; 2]> = run.iter().flatten().copied().collect();
+            let there = run.iter().map(|pair| pair[0]);
+            let back = run.iter().rev().map(|pair| pair[1]);
+            let corners = self.area.part_of_polygon(&there.chain(back).collect::<Vec<_>>());
+            if corners.len() > 2 {
+                canvas.polygon(&corners, shade, super::BAND_OPACITY);
+            }
+        }
+    }
+
+    fn draw_markers(&self, canvas: &mut Canvas, series: &Series) {
+        let style = series.ink.style();
+        for place in self.places(series) {
+            canvas.marker(style.marker, place, super::MARKER, style.shade);
+        }
+    }
+
+    /// Where the points of a series are, of those inside the plot.
+    fn places(&self, series: &Series) -> impl Iterator<Item = [f64; 2]> {
+        let places = series.points.iter().filter_map(|&point| self.place(point));
+        places.filter(|&place| self.area.contains(place))
+    }
+
+    /// Draws the bar of ± the error.
+    fn draw_error(&self, canvas: &mut Canvas, [x, y]: [f64; 2], error: f64, shade: Shade) {
+        let Some([place, _]) = self.place([x, y]).filter(|_| error.is_finite() && error > 0.0) else {
+            return;
+        };
+        let Area { left, top, right, bottom } = self.area;
+        if !(left..=right).contains(&place) {
+            return;
+        }
+        // A bar that reaches beyond every place on the axis ends at the edge
+        let end =
+            |value: f64, edge: f64| if self.axes[1].has(value) { self.spans[1].place(value) } else { edge };
+        let ends = [end(y + error, top), end(y - error, bottom)];
+        if ends[0] <= bottom && ends[1] >= top {
+            error_bar(canvas, place, ends.map(|y| y.clamp(top, bottom)), shade);
+        }
+    }
+
+    /// Draws the words at the points of all series, each where it covers least.
+    pub(crate) fn draw_words(&self, canvas: &mut Canvas, all: &[Series]) {
+        let size = f64::from(WORDS);
+        let mut taken: Vec<Area> = all
+            .iter()
+            .filter(|series| !matches!(series.mark, Mark::Line | Mark::Steps | Mark::Band(_)))
+            .flat_map(|series| self.places(series))
+            .map(|[x, y]| Area { left: x - 4.0, right: x + 4.0, top: y - 4.0, bottom: y + 4.0 })
+            .collect();
+        for series in all {
+            let Mark::LabelledPoints(words) = &series.mark else { continue };
+            for (&point, word) in series.points.iter().zip(words) {
+                let Some([x, y]) = self.place(point).filter(|&place| self.area.contains(place)) else {
+                    continue;
+                };
+                let word = text::at_most(text::wrap(word, size, 0.6 * (self.area.right - self.area.left)), 1)
+                    .concat();
+                let width = text::width(&word, size);
+                let candidates = PLACES.map(|[right, down]| {
+                    let left = x + 8.0 * right + 0.5 * (right - 1.0) * width;
+                    let middle = y + 13.0 * down;
+                    Area { left, right: left + width, top: middle - 0.5 * size, bottom: middle + 0.5 * size }
+                });
+                let cost = |area: &Area| {
+                    let outside = width * size - overlap(area, &self.area);
+                    4.0 * outside + taken.iter().map(|other| overlap(area, other)).sum::<f64>()
+                };
+                let best = candidates.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
+                let Some(best) = best else { continue };
+                let at = [best.left, 0.5 * (best.top + best.bottom) + 0.36 * size];
+                let anchor = Anchor::Start;
+                canvas.text(&Label { text: &word, at, size: WORDS, anchor, upwards: false, bold: false });
+                taken.push(best);
+            }
+        }
+    }
+}
+
+/// Where words may stand, from −1 to 1 to the right and down, the best first.
+const PLACES: [[f64; 2]; 8] =
+    [[1.0, 0.0], [-1.0, 0.0], [1.0, -0.8], [1.0, 0.8], [0.0, -1.0], [0.0, 1.0], [-1.0, -0.8], [-1.0, 0.8]];
+
+/// Area that two rectangles share \[px²\].
+fn overlap(a: &Area, b: &Area) -> f64 {
+    let width = a.right.min(b.right) - a.left.max(b.left);
+    let height = a.bottom.min(b.bottom) - a.top.max(b.top);
+    width.max(0.0) * height.max(0.0)
+}
+
+/// A bar with caps.
+pub(crate) fn error_bar(canvas: &mut Canvas, x: f64, [top, bottom]: [f64; 2], shade: Shade) {
+    let pen = Pen::solid(shade, 1.2);
+    canvas.line(&[[x, top], [x, bottom]], &pen);
+    for y in [top, bottom] {
+        canvas.line(&[[x - CAP, y], [x + CAP, y]], &pen);
+    }
+}
