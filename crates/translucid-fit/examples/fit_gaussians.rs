@@ -9,12 +9,9 @@
 
 #![allow(clippy::print_stdout, reason = "the generated file goes to standard output")]
 
-#[path = "../tests/exact_profile/mod.rs"]
-mod exact_profile;
-
-use exact_profile::ExactHalfSpace;
 use translucid_fit::{Fit, Gaussian, Judge, Target};
 use translucid_profile::{Configuration, SumOfGaussians};
+use translucid_reference::exact::HalfSpaceProfile;
 
 /// Intervals between nodes in t = 1 − √(1 − A).
 const INTERVALS: usize = 24;
@@ -42,8 +39,12 @@ fn surface_albedo(position: f64) -> f64 {
     (1.0 - root * root).max(FAINT)
 }
 
+fn exact_half_space(surface_albedo: f64, configuration: Configuration) -> HalfSpaceProfile {
+    HalfSpaceProfile::from_surface_albedo(surface_albedo, configuration).expect("a surface albedo in (0, 1]")
+}
+
 fn node(i: usize, configuration: Configuration) -> Node {
-    let exact = ExactHalfSpace::new(surface_albedo(i as f64), configuration);
+    let exact = exact_half_space(surface_albedo(i as f64), configuration);
     let target = Target::new(&exact).expect("an exact profile has energy");
     target.fit::<Gaussian>(MAX_TERMS).expect("6 terms are few enough")
 }
@@ -62,7 +63,7 @@ impl Errors {
     fn measure(nodes: &[Node], configuration: Configuration) -> Self {
         let mut errors = Self::default();
         for i in 0..INTERVALS {
-            let exact = ExactHalfSpace::new(surface_albedo(i as f64 + 0.5), configuration);
+            let exact = exact_half_space(surface_albedo(i as f64 + 0.5), configuration);
             let target = Target::new(&exact).expect("an exact profile has energy");
             let judge = Judge::new(&exact);
             let l1_error = |profile: &SumOfGaussians| judge.l1_error(profile, f64::INFINITY);

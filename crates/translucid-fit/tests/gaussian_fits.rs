@@ -1,12 +1,14 @@
 //! The fits behind `SumOfGaussians`, made again.
 
-mod exact_profile;
-
-use exact_profile::ExactHalfSpace;
 use translucid_fit::{Exponential, Fit, Gaussian, Judge, Mixture, Target, fit, l1_error};
 use translucid_profile::{Configuration, Parameterization, Profile, SumOfGaussians};
+use translucid_reference::exact::HalfSpaceProfile;
 
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
+
+fn exact_half_space(surface_albedo: f64, configuration: Configuration) -> HalfSpaceProfile {
+    HalfSpaceProfile::from_surface_albedo(surface_albedo, configuration).expect("a surface albedo in (0, 1]")
+}
 
 fn embedded(surface_albedo: f64, configuration: Configuration, terms: usize) -> SumOfGaussians {
     let mfp = Parameterization::Mfp;
@@ -14,7 +16,7 @@ fn embedded(surface_albedo: f64, configuration: Configuration, terms: usize) -> 
 }
 
 fn target(surface_albedo: f64, configuration: Configuration) -> Target {
-    Target::new(&ExactHalfSpace::new(surface_albedo, configuration)).expect("an exact profile has energy")
+    Target::new(&exact_half_space(surface_albedo, configuration)).expect("an exact profile has energy")
 }
 
 fn fits(surface_albedo: f64, configuration: Configuration) -> Vec<Fit<Gaussian>> {
@@ -46,7 +48,7 @@ fn refitting_reproduces_the_embedded_coefficients() {
 fn interpolation_adds_little_error() {
     for configuration in CONFIGURATIONS {
         for surface_albedo in [0.003, 0.3, 0.5, 0.77, 0.95, 0.9995] {
-            let exact = ExactHalfSpace::new(surface_albedo, configuration);
+            let exact = exact_half_space(surface_albedo, configuration);
             let judge = Judge::new(&exact);
             let target = Target::new(&exact).expect("an exact profile has energy");
             for terms in 1..=6 {
@@ -68,7 +70,7 @@ fn interpolation_adds_little_error() {
 fn more_terms_are_better() {
     for configuration in CONFIGURATIONS {
         for surface_albedo in [0.01, 0.5, 0.99] {
-            let judge = Judge::new(&ExactHalfSpace::new(surface_albedo, configuration));
+            let judge = Judge::new(&exact_half_space(surface_albedo, configuration));
             let fits = fits(surface_albedo, configuration);
             for pair in fits.windows(2) {
                 assert!(pair[1].residual < 0.8 * pair[0].residual);

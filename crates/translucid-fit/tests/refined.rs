@@ -1,12 +1,10 @@
 //! `RefinedDiffusion` judged by the exact half space, and its generated coefficients.
 
-mod exact_profile;
 #[path = "../../translucid-profile/src/refined_coefficients.rs"]
 mod refined_coefficients;
 
 use std::f64::consts::PI;
 
-use exact_profile::ExactHalfSpace;
 use refined_coefficients::{
     DIFFUSE_LENGTH, DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_LENGTH, SEARCHLIGHT_RATES,
     SEARCHLIGHT_WEIGHTS,
@@ -15,6 +13,7 @@ use translucid_fit::{Exponential, Judge, Mixture};
 use translucid_profile::{
     Configuration, ExactProfile, NormalizedDiffusion, Parameterization, RefinedDiffusion,
 };
+use translucid_reference::exact::HalfSpaceProfile;
 
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 const PARAMETERIZATIONS: [Parameterization; 2] = [Parameterization::Mfp, Parameterization::Dmfp];
@@ -73,6 +72,10 @@ fn errors_at_the_ends_are_small() {
     }
 }
 
+fn exact_half_space(surface_albedo: f64, configuration: Configuration) -> HalfSpaceProfile {
+    HalfSpaceProfile::from_surface_albedo(surface_albedo, configuration).expect("a surface albedo in (0, 1]")
+}
+
 /// The exact solution itself in place of its table.
 #[test]
 fn table_and_solution_judge_alike() {
@@ -80,7 +83,7 @@ fn table_and_solution_judge_alike() {
         for a in [0.05, 0.5, 0.9] {
             let mfp = Parameterization::Mfp;
             let fit = RefinedDiffusion::new(a, 1.0, mfp, configuration).expect("valid parameters");
-            let judge = Judge::new(&ExactHalfSpace::new(a, configuration));
+            let judge = Judge::new(&exact_half_space(a, configuration));
             let [by_solution, by_table] = [judge.l1_error(&fit, f64::INFINITY), error(a, mfp, configuration)];
             assert!((by_solution - by_table).abs() < 1e-5, "{a}: {by_solution} {by_table}");
         }

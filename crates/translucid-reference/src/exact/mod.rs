@@ -37,6 +37,7 @@ mod dispersion;
 mod energy;
 mod h_function;
 mod half_space;
+mod half_space_profile;
 mod inversion;
 mod macdonald;
 mod oblique;
@@ -45,6 +46,7 @@ mod single_scattering;
 
 pub use albedo::single_scattering_albedo;
 pub use half_space::HalfSpace;
+pub use half_space_profile::HalfSpaceProfile;
 pub use oblique::ObliqueHalfSpace;
 pub(crate) use single_scattering::Entrance;
 pub use single_scattering::SingleScattering;

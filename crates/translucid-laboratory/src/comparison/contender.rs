@@ -1,0 +1,428 @@
+//! What is compared, by name.
+
+use translucid_profile::{
+    Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
+    DirectionalDipoleAverage, ExactProfile, Medium, Model, NormalizedDiffusion, ParameterError,
+    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
+    SumOfGaussians, TabulatedProfile,
+};
+
+use super::Reference;
+
+/// A profile, or why there is none.
+pub type Made = Result<Box<dyn Profile>, ParameterError>;
+
+/// Draws a radius for a number uniform on [0, 1).
+pub type Sampler = Box<dyn Fn(f64) -> f64 + Send + Sync>;
+
+/// Makes the sampler of a model that has a way of its own.
+type MakeSampler = fn(&Reference) -> Result<Sampler, ParameterError>;
+
+/// What kind of a profile a contender is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// A model of [`Model::ALL`].
+    Model,
+    /// A part of a model, a model with something added, or the same with other parameters.
+    Variant,
+    /// A least-squares fit to the reference at each albedo.
+    Fit,
+}
+
+/// How a model that knows media finds the one of a surface albedo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Inversion {
+    /// The medium whose total, by the model's own formulas, is A.
+    Own,
+    /// The medium whose total is A exactly; the model's then is another.
+    Exact,
+}
+
+impl Inversion {
+    /// One word.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Own => "own",
+            Self::Exact => "exact",
+        }
+    }
+}
+
+/// A profile that is compared, made for a surface albedo and a mean free path of 1.
+pub struct Contender {
+    /// Name in files and on the command line: lower case, digits and hyphens.
+    pub name: &'static str,
+    /// Name in tables and figures.
+    pub title: &'static str,
+    /// The model that it is, or is akin to.
+    pub model: Option<Model>,
+    /// What kind it is.
+    pub group: Group,
+    /// Number of terms of a sum.
+    pub terms: Option<usize>,
+    make: Box<dyn Fn(&Reference) -> Made + Send + Sync>,
+    /// The profile of a medium, whose total is what the model makes of it.
+    from_medium: Option<fn(&Medium) -> Made>,
+    configurations: &'static [Configuration],
+    sampler: Option<MakeSampler>,
+}
+
+const SEARCHLIGHT: &[Configuration] = &[Configuration::Searchlight];
+const BOTH: &[Configuration] = &[Configuration::Searchlight, Configuration::Diffuse];
+
+impl Contender {
+    /// Every contender: models and their variants, then sums of Gaussians, then fits.
+    pub fn all() -> Vec<Self> {
+        let mut all = models();
+        all.extend(GAUSSIANS.iter().zip(1..).map(|(names, terms)| gaussians(*names, terms)));
+        all.push(Self {
+            sampler: Some(|reference| {
+                let profile = exact_table(reference)?;
+                Ok(Box::new(move |u| profile.tabulated().sample(u)))
+            }),
+            ..fitted(Model::Exact, |reference| Ok(Box::new(exact_table(reference)?)))
+        });
+        all.extend(fits());
+        all
+    }
+
+    /// Names of all contenders.
+    pub fn names() -> Vec<&'static str> {
+        Self::all().iter().map(|contender| contender.name).collect()
+    }
+
+    /// Whether the model describes light that enters so.
+    pub fn knows(&self, configuration: Configuration) -> bool {
+        self.configurations.contains(&configuration)
+    }
+
+    /// Whether the model describes media, and has more than one way to the one of a surface albedo.
+    pub fn knows_media(&self) -> bool {
+        self.from_medium.is_some()
+    }
+
+    /// Whether it is one of [`Model::ALL`].
+    pub fn is_model(&self) -> bool {
+        self.group == Group::Model
+    }
+
+    /// The profile whose total is the surface albedo of the reference.
+    ///
+    /// # Errors
+    /// The model does not reach the surface albedo.
+    pub fn profile(&self, reference: &Reference) -> Made {
+        (self.make)(reference)
+    }
+
+    /// The profile by either way to a medium; `None` where the model knows none.
+    pub fn profile_by(&self, reference: &Reference, inversion: Inversion) -> Option<Made> {
+        match inversion {
+            Inversion::Own => Some(self.profile(reference)),
+            Inversion::Exact => Some(self.from_medium?(&reference.medium)),
+        }
+    }
+
+    /// What draws radii: the model's own way where it has one, else its table.
+    ///
+    /// # Errors
+    /// As [`profile`](Self::profile).
+    pub fn sampler(&self, reference: &Reference) -> Result<Sampler, ParameterError> {
+        match self.sampler {
+            Some(own) => own(reference),
+            None => {
+                let table = TabulatedProfile::new(&*self.profile(reference)?);
+                Ok(Box::new(move |u| table.sample(u)))
+            }
+        }
+    }
+
+    /// Whether [`sampler`](Self::sampler) is the model's own way.
+    pub fn has_own_sampler(&self) -> bool {
+        self.sampler.is_some()
+    }
+}
+
+/// A model with a medium behind it, by its two constructors.
+macro_rules! physical {
+    ($model:ident, $profile:ident) => {
+        physical_titled!($model, $profile, Model::$model.name())
+    };
+}
+
+macro_rules! physical_titled {
+    ($model:ident, $profile:ident, $title:expr) => {
+        Contender {
+            name: Model::$model.name(),
+            title: $title,
+            model: Some(Model::$model),
+            group: Group::Model,
+            terms: None,
+            make: Box::new(|reference| {
+                Ok(Box::new($profile::new(&appearance(reference.surface_albedo), 1.0)?))
+            }),
+            from_medium: Some(|medium| Ok(Box::new($profile::from_medium(medium, 1.0)?))),
+            configurations: SEARCHLIGHT,
+            sampler: None,
+        }
+    };
+}
+
+/// A model of multiple scattering with single scattering added.
+macro_rules! with_single_scattering {
+    ($name:expr, $title:expr, $model:ident) => {
+        composed($name, $title, Model::$model, |medium| {
+            let single = BeamSingleScattering::from_medium(medium, 1.0)?;
+            Ok(Box::new(WithSingleScattering($model::from_medium(medium, 1.0)?, single)))
+        })
+    };
+}
+
+/// The models, but for those that the others bring, and their variants.
+fn models() -> Vec<Contender> {
+    vec![
+        Contender {
+            sampler: Some(|reference| {
+                let profile = normalized_diffusion(reference)?;
+                Ok(Box::new(move |u| profile.sample(u)))
+            }),
+            ..fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(normalized_diffusion(reference)?)))
+        },
+        Contender {
+            sampler: Some(|reference| {
+                let profile = refined(reference)?;
+                Ok(Box::new(move |u| profile.sample(u)))
+            }),
+            ..fitted(Model::NormalizedDiffusionRefined, |reference| Ok(Box::new(refined(reference)?)))
+        },
+        physical!(Dipole, StandardDipole),
+        physical!(BetterDipole, BetterDipole),
+        with_single_scattering!(
+            "better-dipole-with-single-scattering",
+            "better-dipole + single scattering",
+            BetterDipole
+        ),
+        physical_titled!(DirectionalDipole, DirectionalDipoleAverage, "directional-dipole, average"),
+        physical!(QuantizedDiffusion, QuantizedDiffusion),
+        with_single_scattering!(
+            "quantized-diffusion-with-single-scattering",
+            "quantized-diffusion + single scattering",
+            QuantizedDiffusion
+        ),
+        composed(
+            "photon-beam-diffusion-multiple-only",
+            "photon-beam-diffusion, multiple only",
+            Model::PhotonBeamDiffusion,
+            |medium| Ok(Box::new(BeamMultipleScattering::from_medium(medium, 1.0)?)),
+        ),
+        physical!(PhotonBeamDiffusion, PhotonBeamDiffusion),
+    ]
+}
+
+/// A model that was fitted to half spaces, and takes albedos only.
+fn fitted(model: Model, make: impl Fn(&Reference) -> Made + Send + Sync + 'static) -> Contender {
+    Contender {
+        name: model.name(),
+        title: model.name(),
+        model: Some(model),
+        group: Group::Model,
+        terms: None,
+        make: Box::new(make),
+        from_medium: None,
+        configurations: BOTH,
+        sampler: None,
+    }
+}
+
+/// A model of media whose inversion is made here, because it is a part or a sum of others.
+fn composed(
+    name: &'static str,
+    title: &'static str,
+    model: Model,
+    from_medium: fn(&Medium) -> Made,
+) -> Contender {
+    let make = move |reference: &Reference| {
+        let total = |absorbed: f64| {
+            // The trials are of reduced albedos in [0, 1], which are media
+            let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, 0.0);
+            medium.and_then(|medium| from_medium(&medium)).map_or(0.0, |profile| profile.total())
+        };
+        from_medium(&appearance(reference.surface_albedo).medium(total)?.medium)
+    };
+    Contender {
+        name,
+        title,
+        model: Some(model),
+        group: Group::Variant,
+        terms: None,
+        make: Box::new(make),
+        from_medium: Some(from_medium),
+        configurations: SEARCHLIGHT,
+        sampler: None,
+    }
+}
+
+/// Names and titles of the sums of Gaussians; that of the most terms is the model.
+const GAUSSIANS: [[&str; 2]; SumOfGaussians::MAX_TERMS] = [
+    ["gaussians-1", "gaussians, 1 term"],
+    ["gaussians-2", "gaussians, 2 terms"],
+    ["gaussians-3", "gaussians, 3 terms"],
+    ["gaussians-4", "gaussians, 4 terms"],
+    ["gaussians-5", "gaussians, 5 terms"],
+    [Model::Gaussians.name(), "gaussians, 6 terms"],
+];
+
+fn gaussians([name, title]: [&'static str; 2], terms: usize) -> Contender {
+    let make = move |reference: &Reference| -> Made { Ok(Box::new(sum_of_gaussians(reference, terms)?)) };
+    let is_model = terms == SumOfGaussians::DEFAULT_TERMS;
+    let sampler = |reference: &Reference| -> Result<Sampler, ParameterError> {
+        let profile = sum_of_gaussians(reference, SumOfGaussians::DEFAULT_TERMS)?;
+        Ok(Box::new(move |u| profile.sample(u)))
+    };
+    Contender {
+        name,
+        title,
+        group: if is_model { Group::Model } else { Group::Variant },
+        terms: Some(terms),
+        sampler: is_model.then_some(sampler),
+        ..fitted(Model::Gaussians, make)
+    }
+}
+
+/// The best that a family can do at each albedo.
+fn fits() -> Vec<Contender> {
+    const EXPONENTIALS: [[&str; 2]; Reference::MAX_EXPONENTIALS] = [
+        ["exponentials-1", "best 1 exponential"],
+        ["exponentials-2", "best 2 exponentials"],
+        ["exponentials-3", "best 3 exponentials"],
+        ["exponentials-4", "best 4 exponentials"],
+    ];
+    let from_dmfp = |reference: &Reference| -> Made {
+        let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
+        let (dmfp, searchlight) = (Parameterization::Dmfp, Configuration::Searchlight);
+        Ok(Box::new(NormalizedDiffusion::new(a, length, dmfp, searchlight)?))
+    };
+    let mut fits = vec![
+        Contender {
+            name: "normalized-diffusion-from-dmfp",
+            title: "normalized diffusion from the dmfp",
+            group: Group::Variant,
+            configurations: SEARCHLIGHT,
+            ..fitted(Model::NormalizedDiffusion, from_dmfp)
+        },
+        Contender {
+            name: "best-normalized-diffusion",
+            title: "best normalized diffusion",
+            group: Group::Fit,
+            ..fitted(Model::NormalizedDiffusion, |reference| {
+                Ok(Box::new(reference.best_normalized_diffusion()?.mixture))
+            })
+        },
+    ];
+    fits.extend(EXPONENTIALS.iter().zip(1..).map(|([name, title], terms)| Contender {
+        name,
+        title,
+        model: None,
+        group: Group::Fit,
+        terms: Some(terms),
+        ..fitted(Model::NormalizedDiffusion, move |reference| {
+            let fit = reference.exponentials().get(terms - 1);
+            let fit = fit.ok_or(ParameterError::new("terms", terms as f64, "among the fits"))?;
+            Ok(Box::new(fit.mixture.clone()))
+        })
+    }));
+    fits
+}
+
+/// A model of multiple scattering, and exact single scattering.
+struct WithSingleScattering<P>(P, BeamSingleScattering);
+
+impl<P: Profile> Profile for WithSingleScattering<P> {
+    fn eval_times_r(&self, r: f64) -> f64 {
+        self.0.eval_times_r(r) + self.1.eval_times_r(r)
+    }
+
+    fn enclosed(&self, r: f64) -> f64 {
+        self.0.enclosed(r) + self.1.enclosed(r)
+    }
+
+    fn beyond(&self, r: f64) -> f64 {
+        self.0.beyond(r) + self.1.beyond(r)
+    }
+
+    fn total(&self) -> f64 {
+        self.0.total() + self.1.total()
+    }
+
+    fn scale(&self) -> f64 {
+        self.0.scale()
+    }
+
+    fn evaluations_to_build(&self) -> u32 {
+        self.0.evaluations_to_build() + self.1.evaluations_to_build()
+    }
+}
+
+fn appearance(surface_albedo: f64) -> Appearance {
+    Appearance { surface_albedo, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 }
+}
+
+fn normalized_diffusion(reference: &Reference) -> Result<NormalizedDiffusion, ParameterError> {
+    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
+    NormalizedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
+}
+
+fn refined(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
+    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
+    RefinedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
+}
+
+fn sum_of_gaussians(reference: &Reference, terms: usize) -> Result<SumOfGaussians, ParameterError> {
+    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
+    SumOfGaussians::new(reference.surface_albedo, 1.0, mfp, configuration, terms)
+}
+
+fn exact_table(reference: &Reference) -> Result<ExactProfile, ParameterError> {
+    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
+    ExactProfile::new(reference.surface_albedo, 1.0, mfp, configuration)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_model_is_a_contender() {
+        let all = Contender::all();
+        for model in Model::ALL {
+            let found = all.iter().filter(|contender| contender.name == model.name()).count();
+            assert_eq!(found, 1, "{model}");
+        }
+        for (i, contender) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|other| other.name != contender.name), "{}", contender.name);
+            assert!(all[..i].iter().all(|other| other.title != contender.title), "{}", contender.title);
+            let plain = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
+            assert!(contender.name.chars().all(plain), "{}", contender.name);
+        }
+    }
+
+    #[test]
+    fn contenders_have_the_albedo() {
+        for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
+            for surface_albedo in [0.2, 0.8] {
+                let reference = Reference::new(surface_albedo, configuration).unwrap();
+                for contender in Contender::all().iter().filter(|one| one.knows(configuration)) {
+                    let profile = contender.profile(&reference).unwrap();
+                    let name = contender.name;
+                    assert!((profile.total() - surface_albedo).abs() < 1e-8, "{name}: {}", profile.total());
+                    let sample = contender.sampler(&reference).unwrap();
+                    let r = sample(0.6);
+                    assert!(r > 0.0 && r < 40.0, "{name}: {r}");
+                    assert_eq!(
+                        contender.knows_media(),
+                        contender.profile_by(&reference, Inversion::Exact).is_some()
+                    );
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! How far contenders are from the exact solution.
+
+use rayon::prelude::*;
+use translucid_fit::ErrorSummary;
+use translucid_profile::{Configuration, ParameterError};
+
+use super::watch::{Progress, Stopped};
+use super::{Contender, Inversion, Reference, Watch};
+
+/// Greatest radii that errors are stated for, in mean free paths.
+pub const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
+
+/// The surface albedos that the talk takes its means over: 0.01, 0.02, … 0.99.
+pub fn talk_albedos() -> Vec<f64> {
+    (1..=99).map(|percent| f64::from(percent) / 100.0).collect()
+}
+
+/// The errors of one contender at one surface albedo.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ErrorRow {
+    /// [`Contender::name`].
+    pub contender: &'static str,
+    /// How light enters.
+    pub configuration: Configuration,
+    /// How the model found its medium; `Own` for one that has none.
+    pub inversion: Inversion,
+    /// Surface albedo A.
+    pub surface_albedo: f64,
+    /// Area-weighted L1 errors up to each of [`R_MAX`], relative to the energy of the exact profile there.
+    pub errors: [f64; 3],
+}
+
+/// Errors of many contenders at many surface albedos.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ErrorTable {
+    /// By configuration, contender, inversion and albedo, each in the order that was asked for. A contender that does
+    /// not reach an albedo or does not know a configuration has no row.
+    pub rows: Vec<ErrorRow>,
+    /// The surface albedos that means are over.
+    pub averaged: Vec<f64>,
+}
+
+/// Errors of one contender over the albedos that means are over.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Summary {
+    /// Mean and worst up to each of [`R_MAX`].
+    pub errors: [ErrorSummary; 3],
+    /// How many of the albedos the contender reaches.
+    pub reached: usize,
+}
+
+impl ErrorTable {
+    /// Judges contenders at the surface albedos that means are over and at others, on all threads of the current rayon
+    /// pool.
+    ///
+    /// ```
+    /// use translucid_laboratory::comparison::{Contender, ErrorTable, Inversion, Watch, talk_albedos};
+    /// use translucid_profile::Configuration;
+    ///
+    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+    /// let mut contenders = Contender::all();
+    /// contenders.retain(|contender| contender.name == "normalized-diffusion");
+    /// let searchlight = Configuration::Searchlight;
+    /// let table = ErrorTable::new(&contenders, &[searchlight], &talk_albedos(), &[], Watch::default())?;
+    /// let all = table.summary("normalized-diffusion", searchlight, Inversion::Own);
+    /// let [_, within_16, _] = all.expect("it was asked for").errors;
+    /// assert!((100.0 * within_16.mean - 5.47).abs() < 0.005); // the talk: about 5.5 %
+    /// # Ok(())
+    /// # }
+    /// ```
+    ///
+    /// # Errors
+    /// The work was stopped. An albedo that is not in (0, 1\] has no rows.
+    pub fn new(
+        contenders: &[Contender],
+        configurations: &[Configuration],
+        averaged: &[f64],
+        others: &[f64],
+        watch: Watch<'_>,
+    ) -> Result<Self, Stopped> {
+        let asked = Asked { contenders, configurations, averaged, others };
+        asked.judge(&Progress::new(watch, asked.work()))
+    }
+
+    /// The rows of one contender.
+    pub fn of(
+        &self,
+        contender: &str,
+        configuration: Configuration,
+        inversion: Inversion,
+    ) -> impl Iterator<Item = &ErrorRow> {
+        self.rows.iter().filter(move |row| {
+            row.contender == contender && row.configuration == configuration && row.inversion == inversion
+        })
+    }
+
+    /// Means over [`averaged`](Self::averaged); `None` for a contender that reaches none of them.
+    pub fn summary(
+        &self,
+        contender: &str,
+        configuration: Configuration,
+        inversion: Inversion,
+    ) -> Option<Summary> {
+        let rows: Vec<&ErrorRow> = self
+            .of(contender, configuration, inversion)
+            .filter(|row| self.averaged.contains(&row.surface_albedo))
+            .collect();
+        if rows.is_empty() {
+            return None;
+        }
+        let errors = [0, 1, 2].map(|r_max| {
+            let errors: Vec<_> = rows.iter().map(|row| (row.surface_albedo, row.errors[r_max])).collect();
+            ErrorSummary::new(&errors)
+        });
+        Some(Summary { errors, reached: rows.len() })
+    }
+
+    /// The error over all radii at one surface albedo.
+    pub fn at(
+        &self,
+        contender: &str,
+        configuration: Configuration,
+        inversion: Inversion,
+        surface_albedo: f64,
+    ) -> Option<f64> {
+        let row = |row: &&ErrorRow| row.surface_albedo == surface_albedo;
+        Some(self.of(contender, configuration, inversion).find(row)?.errors[2])
+    }
+}
+
+/// What is to be judged.
+pub(super) struct Asked<'a> {
+    pub(super) contenders: &'a [Contender],
+    pub(super) configurations: &'a [Configuration],
+    /// Surface albedos that means are over.
+    pub(super) averaged: &'a [f64],
+    /// Other surface albedos.
+    pub(super) others: &'a [f64],
+}
+
+impl Asked<'_> {
+    /// Milliseconds that all contenders take at one albedo.
+    const COST: u64 = 56;
+
+    /// What judging costs, in the units of progress.
+    pub(super) fn work(&self) -> u64 {
+        Self::COST * self.half_spaces().len() as u64
+    }
+
+    /// Configurations and albedos, sorted and each once; none for a configuration that no contender knows.
+    fn half_spaces(&self) -> Vec<(Configuration, f64)> {
+        let mut albedos = [self.averaged, self.others].concat();
+        albedos.sort_by(f64::total_cmp);
+        albedos.dedup();
+        let known = |c: &&Configuration| self.contenders.iter().any(|contender| contender.knows(**c));
+        let configurations = self.configurations.iter().filter(known);
+        configurations.flat_map(|c| albedos.iter().map(|a| (*c, *a))).collect()
+    }
+
+    /// Judges everything, on all threads of the current rayon pool.
+    pub(super) fn judge(&self, progress: &Progress<'_>) -> Result<ErrorTable, Stopped> {
+        let half_spaces = self.half_spaces();
+        let judged = half_spaces.par_iter().map(|(configuration, albedo)| {
+            progress.check()?;
+            let rows = Reference::new(*albedo, *configuration).map(|one| rows(self.contenders, &one));
+            progress.add(Self::COST);
+            Ok(rows.unwrap_or_default())
+        });
+        let mut rows = judged.collect::<Result<Vec<_>, Stopped>>()?.concat();
+        // Stable: albedos stay as they are
+        let place = |row: &ErrorRow| {
+            let configuration = self.configurations.iter().position(|one| *one == row.configuration);
+            let contender = self.contenders.iter().position(|one| one.name == row.contender);
+            (configuration, row.inversion == Inversion::Exact, contender)
+        };
+        rows.sort_by_key(place);
+        Ok(ErrorTable { rows, averaged: self.averaged.to_vec() })
+    }
+}
+
+/// Judges all contenders at one surface albedo.
+fn rows(contenders: &[Contender], reference: &Reference) -> Vec<ErrorRow> {
+    let ways = contenders
+        .iter()
+        .filter(|contender| contender.knows(reference.configuration))
+        .flat_map(|contender| [Inversion::Own, Inversion::Exact].map(|inversion| (contender, inversion)));
+    let row = |(contender, inversion): (&Contender, Inversion)| -> Option<ErrorRow> {
+        let profile: Result<_, ParameterError> = contender.profile_by(reference, inversion)?;
+        Some(ErrorRow {
+            contender: contender.name,
+            configuration: reference.configuration,
+            inversion,
+            surface_albedo: reference.surface_albedo,
+            errors: reference.judge.l1_errors(&*profile.ok()?, R_MAX),
+        })
+    };
+    ways.filter_map(row).collect()
+}

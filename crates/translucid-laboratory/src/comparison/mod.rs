@@ -1,0 +1,44 @@
+//! What is compared, and the numbers that come out.
+//!
+//! The medium is the talk's: a half space of isotropic scatterers (g = 0) with the refractive index of its
+//! surroundings (η = 1), by its surface albedo A and a mean free path of 1.
+//! The judge is its exact solution; photons that walk are an independent witness.
+//!
+//! - [`Contender`]: a model, a variant of one, or a fit, by name.
+//! - [`Reference`]: the exact solution for one surface albedo.
+//! - [`ErrorTable`]: area-weighted L1 errors of contenders for many albedos; [`claims`] are what the talk says of them.
+//! - [`Reflectance`]: curves R(r) with the walk's points; [`ScalingCase`]: s(A).
+//! - [`SampleTest`]: histograms of drawn radii, with χ².
+//! - [`MixtureErrors`]: Gaussians against exponentials; [`FresnelCurve`]: Schlick against Fresnel.
+//! - [`Timing`]: nanoseconds per call.
+//! - [`Comparison`]: all of this at once, as [`Settings`] ask for it.
+
+mod chi_square;
+mod claims;
+mod contender;
+mod errors;
+mod fresnel;
+mod mixtures;
+mod monte_carlo;
+mod reference;
+mod reflectance;
+mod run;
+mod sampling;
+mod scaling;
+mod timing;
+mod watch;
+
+pub use chi_square::chi_square_probability;
+pub use claims::{Claim, Comparand, claims};
+pub use contender::{Contender, Group, Inversion, Made, Sampler};
+pub use errors::{ErrorRow, ErrorTable, R_MAX, Summary, talk_albedos};
+pub use fresnel::{FresnelCurve, Side, fresnel_curves};
+pub use mixtures::{MixtureErrors, MixtureFamily};
+pub use monte_carlo::{RingPoint, Walk};
+pub use reference::Reference;
+pub use reflectance::{Curve, Reflectance};
+pub use run::{Comparison, Settings};
+pub use sampling::{SampleTest, Sampling};
+pub use scaling::ScalingCase;
+pub use timing::{Quantity, Timing, time_contenders};
+pub use watch::{Stopped, Watch};

@@ -1,0 +1,112 @@
+//! Radii drawn from a profile against its density.
+
+use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
+
+use super::{Contender, Reference, chi_square_probability};
+
+/// How radii are drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Sampling {
+    /// Seed of the random numbers.
+    pub seed: u64,
+    /// Number of radii.
+    pub count: u64,
+}
+
+/// A histogram of radii that a contender's `sample` has drawn, and what its density promises.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SampleTest {
+    /// [`Contender::name`].
+    pub contender: &'static str,
+    /// Surface albedo A.
+    pub surface_albedo: f64,
+    /// Whether the radii are drawn in the model's own way; else by its table.
+    pub own_sampler: bool,
+    /// Edges of the bins in mean free paths: 0, equal steps to the radius within which 99 % leave.
+    pub edges: Vec<f64>,
+    /// Radii in each bin, and beyond the last.
+    pub counts: Vec<u64>,
+    /// Expected of the model's own energies within the edges.
+    pub expected: Vec<f64>,
+    /// Σ (count − expected)²/expected.
+    pub chi_square: f64,
+    /// Bins, and the rest beyond, less one.
+    pub freedom: usize,
+    /// How often chance alone is as far off.
+    pub probability: f64,
+}
+
+impl SampleTest {
+    /// Bins up to the last edge.
+    pub const BINS: usize = 60;
+
+    /// Draws radii of one model.
+    ///
+    /// Number i of a seed is the same whatever their count, and for every model.
+    ///
+    /// # Errors
+    /// The contender does not reach the surface albedo of the reference.
+    pub fn new(
+        contender: &Contender,
+        reference: &Reference,
+        sampling: Sampling,
+    ) -> Result<Self, ParameterError> {
+        let profile = contender.profile(reference)?;
+        let sample = contender.sampler(reference)?;
+        let end = TabulatedProfile::new(&*profile).quantile(0.99);
+        let step = end / Self::BINS as f64;
+        let edges: Vec<f64> = (0..=Self::BINS).map(|i| step * i as f64).collect();
+
+        // Count radii
+        let mut counts = vec![0u64; Self::BINS + 1];
+        for i in 0..sampling.count {
+            let r = sample(random(sampling.seed, i));
+            // Where rounding puts a radius beside an edge, the edge decides
+            let near = ((r / step) as usize).min(Self::BINS);
+            let bin = if near > 0 && r < edges[near] { near - 1 } else { near };
+            counts[bin] += 1;
+        }
+
+        // Compare with what was promised
+        let share = |i: usize| match edges.get(i + 1) {
+            Some(outer) => (profile.enclosed(*outer) - profile.enclosed(edges[i])) / profile.total(),
+            None => profile.beyond(end) / profile.total(),
+        };
+        let expected: Vec<f64> = (0..=Self::BINS).map(|i| sampling.count as f64 * share(i)).collect();
+        let chi_square = counts.iter().zip(&expected).map(|(n, e)| (*n as f64 - e).powi(2) / e).sum();
+        Ok(Self {
+            contender: contender.name,
+            surface_albedo: reference.surface_albedo,
+            own_sampler: contender.has_own_sampler(),
+            edges,
+            counts,
+            expected,
+            chi_square,
+            freedom: Self::BINS,
+            probability: chi_square_probability(chi_square, Self::BINS),
+        })
+    }
+
+    /// Radii that were drawn.
+    pub fn count(&self) -> u64 {
+        self.counts.iter().sum()
+    }
+}
+
+/// The configuration of the histograms: the one that all models know.
+pub(super) const CONFIGURATION: Configuration = Configuration::Searchlight;
+
+/// Random number of a seed and an index, uniform on (0, 1).
+fn random(seed: u64, index: u64) -> f64 {
+    // The middles of 2⁵² intervals: neither 0 nor 1, every one exact
+    let bits = mix(index.wrapping_add(mix(seed)).wrapping_mul(0x9e37_79b9_7f4a_7c15)) >> 12;
+    (bits as f64 + 0.5) * 2.0_f64.powi(-52)
+}
+
+/// A bijection of 64 bits that leaves no pattern of its input: the finalizer of SplitMix64, variant 13
+/// [D. Stafford 2011, "Better Bit Mixing"; Steele, Lea, Flood 2014].
+fn mix(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    z ^ (z >> 31)
+}
