@@ -90,6 +90,7 @@ impl Ink {
             Self::Model(model) => match model {
                 Model::NormalizedDiffusion => line(Shade::VERMILION, SOLID, Marker::Circle),
                 Model::NormalizedDiffusionRefined => line(Shade::BLUE, LONG, Marker::Square),
+                Model::NormalizedDiffusionOblique => line(Shade::BLUE, DASHED, Marker::Plus),
                 Model::Dipole => line(Shade::ORANGE, DOTTED, Marker::Triangle),
                 Model::BetterDipole => line(Shade::GREEN, DASH_DOT, Marker::TriangleDown),
                 Model::DirectionalDipole => line(Shade::SKY, DASHED, Marker::Diamond),

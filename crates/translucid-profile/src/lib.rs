@@ -7,6 +7,8 @@
 //! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact
 //!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
 //! - [`RefinedDiffusion`]: the same with four exponentials and an error of 0.3 %.
+//! - [`ObliqueDiffusion`]: the same for a beam at any angle, a profile over radius and azimuth;
+//!   [`ObliqueDiffusionTable`] is its twin for inner loops.
 //! - [`StandardDipole`], [`BetterDipole`]: diffusion from one point source and its image;
 //!   [`QuantizedDiffusion`]: from a whole beam, as a sum of Gaussians.
 //! - [`DirectionalDipole`]: for light from any direction on any surface; [`DirectionalDipoleAverage`], its profile along
@@ -96,6 +98,10 @@ mod media;
 mod model;
 mod monotone_cell;
 mod monotone_cubic;
+mod oblique;
+mod oblique_coefficients;
+mod oblique_f32;
+mod oblique_kernel;
 mod photon_beam_diffusion;
 mod profile;
 pub mod quadrature;
@@ -133,6 +139,8 @@ pub use half_space::{half_space_single_scattering_albedo, half_space_surface_alb
 pub use inversion::{Appearance, Found};
 pub use media::Medium;
 pub use model::Model;
+pub use oblique::ObliqueDiffusion;
+pub use oblique_f32::{ObliqueDiffusionF32, ObliqueDiffusionTable};
 pub use photon_beam_diffusion::{
     BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
 };

@@ -31,6 +31,9 @@ pub enum Model {
     /// [`NormalizedDiffusion`]'s error at nearly the same cost.
     #[default]
     NormalizedDiffusionRefined,
+    /// [`ObliqueDiffusion`](crate::ObliqueDiffusion): the same for light at any angle; its profile is the
+    /// [`RefinedDiffusion`] that it has for light along the normal, or from everywhere.
+    NormalizedDiffusionOblique,
     /// [`StandardDipole`] \[Jensen et al. 2001\].
     Dipole,
     /// [`BetterDipole`] \[d'Eon 2012\].
@@ -50,9 +53,10 @@ pub enum Model {
 
 impl Model {
     /// Every model.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 10] = [
         Self::NormalizedDiffusion,
         Self::NormalizedDiffusionRefined,
+        Self::NormalizedDiffusionOblique,
         Self::Dipole,
         Self::BetterDipole,
         Self::DirectionalDipole,
@@ -67,6 +71,7 @@ impl Model {
         match self {
             Self::NormalizedDiffusion => "normalized-diffusion",
             Self::NormalizedDiffusionRefined => "normalized-diffusion-refined",
+            Self::NormalizedDiffusionOblique => "normalized-diffusion-oblique",
             Self::Dipole => "dipole",
             Self::BetterDipole => "better-dipole",
             Self::DirectionalDipole => "directional-dipole",
@@ -87,6 +92,7 @@ impl Model {
         match self {
             Self::NormalizedDiffusion => "Burley's normalized diffusion [Christensen & Burley 2015]",
             Self::NormalizedDiffusionRefined => "Four exponentials, fitted to the exact solution",
+            Self::NormalizedDiffusionOblique => "Four exponentials, of light at any angle, fitted likewise",
             Self::Dipole => "The standard dipole of diffusion theory [Jensen et al. 2001]",
             Self::BetterDipole => "The better dipole, with Grosjean's diffusion [d'Eon 2012]",
             Self::DirectionalDipole => "The directional dipole, of light at any angle [Frisvad et al. 2014]",
@@ -101,9 +107,11 @@ impl Model {
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
-            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined | Self::Gaussians | Self::Exact => {
-                false
-            }
+            Self::NormalizedDiffusion
+            | Self::NormalizedDiffusionRefined
+            | Self::NormalizedDiffusionOblique
+            | Self::Gaussians
+            | Self::Exact => false,
             Self::Dipole
             | Self::BetterDipole
             | Self::DirectionalDipole
@@ -135,7 +143,7 @@ impl Model {
             Self::NormalizedDiffusion => {
                 Box::new(NormalizedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
             }
-            Self::NormalizedDiffusionRefined => {
+            Self::NormalizedDiffusionRefined | Self::NormalizedDiffusionOblique => {
                 Box::new(RefinedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
             }
             Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
@@ -173,7 +181,11 @@ impl Model {
             g: 0.0,
         };
         Ok(match self {
-            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined | Self::Gaussians | Self::Exact => {
+            Self::NormalizedDiffusion
+            | Self::NormalizedDiffusionRefined
+            | Self::NormalizedDiffusionOblique
+            | Self::Gaussians
+            | Self::Exact => {
                 return self.profile(&similar, configuration, eta);
             }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),

@@ -315,7 +315,7 @@ impl Profile for RefinedDiffusion {
 }
 
 /// Weights, and rates in units of 1/ℓ.
-fn terms(surface_albedo: f64, configuration: Configuration) -> ([f64; TERMS], [f64; TERMS]) {
+pub(crate) fn terms(surface_albedo: f64, configuration: Configuration) -> ([f64; TERMS], [f64; TERMS]) {
     let (weights, rates) = match configuration {
         Configuration::Searchlight => (&SEARCHLIGHT_WEIGHTS, &SEARCHLIGHT_RATES),
         Configuration::Diffuse => (&DIFFUSE_WEIGHTS, &DIFFUSE_RATES),
@@ -326,7 +326,7 @@ fn terms(surface_albedo: f64, configuration: Configuration) -> ([f64; TERMS], [f
 }
 
 /// ℓ/ℓ_d.
-fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
+pub(crate) fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
     let coefficients = match configuration {
         Configuration::Searchlight => &SEARCHLIGHT_LENGTH,
         Configuration::Diffuse => &DIFFUSE_LENGTH,

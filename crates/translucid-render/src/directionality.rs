@@ -3,8 +3,10 @@
 //! Probes find entry points by a radial profile, before any light is known.
 //! Where the model knows directions, light at the entry is then weighted with R(x_o − x_i; ω_i)/R(|x_o − x_i|).
 
+use std::f32::consts::FRAC_1_PI;
+
 use glam::Vec3;
-use translucid_profile::DirectionalDipoleF32;
+use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
 use crate::material::Subsurface;
 use crate::profile_tables::{ProfileSource, ProfileTables};
@@ -35,43 +37,75 @@ pub(crate) enum Directionality {
         /// 1/R(|x_o − x_i|) of the profile that the entry was found by; 0 in channels that do not scatter.
         inverse: Vec3,
     },
+    /// Normalized diffusion of oblique light.
+    Oblique {
+        passage: Passage,
+        profiles: [ObliqueDiffusionF32; 3],
+        /// 1/(r R(r)) of the profile that the entry was found by; 0 in channels that do not scatter.
+        inverse: Vec3,
+    },
 }
 
 impl Directionality {
     /// What the exit's subsurface parameters say.
     pub(crate) fn new(tables: &ProfileTables, subsurface: &Subsurface, passage: Passage) -> Self {
-        let ProfileSource::Directional { table, dipole } = subsurface.source else { return Self::Radial };
-        let (table, dipole) = (tables.table(table), tables.dipole(dipole));
-        let Subsurface { albedo, length, .. } = *subsurface;
+        let Subsurface { albedo, length, source } = *subsurface;
         let distance = passage.offset.length();
-        let inverse = |c: usize| {
-            if length[c] <= 0.0 {
-                return 0.0;
-            }
-            let radial = albedo[c] * table.at(albedo[c], length[c]).pdf_area(distance);
-            if radial > 0.0 { radial.recip() } else { 0.0 }
+        // 1 over what a table of radial profiles says
+        let inverse_of = |table: usize, radial: &dyn Fn(ProfileViewF32<'_>) -> f32| {
+            let table = tables.table(table);
+            let inverse = |c: usize| {
+                if length[c] <= 0.0 {
+                    return 0.0;
+                }
+                let radial = albedo[c] * radial(table.at(albedo[c], length[c]));
+                if radial > 0.0 { radial.recip() } else { 0.0 }
+            };
+            Vec3::new(inverse(0), inverse(1), inverse(2))
         };
-        Self::Dipole {
-            passage,
-            dipoles: [0, 1, 2].map(|c: usize| dipole.at(albedo[c], length[c])),
-            inverse: Vec3::new(inverse(0), inverse(1), inverse(2)),
+        match source {
+            ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) => Self::Radial,
+            ProfileSource::Directional { table, dipole } => Self::Dipole {
+                passage,
+                dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(albedo[c], length[c])),
+                inverse: inverse_of(table, &|view| view.pdf_area(distance)),
+            },
+            ProfileSource::Oblique { table, oblique } => Self::Oblique {
+                passage,
+                profiles: [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(albedo[c], length[c])),
+                inverse: inverse_of(table, &|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+            },
         }
     }
 
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {
-        let Self::Dipole { passage, dipoles, inverse } = self else { return Vec3::ONE };
-        let arguments = [passage.offset, toward_light, passage.entry_normal, passage.exit_normal];
-        let [offset, omega, entry_normal, exit_normal] = arguments.map(|v| v.to_array());
-        let value = |c: usize| {
-            if inverse[c] <= 0.0 {
-                return 0.0;
+        let weight = match self {
+            Self::Radial => return Vec3::ONE,
+            Self::Dipole { passage, dipoles, inverse } => {
+                let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
+                per_channel(*inverse, |c| dipoles[c].eval(offset, omega, entry_normal, exit_normal))
             }
-            dipoles[c].eval(offset, omega, entry_normal, exit_normal) * inverse[c]
+            Self::Oblique { passage, profiles, inverse } => {
+                let [offset, omega, entry_normal, _] = passage.arrays(toward_light);
+                per_channel(*inverse, |c| profiles[c].eval_times_r(offset, omega, entry_normal))
+            }
         };
-        let weight = Vec3::new(value(0), value(1), value(2));
         // A product of the greatest and the least numbers
         if weight.is_finite() { weight } else { Vec3::ZERO }
     }
+}
+
+impl Passage {
+    /// Offset, direction toward the light, and normals at entry and exit.
+    fn arrays(&self, toward_light: Vec3) -> [[f32; 3]; 4] {
+        [self.offset, toward_light, self.entry_normal, self.exit_normal].map(|v| v.to_array())
+    }
+}
+
+/// inverse · value, 0 in channels whose inverse is.
+fn per_channel(inverse: Vec3, value: impl Fn(usize) -> f32) -> Vec3 {
+    let product = |c: usize| if inverse[c] <= 0.0 { 0.0 } else { value(c) * inverse[c] };
+    Vec3::new(product(0), product(1), product(2))
 }

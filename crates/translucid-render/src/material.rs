@@ -109,7 +109,9 @@ pub(crate) fn subsurface_at(
             );
             if d > point.offset { d } else { 0.0 }
         }
-        ProfileSource::Table(table) | ProfileSource::Directional { table, .. } => {
+        ProfileSource::Table(table)
+        | ProfileSource::Directional { table, .. }
+        | ProfileSource::Oblique { table, .. } => {
             let length = length[channel];
             let profile = materials.profile_tables.table(table).at(albedo[channel], length);
             // The length says little of the width: a file's radii may be in any unit

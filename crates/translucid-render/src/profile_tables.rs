@@ -1,8 +1,8 @@
 //! The tables of every material's profile, made before the first path.
 
 use translucid_profile::{
-    AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model, ParameterError,
-    Parameterization, Profile,
+    AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model,
+    ObliqueDiffusionTable, ParameterError, Parameterization, Profile,
 };
 use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 
@@ -29,6 +29,13 @@ pub(crate) enum ProfileSource {
         /// Number of the dipole.
         dipole: usize,
     },
+    /// Normalized diffusion of oblique light of this number, found by the table of its average.
+    Oblique {
+        /// Number of the table.
+        table: usize,
+        /// Number of the profiles of oblique light.
+        oblique: usize,
+    },
 }
 
 /// The tables of a scene.
@@ -38,6 +45,7 @@ pub(crate) struct ProfileTables {
     made: Vec<(Recipe, ProfileSource)>,
     tables: Vec<AlbedoTableF32>,
     dipoles: Vec<DirectionalDipoleTable>,
+    obliques: Vec<ObliqueDiffusionTable>,
     notes: Vec<String>,
 }
 
@@ -56,6 +64,8 @@ struct ModelRecipe {
     parameterization: Parameterization,
     configuration: Configuration,
     eta: f64,
+    /// By which light is refracted that is then followed by its direction.
+    eta_of_refraction: f64,
     g: f64,
     /// The three surface albedos of a material that is not textured.
     albedos: Option<[f64; 3]>,
@@ -68,6 +78,10 @@ impl ProfileTables {
 
     pub(crate) fn dipole(&self, index: usize) -> &DirectionalDipoleTable {
         &self.dipoles[index]
+    }
+
+    pub(crate) fn oblique(&self, index: usize) -> &ObliqueDiffusionTable {
+        &self.obliques[index]
     }
 
     /// What a user should know of the tables.
@@ -133,6 +147,12 @@ impl ProfileTables {
                 self.dipoles.push(dipole);
                 Ok(ProfileSource::Directional { table, dipole: self.dipoles.len() - 1 })
             }
+            ProfileSource::Table(table) if recipe.model == Model::NormalizedDiffusionOblique => {
+                let ModelRecipe { eta_of_refraction, parameterization, configuration, .. } = *recipe;
+                let oblique = ObliqueDiffusionTable::new(eta_of_refraction, parameterization, configuration)?;
+                self.obliques.push(oblique);
+                Ok(ProfileSource::Oblique { table, oblique: self.obliques.len() - 1 })
+            }
             _ => Ok(source),
         }
     }
@@ -163,6 +183,7 @@ impl ModelRecipe {
             parameterization: material.subsurface_parameter,
             configuration: material.subsurface_configuration,
             eta: if knows { f64::from(material.subsurface_eta) } else { 1.0 },
+            eta_of_refraction: f64::from(material.subsurface_eta),
             g: if knows { f64::from(material.subsurface_scatter_anisotropy) } else { 0.0 },
             albedos: (!textured).then(|| color.factor.to_array().map(fraction)),
         }

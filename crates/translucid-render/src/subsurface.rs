@@ -85,7 +85,9 @@ impl Prober {
                 let channels = Channels::new(exit, |c| CutNormalizedDiffusion::new(length[c], &truncation))?;
                 self.sample_from(&channels, geometry, exit, sampler)
             }
-            ProfileSource::Table(table) | ProfileSource::Directional { table, .. } => {
+            ProfileSource::Table(table)
+            | ProfileSource::Directional { table, .. }
+            | ProfileSource::Oblique { table, .. } => {
                 let table = tables.table(table);
                 let profile = |c: usize| CutTable::new(table.at(albedo[c], length[c]), truncation.tail);
                 self.sample_from(&Channels::new(exit, profile)?, geometry, exit, sampler)

@@ -7,7 +7,11 @@ mod common;
 
 use common::{assert_within, distant, measure, quad, scene, uniform_environment};
 use glam::Vec3;
-use translucid_profile::{Appearance, Configuration, DirectionalDipole, Model, Parameterization};
+use translucid_profile::{
+    Appearance, Configuration, DirectionalDipole, Model, ObliqueDiffusion, Parameterization,
+    half_space_single_scattering_albedo,
+};
+use translucid_reference::exact::ObliqueHalfSpace;
 use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene,
@@ -15,6 +19,9 @@ use translucid_scene::{
 };
 
 const DIRECTIONAL: SubsurfaceModel = SubsurfaceModel::Profile(Model::DirectionalDipole);
+const OBLIQUE: SubsurfaceModel = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
+/// What knows where light comes from.
+const DIRECTED: [Model; 2] = [Model::DirectionalDipole, Model::NormalizedDiffusionOblique];
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.6, 0.4);
 
@@ -88,7 +95,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
 /// A slab lit from behind transmits the profile's energy beyond its thickness.
 #[test]
 fn slab_transmits_what_every_profile_says() {
-    for model in Model::ALL.into_iter().filter(|&model| model != Model::DirectionalDipole) {
+    for model in Model::ALL.into_iter().filter(|model| !DIRECTED.contains(model)) {
         for thickness in [0.1, 0.7] {
             let plain = slab(material(SubsurfaceModel::Profile(model)), thickness);
             let expected = beyond(model, thickness) / std::f32::consts::PI;
@@ -111,49 +118,100 @@ fn directional_dipole_returns_surface_albedo_along_the_normal() {
     }
 }
 
-/// A beam that arrives at a slant leaves to the right and to the left of it as the directional dipole says.
+/// Diffuse light returns A under a boundary, too, which keeps light from grazing below it.
 #[test]
-fn directional_dipole_leaves_where_it_says() {
-    let toward_light = Vec3::new(-0.8, 0.0, 0.6);
-    let radius = 0.1_f32;
-    let gray = Material {
-        subsurface_color: ColorInput::constant(Vec3::splat(0.7)),
-        subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
-        subsurface_eta: 1.3,
-        ..material(DIRECTIONAL)
-    };
-    let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], gray);
-    scene.integrator.subsurface_tail = 1e-6;
-    scene.lights.push(Light::Beam {
-        origin: toward_light * 5.0,
-        direction: -toward_light,
-        radius,
-        power: Vec3::ONE,
-    });
-    let renderer = Renderer::new(scene);
-    let appearance =
-        Appearance { surface_albedo: 0.7, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
-    let dipole = DirectionalDipole::new(&appearance, 1.3).unwrap();
-    let mut brightness = Vec::new();
-    for exit in [Vec3::new(0.8, 0.0, 0.0), Vec3::new(-0.8, 0.0, 0.0), Vec3::new(0.3, 0.6, 0.0)] {
-        // The mean over the beam's ellipse, by points of equal area
+fn oblique_diffusion_returns_surface_albedo_under_a_boundary() {
+    let material = Material { subsurface_eta: 1.4, ..material(OBLIQUE) };
+    let mut plain = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], material);
+    plain.environment = uniform_environment(Vec3::ONE);
+    for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
+        let point = Vec3::new(3.3, 1.1, 0.0);
+        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 15);
+        assert_within(name, result, ALBEDO);
+    }
+}
+
+/// A narrow beam on a plane of A = 0.7 for light along the normal, ℓ = 1.
+struct SlantingBeam {
+    toward_light: Vec3,
+    radius: f32,
+    scene: Scene,
+}
+
+impl SlantingBeam {
+    fn new(model: SubsurfaceModel, eta: f32) -> Self {
+        let toward_light = Vec3::new(-0.8, 0.0, 0.6);
+        let radius = 0.1;
+        let gray = Material {
+            subsurface_color: ColorInput::constant(Vec3::splat(0.7)),
+            subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
+            subsurface_configuration: Configuration::Searchlight,
+            subsurface_eta: eta,
+            ..material(model)
+        };
+        let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], gray);
+        scene.integrator.subsurface_tail = 1e-6;
+        let (origin, direction) = (toward_light * 5.0, -toward_light);
+        scene.lights.push(Light::Beam { origin, direction, radius, power: Vec3::ONE });
+        Self { toward_light, radius, scene }
+    }
+
+    /// Radiance at an exit for a profile R(x, y): the mean over the beam's ellipse, by points of equal area.
+    fn radiance(&self, exit: Vec3, profile: impl Fn(f64, f64) -> f64) -> f32 {
         let points = 4000;
         let sum: f64 = (0..points)
             .map(|i| {
-                let r = f64::from(radius) * ((f64::from(i) + 0.5) / f64::from(points)).sqrt();
+                let r = f64::from(self.radius) * ((f64::from(i) + 0.5) / f64::from(points)).sqrt();
                 let (sin, cos) = (f64::from(i) * 2.399_963_229_728_653).sin_cos();
-                let entry = [r * cos / 0.6, r * sin, 0.0];
-                let offset = [f64::from(exit.x) - entry[0], f64::from(exit.y) - entry[1], 0.0];
-                let up = [0.0, 0.0, 1.0];
-                dipole.eval(offset, toward_light.to_array().map(f64::from), up, up)
+                profile(f64::from(exit.x) - r * cos / 0.6, f64::from(exit.y) - r * sin)
             })
             .sum();
-        let expected = sum / f64::from(points) / std::f64::consts::PI;
-        let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, 1 << 20);
-        assert_within(&format!("exit {exit}"), result, Vec3::splat(expected as f32));
-        brightness.push(expected);
+        (sum / f64::from(points) / std::f64::consts::PI) as f32
     }
-    assert!(brightness[0] > 2.0 * brightness[1], "{brightness:?}");
+}
+
+const EXITS: [Vec3; 3] = [Vec3::new(0.8, 0.0, 0.0), Vec3::new(-0.8, 0.0, 0.0), Vec3::new(0.3, 0.6, 0.0)];
+
+/// A beam that arrives at a slant leaves to the right and to the left of it as the directional dipole says.
+#[test]
+fn directional_dipole_leaves_where_it_says() {
+    let beam = SlantingBeam::new(DIRECTIONAL, 1.3);
+    let renderer = Renderer::new(beam.scene.clone());
+    let appearance =
+        Appearance { surface_albedo: 0.7, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
+    let dipole = DirectionalDipole::new(&appearance, 1.3).unwrap();
+    let up = [0.0, 0.0, 1.0];
+    let toward_light = beam.toward_light.to_array().map(f64::from);
+    let expected =
+        EXITS.map(|exit| beam.radiance(exit, |x, y| dipole.eval([x, y, 0.0], toward_light, up, up)));
+    for (exit, expected) in EXITS.into_iter().zip(expected) {
+        let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, 1 << 20);
+        assert_within(&format!("exit {exit}"), result, Vec3::splat(expected));
+    }
+    assert!(expected[0] > 2.0 * expected[1], "{expected:?}");
+}
+
+/// The same of oblique normalized diffusion, which is the truth to within the model's error, with and without
+/// refraction.
+#[test]
+fn oblique_diffusion_leaves_where_the_exact_solution_says() {
+    let configuration = Configuration::Searchlight;
+    let alpha = half_space_single_scattering_albedo(0.7, configuration);
+    for eta in [1.0, 1.3] {
+        let beam = SlantingBeam::new(OBLIQUE, eta);
+        let renderer = Renderer::new(beam.scene.clone());
+        let cos_theta = (1.0 - (0.8 / f64::from(eta)).powi(2)).sqrt();
+        let model = ObliqueDiffusion::new(0.7, 1.0, Parameterization::Mfp, configuration, cos_theta).unwrap();
+        let exact = ObliqueHalfSpace::new(alpha, 1.0, cos_theta).unwrap();
+        for exit in EXITS {
+            let expected = beam.radiance(exit, |x, y| model.eval(x.hypot(y), y.atan2(x)));
+            let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, 1 << 20);
+            assert_within(&format!("η {eta} exit {exit}"), result, Vec3::splat(expected));
+            let (r, phi) = (f64::from(exit.length()), f64::from(exit.y.atan2(exit.x)));
+            let error = model.eval(r, phi) / exact.eval(r, phi).value - 1.0;
+            assert!(error.abs() < 0.1, "η {eta} exit {exit}: {error}");
+        }
+    }
 }
 
 /// A table of the dipole's numbers gives the dipole's picture.

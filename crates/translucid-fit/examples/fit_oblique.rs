@@ -1,0 +1,181 @@
+//! Generates the coefficients of `translucid_profile::ObliqueDiffusion`.
+//!
+//! ```text
+//! cargo run --release -p translucid-fit --example fit_oblique > target/oblique_coefficients.rs
+//! mv target/oblique_coefficients.rs crates/translucid-profile/src/
+//! ```
+//!
+//! Not straight to its place: the shell would empty the file before the crate is compiled, which needs it.
+//!
+//! The profile of an oblique beam has the exponentials of the profile along the normal, each of them tilted: its
+//! azimuths are those of a beam whose angle has a tangent κ_k tan θ₀. Tilts κ_k, weights and rates change with how
+//! much the light grazes, 1 − √cos θ₀, by polynomials of the surface albedo A.
+//! All of them together minimize the L1 distance from the exact half space under an oblique beam (g = 0, η = 1),
+//! ∫|R_fit − R| dA / ∫R dA, summed over all A and angles.
+
+#![allow(clippy::print_stdout, reason = "the generated file goes to standard output")]
+
+#[path = "fit_oblique/energy_fit.rs"]
+mod energy_fit;
+#[path = "fit_oblique/shape_fit.rs"]
+mod shape_fit;
+
+use std::f64::consts::{LN_2, PI};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use energy_fit::Energy;
+use shape_fit::{Exact, MOST_DEGREES, OF_RATE, OF_TILT, OF_WEIGHT, Shape, TERMS, minimize_l1};
+use translucid_profile::{Configuration, half_space_single_scattering_albedo};
+use translucid_reference::exact::ObliqueHalfSpace;
+
+/// Surface albedos for light along the normal that are fitted, the first for the limit 0, and those beside them.
+const ALBEDOS: [f64; 13] = [1e-6, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 1.0];
+const OTHER_ALBEDOS: [f64; 4] = [0.15, 0.45, 0.75, 0.98];
+/// Angles of incidence that are fitted, and those beside them.
+const DEGREES: [f64; 7] = [15.0, 30.0, 45.0, 60.0, 72.0, 80.0, MOST_DEGREES];
+const OTHER_DEGREES: [f64; 5] = [8.0, 38.0, 53.0, 66.0, 77.0];
+/// Radii in mean free paths, as powers of √2, and azimuths.
+const HALF_OCTAVES: std::ops::RangeInclusive<i32> = -18..=16;
+const SECTORS: u32 = 12;
+/// Decimals that are kept.
+const UNIT: f64 = 1e-4;
+
+fn main() {
+    let fitted = exact_profiles(&ALBEDOS, &DEGREES);
+    let shape = minimize_l1(&fitted).rounded(UNIT);
+    shape.assert_valid();
+    let others = exact_profiles(&OTHER_ALBEDOS, &OTHER_DEGREES);
+    let energy = Energy::fit(UNIT);
+    print_header(&shape, &energy, &fitted, &others);
+    print_tables(&shape, &energy);
+}
+
+/// Exact profiles of all pairs, made on all cores.
+fn exact_profiles(albedos: &[f64], degrees: &[f64]) -> Vec<Exact> {
+    let pairs: Vec<(f64, f64)> = albedos.iter().flat_map(|a| degrees.iter().map(move |d| (*a, *d))).collect();
+    let (next, made) = (AtomicUsize::new(0), Mutex::new(vec![None; pairs.len()]));
+    std::thread::scope(|scope| {
+        for _ in 0..std::thread::available_parallelism().map_or(1, |count| count.get()) {
+            scope.spawn(|| {
+                while let Some((index, &(a, degrees))) =
+                    Some(next.fetch_add(1, Ordering::Relaxed)).and_then(|i| Some((i, pairs.get(i)?)))
+                {
+                    let exact = exact_profile(a, degrees);
+                    made.lock().expect("no thread panics with the lock")[index] = Some(exact);
+                }
+            });
+        }
+    });
+    made.into_inner().expect("no thread panicked").into_iter().flatten().collect()
+}
+
+fn exact_profile(surface_albedo: f64, degrees: f64) -> Exact {
+    let alpha = half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight);
+    let half_space = ObliqueHalfSpace::new(alpha, 1.0, degrees.to_radians().cos()).expect("valid");
+    let total = half_space.total().value;
+    let cell = |half_octave: i32, sector: u32| {
+        let r = (0.5 * f64::from(half_octave)).exp2();
+        let phi = PI * (f64::from(sector) + 0.5) / f64::from(SECTORS);
+        // With its mirror image
+        let area = 2.0 * PI / f64::from(SECTORS) * r * r * 0.5 * LN_2;
+        [r, phi.cos(), area, half_space.eval(r, phi).value * area / total]
+    };
+    let cells =
+        HALF_OCTAVES.flat_map(|i| (0..SECTORS).map(move |j| (i, j))).map(|(i, j)| cell(i, j)).collect();
+    Exact { surface_albedo, degrees, cells }
+}
+
+fn percent(error: f64) -> String {
+    format!("{:.1}", 100.0 * error)
+}
+
+/// Mean and worst of the errors of a shape.
+fn mean_and_worst<'a>(shape: &Shape, exact: impl Iterator<Item = &'a Exact>) -> [f64; 2] {
+    let errors: Vec<f64> = exact.map(|exact| exact.error(shape)).collect();
+    [errors.iter().sum::<f64>() / errors.len() as f64, errors.iter().copied().fold(0.0, f64::max)]
+}
+
+fn print_header(shape: &Shape, energy: &Energy, fitted: &[Exact], others: &[Exact]) {
+    println!(
+        "//! Polynomials of the surface albedo for the profile of an oblique beam, fitted to the exact half space"
+    );
+    println!("//! (g = 0, η = 1).");
+    println!("//!");
+    println!("//! Generated by");
+    println!(
+        "//! `cargo run --release -p translucid-fit --example fit_oblique > target/oblique_coefficients.rs`."
+    );
+    println!("//!");
+    println!(
+        "//! Domain: A ∈ [0, 1] for light along the normal, θ₀ from 0° to {MOST_DEGREES}° inside the medium."
+    );
+    println!(
+        "//! Errors ∫|R_fit − R| dA / ∫R dA of the rounded coefficients, both with an energy of 1, in percent:"
+    );
+    println!("//!");
+    println!("//! | A | {} |", DEGREES.map(|d| format!("{d}°")).join(" | "));
+    println!("//! |---|{}", "---|".repeat(DEGREES.len()));
+    for row in fitted.chunks(DEGREES.len()) {
+        let errors: Vec<String> = row.iter().map(|exact| percent(exact.error(shape))).collect();
+        println!("//! | {} | {} |", row[0].surface_albedo, errors.join(" | "));
+    }
+    println!("//!");
+    let [mean, worst] = mean_and_worst(shape, fitted.iter()).map(percent);
+    let [other_mean, other_worst] = mean_and_worst(shape, others.iter()).map(percent);
+    println!("//! Mean {mean}, worst {worst}. Between them, at A = {OTHER_ALBEDOS:?}");
+    println!("//! and θ₀ = {OTHER_DEGREES:?}°: mean {other_mean}, worst {other_worst}.");
+    println!(
+        "//! Totals are off by {} % of A at most, the albedo of",
+        format_args!("{:.2}", 100.0 * energy.worst)
+    );
+    println!("//! diffuse light by {} % of it.", format_args!("{:.2}", 100.0 * energy.worst_diffuse));
+    println!("//!");
+    println!("//! Coefficients are those of 1, A, A², …");
+}
+
+fn print_tables(shape: &Shape, energy: &Energy) {
+    println!();
+    println!(
+        "/// tan θ_k / tan θ₀ of each term at normal incidence, and what grazing incidence adds; A of the normal."
+    );
+    println!("pub(crate) const TILTS: [[[f64; {OF_TILT}]; 2]; {TERMS}] = [");
+    shape.tilts.iter().for_each(|[normal, change]| println!("    [{}, {}],", array(normal), array(change)));
+    println!("];");
+    println!();
+    println!(
+        "/// Weights at grazing incidence of all terms but the last, which takes what is left of 1; A of the normal."
+    );
+    // On as many lines as the formatter puts them
+    println!("pub(crate) const GRAZING_WEIGHTS: [[f64; {OF_WEIGHT}]; {}] =", shape.weights.len());
+    println!("    [{}];", rows(&shape.weights));
+    println!();
+    println!("/// Relative changes of all rates but the first at grazing incidence; A of the normal.");
+    let count = shape.rates.len();
+    println!("pub(crate) const RATE_CHANGES: [[f64; {OF_RATE}]; {count}] = [{}];", rows(&shape.rates));
+    println!();
+    println!(
+        "/// Deviations of the energy from its mean over diffuse light, one row for each function of the cosine; A of"
+    );
+    println!("/// diffuse light.");
+    println!("pub(crate) const ENERGY: [[f64; {}]; {}] = [", energy_fit::COEFFICIENTS, energy_fit::FUNCTIONS);
+    energy.deviations.iter().for_each(|row| println!("    {},", array(row)));
+    println!("];");
+    println!();
+    println!("/// (A_diffuse / A − 1) / (1 − A), A of the normal.");
+    println!(
+        "pub(crate) const DIFFUSE_ALBEDO: [f64; {}] = {};",
+        energy_fit::COEFFICIENTS,
+        array(&energy.diffuse)
+    );
+}
+
+fn rows<const N: usize>(rows: &[[f64; N]]) -> String {
+    rows.iter().map(|row| array(row)).collect::<Vec<_>>().join(", ")
+}
+
+fn array(numbers: &[f64]) -> String {
+    // No negative zero
+    let numbers: Vec<String> = numbers.iter().map(|number| format!("{:.4}", number + 0.0)).collect();
+    format!("[{}]", numbers.join(", "))
+}

@@ -1,0 +1,355 @@
+//! Light that leaves a translucent sphere, by a walk of photons through it and by the models of a flat half space.
+//!
+//! ```text
+//! cargo run --release -p translucid-render --example sphere_truth
+//! ```
+//!
+//! The sphere is homogeneous, scatters isotropically and has no boundary (g = 0, η = 1). The walk is analog, photon by
+//! photon, in `f64`: slow, and nothing in it is shared with the models. Light that passes without a collision is left
+//! out, as it is no scattered light.
+//! Models are integrated over the sphere's surface as the renderer does it: R of the offset from entry to exit, of the
+//! direction of light and of the normals, times the irradiance at the entry.
+//!
+//! Radiosity is per unit of irradiance on a plane that faces the distant light, at the cosine of the angle between the
+//! normal and the direction to the light; under uniform light it is per unit of irradiance.
+
+#![allow(clippy::print_stdout, reason = "the tables go to standard output")]
+
+use std::f64::consts::PI;
+
+use rayon::prelude::*;
+use translucid_profile::{
+    Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusion, Parameterization,
+    RefinedDiffusion, half_space_single_scattering_albedo,
+};
+
+const ALBEDOS: [f64; 2] = [0.5, 0.9];
+/// In mean free paths.
+const RADII: [f64; 3] = [3.0, 10.0, 30.0];
+const PHOTONS: u64 = 2_000_000;
+const BATCHES: u64 = 64;
+/// Rings of equal area around the direction to the light.
+const RINGS: usize = 10;
+const NAMES: [&str; 4] = ["oblique", "refined", "normalized diffusion", "directional dipole"];
+
+fn main() {
+    println!("| A | radius/ℓ | light | truth | {} |", NAMES.join(" | "));
+    println!("|---|---|---|---|{}", "---|".repeat(NAMES.len()));
+    let mut profiles = Vec::new();
+    for a in ALBEDOS {
+        let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
+        let models = Models::new(a);
+        for radius in RADII {
+            for light in [Light::Distant, Light::Uniform] {
+                let truth = Truth::walk(alpha, radius, light);
+                let radiosities = models.radiosities(radius, light);
+                println!("| {a} | {radius} | {light:?} | {} |", summary(&truth, &radiosities));
+                if light == Light::Distant {
+                    profiles.push((a, radius, truth, radiosities));
+                }
+            }
+        }
+    }
+    println!();
+    println!(
+        "Truth: what leaves of the light that arrives, and the sum of standard errors over {RINGS} rings of equal area."
+    );
+    println!("Models: Σ|B_model − B| / Σ B over these rings / what leaves over the truth's; in percent.");
+    for (a, radius, truth, radiosities) in &profiles {
+        print_rings(*a, *radius, truth, radiosities);
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Light {
+    /// Parallel light from +z.
+    Distant,
+    /// The same radiance from everywhere.
+    Uniform,
+}
+
+type Radiosities = [[f64; RINGS]; NAMES.len()];
+
+fn ring_bounds(ring: usize) -> [f64; 2] {
+    [ring, ring + 1].map(|i| 2.0 * i as f64 / RINGS as f64 - 1.0)
+}
+
+fn summary(truth: &Truth, models: &Radiosities) -> String {
+    let sum: f64 = truth.radiosity.iter().sum();
+    let columns = models.map(|model| {
+        let off: f64 = model.iter().zip(&truth.radiosity).map(|(b, truth)| (b - truth).abs()).sum();
+        format!("{:.1} / {:.1}", 100.0 * off / sum, 100.0 * model.iter().sum::<f64>() / sum)
+    });
+    let noise: f64 = truth.error.iter().sum::<f64>() / sum;
+    format!("{:.4} ± {:.1} % | {}", truth.share, 100.0 * noise, columns.join(" | "))
+}
+
+fn print_rings(a: f64, radius: f64, truth: &Truth, models: &Radiosities) {
+    println!();
+    println!("Radiosity by the cosine to the distant light: A = {a}, radius = {radius} ℓ.");
+    println!();
+    println!("| cosine | truth | {} |", NAMES.join(" | "));
+    println!("|---|---|{}", "---|".repeat(NAMES.len()));
+    for ring in (0..RINGS).rev() {
+        let [from, to] = ring_bounds(ring);
+        let figures: Vec<String> = models.iter().map(|model| format!("{:.4}", model[ring])).collect();
+        let (b, error) = (truth.radiosity[ring], truth.error[ring]);
+        println!("| {from:.1} … {to:.1} | {b:.4} ± {error:.4} | {} |", figures.join(" | "));
+    }
+}
+
+/// What photons say.
+struct Truth {
+    radiosity: [f64; RINGS],
+    /// Standard errors.
+    error: [f64; RINGS],
+    /// Scattered light that leaves, of what arrives.
+    share: f64,
+}
+
+impl Truth {
+    fn walk(alpha: f64, radius: f64, light: Light) -> Self {
+        let batch = |seed: u64| {
+            let mut random = Random(seed << 40);
+            let mut counts = [0u64; RINGS];
+            for _ in 0..PHOTONS / BATCHES {
+                if let Some(cosine) = exit_of_photon(alpha, radius, light, &mut random) {
+                    counts[(((cosine + 1.0) * 0.5 * RINGS as f64) as usize).min(RINGS - 1)] += 1;
+                }
+            }
+            counts
+        };
+        let add = |a: [u64; RINGS], b: [u64; RINGS]| std::array::from_fn(|i| a[i] + b[i]);
+        let counts = (0..BATCHES).into_par_iter().map(batch).reduce(|| [0; RINGS], add);
+        // Of πρ² of distant flux at irradiance 1, or 4πρ² of uniform, on 4πρ²/RINGS of area
+        let per_photon = match light {
+            Light::Distant => RINGS as f64 / 4.0 / PHOTONS as f64,
+            Light::Uniform => RINGS as f64 / PHOTONS as f64,
+        };
+        let error = |count: u64| {
+            let share = count as f64 / PHOTONS as f64;
+            (count as f64 * (1.0 - share)).sqrt() * per_photon
+        };
+        Self {
+            radiosity: counts.map(|count| count as f64 * per_photon),
+            error: counts.map(error),
+            share: counts.iter().sum::<u64>() as f64 / PHOTONS as f64,
+        }
+    }
+}
+
+/// z/ρ of the point where a photon leaves; `None` if it was absorbed or never scattered.
+fn exit_of_photon(alpha: f64, radius: f64, light: Light, random: &mut Random) -> Option<f64> {
+    let (mut position, mut direction) = light.photon(radius, random);
+    let mut scattered = false;
+    loop {
+        let length = -(1.0 - random.next()).ln();
+        // To where |x + t ω| = ρ
+        let along = dot(position, direction);
+        let way_out = -along + (along * along + radius * radius - dot(position, position)).max(0.0).sqrt();
+        if length >= way_out {
+            return scattered.then(|| (position[2] + way_out * direction[2]) / radius);
+        }
+        position = std::array::from_fn(|i| position[i] + length * direction[i]);
+        if random.next() >= alpha {
+            return None;
+        }
+        direction = random.direction();
+        scattered = true;
+    }
+}
+
+impl Light {
+    /// Position and direction of a photon on the surface.
+    fn photon(self, radius: f64, random: &mut Random) -> ([f64; 3], [f64; 3]) {
+        match self {
+            Self::Distant => {
+                let (r, turn) = (radius * random.next().sqrt(), 2.0 * PI * random.next());
+                let z = (radius * radius - r * r).max(0.0).sqrt();
+                ([r * turn.cos(), r * turn.sin(), z], [0.0, 0.0, -1.0])
+            }
+            Self::Uniform => {
+                let normal = random.direction();
+                // A cosine distribution is that of uniform points of a sphere which touches the surface
+                let other = random.direction();
+                let inward: [f64; 3] = std::array::from_fn(|i| other[i] - normal[i]);
+                let norm = dot(inward, inward).sqrt().max(f64::MIN_POSITIVE);
+                (normal.map(|x| x * radius), inward.map(|x| x / norm))
+            }
+        }
+    }
+}
+
+/// The models of one surface albedo, with a mean free path of 1.
+struct Models {
+    /// At the middles of equal steps of the cosine of incidence.
+    oblique: Vec<ObliqueDiffusion>,
+    refined: RefinedDiffusion,
+    normalized: NormalizedDiffusion,
+    dipole: DirectionalDipole,
+}
+
+/// Steps of the cosine.
+const COSINES: usize = 512;
+/// Azimuths around an exit.
+const SECTORS: usize = 96;
+/// Azimuths and angles of light around an entry.
+const DIRECTIONS: [usize; 2] = [32, 20];
+/// Chords between entry and exit.
+const CHORDS: usize = 160;
+/// Exits in a ring.
+const EXITS: usize = 4;
+
+impl Models {
+    fn new(a: f64) -> Self {
+        let (mfp, diffuse, valid) = (Parameterization::Mfp, Configuration::Diffuse, "an albedo in (0, 1)");
+        let appearance = Appearance { surface_albedo: a, length: 1.0, parameterization: mfp, g: 0.0 };
+        let oblique = |i: usize| {
+            let cos_theta = (i as f64 + 0.5) / COSINES as f64;
+            ObliqueDiffusion::new(a, 1.0, mfp, diffuse, cos_theta).expect(valid)
+        };
+        Self {
+            oblique: (0..COSINES).map(oblique).collect(),
+            refined: RefinedDiffusion::new(a, 1.0, mfp, diffuse).expect(valid),
+            normalized: NormalizedDiffusion::new(a, 1.0, mfp, diffuse).expect(valid),
+            dipole: DirectionalDipole::new(&appearance, 1.0).expect(valid),
+        }
+    }
+
+    /// r R of every model.
+    fn times_r(&self, passage: &Passage, toward_light: [f64; 3]) -> [f64; NAMES.len()] {
+        let Passage { offset, r, entry, exit } = *passage;
+        let cos_theta = dot(entry, toward_light);
+        let onward: [f64; 3] = std::array::from_fn(|i| cos_theta * entry[i] - toward_light[i]);
+        let sin_theta = dot(onward, onward).sqrt().max(1e-300);
+        let phi = (dot(offset, onward) / (r * sin_theta)).clamp(-1.0, 1.0).acos();
+        let oblique = &self.oblique[((cos_theta * COSINES as f64) as usize).min(COSINES - 1)];
+        [
+            oblique.eval_times_r(r, phi),
+            self.refined.eval_times_r(r),
+            self.normalized.eval_times_r(r),
+            r * self.dipole.eval(offset, toward_light, entry, exit),
+        ]
+    }
+
+    fn radiosities(&self, radius: f64, light: Light) -> Radiosities {
+        let rings: Vec<[f64; NAMES.len()]> = match light {
+            Light::Distant => {
+                (0..RINGS).into_par_iter().map(|ring| self.under_distant(radius, ring)).collect()
+            }
+            Light::Uniform => vec![self.under_uniform(radius); RINGS],
+        };
+        std::array::from_fn(|model| std::array::from_fn(|ring| rings[ring][model]))
+    }
+
+    /// ∫ R E dA over the sphere, with dA = r dr dψ around the exit, r being the chord.
+    fn under_distant(&self, radius: f64, ring: usize) -> [f64; NAMES.len()] {
+        let toward_light = [0.0, 0.0, 1.0];
+        let [from, to] = ring_bounds(ring);
+        let mut sums = [0.0; NAMES.len()];
+        for i in 0..EXITS {
+            let cosine = from + (to - from) * (i as f64 + 0.5) / EXITS as f64;
+            for_each_chord(radius, |r, step| {
+                for j in 0..SECTORS {
+                    let psi = 2.0 * PI * (j as f64 + 0.5) / SECTORS as f64;
+                    let passage = Passage::on_sphere(radius, cosine, r, psi);
+                    let irradiance = dot(passage.entry, toward_light);
+                    if irradiance > 0.0 {
+                        let factor = irradiance * step * 2.0 * PI / (SECTORS * EXITS) as f64;
+                        add(&mut sums, self.times_r(&passage, toward_light), factor);
+                    }
+                }
+            });
+        }
+        sums
+    }
+
+    /// The same for light with a cosine distribution at every entry.
+    fn under_uniform(&self, radius: f64) -> [f64; NAMES.len()] {
+        let [azimuths, angles] = DIRECTIONS;
+        let mut sums = [0.0; NAMES.len()];
+        for_each_chord(radius, |r, step| {
+            let passage = Passage::on_sphere(radius, 1.0, r, 0.0);
+            // Axes at the entry; the exit lies in the plane of the first
+            let normal = passage.entry;
+            let (first, second) = ([normal[2], 0.0, -normal[0]], [0.0, 1.0, 0.0]);
+            for i in 0..angles {
+                let sin_theta = ((i as f64 + 0.5) / angles as f64).sqrt();
+                let cos_theta = (1.0 - sin_theta * sin_theta).sqrt();
+                for j in 0..azimuths {
+                    let (sin, cos) = (2.0 * PI * (j as f64 + 0.5) / azimuths as f64).sin_cos();
+                    let toward_light = std::array::from_fn(|k| {
+                        cos_theta * normal[k] + sin_theta * (cos * first[k] + sin * second[k])
+                    });
+                    let factor = step * 2.0 * PI / (angles * azimuths) as f64;
+                    add(&mut sums, self.times_r(&passage, toward_light), factor);
+                }
+            }
+        });
+        sums
+    }
+}
+
+/// Chords r between 0 and 2ρ at the middles of steps dr, dense where r is small.
+fn for_each_chord(radius: f64, mut f: impl FnMut(f64, f64)) {
+    for i in 0..CHORDS {
+        let t = (i as f64 + 0.5) / CHORDS as f64;
+        f(2.0 * radius * t.powi(3), 2.0 * radius * 3.0 * t * t / CHORDS as f64);
+    }
+}
+
+fn add(sums: &mut [f64; NAMES.len()], values: [f64; NAMES.len()], factor: f64) {
+    sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += factor * value);
+}
+
+/// From an entry to an exit.
+#[derive(Clone, Copy)]
+struct Passage {
+    offset: [f64; 3],
+    r: f64,
+    /// Unit normals.
+    entry: [f64; 3],
+    exit: [f64; 3],
+}
+
+impl Passage {
+    /// To the exit at z/ρ from the entry at the end of a chord r in a direction ψ.
+    fn on_sphere(radius: f64, cosine: f64, r: f64, psi: f64) -> Self {
+        let sine = (1.0 - cosine * cosine).sqrt();
+        let exit = [sine, 0.0, cosine];
+        let (first, second) = ([cosine, 0.0, -sine], [0.0, 1.0, 0.0]);
+        let sin_half = 0.5 * r / radius;
+        let cos_gamma = 1.0 - 2.0 * sin_half * sin_half;
+        let sin_gamma = 2.0 * sin_half * (1.0 - sin_half * sin_half).max(0.0).sqrt();
+        let (sin, cos) = psi.sin_cos();
+        let entry: [f64; 3] =
+            std::array::from_fn(|k| cos_gamma * exit[k] + sin_gamma * (cos * first[k] + sin * second[k]));
+        let offset = std::array::from_fn(|k| radius * (exit[k] - entry[k]));
+        Self { offset, r, entry, exit }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// S. Vigna's SplitMix64.
+struct Random(u64);
+
+impl Random {
+    /// Uniform in [0, 1).
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
+    }
+
+    fn direction(&mut self) -> [f64; 3] {
+        let z = 2.0 * self.next() - 1.0;
+        let (sin, cos) = (2.0 * PI * self.next()).sin_cos();
+        let r = (1.0 - z * z).sqrt();
+        [r * cos, r * sin, z]
+    }
+}
