@@ -32,8 +32,9 @@ errors.csv, report.txt and, for burley, coefficients.csv.
 With --table normalized diffusion, exponentials and Gaussians are fitted to a file of your own by least squares
 of (fit - reflectance)/error; without errors the same relative error is taken for each line. Columns: fit,
 parameter, value, standard_error, empty where nothing limits the parameter; a warning names those that the
-file does not determine, whose error exceeds a third of the value. Lengths are in the unit of r. With -o the files are parameters.csv,
-residuals.csv (fit - reflectance in units of the error) and report.txt.
+file does not determine, whose error exceeds a third of the value. Lengths are in the unit of r. With -o the
+files are parameters.csv, residuals.csv (fit - reflectance in units of the error), the same drawn over r as
+residuals.svg and residuals.png, and report.txt.
 
 Examples:
   translucid fit --configuration searchlight --parameter mfp --family burley

@@ -178,7 +178,10 @@ fn table_goes_to_a_directory() {
     let printed = stdout(directory.path(), "fit --table table.csv --terms 1");
     assert_eq!(stdout(directory.path(), "fit --table table.csv --terms 1 -o out"), "");
     let out = directory.path().join("out");
-    assert_eq!(files(&out), ["parameters.csv", "report.txt", "residuals.csv"]);
+    assert_eq!(
+        files(&out),
+        ["parameters.csv", "report.txt", "residuals.csv", "residuals.png", "residuals.svg"]
+    );
     assert_eq!(fs::read_to_string(out.join("parameters.csv")).unwrap(), printed);
     let residuals = fs::read_to_string(out.join("residuals.csv")).unwrap();
     let header = "r,reflectance,error,normalized_diffusion_residual,exponentials_residual,gaussians_residual";
@@ -186,6 +189,11 @@ fn table_goes_to_a_directory() {
     // χ² of 58 degrees of freedom is within 4 standard deviations of 58 with a probability of 1 - 3e-4
     let chi_square: f64 = numbers(&residuals).iter().map(|row| row[3] * row[3]).sum();
     assert!((chi_square - 58.0).abs() < 43.0, "{chi_square}");
+    let drawn = fs::read_to_string(out.join("residuals.svg")).unwrap();
+    for words in ["normalized-diffusion", "exponentials", "gaussians", "±1 standard error"] {
+        assert!(drawn.contains(&format!(">{words}<")), "{words} is not in the figure");
+    }
+    assert!(fs::read(out.join("residuals.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]

@@ -55,6 +55,7 @@ pub(crate) enum Marker {
 
 const SOLID: &[f64] = &[];
 const LONG: &[f64] = &[12.0, 4.0];
+const LONG_SHORT: &[f64] = &[12.0, 3.0, 5.0, 3.0];
 const DASHED: &[f64] = &[7.0, 4.0];
 const DOTTED: &[f64] = &[2.0, 3.0];
 const DASH_DOT: &[f64] = &[8.0, 3.0, 2.0, 3.0];
@@ -96,7 +97,7 @@ impl Ink {
                 Model::DirectionalDipole => line(Shade::SKY, DASHED, Marker::Diamond),
                 Model::QuantizedDiffusion => line(Shade::PURPLE, DASH_DOT_DOT, Marker::Pentagon),
                 Model::PhotonBeamDiffusion => line(Shade::WINE, SHORT, Marker::Star),
-                Model::Gaussians => line(Shade::GRAY, DASHED, Marker::Cross),
+                Model::Gaussians => line(Shade::GRAY, LONG_SHORT, Marker::Cross),
                 Model::Exact => Style { width: 1.6, ..line(Shade::BLACK, SOLID, Marker::Hexagon) },
             },
             Self::Reference => Style { width: 1.6, ..line(Shade::BLACK, SOLID, Marker::Circle) },
@@ -119,6 +120,16 @@ mod tests {
                 assert!(x.shade != y.shade || x.dash != y.dash, "{a:?} and {b:?} draw the same line");
                 assert!(x.shade != y.shade || x.marker != y.marker, "{a:?} and {b:?} draw the same points");
             }
+        }
+    }
+
+    #[test]
+    fn models_differ_in_dashes_alone() {
+        let dashes = Model::ALL.map(|model| Ink::Model(model).style().dash);
+        let solid = dashes.iter().filter(|dash| dash.is_empty()).count();
+        assert_eq!(solid, 2, "normalized diffusion in color, and the exact solution in black");
+        for (i, dash) in dashes.iter().enumerate() {
+            assert!(dash.is_empty() || !dashes[..i].contains(dash), "{dash:?}");
         }
     }
 

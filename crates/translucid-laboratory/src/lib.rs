@@ -5,6 +5,7 @@
 //!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV, HTML or Markdown.
+//! - [`residual_chart`]: what fits to a table leave over.
 //! - [`Page`]: text, charts and tables as one HTML file that needs nothing else.
 //!
 //! ```
@@ -35,6 +36,7 @@ mod drawing;
 mod ink;
 mod markup;
 mod page;
+mod residuals;
 mod theme;
 
 pub use axis::{Axis, Scale};
@@ -42,4 +44,5 @@ pub use chart::{Chart, ChartError, Mark, Series};
 pub use data_table::{Cell, DataTable};
 pub use ink::Ink;
 pub use page::{Block, Page, Section};
+pub use residuals::{ResidualScale, Residuals, residual_chart};
 pub use theme::Theme;

@@ -67,13 +67,58 @@ impl Shade {
 mod tests {
     use super::*;
 
-    /// Relative luminance \[WCAG 2.2\].
-    fn luminance(color: &str) -> f64 {
-        let channel = |i: usize| {
+    /// Red, green and blue in proportion to light.
+    fn linear(color: &str) -> [f64; 3] {
+        [1, 3, 5].map(|i| {
             let c = f64::from(u8::from_str_radix(&color[i..i + 2], 16).unwrap()) / 255.0;
             if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        })
+    }
+
+    /// Relative luminance \[WCAG 2.2\].
+    fn luminance(color: &str) -> f64 {
+        let [red, green, blue] = linear(color);
+        0.2126 * red + 0.7152 * green + 0.0722 * blue
+    }
+
+    /// Color seen with full, without red, green and blue cones \[Machado, Oliveira & Fernandes 2009\].
+    const VISIONS: [[[f64; 3]; 3]; 4] = [
+        [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [[0.152286, 1.052583, -0.204868], [0.114503, 0.786281, 0.099216], [-0.003882, -0.048116, 1.051998]],
+        [[0.367322, 0.860646, -0.227968], [0.280085, 0.672501, 0.047413], [-0.011820, 0.042940, 0.968881]],
+        [[1.255528, -0.076749, -0.178779], [-0.078411, 0.930809, 0.147602], [0.004733, 0.691367, 0.303900]],
+    ];
+
+    /// CIE L*a*b* of a color as seen.
+    fn lab(color: &str, vision: &[[f64; 3]; 3]) -> [f64; 3] {
+        let rgb = linear(color);
+        let seen = vision.map(|row| (0..3).map(|i| row[i] * rgb[i]).sum::<f64>().clamp(0.0, 1.0));
+        let white = [0.95047, 1.0, 1.08883];
+        let xyz = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+        let f = |i: usize| {
+            let t = (0..3).map(|j| xyz[i][j] * seen[j]).sum::<f64>() / white[i];
+            if t > 0.008856 { t.cbrt() } else { 7.787 * t + 16.0 / 116.0 }
         };
-        0.2126 * channel(1) + 0.7152 * channel(3) + 0.0722 * channel(5)
+        let [x, y, z] = [f(0), f(1), f(2)];
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    #[test]
+    fn shades_differ_for_the_color_blind() {
+        // A difference of 2.3 is just noticeable; dash patterns and markers do the rest
+        const LEAST: f64 = 7.5;
+        let inks = &Shade::ALL[4..];
+        for theme in [Theme::Light, Theme::Dark] {
+            for vision in &VISIONS {
+                for (i, a) in inks.iter().enumerate() {
+                    for b in &inks[..i] {
+                        let [x, y] = [a, b].map(|shade| lab(shade.color(theme), vision));
+                        let distance = (0..3).map(|i| (x[i] - y[i]).powi(2)).sum::<f64>().sqrt();
+                        assert!(distance > LEAST, "{a:?} and {b:?} in {theme:?} differ by {distance:.1}");
+                    }
+                }
+            }
+        }
     }
 
     #[test]

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use translucid_laboratory::{Chart, Theme};
 use translucid_render::{OutputError, check_writable, write_atomically};
 
 use crate::failure::Failure;
@@ -123,9 +124,17 @@ impl OutputArguments {
             return self.print(&tables[0]);
         };
         for table in tables {
-            write_file(&directory.join(table.file), &table.csv())?;
+            write_file(&directory.join(table.file), table.csv().as_bytes())?;
         }
-        write_file(&directory.join(REPORT), report)
+        write_file(&directory.join(REPORT), report.as_bytes())
+    }
+
+    /// Writes a chart to the directory, if there is one, as SVG and as PNG.
+    pub(super) fn write_chart(&self, chart: &Chart, [svg, png]: [&str; 2]) -> Result<(), Failure> {
+        let Some(directory) = &self.output else { return Ok(()) };
+        write_file(&directory.join(svg), chart.svg(Theme::Light).as_bytes())?;
+        let picture = chart.png().map_err(|error| Failure::work(error.to_string()))?;
+        write_file(&directory.join(png), &picture)
     }
 
     /// Prints a table; a reader that closes stdout early is no error.
@@ -144,6 +153,6 @@ impl OutputArguments {
     }
 }
 
-fn write_file(path: &Path, text: &str) -> Result<(), Failure> {
-    write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(Failure::late)
+fn write_file(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
+    write_atomically(path, |out| out.write_all(bytes)).map_err(Failure::late)
 }

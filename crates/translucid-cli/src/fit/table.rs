@@ -5,7 +5,8 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use translucid_fit::{Burley, Errors, Estimate, Exponential, Family, Gaussian, Sample, SampleFit};
-use translucid_profile::{ParameterError, Profile};
+use translucid_laboratory::{Chart, Ink, ResidualScale, Residuals, residual_chart};
+use translucid_profile::{Model, ParameterError, Profile};
 use translucid_scene::{Place, SceneError};
 
 use super::Arguments;
@@ -20,7 +21,7 @@ const MOST_SAMPLES: usize = 100_000;
 
 /// Fits normalized diffusion, exponentials and Gaussians to the samples of a file.
 pub(super) fn run(arguments: &Arguments, path: &Path, terms: usize) -> Result<(), Failure> {
-    let files = ["parameters.csv", "residuals.csv"];
+    let files = ["parameters.csv", "residuals.csv", "residuals.svg", "residuals.png"];
     let (samples, errors) = load(path)?;
     if samples.len() <= 2 * terms {
         let message = format!(
@@ -55,7 +56,9 @@ pub(super) fn run(arguments: &Arguments, path: &Path, terms: usize) -> Result<()
         residuals.rows.push(all.map(Value::from).collect());
     }
     let text = report(path, &samples, errors, &fits);
+    let chart = chart(&samples, errors, &fits);
     arguments.output.write(&text, &[parameters, residuals])?;
+    arguments.output.write_chart(&chart, [files[2], files[3]])?;
     warn(path, errors, &fits);
     Ok(())
 }
@@ -110,6 +113,22 @@ impl Fit {
         let open = self.parameters.iter().filter(|(_, estimate)| !estimate.is_determined());
         open.map(|(name, _)| name.as_str()).collect()
     }
+}
+
+/// The residuals of the fits over the radii.
+fn chart(samples: &[Sample], errors: Errors, fits: &[Fit]) -> Chart {
+    let radii: Vec<f64> = samples.iter().map(|sample| sample.r).collect();
+    let inks = [Ink::Model(Model::NormalizedDiffusion), Ink::Fit, Ink::Model(Model::Gaussians)];
+    let drawn: Vec<Residuals<'_>> = fits
+        .iter()
+        .zip(inks)
+        .map(|(fit, ink)| Residuals { label: fit.name, ink, values: &fit.residuals })
+        .collect();
+    let scale = match errors {
+        Errors::Known => ResidualScale::StandardErrors,
+        Errors::Relative => ResidualScale::Reflectance,
+    };
+    residual_chart(&radii, &drawn, scale)
 }
 
 fn report(path: &Path, samples: &[Sample], errors: Errors, fits: &[Fit]) -> String {

@@ -17,7 +17,9 @@ impl Ticks {
     pub(crate) fn new(span: &Span, spacing: f64, unit: &str) -> Self {
         let count = ((span.pixels[1] - span.pixels[0]).abs() / spacing).max(1.0);
         match span.scale {
-            Scale::Linear if unit == "°" => degrees(span, count).unwrap_or_else(|| linear(span, count)),
+            Scale::Linear if matches!(unit, "°" | "degrees") => {
+                degrees(span, count).unwrap_or_else(|| linear(span, count))
+            }
             Scale::Linear => linear(span, count),
             Scale::Logarithmic => logarithmic(span, count),
         }
@@ -86,7 +88,10 @@ fn multiples(span: &Span, step: f64) -> impl Iterator<Item = f64> {
     whole(span, step).map(move |i| i * step)
 }
 
-/// Powers of ten; over less than two decades also twice and five times as much.
+/// Decades up to which twice and five times a power of ten have text, too, and all are written without powers.
+const PLAIN: f64 = 2.2;
+
+/// Powers of ten; over few decades also twice and five times as much.
 fn logarithmic(span: &Span, count: f64) -> Ticks {
     let [low, high] = span.range.map(f64::log10);
     let decades = high - low;
@@ -102,7 +107,7 @@ fn logarithmic(span: &Span, count: f64) -> Ticks {
             }
             let has_text = match digit {
                 1 => power % stride == 0.0,
-                2 | 5 => decades < 1.7,
+                2 | 5 => decades < PLAIN,
                 3 | 4 | 6 | 7 | 8 => decades < 0.5,
                 _ => false,
             };
@@ -125,7 +130,7 @@ fn logarithmic(span: &Span, count: f64) -> Ticks {
 
 /// The text of a digit times a power of ten: 10⁻³, over few decades 0.002.
 fn power_text(digit: i32, power: f64, decades: f64) -> String {
-    if decades < 1.7 && (-3.0..4.0).contains(&power) {
+    if decades < PLAIN && (-3.0..4.0).contains(&power) {
         fixed(f64::from(digit) * 10_f64.powf(power), -power)
     } else if digit == 1 {
         format!("10{}", superscript(power))
