@@ -56,6 +56,7 @@ pub(crate) enum Marker {
 const SOLID: &[f64] = &[];
 const LONG: &[f64] = &[12.0, 4.0];
 const LONG_SHORT: &[f64] = &[12.0, 3.0, 5.0, 3.0];
+const SPARSE: &[f64] = &[4.0, 7.0];
 const DASHED: &[f64] = &[7.0, 4.0];
 const DOTTED: &[f64] = &[2.0, 3.0];
 const DASH_DOT: &[f64] = &[8.0, 3.0, 2.0, 3.0];
@@ -91,7 +92,7 @@ impl Ink {
             Self::Model(model) => match model {
                 Model::NormalizedDiffusion => line(Shade::VERMILION, SOLID, Marker::Circle),
                 Model::NormalizedDiffusionRefined => line(Shade::BLUE, LONG, Marker::Square),
-                Model::NormalizedDiffusionOblique => line(Shade::BLUE, DASHED, Marker::Plus),
+                Model::NormalizedDiffusionOblique => line(Shade::BLUE, SPARSE, Marker::Plus),
                 Model::Dipole => line(Shade::ORANGE, DOTTED, Marker::Triangle),
                 Model::BetterDipole => line(Shade::GREEN, DASH_DOT, Marker::TriangleDown),
                 Model::DirectionalDipole => line(Shade::SKY, DASHED, Marker::Diamond),
