@@ -3,6 +3,7 @@
 //! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
 //! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
 
+mod compare;
 mod convert;
 mod failure;
 mod fit;
@@ -44,6 +45,7 @@ enum Verb {
     Sample(sample::Arguments),
     Reference(reference::Arguments),
     Fit(fit::Arguments),
+    Compare(compare::Arguments),
     Convert(convert::Arguments),
 }
 
@@ -54,6 +56,7 @@ Examples:
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
   translucid fit --configuration searchlight --parameter mfp --family burley
+  translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid help render";
 
@@ -82,6 +85,7 @@ fn run(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Sample(arguments)) => sample::run(&arguments),
         Some(Verb::Reference(arguments)) => reference::run(&arguments),
         Some(Verb::Fit(arguments)) => fit::run(&arguments),
+        Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
     }
 }

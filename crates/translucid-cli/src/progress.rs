@@ -21,6 +21,8 @@ pub(crate) enum Unit {
     Photons,
     /// Albedos of a table.
     Albedos,
+    /// Parts of work that has no natural unit.
+    Parts,
 }
 
 /// Shows how far a piece of work is.
@@ -127,6 +129,9 @@ impl State {
             Unit::Samples => format!("{:.2} M samples/s", self.rate * 1e-6),
             Unit::Photons => format!("{:.2} M photons/s", self.rate * 1e-6),
             Unit::Albedos => format!("{:.1} albedos/s", self.rate),
+            Unit::Parts => {
+                return format!("{} passed, {} left", duration(self.elapsed), duration(self.left));
+            }
         };
         format!("{rate}, {} passed, {} left", duration(self.elapsed), duration(self.left))
     }

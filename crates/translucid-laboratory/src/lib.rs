@@ -1,6 +1,7 @@
 //! Comparisons of reflectance profiles, drawn as figures and laid out as pages.
 //!
 //! - [`comparison`]: the numbers, of every model against the exact solution.
+//! - [`figures`]: the charts, tables and the page of a comparison.
 //! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG in a light
 //!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
@@ -33,6 +34,7 @@ mod chart;
 pub mod comparison;
 mod data_table;
 mod drawing;
+pub mod figures;
 mod ink;
 mod markup;
 mod page;

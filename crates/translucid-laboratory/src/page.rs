@@ -97,6 +97,7 @@ impl Page {
         format!(
             "<!DOCTYPE html>\n<html lang=\"en\" xmlns=\"http://www.w3.org/1999/xhtml\">\n<head>\n\
              <meta charset=\"utf-8\" />\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\" />\n\
+             <meta name=\"generator\" content=\"translucid\" />\n\
              <meta name=\"color-scheme\" content=\"light dark\" />\n<title>{title}</title>\n<style>\n{style}</style>\n\
              </head>\n<body>\n<header>\n<h1>{title}</h1>\n{introduction}</header>\n\
              <nav aria-labelledby=\"contents\">\n<h2 id=\"contents\">Contents</h2>\n<ol>\n{contents}</ol>\n</nav>\n\

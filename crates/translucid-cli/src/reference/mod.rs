@@ -3,6 +3,8 @@
 mod exact_method;
 mod walk_method;
 
+pub(crate) use walk_method::parse_photons;
+
 use clap::{ArgGroup, Args, ValueEnum};
 use translucid_reference::Entry;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};

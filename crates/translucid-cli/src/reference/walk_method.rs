@@ -91,7 +91,7 @@ impl WalkArguments {
 }
 
 /// A number of photons as one would type it, 10000000 or 1e7.
-fn parse_photons(text: &str) -> Result<u64, String> {
+pub(crate) fn parse_photons(text: &str) -> Result<u64, String> {
     if let Ok(count) = text.parse::<u64>() {
         return Ok(count);
     }

@@ -1,0 +1,182 @@
+//! Errors of every model, against the albedo and against time.
+
+use translucid_profile::Configuration;
+
+use super::{ink, percent, section_of, word};
+use crate::comparison::{Comparison, Contender, Group, Inversion, Quantity, Summary};
+use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
+
+/// Errors over the albedos, with a table of their means.
+pub(super) fn section(comparison: &Comparison) -> Section {
+    let mut blocks = Vec::new();
+    let configurations = &comparison.settings.configurations;
+    for &configuration in configurations {
+        let own = Inversion::Own;
+        for (groups, kind, title) in [
+            (&[Group::Model][..], "models", "Error of the models"),
+            (&[Group::Variant, Group::Fit][..], "variants", "Error of variants and fits"),
+        ] {
+            blocks.extend(against_albedo(comparison, configuration, own, groups, [kind, title]));
+        }
+        let kind = ["exact-medium", "Error of models of the exact medium"];
+        let all = &[Group::Model, Group::Variant];
+        blocks.extend(against_albedo(comparison, configuration, Inversion::Exact, all, kind));
+        for inversion in [Inversion::Own, Inversion::Exact] {
+            blocks.extend(means(comparison, configuration, inversion));
+        }
+    }
+    if !blocks.is_empty() {
+        let text = format!(
+            "Errors over all radii for each surface albedo, and their means over {} albedos. Models that describe a \
+             medium find the one whose total, by their own formulas, is A, so that all curves have the same energy; \
+             the charts \"of the exact medium\" give them the medium that returns A exactly instead, and their \
+             energies then differ. Fits are the least-squares optimum of their form at each albedo.",
+            comparison.errors.averaged.len()
+        );
+        blocks.insert(0, Block::Text(text));
+    }
+    section_of("Error against the surface albedo", blocks)
+}
+
+/// Errors against the time of a call, with a table of times.
+pub(super) fn time_section(comparison: &Comparison) -> Section {
+    let mut blocks: Vec<Block> = [
+        (Quantity::Eval, "an evaluation of R(r)"),
+        (Quantity::Sample, "a drawn radius"),
+        (Quantity::Build, "making the profile of an albedo"),
+    ]
+    .into_iter()
+    .filter_map(|(quantity, what)| against_time(comparison, quantity, what))
+    .map(Block::Chart)
+    .collect();
+    if !blocks.is_empty() {
+        blocks.push(Block::Table(times(comparison)));
+        let rounds = comparison.timings.iter().map(|timing| timing.rounds).max().unwrap_or(0);
+        let text = format!(
+            "Times were measured in this very run, on one thread before the other work began, at A = {}: all calls \
+             take turns of a tenth of a millisecond, {rounds} rounds of them, and the lower decile counts, so that \
+             what else the machine did falls on all alike and little of it is left. The medians in timing.csv say how \
+             much there was. Each call goes through a trait object, as in a renderer that swaps models. A radius is \
+             drawn in closed form where a model has one, and else by a search for 1e-6 of the energy; as a table every \
+             model costs the same.",
+            comparison.middle_albedo
+        );
+        blocks.insert(0, Block::Text(text));
+    }
+    section_of("Error against time", blocks)
+}
+
+fn against_albedo(
+    comparison: &Comparison,
+    configuration: Configuration,
+    inversion: Inversion,
+    groups: &[Group],
+    [kind, title]: [&str; 2],
+) -> Option<Block> {
+    /// A curve that is nowhere above this share of the axis' least value is left to the table.
+    const LEAST: f64 = 0.05;
+    let name = format!("error-{}-{kind}", word(configuration));
+    let y = Axis::logarithmic("error", "%").between(LEAST, 200.0);
+    let x = Axis::linear("surface albedo A", "").between(0.0, 1.0);
+    let mut chart = Chart::new(&name, &format!("{title}, {}", word(configuration)), x, y);
+    let contenders = comparison.settings.contenders.iter().filter(|one| groups.contains(&one.group));
+    for contender in contenders {
+        let rows = comparison.errors.of(contender.name, configuration, inversion);
+        let points: Vec<[f64; 2]> = rows.map(|row| [row.surface_albedo, 100.0 * row.errors[2]]).collect();
+        if points.iter().any(|[_, error]| *error > LEAST) {
+            let ink = ink(contender, chart.series.len());
+            chart.series.push(Series::new(contender.title, ink, Mark::Line, points));
+        }
+    }
+    let caption = "Area-weighted error over all radii. The talk speaks of A = 0.2, 0.5 and 0.8.";
+    (!chart.series.is_empty()).then(|| Block::Chart(chart.with_caption(caption)))
+}
+
+/// Means and worst errors of all contenders.
+fn means(comparison: &Comparison, configuration: Configuration, inversion: Inversion) -> Option<Block> {
+    let (name, what) = match inversion {
+        Inversion::Own => (format!("mean-error-{}", word(configuration)), ""),
+        Inversion::Exact => {
+            (format!("mean-error-{}-exact-medium", word(configuration)), ", of the exact medium")
+        }
+    };
+    let caption = format!(
+        "Errors in percent, {}{what}: means within 8 ℓ, 16 ℓ and all radii, and the worst over all radii",
+        word(configuration)
+    );
+    let columns = ["model", "r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r", "worst", "at A", "albedos"];
+    let mut table = DataTable::new(&name, &caption, &columns);
+    for contender in &comparison.settings.contenders {
+        if let Some(Summary { errors, reached }) =
+            comparison.errors.summary(contender.name, configuration, inversion)
+        {
+            let [a, b, c] = errors.map(|errors| Cell::from(100.0 * errors.mean));
+            let [.., all] = errors;
+            let worst = [Cell::from(100.0 * all.worst), Cell::from(all.worst_surface_albedo)];
+            let [worst, at] = worst;
+            table.push([Cell::from(contender.title), a, b, c, worst, at, Cell::from(reached as f64)]);
+        }
+    }
+    (!table.rows.is_empty()).then_some(Block::Table(table))
+}
+
+fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Option<Chart> {
+    let name = format!("error-against-time-{}", quantity.name());
+    let (x, y) = (Axis::logarithmic("time", "ns"), Axis::logarithmic("mean error", "%"));
+    let title = format!("Mean error against the time of {what}");
+    let mut chart = Chart::new(&name, &title, x, y);
+    let searchlight = Configuration::Searchlight;
+    for (place, contender) in comparison.settings.contenders.iter().enumerate() {
+        let of = |timing: &&crate::comparison::Timing| {
+            timing.contender == contender.name && timing.quantity == quantity
+        };
+        let Some(timing) = comparison.timings.iter().find(of) else { continue };
+        let summary = comparison.errors.summary(contender.name, searchlight, Inversion::Own);
+        let Some(error) = summary.map(|summary| summary.errors[2].mean) else { continue };
+        let ink = match contender.group {
+            Group::Model => ink(contender, place),
+            Group::Variant | Group::Fit => Ink::Guide,
+        };
+        let words = Mark::LabelledPoints(vec![short(contender)]);
+        chart.series.push(Series::new("", ink, words, vec![[timing.nanoseconds, 100.0 * error]]));
+    }
+    let caption = "Better is to the left and further down. Searchlight, mean over the albedos, all radii; small gray \
+                   marks are variants.";
+    (!chart.series.is_empty()).then(|| chart.with_caption(caption))
+}
+
+/// A name that fits beside a point.
+fn short(contender: &Contender) -> String {
+    contender
+        .title
+        .replace("single scattering", "single")
+        .replace("photon-beam-diffusion", "photon beam")
+        .replace("quantized-diffusion", "quantized")
+}
+
+fn times(comparison: &Comparison) -> DataTable {
+    let mut columns = vec!["model"];
+    columns.extend(Quantity::ALL.map(Quantity::name));
+    let caption = format!("Nanoseconds a call at A = {}", comparison.middle_albedo);
+    let mut table = DataTable::new("times", &caption, &columns);
+    for contender in &comparison.settings.contenders {
+        let time = |quantity: Quantity| {
+            let of = |timing: &&crate::comparison::Timing| {
+                timing.contender == contender.name && timing.quantity == quantity
+            };
+            comparison.timings.iter().find(of).map_or(f64::NAN, |timing| timing.nanoseconds)
+        };
+        let times = Quantity::ALL.map(time);
+        if times.iter().any(|time| time.is_finite()) {
+            let mut row = vec![Cell::from(contender.title)];
+            row.extend(times.map(Cell::from));
+            table.rows.push(row);
+        }
+    }
+    table
+}
+
+/// Two errors and which is less, in words.
+pub(super) fn versus([better, worse]: [f64; 2]) -> String {
+    format!("{} : {}", percent(better), percent(worse))
+}

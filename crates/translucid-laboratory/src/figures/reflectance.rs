@@ -1,0 +1,152 @@
+//! R(r) of every model at each albedo: the talk's figures.
+
+use std::f64::consts::PI;
+
+use translucid_profile::Configuration;
+
+use super::{curve, ink, line, section_of, shown, word};
+use crate::comparison::{Comparison, Reflectance, RingPoint};
+use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
+
+/// Charts of all albedos in one configuration.
+pub(super) fn section(comparison: &Comparison, configuration: Configuration) -> Section {
+    let figures: Vec<&Reflectance> =
+        comparison.reflectances.iter().filter(|figure| figure.configuration == configuration).collect();
+    let mut blocks = Vec::new();
+    if !figures.is_empty() {
+        let text = match configuration {
+            Configuration::Searchlight => {
+                "A pencil of light enters perpendicularly, and every model knows the case. On logarithmic axes the \
+                 exact profile goes like 1/r towards the point of entry, because light that is scattered once leaves \
+                 there; models of light that is scattered many times stay finite. The third chart of each albedo \
+                 shows where the light is: equal areas under a curve are equal energies."
+            }
+            Configuration::Diffuse => {
+                "Light enters at a point with a cosine distribution, as it does under a sky. Models that describe a \
+                 perpendicular beam only are left out."
+            }
+        };
+        blocks.push(Block::Text(String::from(text)));
+        blocks.push(Block::Text(agreement(&figures)));
+    }
+    for figure in figures {
+        blocks.extend([linear, logarithmic, energy].map(|chart| Block::Chart(chart(comparison, figure))));
+    }
+    let title = match configuration {
+        Configuration::Searchlight => "Profiles of a perpendicular pencil of light",
+        Configuration::Diffuse => "Profiles of diffuse light",
+    };
+    section_of(title, blocks)
+}
+
+/// How well photons and the exact solution agree.
+fn agreement(figures: &[&Reflectance]) -> String {
+    let one = |figure: &&&Reflectance| {
+        let (chi_square, rings, probability) = figure.chi_square();
+        let a = figure.surface_albedo;
+        match rings {
+            0 => format!("A = {a}: no photons, for they would collide without end"),
+            _ => format!(
+                "A = {a}: χ² = {chi_square:.1} for {rings} rings, as large by chance in {:.0} % of all runs, greatest \
+                 distance {:.1} standard errors",
+                100.0 * probability,
+                figure.greatest_deviate()
+            ),
+        }
+    };
+    let all: Vec<String> = figures.iter().map(|figure| one(&figure)).collect();
+    format!("Photons against the exact solution: {}.", all.join("; "))
+}
+
+/// Both axes linear, over the radii where most of the light leaves.
+fn linear(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let [near, far] = [0.08, 0.85].map(|share| radius_of(figure, share));
+    let (x, y) = (Axis::linear("r", "ℓ"), Axis::linear("R(r)", "ℓ⁻²"));
+    let top = at(figure, near);
+    let chart = chart(figure, "linear", x.between(0.0, far), y.between(0.0, top));
+    let caption = format!(
+        "R(r) at A = {}, {}, linear axes: the range of radii in which {:.0} % of the light leaves; the curves go on \
+         upwards.",
+        figure.surface_albedo,
+        word(figure.configuration),
+        100.0 * 0.85
+    );
+    with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
+}
+
+/// Both axes logarithmic.
+fn logarithmic(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::logarithmic("R(r)", "ℓ⁻²"));
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    let low = at(figure, end).max(1e-9 * at(figure, 0.02));
+    let chart =
+        chart(figure, "logarithmic", x.between(0.02, end), y.between(0.4 * low, 1.5 * at(figure, 0.02)));
+    let caption =
+        format!("R(r) at A = {}, {}, logarithmic axes.", figure.surface_albedo, word(figure.configuration));
+    with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
+}
+
+/// Energy per e-fold of the radius.
+fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let a = figure.surface_albedo;
+    let weight = |r: f64, reflectance: f64| 2.0 * PI * r * r * reflectance / a;
+    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::linear("2πr² R(r) / A", ""));
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    let exact = figure.radii.iter().zip(&figure.exact.reflectance).map(|(r, value)| weight(*r, *value));
+    let top = exact.fold(0.0, f64::max);
+    let chart = chart(figure, "energy", x.between(0.02, end), y.between(0.0, 1.6 * top));
+    let caption = format!(
+        "Where the light leaves at A = {a}, {}: 2πr² R(r)/A, the share of it per e-fold of the radius.",
+        word(figure.configuration)
+    );
+    with_series(comparison, figure, chart, weight).with_caption(&caption)
+}
+
+fn chart(figure: &Reflectance, kind: &str, x: Axis, y: Axis) -> Chart {
+    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
+    let name = format!("reflectance-{configuration}-{a}-{kind}").replace('.', "_");
+    Chart::new(&name, &format!("A = {a}, {configuration}"), x, y)
+}
+
+/// The models, the exact solution above them, and the photons on top.
+fn with_series(
+    comparison: &Comparison,
+    figure: &Reflectance,
+    mut chart: Chart,
+    height: impl Fn(f64, f64) -> f64,
+) -> Chart {
+    for (place, contender) in shown(comparison).into_iter().enumerate() {
+        if let Some(curve) = curve(figure, contender.name) {
+            let y = |i: usize| height(figure.radii[i], curve.reflectance[i]);
+            chart.series.push(line(contender.title, ink(contender, place), figure, y));
+        }
+    }
+    let y = |i: usize| height(figure.radii[i], figure.exact.reflectance[i]);
+    chart.series.push(line("exact solution", Ink::Reference, figure, y));
+    if !figure.points.is_empty() {
+        let point = |point: &RingPoint| [point.r, height(point.r, point.reflectance)];
+        let error = |point: &RingPoint| height(point.r, point.standard_error);
+        let errors = figure.points.iter().map(error).collect();
+        let points = figure.points.iter().map(point).collect();
+        chart.series.push(Series::new(
+            "photons, ± 1 standard error",
+            Ink::Reference,
+            Mark::PointsWithErrors(errors),
+            points,
+        ));
+    }
+    chart
+}
+
+/// Radius within which a share of the light leaves, among those of the figure.
+fn radius_of(figure: &Reflectance, share: f64) -> f64 {
+    let target = share * figure.surface_albedo;
+    let index = figure.exact.enclosed.partition_point(|enclosed| *enclosed < target);
+    figure.radii.get(index).or(figure.radii.last()).copied().unwrap_or(1.0)
+}
+
+/// Exact R at the first radius of the figure that is at least r.
+fn at(figure: &Reflectance, r: f64) -> f64 {
+    let index = figure.radii.partition_point(|radius| *radius < r);
+    figure.exact.reflectance.get(index).or(figure.exact.reflectance.last()).copied().unwrap_or(1.0)
+}

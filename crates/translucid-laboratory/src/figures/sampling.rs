@@ -1,0 +1,133 @@
+//! Distribution functions, and radii that were drawn from them.
+
+use super::{curve, ink, line, middle, section_of, shown, word};
+use crate::comparison::{Comparison, Reflectance, SampleTest};
+use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
+
+/// Distribution functions at the middle albedo.
+pub(super) fn cdf_section(comparison: &Comparison) -> Section {
+    let mut blocks = Vec::new();
+    for &configuration in &comparison.settings.configurations {
+        if let Some(figure) = middle(comparison, configuration) {
+            blocks.extend([cdf(comparison, figure), cdf_difference(comparison, figure)].map(Block::Chart));
+        }
+    }
+    if !blocks.is_empty() {
+        blocks.insert(
+            0,
+            Block::Text(String::from(
+                "The share of the light that leaves within r. It is what a renderer samples, and half of the error of \
+                 a model is the way that its distance from the exact one goes up and down.",
+            )),
+        );
+    }
+    section_of("Distribution functions", blocks)
+}
+
+fn cdf(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let a = figure.surface_albedo;
+    let configuration = word(figure.configuration);
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    let x = Axis::logarithmic("r", "ℓ").between(0.02, end);
+    let y = Axis::linear("share within r", "").between(0.0, 1.0);
+    let name = format!("cdf-{configuration}");
+    let mut chart = Chart::new(&name, &format!("Distribution functions, A = {a}, {configuration}"), x, y);
+    for (place, contender) in shown(comparison).into_iter().enumerate() {
+        if let Some(curve) = curve(figure, contender.name) {
+            let share = |i: usize| curve.enclosed[i] / a;
+            chart.series.push(line(contender.title, ink(contender, place), figure, share));
+        }
+    }
+    let share = |i: usize| figure.exact.enclosed[i] / a;
+    chart.series.push(line("exact solution", Ink::Reference, figure, share));
+    chart.with_caption("The share of the light that leaves within r, of all that leaves.")
+}
+
+fn cdf_difference(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let a = figure.surface_albedo;
+    let configuration = word(figure.configuration);
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    let x = Axis::logarithmic("r", "ℓ").between(0.02, end);
+    let y = Axis::linear("share within r, model − exact", "%");
+    let title = format!("Distribution functions less the exact one, A = {a}, {configuration}");
+    let mut chart = Chart::new(&format!("cdf-difference-{configuration}"), &title, x, y);
+    for (place, contender) in shown(comparison).into_iter().enumerate() {
+        if let Some(curve) = curve(figure, contender.name) {
+            let off = |i: usize| 100.0 * (curve.enclosed[i] - figure.exact.enclosed[i]) / a;
+            chart.series.push(line(contender.title, ink(contender, place), figure, off));
+        }
+    }
+    chart.series.push(line("exact solution", Ink::Reference, figure, |_| 0.0));
+    chart.with_caption(
+        "Above zero, a model has sent out too much light so far, below zero too little; the slope is what it is wrong \
+         by at r.",
+    )
+}
+
+/// Histograms of all models.
+pub(super) fn section(comparison: &Comparison) -> Section {
+    let mut blocks = Vec::new();
+    if let Some(first) = comparison.samples.first().filter(|first| first.count() > 0) {
+        blocks.push(Block::Text(format!(
+            "{} radii were drawn from each model at A = {} with the function that renderers call, and counted in {} \
+             bins of equal width up to the radius within which 99 % leave, and one beyond. Expected is what the model's \
+             own energies within the edges promise. The probability is how often chance alone is as far off; one in a \
+             hundred is nothing odd, one in a million is a defect.",
+            super::grouped(first.count()),
+            first.surface_albedo,
+            SampleTest::BINS
+        )));
+        blocks.push(Block::Table(table(&comparison.samples)));
+        let place = |test: &SampleTest| {
+            comparison.settings.contenders.iter().position(|one| one.name == test.contender).unwrap_or(0)
+        };
+        let charts = comparison.samples.iter().map(|test| {
+            let place = place(test);
+            chart(test, ink(&comparison.settings.contenders[place], place))
+        });
+        blocks.extend(charts.map(Block::Chart));
+    }
+    section_of("Sampling", blocks)
+}
+
+fn table(samples: &[SampleTest]) -> DataTable {
+    let columns = ["model", "drawn", "chi_square", "degrees of freedom", "probability"];
+    let mut table = DataTable::new("sampling", "Drawn radii against the density", &columns);
+    for test in samples {
+        let drawn = if test.own_sampler { "in closed form" } else { "by a table" };
+        let numbers = [test.chi_square, test.freedom as f64, test.probability].map(Cell::from);
+        let [chi_square, freedom, probability] = numbers;
+        table.push([Cell::from(test.contender), Cell::from(drawn), chi_square, freedom, probability]);
+    }
+    table
+}
+
+fn chart(test: &SampleTest, ink: Ink) -> Chart {
+    let count = test.count() as f64;
+    let widths: Vec<f64> = test.edges.windows(2).map(|edges| edges[1] - edges[0]).collect();
+    let mut steps: Vec<[f64; 2]> = (test.edges.iter().zip(&test.counts))
+        .zip(&widths)
+        .map(|((edge, n), width)| [*edge, *n as f64 / (count * width)])
+        .collect();
+    steps.push([test.edges.last().copied().unwrap_or(1.0), 0.0]);
+    let middles = test.edges.windows(2).map(|edges| 0.5 * (edges[0] + edges[1]));
+    let densities = test.expected.iter().zip(&widths).map(|(n, width)| n / (count * width));
+    let promised: Vec<[f64; 2]> = middles.zip(densities).map(|(r, density)| [r, density]).collect();
+    let (x, y) = (Axis::linear("r", "ℓ"), Axis::linear("density", "ℓ⁻¹"));
+    let top = steps.iter().chain(&promised).map(|[_, y]| *y).fold(0.0, f64::max);
+    let end = test.edges.last().copied().unwrap_or(1.0);
+    let name = format!("sampling-{}", test.contender);
+    let title = format!("Radii drawn from {}, A = {}", test.contender, test.surface_albedo);
+    let caption = format!(
+        "Histogram of {} radii and the mean density of each bin; χ² = {:.1} with {} degrees of freedom, probability \
+         {:.3}.",
+        super::grouped(test.count()),
+        test.chi_square,
+        test.freedom,
+        test.probability
+    );
+    Chart::new(&name, &title, x.between(0.0, end), y.between(0.0, 1.08 * top))
+        .with(Series::new("drawn", ink, Mark::Steps, steps))
+        .with(Series::new("density", Ink::Reference, Mark::Points, promised))
+        .with_caption(&caption)
+}
