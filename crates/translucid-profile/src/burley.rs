@@ -10,8 +10,9 @@ use crate::burley_kernel as kernel;
 use crate::elementary::Double;
 use crate::error::{ParameterError, require, require_fraction, require_non_negative};
 use crate::profile::finite_quotient;
+use crate::similarity::is_plain;
 use crate::slices::{elementwise, map_slice};
-use crate::{Configuration, Parameterization, d_from_surface_albedo};
+use crate::{Appearance, Configuration, Medium, Parameterization, Similarity, d_from_surface_albedo};
 
 /// Least width that the arithmetic holds.
 const D_MIN: f64 = 1e-150;
@@ -70,6 +71,48 @@ impl NormalizedDiffusion {
         let allowed = "such that d = length / s(surface_albedo) is in [1e-150, 1e150]";
         require((D_MIN..=D_MAX).contains(&d), "length", length, allowed)?;
         Self::from_d(surface_albedo, d)
+    }
+
+    /// Makes the profile of a surface albedo, a length and g, under a boundary of relative index η = n_inside/n_outside.
+    ///
+    /// By [`Similarity`]: d = ℓ*/(c s(A)) with c = c(A; g, η), or d = ℓ_d/(c s(A)) with another c.
+    /// Without phase function and boundary (g = 0, η = 1) this is [`new`](Self::new), bit for bit.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new); or g is not in [−0.5, 0.9], or η not in [1, 1.5].
+    pub fn from_appearance(
+        appearance: &Appearance,
+        eta: f64,
+        configuration: Configuration,
+    ) -> Result<Self, ParameterError> {
+        let Appearance { surface_albedo, length, parameterization, g } = *appearance;
+        if is_plain(g, eta) {
+            return Self::new(surface_albedo, length, parameterization, configuration);
+        }
+        let similarity = Similarity::new(surface_albedo, g, eta, configuration)?;
+        let own_length = match parameterization {
+            Parameterization::Mfp => similarity.transport_mfp(length, parameterization)?,
+            Parameterization::Dmfp => length,
+        };
+        let stretch = similarity.stretch_of_normalized_diffusion(parameterization);
+        Self::new(surface_albedo, own_length / stretch, parameterization, configuration).map_err(|error| {
+            if error.parameter == "length" { ParameterError { value: length, ..error } } else { error }
+        })
+    }
+
+    /// Makes the profile of a medium under a boundary of relative index η, by [`Similarity`].
+    ///
+    /// # Errors
+    /// The medium's g is not in [−0.5, 0.9] or η not in [1, 1.5]; or the width d is not in [1e-150, 1e150].
+    pub fn from_medium(
+        medium: &Medium,
+        eta: f64,
+        configuration: Configuration,
+    ) -> Result<Self, ParameterError> {
+        let similarity = Similarity::of_medium(medium, eta, configuration)?;
+        let length =
+            medium.transport_mfp() / similarity.stretch_of_normalized_diffusion(Parameterization::Mfp);
+        Self::new(similarity.surface_albedo(), length, Parameterization::Mfp, configuration)
     }
 
     /// Makes the profile of a surface albedo A ∈ [0, 1] and a width d ∈ [1e-150, 1e150] \[L\].

@@ -115,6 +115,9 @@ pub mod roots;
 mod sampled_profile;
 mod scaled_erfc;
 mod scaling;
+mod similar_refined;
+mod similarity;
+mod similarity_coefficients;
 mod slices;
 mod source_pair;
 mod sum_of_gaussians;
@@ -152,5 +155,7 @@ pub use scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
 };
+pub use similar_refined::SimilarRefinedDiffusion;
+pub use similarity::Similarity;
 pub use sum_of_gaussians::SumOfGaussians;
 pub use tabulated_profile::TabulatedProfile;

@@ -1,10 +1,11 @@
 //! The models by name, each made from the same parameters.
 
 use crate::error::{ParameterError, require};
+use crate::similarity::is_plain;
 use crate::{
     Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, Medium,
-    NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
-    SumOfGaussians,
+    NormalizedDiffusion, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion,
+    SimilarRefinedDiffusion, Similarity, StandardDipole, SumOfGaussians,
 };
 
 /// A model of the light that leaves a surface around the point where it entered.
@@ -27,8 +28,9 @@ use crate::{
 pub enum Model {
     /// [`NormalizedDiffusion`] \[Burley 2015; Christensen & Burley 2015\].
     NormalizedDiffusion,
-    /// [`RefinedDiffusion`]: four exponentials, fitted to the exact half space. The default: it has a twentieth of
-    /// [`NormalizedDiffusion`]'s error at nearly the same cost.
+    /// [`RefinedDiffusion`]: four exponentials, fitted to the exact half space; with a phase function or a boundary
+    /// [`SimilarRefinedDiffusion`]. The default: it has a twentieth of [`NormalizedDiffusion`]'s error at nearly the
+    /// same cost.
     #[default]
     NormalizedDiffusionRefined,
     /// [`ObliqueDiffusion`](crate::ObliqueDiffusion): the same for light at any angle; its profile is the
@@ -107,12 +109,10 @@ impl Model {
     /// index-matched boundary and isotropic scattering.
     pub const fn knows_boundary(self) -> bool {
         match self {
+            Self::NormalizedDiffusionOblique | Self::Gaussians | Self::Exact => false,
             Self::NormalizedDiffusion
             | Self::NormalizedDiffusionRefined
-            | Self::NormalizedDiffusionOblique
-            | Self::Gaussians
-            | Self::Exact => false,
-            Self::Dipole
+            | Self::Dipole
             | Self::BetterDipole
             | Self::DirectionalDipole
             | Self::QuantizedDiffusion
@@ -123,14 +123,40 @@ impl Model {
     /// Whether the model tells a perpendicular pencil beam from diffuse light; the others are derived for the
     /// pencil, and stand in for both.
     pub const fn knows_configuration(self) -> bool {
-        !self.knows_boundary()
+        match self {
+            Self::NormalizedDiffusion
+            | Self::NormalizedDiffusionRefined
+            | Self::NormalizedDiffusionOblique
+            | Self::Gaussians
+            | Self::Exact => true,
+            Self::Dipole
+            | Self::BetterDipole
+            | Self::DirectionalDipole
+            | Self::QuantizedDiffusion
+            | Self::PhotonBeamDiffusion => false,
+        }
+    }
+
+    /// The g and η that the model knows and that are nearest to these.
+    ///
+    /// Both forms of normalized diffusion are fitted for a range ([`Similarity::G`], [`Similarity::ETA`]); models without
+    /// a boundary know g = 0 and η = 1 only; those that are derived know whatever has a meaning.
+    pub fn nearest_known(self, g: f64, eta: f64) -> [f64; 2] {
+        let within = |x: f64, range: std::ops::RangeInclusive<f64>| x.max(*range.start()).min(*range.end());
+        match self {
+            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined => {
+                [within(g, Similarity::G), within(eta, Similarity::ETA)]
+            }
+            _ if self.knows_boundary() => [g, eta],
+            _ => [0.0, 1.0],
+        }
     }
 
     /// The profile of a surface albedo and a length.
     ///
     /// # Errors
-    /// A parameter is outside its range, the model cannot reach the surface albedo, or η or g is not what a model
-    /// without a boundary is made for.
+    /// A parameter is outside its range, the model cannot reach the surface albedo, or η or g is not what the model is
+    /// made for: [`nearest_known`](Self::nearest_known) tells what is.
     pub fn profile(
         self,
         appearance: &Appearance,
@@ -141,10 +167,16 @@ impl Model {
         let Appearance { surface_albedo, length, parameterization, .. } = *appearance;
         Ok(match self {
             Self::NormalizedDiffusion => {
-                Box::new(NormalizedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
+                Box::new(NormalizedDiffusion::from_appearance(appearance, eta, configuration)?)
             }
-            Self::NormalizedDiffusionRefined | Self::NormalizedDiffusionOblique => {
+            Self::NormalizedDiffusionRefined if is_plain(appearance.g, eta) => {
                 Box::new(RefinedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
+            }
+            Self::NormalizedDiffusionOblique => {
+                Box::new(RefinedDiffusion::new(surface_albedo, length, parameterization, configuration)?)
+            }
+            Self::NormalizedDiffusionRefined => {
+                Box::new(SimilarRefinedDiffusion::new(appearance, eta, configuration)?)
             }
             Self::Dipole => Box::new(StandardDipole::new(appearance, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::new(appearance, eta)?),
@@ -163,8 +195,9 @@ impl Model {
 
     /// The profile of a medium.
     ///
-    /// Models that are parameterized by a surface albedo get the exact one of the index-matched half space, and
-    /// for g ≠ 0 that of the similar isotropic medium ([`Medium::surface_albedo`]).
+    /// Models that are parameterized by a surface albedo get that of the half space: both forms of normalized diffusion
+    /// by [`Similarity`], the others the exact one of the index-matched half space, for g ≠ 0 of the similar isotropic
+    /// medium ([`Medium::surface_albedo`]).
     ///
     /// # Errors
     /// As [`profile`](Self::profile).
@@ -181,12 +214,17 @@ impl Model {
             g: 0.0,
         };
         Ok(match self {
-            Self::NormalizedDiffusion
-            | Self::NormalizedDiffusionRefined
-            | Self::NormalizedDiffusionOblique
-            | Self::Gaussians
-            | Self::Exact => {
+            Self::NormalizedDiffusionOblique | Self::Gaussians | Self::Exact => {
                 return self.profile(&similar, configuration, eta);
+            }
+            Self::NormalizedDiffusion | Self::NormalizedDiffusionRefined if is_plain(medium.g(), eta) => {
+                return self.profile(&similar, configuration, eta);
+            }
+            Self::NormalizedDiffusion => {
+                Box::new(NormalizedDiffusion::from_medium(medium, eta, configuration)?)
+            }
+            Self::NormalizedDiffusionRefined => {
+                Box::new(SimilarRefinedDiffusion::from_medium(medium, eta, configuration)?)
             }
             Self::Dipole => Box::new(StandardDipole::from_medium(medium, eta)?),
             Self::BetterDipole => Box::new(BetterDipole::from_medium(medium, eta)?),

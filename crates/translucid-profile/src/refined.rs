@@ -37,6 +37,7 @@ const MFP_MAX: f64 = 1e150;
 /// falls like r⁻³ and no sum of exponentials can follow.
 /// [`NormalizedDiffusion`](crate::NormalizedDiffusion) has mean errors of 6.2 % and 4.8 %.
 /// The generated `refined_coefficients.rs` has the whole table.
+/// With a phase function or a boundary it becomes a [`SimilarRefinedDiffusion`](crate::SimilarRefinedDiffusion).
 ///
 /// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
 /// The slice methods return bit for bit what the scalar ones do.
@@ -327,11 +328,16 @@ pub(crate) fn terms(surface_albedo: f64, configuration: Configuration) -> ([f64;
 
 /// ℓ/ℓ_d.
 pub(crate) fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
+    (1.0 - surface_albedo) * mfp_per_dmfp_polynomial(surface_albedo, configuration)
+}
+
+/// (ℓ/ℓ_d) / (1 − A).
+pub(crate) fn mfp_per_dmfp_polynomial(surface_albedo: f64, configuration: Configuration) -> f64 {
     let coefficients = match configuration {
         Configuration::Searchlight => &SEARCHLIGHT_LENGTH,
         Configuration::Diffuse => &DIFFUSE_LENGTH,
     };
-    (1.0 - surface_albedo) * polynomial(coefficients, surface_albedo)
+    polynomial(coefficients, surface_albedo)
 }
 
 /// Σ cᵢ xⁱ.

@@ -10,8 +10,8 @@ use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{
     Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
     DirectionalDipoleAverage, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization,
-    PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole, SumOfGaussians,
-    TabulatedProfile,
+    PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, SimilarRefinedDiffusion,
+    StandardDipole, SumOfGaussians, TabulatedProfile,
 };
 
 type Made = Result<Box<dyn Profile>, ParameterError>;
@@ -45,6 +45,21 @@ macro_rules! physical {
     };
 }
 
+/// A model that is carried over to media with a boundary, by its two constructors.
+macro_rules! similar {
+    ($new:expr, $from_medium:expr) => {
+        Model {
+            name: stringify!($new),
+            new: |appearance, eta| Ok(Box::new($new(appearance, eta, Configuration::Searchlight)?)),
+            from_medium: Some(|medium, eta| Ok(Box::new($from_medium(medium, eta, Configuration::Diffuse)?))),
+            closed_total: None,
+            etas: &[1.0, 1.33, 1.5],
+            gs: &[-0.5, 0.0, 0.8],
+            smooth: true,
+        }
+    };
+}
+
 fn models() -> Vec<Model> {
     vec![
         Model {
@@ -60,6 +75,8 @@ fn models() -> Vec<Model> {
             gs: &[0.0],
             smooth: true,
         },
+        similar!(NormalizedDiffusion::from_appearance, NormalizedDiffusion::from_medium),
+        similar!(SimilarRefinedDiffusion::new, SimilarRefinedDiffusion::from_medium),
         Model {
             name: "RefinedDiffusion",
             new: |a, _| {

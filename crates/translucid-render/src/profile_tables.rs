@@ -91,6 +91,7 @@ impl ProfileTables {
 
     /// Finds or makes what a material needs.
     pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
+        self.notes.extend(note_of_nearest(material));
         let Some(recipe) = Recipe::of(material) else { return ProfileSource::NormalizedDiffusion };
         if let Some((_, source)) = self.made.iter().find(|(known, _)| *known == recipe) {
             return *source;
@@ -158,6 +159,28 @@ impl ProfileTables {
     }
 }
 
+/// The g and η that a material's model is used with.
+fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
+    let Material { subsurface_scatter_anisotropy: g, subsurface_eta: eta, .. } = *material;
+    model.nearest_known(f64::from(g), f64::from(eta))
+}
+
+/// A word on a g or η that the model knows and is not fitted for.
+fn note_of_nearest(material: &Material) -> Option<String> {
+    let SubsurfaceModel::Profile(model) = material.subsurface_model else { return None };
+    if material.subsurface_weight.factor <= 0.0 || !model.knows_boundary() {
+        return None;
+    }
+    let asked = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
+    let used = nearest_known(model, material);
+    let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
+    let changed = (0..2).filter(|i| f64::from(asked[*i]) != used[*i]);
+    let changes: Vec<String> =
+        changed.map(|i| format!("{} is {}, taken for {}", names[i], asked[i], used[i])).collect();
+    (!changes.is_empty())
+        .then(|| format!("material {}: {model} is not fitted so far: {}", material.name, changes.join("; ")))
+}
+
 impl Recipe {
     /// `None` where no table is needed.
     fn of(material: &Material) -> Option<Self> {
@@ -165,8 +188,12 @@ impl Recipe {
             return None;
         }
         match material.subsurface_model {
-            SubsurfaceModel::Profile(Model::NormalizedDiffusion) | SubsurfaceModel::None => None,
-            SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
+            SubsurfaceModel::None => None,
+            SubsurfaceModel::Profile(model) => {
+                let recipe = ModelRecipe::of(model, material);
+                let closed_form = model == Model::NormalizedDiffusion && recipe.g == 0.0 && recipe.eta == 1.0;
+                (!closed_form).then_some(Self::Model(recipe))
+            }
             SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
         }
     }
@@ -176,15 +203,15 @@ impl ModelRecipe {
     fn of(model: Model, material: &Material) -> Self {
         let color = &material.subsurface_color;
         let textured = color.texture.is_some() || color.vertex_color;
-        let knows = model.knows_boundary();
+        let [g, eta] = nearest_known(model, material);
         let fraction = |a: f32| f64::from(a.clamp(0.0, 1.0));
         Self {
             model,
             parameterization: material.subsurface_parameter,
             configuration: material.subsurface_configuration,
-            eta: if knows { f64::from(material.subsurface_eta) } else { 1.0 },
+            eta,
             eta_of_refraction: f64::from(material.subsurface_eta),
-            g: if knows { f64::from(material.subsurface_scatter_anisotropy) } else { 0.0 },
+            g,
             albedos: (!textured).then(|| color.factor.to_array().map(fraction)),
         }
     }

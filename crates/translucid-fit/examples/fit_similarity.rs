@@ -1,0 +1,266 @@
+//! Generates the coefficients of `translucid_profile::Similarity`.
+//!
+//! ```text
+//! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
+//! cargo run --release -p translucid-fit --example fit_similarity -- target/similarity_tables.csv > target/similarity_coefficients.rs
+//! mv target/similarity_coefficients.rs crates/translucid-profile/src/
+//! ```
+//!
+//! Every function is Σ_m m(g, L) P_m(√A) with polynomials P_m and the monomials m of [`monomials`], which are all 0 for
+//! isotropic scattering without a boundary:
+//! 1. The surface albedo A' of the isotropic, index-matched half space with the same α': logit A' − logit A, by
+//!    weighted least squares.
+//! 2. The stretch of normalized diffusion: ln c, for the least sum of L1 distances over all points of the grid, with
+//!    the best s of each A in place of the talk's polynomial, so that c does not mend that one's errors.
+//! 3. Stretch, depth and rate of the dimple of the refined profile: ln c, b and ln κ, likewise.
+
+#![allow(clippy::print_stdout, reason = "the generated file goes to standard output")]
+
+#[path = "fit_similarity/joint_fit.rs"]
+mod joint_fit;
+#[path = "similarity/tables.rs"]
+mod tables;
+
+use joint_fit::JointFit;
+use nalgebra::{DMatrix, DVector};
+use tables::{ETA, G, Point, SURFACE_ALBEDOS, Table, differences, radii, tables};
+use translucid_fit::ScalingFit;
+use translucid_profile::{
+    Configuration, Parameterization, RefinedDiffusion, fresnel_moment_1_from_inside,
+    half_space_surface_albedo,
+};
+
+/// Monomials of g and L.
+const MONOMIALS: usize = 7;
+/// Coefficients of a polynomial in √A.
+const OF_POLYNOMIAL: usize = 5;
+/// The same for the dimple's rate.
+const OF_RATE: usize = 3;
+/// Where the fit of the dimple begins: ln κ.
+const LN_RATE: f64 = 1.0;
+/// What the albedos' logits need not be better than.
+const LOGIT_TOLERANCE: f64 = 0.01;
+/// Decimals that are kept.
+const UNIT: f64 = 1e-4;
+
+/// g, g², g³, L, L², gL, g²L, where 1 − e^{−L} is the boundary's reflectance for diffuse light from inside.
+fn monomials(g: f64, eta: f64) -> [f64; MONOMIALS] {
+    let l = -(1.0 - 2.0 * fresnel_moment_1_from_inside(eta)).ln();
+    [g, g * g, g * g * g, l, l * l, g * l, g * g * l]
+}
+
+/// m(g, L) √Aⁱ, by monomial, then by power.
+fn basis(monomials: &[f64], surface_albedo: f64, powers: usize) -> Vec<f64> {
+    let root = surface_albedo.sqrt();
+    monomials.iter().flat_map(|m| (0..powers).map(move |i| m * root.powi(i as i32))).collect()
+}
+
+fn logit(x: f64) -> f64 {
+    (x / (1.0 - x)).ln()
+}
+
+/// A point of the grid with its case.
+struct Datum<'a> {
+    g: f64,
+    monomials: [f64; MONOMIALS],
+    point: &'a Point,
+    /// Radii in transport mean free paths.
+    radii: Vec<f64>,
+}
+
+/// Rounded coefficients of one configuration.
+struct Coefficients {
+    similar_albedo: Vec<f64>,
+    stretch_of_normalized_diffusion: Vec<f64>,
+    stretch: Vec<f64>,
+    dimple: Vec<f64>,
+    dimple_rate: Vec<f64>,
+}
+
+fn main() {
+    let all = tables();
+    let fits = [Configuration::Searchlight, Configuration::Diffuse].map(|configuration| {
+        let data = data(&all, configuration);
+        Coefficients::fit(&data, configuration)
+    });
+    print_header();
+    print_coefficients("SEARCHLIGHT", "searchlight", &fits[0]);
+    print_coefficients("DIFFUSE", "diffuse transmission", &fits[1]);
+}
+
+/// All points of the grid, without what is held out.
+fn data(all: &[Table], configuration: Configuration) -> Vec<Datum<'_>> {
+    let wanted = |table: &&Table| {
+        let case = table.case;
+        case.configuration == configuration && G.contains(&case.g) && ETA.contains(&case.eta)
+    };
+    let of_table = |table: &'_ &Table| -> (f64, [f64; MONOMIALS]) {
+        (table.case.g, monomials(table.case.g, table.case.eta))
+    };
+    let mut data = Vec::new();
+    for table in all.iter().filter(wanted) {
+        let (g, monomials) = of_table(&table);
+        data.extend(table.points.iter().map(|point| {
+            let transport_mfp = point.transport_mfp(g);
+            let radii = radii().into_iter().map(|r| r / transport_mfp).collect();
+            Datum { g, monomials, point, radii }
+        }));
+    }
+    assert_eq!(data.len(), G.len() * ETA.len() * SURFACE_ALBEDOS.len(), "points of the grid");
+    data
+}
+
+impl Coefficients {
+    fn fit(data: &[Datum], configuration: Configuration) -> Self {
+        let round = |c: &f64| (c / UNIT).round() * UNIT;
+        let rounded = |c: &[f64]| c.iter().map(round).collect::<Vec<_>>();
+        let similar_albedo = rounded(&fit_similar_albedo(data, configuration));
+        let of_normalized_diffusion = rounded(&fit_normalized_diffusion(data, configuration));
+        let refined = rounded(&fit_refined(data, configuration, &of_normalized_diffusion));
+        let (stretch, rest) = refined.split_at(MONOMIALS * OF_POLYNOMIAL);
+        let (dimple, dimple_rate) = rest.split_at(MONOMIALS * OF_POLYNOMIAL);
+        Self {
+            similar_albedo,
+            stretch_of_normalized_diffusion: of_normalized_diffusion,
+            stretch: stretch.to_vec(),
+            dimple: dimple.to_vec(),
+            dimple_rate: dimple_rate.to_vec(),
+        }
+    }
+}
+
+/// Least squares of logit A' − logit A, each weighed by its error.
+fn fit_similar_albedo(data: &[Datum], configuration: Configuration) -> Vec<f64> {
+    let rows: Vec<(Vec<f64>, f64, f64)> = data
+        .iter()
+        .map(|datum| {
+            let [alpha, error] = datum.point.single_scattering_albedo;
+            let similar = |alpha: f64| {
+                let reduced = (1.0 - datum.g) * alpha / (1.0 - datum.g * alpha);
+                logit(half_space_surface_albedo(reduced, configuration))
+            };
+            let lower = alpha - 0.5 * error;
+            let noise = if error > 0.0 { 2.0 * (similar(alpha) - similar(lower)) } else { 0.0 };
+            let a = datum.point.surface_albedo;
+            let basis = basis(&datum.monomials, a, OF_POLYNOMIAL);
+            (basis, similar(alpha) - logit(a), 1.0 / noise.hypot(LOGIT_TOLERANCE))
+        })
+        .collect();
+    let matrix = DMatrix::from_fn(rows.len(), MONOMIALS * OF_POLYNOMIAL, |i, j| rows[i].2 * rows[i].0[j]);
+    let right = DVector::from_fn(rows.len(), |i, _| rows[i].2 * rows[i].1);
+    let solution = matrix.svd(true, true).solve(&right, 1e-14).expect("both bases were asked for");
+    solution.as_slice().to_vec()
+}
+
+fn fit_normalized_diffusion(data: &[Datum], configuration: Configuration) -> Vec<f64> {
+    let best = ScalingFit::new(Parameterization::Mfp, configuration, &SURFACE_ALBEDOS, f64::INFINITY)
+        .expect("albedos in (0, 1)");
+    let s = |a: f64| {
+        let point = best.points().iter().find(|point| point.surface_albedo == a);
+        point.expect("every albedo was fitted").s
+    };
+    let scales: Vec<f64> = data.iter().map(|datum| s(datum.point.surface_albedo)).collect();
+    let fit = JointFit {
+        shares: data.iter().map(|datum| &datum.point.shares[..]).collect(),
+        bases: data.iter().map(|d| [basis(&d.monomials, d.point.surface_albedo, OF_POLYNOMIAL)]).collect(),
+        model: |i: usize, [ln_stretch]: [f64; 1]| {
+            let within = |r: &f64| {
+                let t = r * scales[i] * ln_stretch.exp();
+                1.0 - 0.25 * (-t).exp() - 0.75 * (-t / 3.0).exp()
+            };
+            differences(data[i].radii.iter().map(within))
+        },
+    };
+    fit.minimize_l1(vec![0.0; MONOMIALS * OF_POLYNOMIAL])
+}
+
+/// From the stretch of normalized diffusion, without a dimple.
+fn fit_refined(data: &[Datum], configuration: Configuration, stretch: &[f64]) -> Vec<f64> {
+    let profile = |datum: &Datum| {
+        let a = datum.point.surface_albedo;
+        RefinedDiffusion::new(a, 1.0, Parameterization::Mfp, configuration).expect("an albedo in (0, 1)")
+    };
+    let profiles: Vec<RefinedDiffusion> = data.iter().map(profile).collect();
+    let bases = |datum: &Datum| {
+        let of_function = basis(&datum.monomials, datum.point.surface_albedo, OF_POLYNOMIAL);
+        let with_one: Vec<f64> = std::iter::once(1.0).chain(datum.monomials).collect();
+        let of_rate = basis(&with_one, datum.point.surface_albedo, OF_RATE);
+        [of_function.clone(), of_function, of_rate]
+    };
+    let fit = JointFit {
+        shares: data.iter().map(|datum| &datum.point.shares[..]).collect(),
+        bases: data.iter().map(bases).collect(),
+        model: |i: usize, [ln_stretch, dimple, ln_rate]: [f64; 3]| {
+            let within = |r: &f64| {
+                let x = r * ln_stretch.exp();
+                (1.0 + dimple) * profiles[i].cdf(x) + dimple * (-ln_rate.exp() * x).exp_m1()
+            };
+            differences(data[i].radii.iter().map(within))
+        },
+    };
+    let mut start = stretch.to_vec();
+    start.extend([0.0; MONOMIALS * OF_POLYNOMIAL]);
+    start.push(LN_RATE);
+    start.extend([0.0; (MONOMIALS + 1) * OF_RATE - 1]);
+    fit.minimize_l1(start)
+}
+
+fn print_header() {
+    println!("//! How phase function and boundary change the profiles of normalized diffusion.");
+    println!("//!");
+    println!("//! Generated by");
+    println!(
+        "//! `cargo run --release -p translucid-fit --example fit_similarity > target/similarity_coefficients.rs`."
+    );
+    println!("//!");
+    println!("//! Domain: g ∈ [{}, {}], η ∈ [{}, {}],", G[0], G[G.len() - 1], ETA[0], ETA[ETA.len() - 1]);
+    let [first, .., last] = SURFACE_ALBEDOS;
+    println!("//! A ∈ [{first}, {last}], outside of which the values at the end stand in.");
+    println!("//! Fitted at g = {G:?}, η = {ETA:?}.");
+    println!(
+        "//! The errors are in `docs/similarity.md`, as `--example similarity` of the same crate prints them."
+    );
+    println!("//!");
+    println!(
+        "//! Rows are the factors of g, g², g³, L, L², gL, g²L, where 1 − e^(−L) is the boundary's reflectance for"
+    );
+    println!("//! diffuse light from inside; columns are those of 1, √A, A, …");
+    println!();
+    println!("/// Least and greatest surface albedo that was fitted.");
+    println!("pub(crate) const SURFACE_ALBEDOS: [f64; 2] = [{first:?}, {last:?}];");
+    println!();
+    println!("/// What is known of one configuration.");
+    println!("pub(crate) struct Coefficients {{");
+    println!("    /// logit A' − logit A.");
+    println!("    pub(crate) similar_albedo: [[f64; {OF_POLYNOMIAL}]; {MONOMIALS}],");
+    println!("    /// ln c of normalized diffusion.");
+    println!("    pub(crate) stretch_of_normalized_diffusion: [[f64; {OF_POLYNOMIAL}]; {MONOMIALS}],");
+    println!("    /// ln c of the refined profile.");
+    println!("    pub(crate) stretch: [[f64; {OF_POLYNOMIAL}]; {MONOMIALS}],");
+    println!("    /// Depth b of its dimple.");
+    println!("    pub(crate) dimple: [[f64; {OF_POLYNOMIAL}]; {MONOMIALS}],");
+    println!("    /// ln κ of the dimple's rate; the first row stands alone.");
+    println!("    pub(crate) dimple_rate: [[f64; {OF_RATE}]; {}],", MONOMIALS + 1);
+    println!("}}");
+}
+
+fn print_coefficients(name: &str, words: &str, coefficients: &Coefficients) {
+    println!();
+    println!("/// Of the {words} configuration.");
+    println!("pub(crate) const {name}: Coefficients = Coefficients {{");
+    let print = |field: &str, numbers: &[f64], columns: usize| {
+        println!("    {field}: [");
+        for row in numbers.chunks(columns) {
+            let row: Vec<String> = row.iter().map(|c| format!("{:.4}", c + 0.0)).collect();
+            println!("        [{}],", row.join(", "));
+        }
+        println!("    ],");
+    };
+    print("similar_albedo", &coefficients.similar_albedo, OF_POLYNOMIAL);
+    let stretch = &coefficients.stretch_of_normalized_diffusion;
+    print("stretch_of_normalized_diffusion", stretch, OF_POLYNOMIAL);
+    print("stretch", &coefficients.stretch, OF_POLYNOMIAL);
+    print("dimple", &coefficients.dimple, OF_POLYNOMIAL);
+    print("dimple_rate", &coefficients.dimple_rate, OF_RATE);
+    println!("}};");
+}
