@@ -17,7 +17,7 @@ pub enum Mark {
     Points,
     /// A marker with a bar of ± the standard error of y; one for each point.
     PointsWithErrors(Vec<f64>),
-    /// A marker with words beside it; one for each point.
+    /// A marker with words beside it; one for each point, of which the first 300 are drawn.
     LabelledPoints(Vec<String>),
     /// A histogram: each point is the left edge of a bin and its height, and the last one the right end of the last
     /// bin, its height unused.
@@ -59,7 +59,7 @@ pub struct Chart {
     pub x: Axis,
     /// The axis from bottom to top.
     pub y: Axis,
-    /// What is drawn, the last on top.
+    /// What is drawn, the last on top; bands and lines of [`Ink::Reference`] are below all others.
     pub series: Vec<Series>,
 }
 

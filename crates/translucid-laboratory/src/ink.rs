@@ -14,7 +14,8 @@ use crate::theme::Shade;
 pub enum Ink {
     /// A model.
     Model(Model),
-    /// The truth that others are measured against: the exact solution, or a walk of photons.
+    /// The truth that others are measured against: the exact solution, or a walk of photons. Its line is wide and lies
+    /// below all others, so that those which follow it are seen.
     Reference,
     /// What the seed talk published \[Christensen & Burley 2015\].
     Talk,
@@ -64,7 +65,7 @@ const DASH_DOT_DOT: &[f64] = &[8.0, 3.0, 2.0, 3.0, 2.0, 3.0];
 const SHORT: &[f64] = &[4.0, 3.0];
 
 /// The numbered inks.
-const NUMBERED: [Style; 12] = [
+const NUMBERED: [Style; 18] = [
     line(Shade::VERMILION, SOLID, Marker::Circle),
     line(Shade::BLUE, SOLID, Marker::Square),
     line(Shade::GREEN, DASHED, Marker::Triangle),
@@ -77,6 +78,12 @@ const NUMBERED: [Style; 12] = [
     line(Shade::BLUE, DASH_DOT, Marker::Hexagon),
     line(Shade::GREEN, SOLID, Marker::Square),
     line(Shade::WINE, LONG, Marker::Circle),
+    line(Shade::PURPLE, SOLID, Marker::TriangleDown),
+    line(Shade::ORANGE, DASH_DOT, Marker::Star),
+    line(Shade::SKY, SHORT, Marker::Triangle),
+    line(Shade::GRAY, SOLID, Marker::Circle),
+    line(Shade::WINE, SOLID, Marker::Square),
+    line(Shade::PURPLE, LONG_SHORT, Marker::Plus),
 ];
 
 const fn line(shade: Shade, dash: &'static [f64], marker: Marker) -> Style {
@@ -99,9 +106,9 @@ impl Ink {
                 Model::QuantizedDiffusion => line(Shade::PURPLE, DASH_DOT_DOT, Marker::Pentagon),
                 Model::PhotonBeamDiffusion => line(Shade::WINE, SHORT, Marker::Star),
                 Model::Gaussians => line(Shade::GRAY, LONG_SHORT, Marker::Cross),
-                Model::Exact => Style { width: 1.6, ..line(Shade::BLACK, SOLID, Marker::Hexagon) },
+                Model::Exact => Style { width: 3.2, ..line(Shade::BLACK, SOLID, Marker::Hexagon) },
             },
-            Self::Reference => Style { width: 1.6, ..line(Shade::BLACK, SOLID, Marker::Circle) },
+            Self::Reference => Style { width: 3.2, ..line(Shade::BLACK, SOLID, Marker::Circle) },
             Self::Talk => line(Shade::VERMILION, DASHED, Marker::Diamond),
             Self::Fit => line(Shade::BLUE, SOLID, Marker::Square),
             Self::Numbered(n) => NUMBERED[n % NUMBERED.len()],

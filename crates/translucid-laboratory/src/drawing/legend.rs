@@ -25,6 +25,7 @@ struct Entry {
     has_marker: bool,
     has_bar: bool,
     is_band: bool,
+    is_histogram: bool,
 }
 
 /// What stands beside the plot.
@@ -48,13 +49,15 @@ impl Legend {
                     has_marker: false,
                     has_bar: false,
                     is_band: false,
+                    is_histogram: false,
                 };
                 entries.push((&series.label, series.ink, entry));
                 entries.len() - 1
             });
             let entry = &mut entries[index].2;
             match &series.mark {
-                Mark::Line | Mark::Steps => entry.has_line = true,
+                Mark::Line => entry.has_line = true,
+                Mark::Steps => entry.is_histogram = true,
                 Mark::Points | Mark::LabelledPoints(_) => entry.has_marker = true,
                 Mark::PointsWithErrors(_) => [entry.has_marker, entry.has_bar] = [true; 2],
                 Mark::Band(_) => entry.is_band = true,
@@ -102,9 +105,13 @@ impl Entry {
     fn draw(&self, canvas: &mut Canvas, [x, y]: [f64; 2]) {
         let Style { shade, dash, marker, width, .. } = self.style;
         let middle = x + 0.5 * SAMPLE;
-        if self.is_band {
+        if self.is_band || self.is_histogram {
             let corners = [[x, y - 6.0], [x + SAMPLE, y - 6.0], [x + SAMPLE, y + 6.0], [x, y + 6.0]];
             canvas.polygon(&corners, shade, super::BAND_OPACITY);
+        }
+        if self.is_histogram {
+            let outline = [[x, y + 6.0], [x, y - 6.0], [x + SAMPLE, y - 6.0], [x + SAMPLE, y + 6.0]];
+            canvas.line(&outline, &Pen::solid(shade, super::marks::STEP));
         }
         if self.has_line {
             canvas.line(&[[x, y], [x + SAMPLE, y]], &Pen { shade, width, dash });

@@ -1,17 +1,18 @@
 //! The series of a chart on its plot.
 
-use super::canvas::{Anchor, Canvas, Label, Pen};
+use super::canvas::{Canvas, Pen};
 use super::polyline::Area;
 use super::span::Span;
-use super::text;
 use crate::axis::Axis;
 use crate::chart::{Mark, Series};
 use crate::theme::Shade;
 
+/// Width of the outline of a histogram, which is never dashed: dashes and steps would be hard to tell apart \[px\].
+pub(crate) const STEP: f64 = 1.5;
 /// Half width of the caps of an error bar \[px\].
 const CAP: f64 = 3.0;
-/// Font size of the words at points.
-const WORDS: u32 = 12;
+/// Number of points from which markers get smaller.
+const MANY: f64 = 40.0;
 
 /// Where series are drawn.
 pub(crate) struct Plot<'a> {
@@ -33,7 +34,11 @@ impl Plot<'_> {
         let pen = Pen { shade: style.shade, width: style.width, dash: style.dash };
         match &series.mark {
             Mark::Line => self.draw_line(canvas, &series.points, &pen),
-            Mark::Steps => self.draw_line(canvas, &self.outline(&series.points), &pen),
+            Mark::Steps => {
+                let outline = self.outline(&series.points);
+                self.fill(canvas, &outline, style.shade);
+                self.draw_line(canvas, &outline, &Pen::solid(style.shade, STEP));
+            }
             Mark::Band(upper) => self.draw_band(canvas, &series.points, upper, style.shade),
             Mark::PointsWithErrors(errors) => {
                 for (&[x, y], &error) in series.points.iter().zip(errors) {
@@ -99,15 +104,27 @@ impl Plot<'_> {
         }
     }
 
+    /// Fills the area below an outline.
+    fn fill(&self, canvas: &mut Canvas, outline: &[[f64; 2]], shade: Shade) {
+        for run in self.runs(outline) {
+            let corners = self.area.part_of_polygon(&run);
+            if corners.len() > 2 {
+                canvas.polygon(&corners, shade, super::BAND_OPACITY);
+            }
+        }
+    }
+
     fn draw_markers(&self, canvas: &mut Canvas, series: &Series) {
         let style = series.ink.style();
-        for place in self.places(series) {
-            canvas.marker(style.marker, place, super::MARKER, style.shade);
+        let places: Vec<[f64; 2]> = self.places(series).collect();
+        let crowd = (MANY / places.len().max(1) as f64).sqrt().clamp(0.6, 1.0);
+        for place in places {
+            canvas.marker(style.marker, place, crowd * super::MARKER, style.shade);
         }
     }
 
     /// Where the points of a series are, of those inside the plot.
-    fn places(&self, series: &Series) -> impl Iterator<Item = [f64; 2]> {
+    pub(crate) fn places(&self, series: &Series) -> impl Iterator<Item = [f64; 2]> {
         let places = series.points.iter().filter_map(|&point| self.place(point));
         places.filter(|&place| self.area.contains(place))
     }
@@ -129,54 +146,6 @@ impl Plot<'_> {
             error_bar(canvas, place, ends.map(|y| y.clamp(top, bottom)), shade);
         }
     }
-
-    /// Draws the words at the points of all series, each where it covers least.
-    pub(crate) fn draw_words(&self, canvas: &mut Canvas, all: &[Series]) {
-        let size = f64::from(WORDS);
-        let mut taken: Vec<Area> = all
-            .iter()
-            .filter(|series| !matches!(series.mark, Mark::Line | Mark::Steps | Mark::Band(_)))
-            .flat_map(|series| self.places(series))
-            .map(|[x, y]| Area { left: x - 4.0, right: x + 4.0, top: y - 4.0, bottom: y + 4.0 })
-            .collect();
-        for series in all {
-            let Mark::LabelledPoints(words) = &series.mark else { continue };
-            for (&point, word) in series.points.iter().zip(words) {
-                let Some([x, y]) = self.place(point).filter(|&place| self.area.contains(place)) else {
-                    continue;
-                };
-                let word = text::at_most(text::wrap(word, size, 0.6 * (self.area.right - self.area.left)), 1)
-                    .concat();
-                let width = text::width(&word, size);
-                let candidates = PLACES.map(|[right, down]| {
-                    let left = x + 8.0 * right + 0.5 * (right - 1.0) * width;
-                    let middle = y + 13.0 * down;
-                    Area { left, right: left + width, top: middle - 0.5 * size, bottom: middle + 0.5 * size }
-                });
-                let cost = |area: &Area| {
-                    let outside = width * size - overlap(area, &self.area);
-                    4.0 * outside + taken.iter().map(|other| overlap(area, other)).sum::<f64>()
-                };
-                let best = candidates.into_iter().min_by(|a, b| cost(a).total_cmp(&cost(b)));
-                let Some(best) = best else { continue };
-                let at = [best.left, 0.5 * (best.top + best.bottom) + 0.36 * size];
-                let anchor = Anchor::Start;
-                canvas.text(&Label { text: &word, at, size: WORDS, anchor, upwards: false, bold: false });
-                taken.push(best);
-            }
-        }
-    }
-}
-
-/// Where words may stand, from −1 to 1 to the right and down, the best first.
-const PLACES: [[f64; 2]; 8] =
-    [[1.0, 0.0], [-1.0, 0.0], [1.0, -0.8], [1.0, 0.8], [0.0, -1.0], [0.0, 1.0], [-1.0, -0.8], [-1.0, 0.8]];
-
-/// Area that two rectangles share \[px²\].
-fn overlap(a: &Area, b: &Area) -> f64 {
-    let width = a.right.min(b.right) - a.left.max(b.left);
-    let height = a.bottom.min(b.bottom) - a.top.max(b.top);
-    width.max(0.0) * height.max(0.0)
 }
 
 /// A bar with caps.

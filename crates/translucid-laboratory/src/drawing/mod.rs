@@ -11,6 +11,9 @@ mod polyline;
 mod span;
 mod text;
 mod ticks;
+mod words;
+
+use translucid_profile::Model;
 
 use canvas::{Anchor, Canvas, Label, Medium, Pen};
 use legend::Legend;
@@ -21,6 +24,7 @@ use ticks::Ticks;
 
 use crate::axis::{Axis, Scale};
 use crate::chart::{Chart, Mark, Series};
+use crate::ink::Ink;
 use crate::markup::escape;
 use crate::theme::{Shade, Theme};
 
@@ -119,13 +123,13 @@ fn draw(chart: &Chart, theme: Theme, medium: Medium) -> (Canvas, Area) {
     }
     let plot = Plot { axes: [&chart.x, &chart.y], spans: [horizontal, vertical], area };
     draw_grid(&mut canvas, &plot, [&horizontal_ticks, &vertical_ticks]);
-    for is_band in [true, false] {
-        for series in chart.series.iter().filter(|series| matches!(series.mark, Mark::Band(_)) == is_band) {
-            plot.draw(&mut canvas, series);
-        }
+    let mut series: Vec<&Series> = chart.series.iter().collect();
+    series.sort_by_key(|series| layer(series));
+    for series in series {
+        plot.draw(&mut canvas, series);
     }
     draw_axes(&mut canvas, &plot, [&horizontal_ticks, &vertical_ticks]);
-    plot.draw_words(&mut canvas, &chart.series);
+    words::draw(&mut canvas, &plot, &chart.series);
     legend.draw(&mut canvas, [right + 16.0, top + 2.0], bottom);
     if medium == Medium::Svg {
         let text = &shortened(&chart.y, bottom - top);
@@ -133,6 +137,15 @@ fn draw(chart: &Chart, theme: Theme, medium: Medium) -> (Canvas, Area) {
         canvas.text(&Label { text, at, upwards: true, ..PLAIN });
     }
     (canvas, area)
+}
+
+/// What is drawn first: bands, then the line of the truth, wide enough to be seen below those that follow it.
+fn layer(series: &Series) -> u8 {
+    match (&series.mark, series.ink) {
+        (Mark::Band(_), _) => 0,
+        (Mark::Line, Ink::Reference | Ink::Model(Model::Exact)) => 1,
+        _ => 2,
+    }
 }
 
 /// The numbers of all series along an axis that its range must hold.

@@ -84,8 +84,7 @@ fn against_albedo(
         let rows = comparison.errors.of(contender.name, configuration, inversion);
         let points: Vec<[f64; 2]> = rows.map(|row| [row.surface_albedo, 100.0 * row.errors[2]]).collect();
         if points.iter().any(|[_, error]| *error > LEAST) {
-            let ink = ink(contender, chart.series.len());
-            chart.series.push(Series::new(contender.title, ink, Mark::Line, points));
+            chart.series.push(Series::new(contender.title, ink(contender), Mark::Line, points));
         }
     }
     let caption = "Area-weighted error over all radii. The talk speaks of A = 0.2, 0.5 and 0.8.";
@@ -126,7 +125,7 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
     let title = format!("Mean error against the time of {what}");
     let mut chart = Chart::new(&name, &title, x, y);
     let searchlight = Configuration::Searchlight;
-    for (place, contender) in comparison.settings.contenders.iter().enumerate() {
+    for contender in &comparison.settings.contenders {
         let of = |timing: &&crate::comparison::Timing| {
             timing.contender == contender.name && timing.quantity == quantity
         };
@@ -134,7 +133,7 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
         let summary = comparison.errors.summary(contender.name, searchlight, Inversion::Own);
         let Some(error) = summary.map(|summary| summary.errors[2].mean) else { continue };
         let ink = match contender.group {
-            Group::Model => ink(contender, place),
+            Group::Model => ink(contender),
             Group::Variant | Group::Fit => Ink::Guide,
         };
         let words = Mark::LabelledPoints(vec![short(contender)]);

@@ -102,11 +102,15 @@ fn word(configuration: Configuration) -> &'static str {
     }
 }
 
-/// How a contender looks: a model always the same, others by their place among those shown.
-fn ink(contender: &Contender, place: usize) -> Ink {
+/// How a contender looks, the same in every figure: as its model, or by its place among all that are none.
+fn ink(contender: &Contender) -> Ink {
     match contender.model {
         Some(model) if contender.is_model() => Ink::Model(model),
-        _ => Ink::Numbered(place),
+        _ => {
+            let all = Contender::all();
+            let others = all.iter().filter(|other| !other.is_model());
+            Ink::Numbered(others.map(|other| other.name).position(|name| name == contender.name).unwrap_or(0))
+        }
     }
 }
 

@@ -105,7 +105,12 @@ fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
 fn chart(figure: &Reflectance, kind: &str, x: Axis, y: Axis) -> Chart {
     let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
     let name = format!("reflectance-{configuration}-{a}-{kind}").replace('.', "_");
-    Chart::new(&name, &format!("A = {a}, {configuration}"), x, y)
+    let what = match kind {
+        "energy" => "Light per e-fold of the radius",
+        "logarithmic" => "Reflectance profiles on logarithmic axes",
+        _ => "Reflectance profiles",
+    };
+    Chart::new(&name, &format!("{what}, A = {a}, {configuration}"), x, y)
 }
 
 /// The models, the exact solution above them, and the photons on top.
@@ -115,10 +120,10 @@ fn with_series(
     mut chart: Chart,
     height: impl Fn(f64, f64) -> f64,
 ) -> Chart {
-    for (place, contender) in shown(comparison).into_iter().enumerate() {
+    for contender in shown(comparison) {
         if let Some(curve) = curve(figure, contender.name) {
             let y = |i: usize| height(figure.radii[i], curve.reflectance[i]);
-            chart.series.push(line(contender.title, ink(contender, place), figure, y));
+            chart.series.push(line(contender.title, ink(contender), figure, y));
         }
     }
     let y = |i: usize| height(figure.radii[i], figure.exact.reflectance[i]);

@@ -32,10 +32,10 @@ fn cdf(comparison: &Comparison, figure: &Reflectance) -> Chart {
     let y = Axis::linear("share within r", "").between(0.0, 1.0);
     let name = format!("cdf-{configuration}");
     let mut chart = Chart::new(&name, &format!("Distribution functions, A = {a}, {configuration}"), x, y);
-    for (place, contender) in shown(comparison).into_iter().enumerate() {
+    for contender in shown(comparison) {
         if let Some(curve) = curve(figure, contender.name) {
             let share = |i: usize| curve.enclosed[i] / a;
-            chart.series.push(line(contender.title, ink(contender, place), figure, share));
+            chart.series.push(line(contender.title, ink(contender), figure, share));
         }
     }
     let share = |i: usize| figure.exact.enclosed[i] / a;
@@ -51,10 +51,10 @@ fn cdf_difference(comparison: &Comparison, figure: &Reflectance) -> Chart {
     let y = Axis::linear("share within r, model − exact", "%");
     let title = format!("Distribution functions less the exact one, A = {a}, {configuration}");
     let mut chart = Chart::new(&format!("cdf-difference-{configuration}"), &title, x, y);
-    for (place, contender) in shown(comparison).into_iter().enumerate() {
+    for contender in shown(comparison) {
         if let Some(curve) = curve(figure, contender.name) {
             let off = |i: usize| 100.0 * (curve.enclosed[i] - figure.exact.enclosed[i]) / a;
-            chart.series.push(line(contender.title, ink(contender, place), figure, off));
+            chart.series.push(line(contender.title, ink(contender), figure, off));
         }
     }
     chart.series.push(line("exact solution", Ink::Reference, figure, |_| 0.0));
@@ -78,12 +78,10 @@ pub(super) fn section(comparison: &Comparison) -> Section {
             SampleTest::BINS
         )));
         blocks.push(Block::Table(table(&comparison.samples)));
-        let place = |test: &SampleTest| {
-            comparison.settings.contenders.iter().position(|one| one.name == test.contender).unwrap_or(0)
-        };
+        let contenders = &comparison.settings.contenders;
         let charts = comparison.samples.iter().map(|test| {
-            let place = place(test);
-            chart(test, ink(&comparison.settings.contenders[place], place))
+            let contender = contenders.iter().find(|one| one.name == test.contender);
+            chart(test, contender.map_or(Ink::Fit, ink))
         });
         blocks.extend(charts.map(Block::Chart));
     }

@@ -26,7 +26,12 @@ fn chart(case: &ScalingCase) -> Chart {
     // In view is what the points need: near A = 1 a polynomial in the dmfp leaves them
     let top = best.iter().map(|[_, s]| *s).fold(0.0, f64::max);
     let x = Axis::linear("surface albedo A", "").between(0.0, 1.0);
-    let y = Axis::linear("s", "").between(0.0, 1.15 * top);
+    let low = best.iter().map(|[_, s]| *s).fold(top, f64::min);
+    let y = if top > 20.0 * low {
+        Axis::logarithmic("s", "").between(0.8 * low, 1.25 * top)
+    } else {
+        Axis::linear("s", "").between(0.0, 1.15 * top)
+    };
     let name = format!("scaling-{}", case.name());
     let title = format!("s(A), {}", case.name().replace('-', ", "));
     let caption = format!(

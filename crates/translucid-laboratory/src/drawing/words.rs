@@ -1,0 +1,140 @@
+//! Words beside points, where they cover neither points nor each other.
+
+use std::f64::consts::TAU;
+
+use super::canvas::{Anchor, Canvas, Label, Pen};
+use super::marks::Plot;
+use super::polyline::Area;
+use super::text;
+use crate::chart::{Mark, Series};
+use crate::theme::Shade;
+
+/// Font size.
+const SIZE: u32 = 12;
+/// Most words of a chart; more could not be read.
+const MOST: usize = 300;
+/// How often each word looks for a better place, given the places of all others.
+const SWEEPS: usize = 4;
+/// From a point to its words, at the nearest and for those that have to go further off \[px\].
+const NEAR: f64 = 8.0;
+const FURTHER: [f64; 6] = [0.0, 10.0, 22.0, 36.0, 52.0, 72.0];
+/// In sixteenths of a turn from the right downwards, the best first: to the right and to the left, then away from there.
+const DIRECTIONS: [f64; 16] =
+    [0.0, 8.0, 15.0, 1.0, 9.0, 7.0, 14.0, 2.0, 10.0, 6.0, 13.0, 3.0, 11.0, 5.0, 12.0, 4.0];
+/// Cost of a pixel further off, in square pixels that are covered.
+const DISTANCE: f64 = 4.0;
+
+/// Words that look for a place.
+struct Word {
+    text: String,
+    width: f64,
+    point: [f64; 2],
+    place: Option<Place>,
+}
+
+/// A place for words.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    area: Area,
+    /// How much further off than the nearest.
+    off: f64,
+}
+
+/// Draws the words at the points of all series, with a thin line to those that are further off.
+pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
+    let size = f64::from(SIZE);
+    let markers: Vec<Area> = all
+        .iter()
+        .filter(|series| !matches!(series.mark, Mark::Line | Mark::Steps | Mark::Band(_)))
+        .flat_map(|series| plot.places(series))
+        .take(10 * MOST)
+        .map(|[x, y]| Area { left: x - 5.0, right: x + 5.0, top: y - 5.0, bottom: y + 5.0 })
+        .collect();
+    let mut words = words(plot, all);
+    for _ in 0..SWEEPS {
+        for i in 0..words.len() {
+            let taken = words.iter().enumerate().filter(|(k, _)| *k != i).filter_map(|(_, word)| word.place);
+            let taken: Vec<Area> = taken.map(|place| place.area).chain(markers.iter().copied()).collect();
+            let cost = |place: &Place| {
+                let outside = words[i].width * size - overlap(&place.area, &plot.area);
+                let covered: f64 = taken.iter().map(|other| overlap(&place.area, other)).sum();
+                4.0 * outside + covered + DISTANCE * place.off
+            };
+            let best = places(&words[i]).min_by(|a, b| cost(a).total_cmp(&cost(b)));
+            words[i].place = best;
+        }
+    }
+    for Word { text, point, place, .. } in &words {
+        let Some(Place { area, off }) = place else { continue };
+        if *off > 0.0 {
+            let near = [point[0].clamp(area.left, area.right), point[1].clamp(area.top, area.bottom)];
+            canvas.line(&[*point, near], &Pen::solid(Shade::GRAY, 0.8));
+        }
+        let at = [area.left, 0.5 * (area.top + area.bottom) + 0.36 * size];
+        canvas.text(&Label { text, at, size: SIZE, anchor: Anchor::Start, upwards: false, bold: false });
+    }
+}
+
+/// The words of the points inside the plot.
+fn words(plot: &Plot<'_>, all: &[Series]) -> Vec<Word> {
+    let size = f64::from(SIZE);
+    let widest = 0.6 * (plot.area.right - plot.area.left);
+    let mut words = Vec::new();
+    for series in all {
+        let Mark::LabelledPoints(texts) = &series.mark else { continue };
+        for (&point, text) in series.points.iter().zip(texts) {
+            let place = plot.place(point).filter(|&place| plot.area.contains(place));
+            let text = text::at_most(text::wrap(text, size, widest), 1).concat();
+            if let Some(point) = place.filter(|_| !text.is_empty() && words.len() < MOST) {
+                words.push(Word { width: text::width(&text, size), text, point, place: None });
+            }
+        }
+    }
+    words
+}
+
+/// Where words may stand, the best first.
+fn places(word: &Word) -> impl Iterator<Item = Place> {
+    let size = f64::from(SIZE);
+    FURTHER.into_iter().flat_map(move |off| {
+        DIRECTIONS.into_iter().map(move |turn| {
+            let (down, right) = (TAU / 16.0 * turn).sin_cos();
+            let left = word.point[0] + (NEAR + off) * right + 0.5 * (right - 1.0) * word.width;
+            let middle = word.point[1] + (0.5 * size + 0.9 * NEAR + off) * down;
+            let area = Area {
+                left,
+                right: left + word.width,
+                top: middle - 0.5 * size,
+                bottom: middle + 0.5 * size,
+            };
+            Place { area, off }
+        })
+    })
+}
+
+/// Area that two rectangles share \[px²\].
+fn overlap(a: &Area, b: &Area) -> f64 {
+    let width = a.right.min(b.right) - a.left.max(b.left);
+    let height = a.bottom.min(b.bottom) - a.top.max(b.top);
+    width.max(0.0) * height.max(0.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn places_go_all_around_and_begin_at_the_right() {
+        let word = Word { text: String::from("w"), width: 40.0, point: [100.0, 100.0], place: None };
+        let places: Vec<Place> = places(&word).collect();
+        assert_eq!(places.len(), FURTHER.len() * DIRECTIONS.len());
+        assert!((places[0].area.left - 108.0).abs() < 1e-9 && (places[0].area.top - 94.0).abs() < 1e-9);
+        assert!((places[1].area.right - 92.0).abs() < 1e-9);
+        let first = &places[..DIRECTIONS.len()];
+        for (i, a) in first.iter().enumerate() {
+            let same = |b: &Place| (a.area.left - b.area.left).hypot(a.area.top - b.area.top) < 0.1;
+            assert!(!first[..i].iter().any(same), "{i}");
+        }
+        assert!(places.iter().all(|place| !place.area.contains(word.point)));
+    }
+}
