@@ -16,6 +16,11 @@ impl Area {
             && (self.top - SLACK..=self.bottom + SLACK).contains(&y)
     }
 
+    /// The rectangle with a margin.
+    pub(crate) fn grown(&self, by: f64) -> Self {
+        Self { left: self.left - by, top: self.top - by, right: self.right + by, bottom: self.bottom + by }
+    }
+
     /// The part of a segment that is inside \[Liang & Barsky 1984\].
     fn part(&self, [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
         let [dx, dy] = [b[0] - a[0], b[1] - a[1]];

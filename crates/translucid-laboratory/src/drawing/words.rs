@@ -22,7 +22,7 @@ const FURTHER: [f64; 6] = [0.0, 10.0, 22.0, 36.0, 52.0, 72.0];
 const DIRECTIONS: [f64; 16] =
     [0.0, 8.0, 15.0, 1.0, 9.0, 7.0, 14.0, 2.0, 10.0, 6.0, 13.0, 3.0, 11.0, 5.0, 12.0, 4.0];
 /// Cost of a pixel further off, in square pixels that are covered.
-const DISTANCE: f64 = 4.0;
+const DISTANCE: f64 = 3.0;
 
 /// Words that look for a place.
 struct Word {
@@ -48,17 +48,18 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
         .filter(|series| !matches!(series.mark, Mark::Line | Mark::Steps | Mark::Band(_)))
         .flat_map(|series| plot.places(series))
         .take(10 * MOST)
-        .map(|[x, y]| Area { left: x - 5.0, right: x + 5.0, top: y - 5.0, bottom: y + 5.0 })
+        .map(|[x, y]| Area { left: x, right: x, top: y, bottom: y }.grown(6.0))
         .collect();
     let mut words = words(plot, all);
     for _ in 0..SWEEPS {
         for i in 0..words.len() {
             let taken = words.iter().enumerate().filter(|(k, _)| *k != i).filter_map(|(_, word)| word.place);
-            let taken: Vec<Area> = taken.map(|place| place.area).chain(markers.iter().copied()).collect();
+            let taken: Vec<Area> = taken.map(|place| place.area.grown(2.5)).collect();
             let cost = |place: &Place| {
                 let outside = words[i].width * size - overlap(&place.area, &plot.area);
                 let covered: f64 = taken.iter().map(|other| overlap(&place.area, other)).sum();
-                4.0 * outside + covered + DISTANCE * place.off
+                let hidden: f64 = markers.iter().map(|other| overlap(&place.area, other)).sum();
+                4.0 * (outside + hidden) + covered + DISTANCE * place.off
             };
             let best = places(&words[i]).min_by(|a, b| cost(a).total_cmp(&cost(b)));
             words[i].place = best;

@@ -66,6 +66,9 @@ pub(super) fn time_section(comparison: &Comparison) -> Section {
     section_of("Error against time", blocks)
 }
 
+/// Least error of a chart, in percent; a curve that is nowhere above it is left to the table.
+const LEAST: f64 = 0.05;
+
 fn against_albedo(
     comparison: &Comparison,
     configuration: Configuration,
@@ -73,8 +76,6 @@ fn against_albedo(
     groups: &[Group],
     [kind, title]: [&str; 2],
 ) -> Option<Block> {
-    /// A curve that is nowhere above this share of the axis' least value is left to the table.
-    const LEAST: f64 = 0.05;
     let name = format!("error-{}-{kind}", word(configuration));
     let y = Axis::logarithmic("error", "%").between(LEAST, 200.0);
     let x = Axis::linear("surface albedo A", "").between(0.0, 1.0);
@@ -125,6 +126,7 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
     let title = format!("Mean error against the time of {what}");
     let mut chart = Chart::new(&name, &title, x, y);
     let searchlight = Configuration::Searchlight;
+    let mut below = Vec::new();
     for contender in &comparison.settings.contenders {
         let of = |timing: &&crate::comparison::Timing| {
             timing.contender == contender.name && timing.quantity == quantity
@@ -132,6 +134,15 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
         let Some(timing) = comparison.timings.iter().find(of) else { continue };
         let summary = comparison.errors.summary(contender.name, searchlight, Inversion::Own);
         let Some(error) = summary.map(|summary| summary.errors[2].mean) else { continue };
+        if 100.0 * error < LEAST {
+            below.push(format!(
+                "{} ({:.0} ns, {:.1e} %)",
+                contender.title,
+                timing.nanoseconds,
+                100.0 * error
+            ));
+            continue;
+        }
         let ink = match contender.group {
             Group::Model => ink(contender),
             Group::Variant | Group::Fit => Ink::Guide,
@@ -139,9 +150,13 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
         let words = Mark::LabelledPoints(vec![short(contender)]);
         chart.series.push(Series::new("", ink, words, vec![[timing.nanoseconds, 100.0 * error]]));
     }
-    let caption = "Better is to the left and further down. Searchlight, mean over the albedos, all radii; small gray \
-                   marks are variants.";
-    (!chart.series.is_empty()).then(|| chart.with_caption(caption))
+    let mut caption = String::from(
+        "Better is to the left and further down. Searchlight, mean over the albedos, all radii; gray marks are variants.",
+    );
+    if !below.is_empty() {
+        caption += &format!(" Far below the chart: {}.", below.join(", "));
+    }
+    (!chart.series.is_empty()).then(|| chart.with_caption(&caption))
 }
 
 /// A name that fits beside a point.
