@@ -37,6 +37,8 @@ mod drawing;
 pub mod figures;
 mod ink;
 mod markup;
+#[cfg(doctest)]
+mod model_pages;
 mod page;
 mod residuals;
 mod theme;

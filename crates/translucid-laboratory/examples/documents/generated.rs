@@ -1,0 +1,118 @@
+//! Everything that is generated, by the names of the blocks that show it.
+
+use std::collections::BTreeMap;
+
+use translucid_laboratory::comparison::{
+    Contender, ErrorTable, Reference, ScalingCase, Watch, claims, talk_albedos, time_contenders,
+};
+use translucid_laboratory::{Chart, Theme};
+use translucid_profile::{Configuration, Model};
+
+use crate::{charts, tables};
+
+/// Surface albedos of the talk, which all tables and figures show.
+pub(crate) const ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
+pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
+
+/// Tables and figures by the names of their blocks: those of figures begin with `figure/`, those of times have
+/// "time" in them.
+pub(crate) struct Generated {
+    /// What stands in the pages: a table, or a figure's image and caption; links are from the root.
+    pub(crate) blocks: BTreeMap<String, String>,
+    /// SVG documents.
+    pub(crate) figures: BTreeMap<String, String>,
+}
+
+impl Generated {
+    /// Computes everything but the times.
+    pub(crate) fn new() -> Result<Self, String> {
+        let contenders = Contender::all();
+        let watch = Watch::default();
+        let errors = ErrorTable::new(&contenders, &CONFIGURATIONS, &talk_albedos(), &ALBEDOS, watch)
+            .map_err(|e| e.to_string())?;
+        let claims = claims(&contenders, &errors, &ALBEDOS);
+        let scaling: Vec<ScalingCase> = ScalingCase::TALK
+            .iter()
+            .map(|(length, configuration, stated)| ScalingCase::new(*length, *configuration, *stated))
+            .collect::<Result<_, _>>()
+            .map_err(|e| e.to_string())?;
+        let references = References::new()?;
+
+        let mut generated = Self { blocks: BTreeMap::new(), figures: BTreeMap::new() };
+        for name in ["models/errors", "readme/errors"] {
+            generated.add(name, tables::errors_of_models(&contenders, &errors));
+        }
+        // The oblique one is the refined one along the normal; what is its own takes another kind of table
+        for model in Model::ALL.into_iter().filter(|model| *model != Model::NormalizedDiffusionOblique) {
+            let name = model.name();
+            generated.add(&format!("{name}/errors"), tables::errors_of_model(model, &contenders, &errors));
+            if model == Model::Exact {
+                generated.add("exact/values", tables::exact_values(&references)?);
+                generated.add_chart(&charts::exact(&references));
+            } else {
+                generated.add(&format!("{name}/ratios"), tables::ratios(model, &references)?);
+                generated.add_chart(&charts::model(model, &references)?);
+            }
+        }
+        generated.add("normalized-diffusion-refined/coefficients", tables::refined_coefficients()?);
+        generated.add("tables/errors", tables::errors_of_tables(&references)?);
+        generated.add("tables/samples", tables::errors_of_samples(&references)?);
+        generated.add_chart(&charts::samples(&references)?);
+        for (name, inversion, configuration) in tables::ALL_ERRORS {
+            generated.add(name, tables::all_errors(&contenders, &errors, configuration, inversion));
+        }
+        generated.add("how-good/claims", tables::claims(&claims));
+        generated.add("how-good/scaling", tables::scaling(&scaling));
+        generated.add("how-good/scaling-values", tables::scaling_values(&scaling));
+        Ok(generated)
+    }
+
+    /// Measures the times.
+    pub(crate) fn add_times(&mut self) -> Result<(), String> {
+        let contenders = Contender::all();
+        let middle = Reference::new(0.5, Configuration::Searchlight).map_err(|e| e.to_string())?;
+        let timings = time_contenders(&contenders, &middle, Watch::default()).map_err(|e| e.to_string())?;
+        self.add("how-good/times", tables::times(&contenders, &timings));
+        self.add("how-good/table-times", tables::table_times(&contenders, &timings));
+        Ok(())
+    }
+
+    /// Whether a block may have this name: that of something generated, or of times that are left alone.
+    pub(crate) fn knows(&self, name: &str) -> bool {
+        self.blocks.contains_key(name) || name.contains("time")
+    }
+
+    /// Whether this is the name of a figure.
+    pub(crate) fn is_figure(name: &str) -> bool {
+        name.starts_with("figure/")
+    }
+
+    fn add(&mut self, name: &str, content: String) {
+        self.blocks.insert(name.to_owned(), content);
+    }
+
+    /// Adds a figure, with its caption one sentence a line.
+    fn add_chart(&mut self, chart: &Chart) {
+        let name = format!("figure/{}", chart.name);
+        let caption = chart.caption.replace(". ", ".\n");
+        let image = format!("![{}](docs/figures/{}.svg)\n\n{caption}", chart.title, chart.name);
+        self.blocks.insert(name.clone(), image);
+        self.figures.insert(name, chart.svg(Theme::Light));
+    }
+}
+
+/// The exact solution at [`ALBEDOS`].
+pub(crate) struct References {
+    pub(crate) searchlight: Vec<Reference>,
+    pub(crate) diffuse: Vec<Reference>,
+}
+
+impl References {
+    fn new() -> Result<Self, String> {
+        let of = |configuration| -> Result<Vec<Reference>, String> {
+            let made = ALBEDOS.iter().map(|a| Reference::new(*a, configuration));
+            made.collect::<Result<_, _>>().map_err(|error| error.to_string())
+        };
+        Ok(Self { searchlight: of(Configuration::Searchlight)?, diffuse: of(Configuration::Diffuse)? })
+    }
+}
