@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use translucid_laboratory::comparison::{
-    Contender, ErrorTable, Reference, ScalingCase, Watch, claims, talk_albedos, time_contenders,
-};
+use translucid_laboratory::comparison::{Comparison, Reference, Settings, Watch};
+use translucid_laboratory::figures::Report;
 use translucid_laboratory::{Chart, Theme};
 use translucid_profile::{Configuration, Model};
 
@@ -13,6 +12,9 @@ use crate::{charts, tables};
 /// Surface albedos of the talk, which all tables and figures show.
 pub(crate) const ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
 pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
+
+/// Photons that walk for the figures, in each configuration: as many as leave error bars that one can see.
+const PHOTONS: u64 = 1_000_000;
 
 /// Tables and figures by the names of their blocks: those of figures begin with `figure/`, those of times have
 /// "time" in them.
@@ -24,28 +26,22 @@ pub(crate) struct Generated {
 }
 
 impl Generated {
-    /// Computes everything but the times.
-    pub(crate) fn new() -> Result<Self, String> {
-        let contenders = Contender::all();
-        let watch = Watch::default();
-        let errors = ErrorTable::new(&contenders, &CONFIGURATIONS, &talk_albedos(), &ALBEDOS, watch)
-            .map_err(|e| e.to_string())?;
-        let claims = claims(&contenders, &errors, &ALBEDOS);
-        let scaling: Vec<ScalingCase> = ScalingCase::TALK
-            .iter()
-            .map(|(length, configuration, stated)| ScalingCase::new(*length, *configuration, *stated))
-            .collect::<Result<_, _>>()
-            .map_err(|e| e.to_string())?;
+    /// Computes everything, and measures the times if they are asked for.
+    pub(crate) fn new(has_times: bool) -> Result<Self, String> {
+        let settings = Settings { photons: PHOTONS, ..Settings::default() };
+        let comparison = Comparison::new(settings, Watch::default()).map_err(|error| error.to_string())?;
+        let Comparison { errors, settings, .. } = &comparison;
+        let contenders = &settings.contenders;
         let references = References::new()?;
 
         let mut generated = Self { blocks: BTreeMap::new(), figures: BTreeMap::new() };
         for name in ["models/errors", "readme/errors"] {
-            generated.add(name, tables::errors_of_models(&contenders, &errors));
+            generated.add(name, tables::errors_of_models(contenders, errors));
         }
         // The oblique one is the refined one along the normal; what is its own takes another kind of table
         for model in Model::ALL.into_iter().filter(|model| *model != Model::NormalizedDiffusionOblique) {
             let name = model.name();
-            generated.add(&format!("{name}/errors"), tables::errors_of_model(model, &contenders, &errors));
+            generated.add(&format!("{name}/errors"), tables::errors_of_model(model, contenders, errors));
             if model == Model::Exact {
                 generated.add("exact/values", tables::exact_values(&references)?);
                 generated.add_chart(&charts::exact(&references));
@@ -59,27 +55,32 @@ impl Generated {
         generated.add("tables/samples", tables::errors_of_samples(&references)?);
         generated.add_chart(&charts::samples(&references)?);
         for (name, inversion, configuration) in tables::ALL_ERRORS {
-            generated.add(name, tables::all_errors(&contenders, &errors, configuration, inversion));
+            generated.add(name, tables::all_errors(contenders, errors, configuration, inversion));
         }
-        generated.add("how-good/claims", tables::claims(&claims));
-        generated.add("how-good/scaling", tables::scaling(&scaling));
-        generated.add("how-good/scaling-values", tables::scaling_values(&scaling));
+        generated.add("how-good/claims", tables::claims(&comparison.claims));
+        generated.add("how-good/scaling", tables::scaling(&comparison.scaling));
+        generated.add("how-good/scaling-values", tables::scaling_values(&comparison.scaling));
+        // Figures of the page that `translucid compare` writes
+        let report = Report::new(&comparison);
+        report.page.charts().for_each(|chart| generated.add_chart(chart));
+        if has_times {
+            generated.add("how-good/times", tables::times(contenders, &comparison.timings));
+            generated.add("how-good/table-times", tables::table_times(contenders, &comparison.timings));
+        } else {
+            generated.blocks.retain(|name, _| !Self::is_time(name));
+            generated.figures.retain(|name, _| !Self::is_time(name));
+        }
         Ok(generated)
-    }
-
-    /// Measures the times.
-    pub(crate) fn add_times(&mut self) -> Result<(), String> {
-        let contenders = Contender::all();
-        let middle = Reference::new(0.5, Configuration::Searchlight).map_err(|e| e.to_string())?;
-        let timings = time_contenders(&contenders, &middle, Watch::default()).map_err(|e| e.to_string())?;
-        self.add("how-good/times", tables::times(&contenders, &timings));
-        self.add("how-good/table-times", tables::table_times(&contenders, &timings));
-        Ok(())
     }
 
     /// Whether a block may have this name: that of something generated, or of times that are left alone.
     pub(crate) fn knows(&self, name: &str) -> bool {
-        self.blocks.contains_key(name) || name.contains("time")
+        self.blocks.contains_key(name) || Self::is_time(name)
+    }
+
+    /// Whether this is the name of a table or figure that shows times.
+    fn is_time(name: &str) -> bool {
+        name.contains("time")
     }
 
     /// Whether this is the name of a figure.

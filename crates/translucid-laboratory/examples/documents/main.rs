@@ -49,10 +49,7 @@ fn main() -> ExitCode {
 
 fn run(is_check: bool, has_times: bool) -> Result<(), Vec<String>> {
     let mut documents = Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
-    let mut generated = Generated::new().map_err(|error| vec![error])?;
-    if has_times {
-        generated.add_times().map_err(|error| vec![error])?;
-    }
+    let generated = Generated::new(has_times).map_err(|error| vec![error])?;
     let changed = documents.update(&generated)?;
     if changed.is_empty() {
         println!("everything is as it was");
