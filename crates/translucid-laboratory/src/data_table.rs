@@ -147,13 +147,15 @@ fn shown(cell: Option<&Cell>) -> String {
     }
 }
 
-/// The number to four significant digits, with a true minus and a power of ten where it is very small or large.
+/// The number to four significant digits, without zeros where it has fewer, with a true minus and a power of ten where it is very small or large.
 fn rounded(number: f64) -> String {
     let text = format!("{number:.3e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
-    let text = if number == 0.0 {
-        String::from("0")
+    let exact = format!("{number}");
+    let digits = exact.trim_start_matches(['-', '0', '.']).chars().filter(char::is_ascii_digit).count();
+    let text = if digits <= 4 && (-3..6).contains(&exponent) {
+        exact
     } else if number.fract() == 0.0 && number.abs() < 1e7 {
         format!("{number}")
     } else if (-3..6).contains(&exponent) {
@@ -209,5 +211,9 @@ mod tests {
         assert_eq!(text.lines().count(), 5);
         assert!(text.starts_with("| model | error, % | time / ns |\n|---|---:|---:|\n"));
         assert!(text.contains("<d>\\|e | 0.3000 | 1.000e−300 |"));
+        assert_eq!(
+            [0.01, -0.5, 0.0, 1e5, 2.25, 42.2034].map(rounded),
+            ["0.01", "−0.5", "0", "100000", "2.25", "42.20"]
+        );
     }
 }

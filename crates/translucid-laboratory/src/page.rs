@@ -213,15 +213,15 @@ figcaption{max-width:46rem;margin-top:.4rem;font-size:.94rem}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}
 caption{text-align:left;font-weight:600;padding:.3rem 0}
-th,td{padding:.28rem .8rem .28rem 0;text-align:left;border-bottom:1px solid var(--rule);white-space:nowrap}
+th,td{padding:.28rem .8rem .28rem 0;text-align:left;border-bottom:1px solid var(--rule);vertical-align:top}
 thead th{border-bottom:2px solid var(--text);vertical-align:bottom}
 tbody th{font-weight:400}
-.number{text-align:right}
+.number{text-align:right;white-space:nowrap}
 ";
 
 /// What is different on paper.
 const PRINT: &str = "body{max-width:none;padding:0;font-size:10pt}nav,.files{display:none}\
-figure,.table,tr{break-inside:avoid}h2{break-after:avoid}figure svg{max-width:17cm}a{color:inherit;text-decoration:none}\
+figure,tr{break-inside:avoid}.scroll{overflow:visible}table{font-size:8pt}td,th{padding-right:.5rem}h2{break-after:avoid}figure svg{max-width:17cm}a{color:inherit;text-decoration:none}\
 @page{margin:18mm}";
 
 #[cfg(test)]

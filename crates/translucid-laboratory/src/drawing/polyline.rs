@@ -22,7 +22,7 @@ impl Area {
     }
 
     /// The part of a segment that is inside \[Liang & Barsky 1984\].
-    fn part(&self, [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
+    pub(crate) fn part(&self, [a, b]: [[f64; 2]; 2]) -> Option<[[f64; 2]; 2]> {
         let [dx, dy] = [b[0] - a[0], b[1] - a[1]];
         let (mut start, mut end) = (0_f64, 1_f64);
         let edges = [

@@ -23,6 +23,8 @@ const DIRECTIONS: [f64; 16] =
     [0.0, 8.0, 15.0, 1.0, 9.0, 7.0, 14.0, 2.0, 10.0, 6.0, 13.0, 3.0, 11.0, 5.0, 12.0, 4.0];
 /// Cost of a pixel further off, in square pixels that are covered.
 const DISTANCE: f64 = 3.0;
+/// Cost of a pixel of a line across words or other points.
+const CROSSING: f64 = 20.0;
 
 /// Words that look for a place.
 struct Word {
@@ -40,6 +42,16 @@ struct Place {
     off: f64,
 }
 
+impl Place {
+    /// The line from a point to words that are further off, which is a point for the nearest.
+    fn line(&self, point: [f64; 2]) -> [[f64; 2]; 2] {
+        let Area { left, top, right, bottom } = self.area;
+        let end =
+            if self.off > 0.0 { [point[0].clamp(left, right), point[1].clamp(top, bottom)] } else { point };
+        [point, end]
+    }
+}
+
 /// Draws the words at the points of all series, with a thin line to those that are further off.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
     let size = f64::from(SIZE);
@@ -53,13 +65,25 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
     let mut words = words(plot, all);
     for _ in 0..SWEEPS {
         for i in 0..words.len() {
-            let taken = words.iter().enumerate().filter(|(k, _)| *k != i).filter_map(|(_, word)| word.place);
-            let taken: Vec<Area> = taken.map(|place| place.area.grown(2.5)).collect();
+            let others = words.iter().enumerate().filter(|(k, _)| *k != i).map(|(_, word)| word);
+            let taken: Vec<(Area, [[f64; 2]; 2])> = others
+                .filter_map(|word| word.place.map(|place| (place.area.grown(2.5), place.line(word.point))))
+                .collect();
             let cost = |place: &Place| {
                 let outside = words[i].width * size - overlap(&place.area, &plot.area);
-                let covered: f64 = taken.iter().map(|other| overlap(&place.area, other)).sum();
+                let covered: f64 = taken.iter().map(|(other, _)| overlap(&place.area, other)).sum();
                 let hidden: f64 = markers.iter().map(|other| overlap(&place.area, other)).sum();
-                4.0 * (outside + hidden) + covered + DISTANCE * place.off
+                let line = place.line(words[i].point);
+                let crossed: f64 = taken
+                    .iter()
+                    .map(|(area, other)| length_within(area, line) + length_within(&place.area, *other))
+                    .sum();
+                let struck: f64 = markers
+                    .iter()
+                    .filter(|marker| !marker.contains(words[i].point))
+                    .map(|marker| length_within(marker, line))
+                    .sum();
+                4.0 * (outside + hidden) + covered + CROSSING * (crossed + struck) + DISTANCE * place.off
             };
             let best = places(&words[i]).min_by(|a, b| cost(a).total_cmp(&cost(b)));
             words[i].place = best;
@@ -68,8 +92,7 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
     for Word { text, point, place, .. } in &words {
         let Some(Place { area, off }) = place else { continue };
         if *off > 0.0 {
-            let near = [point[0].clamp(area.left, area.right), point[1].clamp(area.top, area.bottom)];
-            canvas.line(&[*point, near], &Pen::solid(Shade::GRAY, 0.8));
+            canvas.line(&Place { area: *area, off: *off }.line(*point), &Pen::solid(Shade::GRAY, 0.8));
         }
         let at = [area.left, 0.5 * (area.top + area.bottom) + 0.36 * size];
         canvas.text(&Label { text, at, size: SIZE, anchor: Anchor::Start, upwards: false, bold: false });
@@ -111,6 +134,11 @@ fn places(word: &Word) -> impl Iterator<Item = Place> {
             Place { area, off }
         })
     })
+}
+
+/// Length of the part of a line that is within a rectangle \[px\].
+fn length_within(area: &Area, line: [[f64; 2]; 2]) -> f64 {
+    area.part(line).map_or(0.0, |[a, b]| (b[0] - a[0]).hypot(b[1] - a[1]))
 }
 
 /// Area that two rectangles share \[px²\].
