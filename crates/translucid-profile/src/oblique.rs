@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::elementary::{Double, exp_negative, negative_log};
 use crate::error::{ParameterError, require_fraction};
-use crate::oblique_kernel::{Family, TERMS, Terms, means_above};
+use crate::oblique_kernel::{Family, TERMS, Terms, Way, means_above};
 use crate::profile::finite_quotient;
 use crate::{Configuration, Parameterization, RefinedDiffusion};
 
@@ -192,7 +192,8 @@ impl ObliqueDiffusion {
     /// r R/E.
     fn density_times_r(&self, r: f64, phi: f64) -> f64 {
         let sin_half = if phi.is_finite() { (0.5 * phi).sin() } else { 0.0 };
-        self.terms.pdf_times_turn::<Double>(r.max(0.0), 2.0 * sin_half * sin_half) / (2.0 * PI)
+        let way = Way { versine: 2.0 * sin_half * sin_half, lift: 0.0 };
+        self.terms.pdf_times_turn::<Double>(r.max(0.0), way) / (2.0 * PI)
     }
 }
 

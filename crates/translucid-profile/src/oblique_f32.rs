@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use crate::elementary::Single;
 use crate::error::{ParameterError, require_positive};
-use crate::oblique_kernel::{Family, means_above};
+use crate::oblique_kernel::{Family, Way, means_above};
 use crate::{Configuration, Parameterization, refined};
 
 /// Least length that the arithmetic holds.
@@ -96,8 +96,9 @@ impl ObliqueDiffusionF32 {
     ///
     /// `offset` is x_o − x_i; ω_i points from x_i to where the light comes from, outside, and n_i is the surface's
     /// normal at x_i, outwards; both of unit length.
-    /// Where the surface is not flat, r is the length of the offset and r cos φ its part along the beam's way on the
-    /// surface at x_i. Light from below the surface, or beyond total reflection, gives 0.
+    /// Where the surface is not flat, r is the length of the offset, of which the part q lies along the surface at x_i,
+    /// and each term's density of the azimuth becomes √(1 − q² sin² θ_k)/(1 − q sin θ_k cos φ): light from everywhere
+    /// keeps its energy for any q. Light from below the surface, or beyond total reflection, gives 0.
     #[inline]
     pub fn eval(&self, offset: [f32; 3], omega_i: [f32; 3], n_i: [f32; 3]) -> f32 {
         let r = length(offset.map(f64::from)).max(f64::from(f32::MIN_POSITIVE));
@@ -128,17 +129,26 @@ impl ObliqueDiffusionF32 {
         let cos_theta = ((1.0 - sin_theta) * (1.0 + sin_theta)).sqrt();
         let r = length(offset);
         let r = if r.is_finite() { r } else { f64::MAX };
-        let along = dot(offset, onward) / (r * sin_outside);
-        // At the entry, and along the normal, no azimuth is another
-        let cos_phi = if along.is_finite() { along.max(-1.0).min(1.0) } else { 0.0 };
         let terms = self.family.terms(cos_theta);
-        let density = terms.pdf_times_turn::<Single>(r * self.sigma_t, 1.0 - cos_phi);
+        let density = terms.pdf_times_turn::<Single>(
+            r * self.sigma_t,
+            Way {
+                versine: 1.0 - share(dot(offset, onward), r * sin_outside),
+                lift: share(dot(offset, normal), r).powi(2),
+            },
+        );
         self.family.total(cos_theta) * self.sigma_t * density / (2.0 * PI)
     }
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Part of a whole, in [−1, 1]; 0 at the entry, and for light along the normal, where no azimuth is another.
+fn share(part: f64, whole: f64) -> f64 {
+    let share = part / whole;
+    if share.is_finite() { share.max(-1.0).min(1.0) } else { 0.0 }
 }
 
 fn length(v: [f64; 3]) -> f64 {
@@ -198,6 +208,28 @@ mod tests {
                 };
                 let found = integrate(&rule, 0.0, 1.0, at) / (1.0 - least * least);
                 assert!((found - f64::from(a)).abs() < 1e-10, "{eta} {a}: {found}");
+            }
+        }
+    }
+
+    /// Light from all azimuths brings as much to any point at a distance, on the surface or not.
+    #[test]
+    fn curved_surfaces_keep_energy() {
+        let table = ObliqueDiffusionTable::new(1.0, Parameterization::Mfp, Configuration::Diffuse).unwrap();
+        for (a, cos) in [(0.2f32, 0.3f32), (0.9, 0.6)] {
+            let profile = table.at(a, 1.0);
+            let mean = |offset: [f32; 3]| {
+                let sin = (1.0 - cos * cos).sqrt();
+                let from = |i: i32| {
+                    let (y, x) = (f64::from(i) * PI / 300.0).sin_cos();
+                    f64::from(profile.eval(offset, [sin * x as f32, sin * y as f32, cos], UP))
+                };
+                (0..600).map(from).sum::<f64>() / 600.0
+            };
+            let on_plane = mean([0.7, 0.0, 0.0]);
+            for up in [0.0f32, 0.3, -0.5, 0.7, -0.7] {
+                let found = mean([(0.49 - up * up).sqrt(), 0.0, up]);
+                assert!((found / on_plane - 1.0).abs() < 1e-5, "{a} {cos} {up}: {found} {on_plane}");
             }
         }
     }

@@ -61,6 +61,18 @@ pub(crate) struct Terms {
     pub(crate) sines: [f64; TERMS],
 }
 
+/// From entry to exit, as seen from the entry: the part q of the offset lies along the surface, at the azimuth φ.
+///
+/// q is 1 on a plane. Elsewhere the density of the azimuth has the eccentricity q sin θ_k: its mean over the azimuth is 1
+/// for any q, so that light from everywhere keeps its energy, and where q = 0 it does not depend on what is no azimuth.
+#[derive(Clone, Copy)]
+pub(crate) struct Way {
+    /// 1 − q cos φ.
+    pub(crate) versine: f64,
+    /// 1 − q².
+    pub(crate) lift: f64,
+}
+
 impl Family {
     /// Of a surface albedo in [0, 1], under light that enters in all directions inside a cone around the normal, with a
     /// cosine distribution: `means` is [`means_above`] of the cone's cosine. (For the searchlight the cone does not
@@ -126,13 +138,14 @@ impl Family {
 }
 
 impl Terms {
-    /// 2πr R/E at a distance in mean free paths and 1 − cos φ.
+    /// 2πr R/E at a distance in mean free paths, on the way there.
     #[inline(always)]
-    pub(crate) fn pdf_times_turn<P: Accuracy>(&self, r: f64, versine: f64) -> f64 {
+    pub(crate) fn pdf_times_turn<P: Accuracy>(&self, r: f64, way: Way) -> f64 {
         self.sum(|k| {
             let (rate, cos, sin) = (self.rates[k], self.cosines[k], self.sines[k]);
-            // 1 − s cos φ with the digits of a beam that grazes
-            let around = cos / (cos * cos / (1.0 + sin) + sin * versine);
+            // √(1 − s²q²)/(1 − s q cos φ), with the digits of a beam that grazes
+            let around =
+                (cos * cos + sin * sin * way.lift).sqrt() / (cos * cos / (1.0 + sin) + sin * way.versine);
             rate * exp_negative::<P>(rate * r).0 * around
         })
     }

@@ -19,8 +19,8 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use translucid_profile::{
-    Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusion, Parameterization,
-    RefinedDiffusion, half_space_single_scattering_albedo,
+    Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusionF32,
+    ObliqueDiffusionTable, Parameterization, RefinedDiffusion, half_space_single_scattering_albedo,
 };
 
 const ALBEDOS: [f64; 2] = [0.5, 0.9];
@@ -182,15 +182,12 @@ impl Light {
 
 /// The models of one surface albedo, with a mean free path of 1.
 struct Models {
-    /// At the middles of equal steps of the cosine of incidence.
-    oblique: Vec<ObliqueDiffusion>,
+    oblique: ObliqueDiffusionF32,
     refined: RefinedDiffusion,
     normalized: NormalizedDiffusion,
     dipole: DirectionalDipole,
 }
 
-/// Steps of the cosine.
-const COSINES: usize = 512;
 /// Azimuths around an exit.
 const SECTORS: usize = 96;
 /// Azimuths and angles of light around an entry.
@@ -204,12 +201,9 @@ impl Models {
     fn new(a: f64) -> Self {
         let (mfp, diffuse, valid) = (Parameterization::Mfp, Configuration::Diffuse, "an albedo in (0, 1)");
         let appearance = Appearance { surface_albedo: a, length: 1.0, parameterization: mfp, g: 0.0 };
-        let oblique = |i: usize| {
-            let cos_theta = (i as f64 + 0.5) / COSINES as f64;
-            ObliqueDiffusion::new(a, 1.0, mfp, diffuse, cos_theta).expect(valid)
-        };
+        let table = ObliqueDiffusionTable::new(1.0, mfp, diffuse).expect(valid);
         Self {
-            oblique: (0..COSINES).map(oblique).collect(),
+            oblique: table.at(a as f32, 1.0),
             refined: RefinedDiffusion::new(a, 1.0, mfp, diffuse).expect(valid),
             normalized: NormalizedDiffusion::new(a, 1.0, mfp, diffuse).expect(valid),
             dipole: DirectionalDipole::new(&appearance, 1.0).expect(valid),
@@ -219,13 +213,9 @@ impl Models {
     /// r R of every model.
     fn times_r(&self, passage: &Passage, toward_light: [f64; 3]) -> [f64; NAMES.len()] {
         let Passage { offset, r, entry, exit } = *passage;
-        let cos_theta = dot(entry, toward_light);
-        let onward: [f64; 3] = std::array::from_fn(|i| cos_theta * entry[i] - toward_light[i]);
-        let sin_theta = dot(onward, onward).sqrt().max(1e-300);
-        let phi = (dot(offset, onward) / (r * sin_theta)).clamp(-1.0, 1.0).acos();
-        let oblique = &self.oblique[((cos_theta * COSINES as f64) as usize).min(COSINES - 1)];
+        let single = |v: [f64; 3]| v.map(|x| x as f32);
         [
-            oblique.eval_times_r(r, phi),
+            self.oblique.eval_times_r(single(offset), single(toward_light), single(entry)).into(),
             self.refined.eval_times_r(r),
             self.normalized.eval_times_r(r),
             r * self.dipole.eval(offset, toward_light, entry, exit),
