@@ -81,8 +81,8 @@ impl Directionality {
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {
-        let weight = match self {
-            Self::Radial => return Vec3::ONE,
+        match self {
+            Self::Radial => Vec3::ONE,
             Self::Dipole { passage, dipoles, inverse } => {
                 let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
                 per_channel(*inverse, |c| dipoles[c].eval(offset, omega, entry_normal, exit_normal))
@@ -91,9 +91,7 @@ impl Directionality {
                 let [offset, omega, entry_normal, _] = passage.arrays(toward_light);
                 per_channel(*inverse, |c| profiles[c].eval_times_r(offset, omega, entry_normal))
             }
-        };
-        // A product of the greatest and the least numbers
-        if weight.is_finite() { weight } else { Vec3::ZERO }
+        }
     }
 }
 
@@ -105,7 +103,12 @@ impl Passage {
 }
 
 /// inverse · value, 0 in channels whose inverse is.
+///
+/// So is a product of the greatest and the least numbers: far away from a channel's light, where others have theirs.
 fn per_channel(inverse: Vec3, value: impl Fn(usize) -> f32) -> Vec3 {
-    let product = |c: usize| if inverse[c] <= 0.0 { 0.0 } else { value(c) * inverse[c] };
+    let product = |c: usize| {
+        let product = if inverse[c] <= 0.0 { 0.0 } else { value(c) * inverse[c] };
+        if product.is_finite() { product } else { 0.0 }
+    };
     Vec3::new(product(0), product(1), product(2))
 }
