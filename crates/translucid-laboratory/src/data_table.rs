@@ -84,7 +84,8 @@ impl DataTable {
             text += "<tr>";
             for (i, cell) in self.cells(row).enumerate() {
                 let class = if matches!(cell, Some(Cell::Word(_))) { "" } else { " class=\"number\"" };
-                let content = escape(&shown(cell));
+                // A unit stays with its number where a cell is broken into lines
+                let content = escape(&shown(cell)).replace(" %", "\u{a0}%");
                 text += &match i {
                     0 => format!("<th scope=\"row\"{class}>{content}</th>"),
                     _ => format!("<td{class}>{content}</td>"),
