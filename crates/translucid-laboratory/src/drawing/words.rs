@@ -22,7 +22,9 @@ const FURTHER: [f64; 6] = [0.0, 10.0, 22.0, 36.0, 52.0, 72.0];
 const DIRECTIONS: [f64; 16] =
     [0.0, 8.0, 15.0, 1.0, 9.0, 7.0, 14.0, 2.0, 10.0, 6.0, 13.0, 3.0, 11.0, 5.0, 12.0, 4.0];
 /// Cost of a pixel further off, in square pixels that are covered.
-const DISTANCE: f64 = 3.0;
+const DISTANCE: f64 = 4.0;
+/// Cost of any line, however short.
+const LINE: f64 = 80.0;
 /// Cost of a pixel of a line across words or other points.
 const CROSSING: f64 = 20.0;
 
@@ -83,7 +85,11 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
                     .filter(|marker| !marker.contains(words[i].point))
                     .map(|marker| length_within(marker, line))
                     .sum();
-                4.0 * (outside + hidden) + covered + CROSSING * (crossed + struck) + DISTANCE * place.off
+                4.0 * (outside + hidden)
+                    + covered
+                    + CROSSING * (crossed + struck)
+                    + DISTANCE * place.off
+                    + if place.off > 0.0 { LINE } else { 0.0 }
             };
             let best = places(&words[i]).min_by(|a, b| cost(a).total_cmp(&cost(b)));
             words[i].place = best;
