@@ -27,7 +27,7 @@ use tables::{ETA, G, Point, SURFACE_ALBEDOS, Table, differences, radii, tables};
 use translucid_fit::ScalingFit;
 use translucid_profile::{
     Configuration, Parameterization, RefinedDiffusion, fresnel_moment_1_from_inside,
-    half_space_surface_albedo,
+    half_space_single_scattering_albedo, half_space_surface_albedo,
 };
 
 /// Monomials of g and L.
@@ -75,6 +75,17 @@ struct Coefficients {
     stretch: Vec<f64>,
     dimple: Vec<f64>,
     dimple_rate: Vec<f64>,
+    /// What the rounded coefficients leave.
+    errors: Errors,
+}
+
+/// Errors of one configuration at all points of the grid.
+struct Errors {
+    /// Of normalized diffusion with the best s of each A, and of the refined profile; by similarity alone, and repaired.
+    normalized_diffusion: [Vec<f64>; 2],
+    refined: [Vec<f64>; 2],
+    /// Relative errors of 1 − α'.
+    absorbed: Vec<f64>,
 }
 
 fn main() {
@@ -83,7 +94,7 @@ fn main() {
         let data = data(&all, configuration);
         Coefficients::fit(&data, configuration)
     });
-    print_header();
+    print_header(&fits);
     print_coefficients("SEARCHLIGHT", "searchlight", &fits[0]);
     print_coefficients("DIFFUSE", "diffuse transmission", &fits[1]);
 }
@@ -112,11 +123,10 @@ fn data(all: &[Table], configuration: Configuration) -> Vec<Datum<'_>> {
 
 impl Coefficients {
     fn fit(data: &[Datum], configuration: Configuration) -> Self {
-        let round = |c: &f64| (c / UNIT).round() * UNIT;
-        let rounded = |c: &[f64]| c.iter().map(round).collect::<Vec<_>>();
         let similar_albedo = rounded(&fit_similar_albedo(data, configuration));
-        let of_normalized_diffusion = rounded(&fit_normalized_diffusion(data, configuration));
-        let refined = rounded(&fit_refined(data, configuration, &of_normalized_diffusion));
+        let (of_normalized_diffusion, normalized_diffusion) = fit_normalized_diffusion(data, configuration);
+        let (refined, of_refined) = fit_refined(data, configuration, &of_normalized_diffusion);
+        let absorbed = errors_of_absorbed(data, configuration, &similar_albedo);
         let (stretch, rest) = refined.split_at(MONOMIALS * OF_POLYNOMIAL);
         let (dimple, dimple_rate) = rest.split_at(MONOMIALS * OF_POLYNOMIAL);
         Self {
@@ -125,8 +135,26 @@ impl Coefficients {
             stretch: stretch.to_vec(),
             dimple: dimple.to_vec(),
             dimple_rate: dimple_rate.to_vec(),
+            errors: Errors { normalized_diffusion, refined: of_refined, absorbed },
         }
     }
+}
+
+fn rounded(coefficients: &[f64]) -> Vec<f64> {
+    coefficients.iter().map(|c| (c / UNIT).round() * UNIT).collect()
+}
+
+/// Relative errors of 1 − α' by way of A', whose own α' is exact here.
+fn errors_of_absorbed(data: &[Datum], configuration: Configuration, coefficients: &[f64]) -> Vec<f64> {
+    let error = |datum: &Datum| {
+        let a = datum.point.surface_albedo;
+        let basis = basis(&datum.monomials, a, OF_POLYNOMIAL);
+        let logit = logit(a) + basis.iter().zip(coefficients).map(|(b, c)| b * c).sum::<f64>();
+        let similar = 1.0 / (1.0 + (-logit).exp());
+        let found = 1.0 - half_space_single_scattering_albedo(similar, configuration);
+        (found / (1.0 - datum.point.alpha_prime(datum.g)) - 1.0).abs()
+    };
+    data.iter().map(error).collect()
 }
 
 /// Least squares of logit A' − logit A, each weighed by its error.
@@ -152,7 +180,8 @@ fn fit_similar_albedo(data: &[Datum], configuration: Configuration) -> Vec<f64> 
     solution.as_slice().to_vec()
 }
 
-fn fit_normalized_diffusion(data: &[Datum], configuration: Configuration) -> Vec<f64> {
+/// Rounded coefficients, and the errors before and after.
+fn fit_normalized_diffusion(data: &[Datum], configuration: Configuration) -> (Vec<f64>, [Vec<f64>; 2]) {
     let best = ScalingFit::new(Parameterization::Mfp, configuration, &SURFACE_ALBEDOS, f64::INFINITY)
         .expect("albedos in (0, 1)");
     let s = |a: f64| {
@@ -171,11 +200,14 @@ fn fit_normalized_diffusion(data: &[Datum], configuration: Configuration) -> Vec
             differences(data[i].radii.iter().map(within))
         },
     };
-    fit.minimize_l1(vec![0.0; MONOMIALS * OF_POLYNOMIAL])
+    let before = vec![0.0; MONOMIALS * OF_POLYNOMIAL];
+    let after = rounded(&fit.minimize_l1(before.clone()));
+    let errors = [fit.l1_errors(&before), fit.l1_errors(&after)];
+    (after, errors)
 }
 
 /// From the stretch of normalized diffusion, without a dimple.
-fn fit_refined(data: &[Datum], configuration: Configuration, stretch: &[f64]) -> Vec<f64> {
+fn fit_refined(data: &[Datum], configuration: Configuration, stretch: &[f64]) -> (Vec<f64>, [Vec<f64>; 2]) {
     let profile = |datum: &Datum| {
         let a = datum.point.surface_albedo;
         RefinedDiffusion::new(a, 1.0, Parameterization::Mfp, configuration).expect("an albedo in (0, 1)")
@@ -202,10 +234,12 @@ fn fit_refined(data: &[Datum], configuration: Configuration, stretch: &[f64]) ->
     start.extend([0.0; MONOMIALS * OF_POLYNOMIAL]);
     start.push(LN_RATE);
     start.extend([0.0; (MONOMIALS + 1) * OF_RATE - 1]);
-    fit.minimize_l1(start)
+    let after = rounded(&fit.minimize_l1(start));
+    let errors = [fit.l1_errors(&vec![0.0; after.len()]), fit.l1_errors(&after)];
+    (after, errors)
 }
 
-fn print_header() {
+fn print_header(fits: &[Coefficients; 2]) {
     println!("//! How phase function and boundary change the profiles of normalized diffusion.");
     println!("//!");
     println!("//! Generated by");
@@ -218,7 +252,27 @@ fn print_header() {
     println!("//! A ∈ [{first}, {last}], outside of which the values at the end stand in.");
     println!("//! Fitted at g = {G:?}, η = {ETA:?}.");
     println!(
-        "//! The errors are in `docs/similarity.md`, as `--example similarity` of the same crate prints them."
+        "//! Errors at all points of the grid, mean / worst in percent: the L1 distance by similarity alone and with these"
+    );
+    println!("//! coefficients, ℓ* being known, and the relative error of 1 − α':");
+    println!("//!");
+    println!("//! | | normalized diffusion with the best s(A) | repaired | refined | repaired | 1 − α' |");
+    println!("//! |---|---|---|---|---|---|");
+    for (words, fit) in ["searchlight", "diffuse transmission"].iter().zip(fits) {
+        let Errors { normalized_diffusion, refined, absorbed } = &fit.errors;
+        let all = normalized_diffusion.iter().chain(refined).chain([absorbed]);
+        let columns: Vec<String> = all
+            .map(|errors| {
+                let mean = errors.iter().sum::<f64>() / errors.len() as f64;
+                let worst = errors.iter().fold(0.0, |a: f64, b| a.max(*b));
+                format!("{:.1} / {:.1}", 100.0 * mean, 100.0 * worst)
+            })
+            .collect();
+        println!("//! | {words} | {} |", columns.join(" | "));
+    }
+    println!("//!");
+    println!(
+        "//! More errors are in `docs/similarity.md`, as `--example similarity` of the same crate prints them."
     );
     println!("//!");
     println!(

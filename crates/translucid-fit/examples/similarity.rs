@@ -43,6 +43,7 @@ fn main() {
             all.iter().filter(|table| table.case.configuration == configuration).collect();
         print_errors(words, &of_configuration);
         print_by_albedo(words, &of_configuration);
+        print_by_distance(words, &of_configuration);
         print_albedos(words, &of_configuration);
     }
 }
@@ -136,6 +137,36 @@ fn print_by_albedo(words: &str, tables: &[&Table]) {
             (0..COLUMNS.len()).map(|i| mean_and_worst(all.iter().map(move |errors| errors[i]))).collect();
         let noise = mean_and_worst(points.iter().map(|(_, point)| point.noise()));
         println!("| {surface_albedo} | {noise} | {} |", columns.join(" | "));
+    }
+}
+
+/// Where the errors are, at A = 0.5.
+fn print_by_distance(words: &str, tables: &[&Table]) {
+    const A: f64 = 0.5;
+    const BOUNDS: [f64; 4] = [0.0, 1.0, 4.0, f64::INFINITY];
+    println!("\n### {words}: where the errors are, at A = {A}\n");
+    println!(
+        "Share of the energy / part of the error of the refined profile by similarity alone / repaired, in percent.\n"
+    );
+    println!("| g | η | r < ℓ* | ℓ* to 4 ℓ* | beyond |");
+    println!("|---|---|---|---|---|");
+    for table in tables.iter().filter(|table| !is_held_out(table.case)) {
+        let Case { g, eta, configuration } = table.case;
+        let Some(point) = table.points.iter().find(|point| point.surface_albedo == A) else { continue };
+        let transport_mfp = point.transport_mfp(g);
+        let known = "parameters in the domain";
+        let plain =
+            RefinedDiffusion::new(A, transport_mfp, Parameterization::Mfp, configuration).expect(known);
+        let of_mfp =
+            Appearance { surface_albedo: A, length: 1.0, parameterization: Parameterization::Mfp, g };
+        let repaired = SimilarRefinedDiffusion::new(&of_mfp, eta, configuration).expect(known);
+        let cells = BOUNDS.windows(2).map(|bounds| {
+            let range = bounds[0] * transport_mfp..bounds[1] * transport_mfp;
+            let [before, share] = point.l1_error_between(range.clone(), |r| plain.cdf(r));
+            let [after, _] = point.l1_error_between(range, |r| repaired.cdf(r));
+            format!("{:.1} / {:.1} / {:.1}", 100.0 * share, 100.0 * before, 100.0 * after)
+        });
+        println!("| {g} | {eta} | {} |", cells.collect::<Vec<_>>().join(" | "));
     }
 }
 

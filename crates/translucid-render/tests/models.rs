@@ -55,14 +55,19 @@ fn textured(mut scene: Scene) -> Scene {
 
 /// Energy that leaves beyond the distance t, per channel.
 fn beyond(model: Model, t: f32) -> Vec3 {
+    beyond_with(model, t, 0.0, 1.0)
+}
+
+/// The same with a phase function and a boundary.
+fn beyond_with(model: Model, t: f32, g: f64, eta: f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| {
         let appearance = Appearance {
             surface_albedo: f64::from(ALBEDO[c]),
             length: f64::from(LENGTH[c]),
             parameterization: Parameterization::Mfp,
-            g: 0.0,
+            g,
         };
-        let profile = model.profile(&appearance, Configuration::Diffuse, 1.0).unwrap();
+        let profile = model.profile(&appearance, Configuration::Diffuse, eta).unwrap();
         profile.beyond(f64::from(t)) as f32
     }))
 }
@@ -102,6 +107,30 @@ fn slab_transmits_what_every_profile_says() {
             for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
                 let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
                 assert_within(&format!("{model} {name} {thickness}"), result, expected);
+            }
+        }
+    }
+}
+
+/// Both forms of normalized diffusion with a phase function and a boundary; what they are not fitted for counts as the
+/// nearest that they are, and a note says so.
+#[test]
+fn normalized_diffusion_knows_phase_function_and_boundary() {
+    let thickness = 1.5;
+    for model in [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined] {
+        for (g, eta, used, notes) in [(0.75, 1.375, [0.75, 1.375], 0), (0.97, 2.0, [0.9, 1.5], 1)] {
+            let material = Material {
+                subsurface_scatter_anisotropy: g,
+                subsurface_eta: eta,
+                ..material(SubsurfaceModel::Profile(model))
+            };
+            let plain = slab(material, thickness);
+            let expected = beyond_with(model, thickness, used[0], used[1]) / std::f32::consts::PI;
+            for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
+                let renderer = Renderer::new(scene);
+                assert_eq!(renderer.notes().len(), notes, "{:?}", renderer.notes());
+                let result = measure(&renderer, Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 16);
+                assert_within(&format!("{model} {name} {g} {eta}"), result, expected);
             }
         }
     }

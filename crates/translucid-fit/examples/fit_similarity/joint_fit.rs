@@ -36,6 +36,16 @@ impl<const P: usize, Model: Fn(usize, [f64; P]) -> Vec<f64>> JointFit<'_, P, Mod
         coefficients.as_slice().to_vec()
     }
 
+    /// L1 distance at each point.
+    pub(crate) fn l1_errors(&self, coefficients: &[f64]) -> Vec<f64> {
+        let coefficients = DVector::from_column_slice(coefficients);
+        let of_point = |point: usize| -> f64 {
+            let model = (self.model)(point, self.values(&coefficients, point));
+            model.iter().zip(self.shares[point]).map(|(a, b)| (a - b).abs()).sum()
+        };
+        (0..self.shares.len()).map(of_point).collect()
+    }
+
     fn descend(&self, coefficients: &mut DVector<f64>, epsilon: f64) {
         let mut damping = 1e-3;
         let mut cost = self.cost(coefficients, epsilon);

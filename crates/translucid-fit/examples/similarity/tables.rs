@@ -71,7 +71,10 @@ pub(crate) fn tables() -> Vec<Table> {
     match std::env::args().nth(1) {
         Some(path) => {
             let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-            read(&text)
+            let mut tables = read(&text);
+            let cases = cases();
+            tables.sort_by_key(|table| cases.iter().position(|case| *case == table.case));
+            tables
         }
         None => cases().into_iter().map(Table::new).collect(),
     }
@@ -150,6 +153,18 @@ impl Point {
         distance(&differences(radii().into_iter().map(within)), &self.shares)
     }
 
+    /// The part of the L1 distance from rings whose inner radius is in a range, and their share of the energy.
+    pub(crate) fn l1_error_between(
+        &self,
+        range: std::ops::Range<f64>,
+        within: impl Fn(f64) -> f64,
+    ) -> [f64; 2] {
+        let found = differences(radii().into_iter().map(within));
+        let inner = std::iter::once(0.0).chain(radii());
+        let rings = inner.zip(found.iter().zip(&self.shares)).filter(|(r, _)| range.contains(r));
+        rings.fold([0.0; 2], |sum, (_, (found, share))| [sum[0] + (found - share).abs(), sum[1] + share])
+    }
+
     /// What noise alone makes of the L1 distance: half that of the two halves, whose difference has twice the error of
     /// their mean.
     pub(crate) fn noise(&self) -> f64 {
@@ -181,7 +196,8 @@ impl Case {
         }
     }
 
-    fn exact(self, surface_albedo: f64) -> Point {
+    /// The point of a surface albedo, solved.
+    pub(crate) fn exact(self, surface_albedo: f64) -> Point {
         let entry = self.configuration.into();
         let alpha =
             exact::single_scattering_albedo(surface_albedo, self.eta, entry).expect("an albedo in (0, 1)");
@@ -210,6 +226,13 @@ impl Case {
         }
         points.reverse();
         points
+    }
+
+    /// The point of a surface albedo by a walk of its own.
+    pub(crate) fn walked_alone(self, surface_albedo: f64, collisions: f64) -> Point {
+        // More than similarity says: little light returns at once where scattering is forward
+        let alpha = self.similar_albedo(1.0 - 0.7 * (1.0 - surface_albedo));
+        point(surface_albedo, &self.walk(alpha, surface_albedo, collisions))
     }
 
     /// Two halves of a walk.
