@@ -10,7 +10,7 @@ use translucid_profile::{
     Similarity,
 };
 
-const SURFACE_ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
+const SURFACE_ALBEDOS: [f64; 2] = [0.3, 0.7];
 
 /// L1 errors of normalized diffusion and of the refined profile, by similarity alone and repaired.
 fn errors(case: Case, point: &Point) -> [[f64; 2]; 2] {
@@ -53,9 +53,9 @@ fn boundary_is_repaired_as_stated() {
 #[test]
 fn phase_function_is_repaired_as_stated() {
     for configuration in CONFIGURATIONS {
-        for (a, g, eta) in [(0.3, 0.6, 1.0), (0.5, 0.6, 1.45), (0.7, 0.85, 1.25), (0.5, -0.4, 1.0)] {
+        for (a, g, eta) in [(0.3, 0.6, 1.0), (0.5, 0.85, 1.45), (0.5, -0.4, 1.0)] {
             let case = Case { g, eta, configuration };
-            let point = case.walked_alone(a, 4e7);
+            let point = case.walked_alone(a, 2.5e8);
             assert!(point.noise() < 0.01, "{}", point.noise());
             let [normalized_diffusion, refined] = errors(case, &point);
             let at = || format!("{configuration:?} {a} {g} {eta}: {normalized_diffusion:?} {refined:?}");
