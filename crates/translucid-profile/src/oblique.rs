@@ -24,7 +24,8 @@ use crate::{Configuration, Parameterization, RefinedDiffusion};
 /// Along the normal the profile *is* the refined one.
 ///
 /// # Energy
-/// E = 1 − H(μ₀)√(1−α), μ₀ = cos θ₀, to within 0.3 % of A, and 2∫E μ dμ is the albedo of diffuse light to all digits.
+/// E = 1 − H(μ₀)√(1−α), μ₀ = cos θ₀, to within 0.26 % of the albedo A_d of diffuse light for a given A_d, and to within
+/// 1 % of A for a given albedo A along the normal; 2∫E μ dμ is A_d to all digits.
 /// In the configuration [`Diffuse`](Configuration::Diffuse) A is that albedo; in the configuration
 /// [`Searchlight`](Configuration::Searchlight) A is E along the normal.
 ///
