@@ -4,11 +4,11 @@ mod output;
 
 use std::path::PathBuf;
 
-use clap::builder::PossibleValuesParser;
+use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
 use translucid_laboratory::comparison::{Comparison, Contender, Settings, Stopped, Watch};
 use translucid_laboratory::figures::Report;
-use translucid_profile::Configuration;
+use translucid_profile::{Configuration, Model};
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -68,7 +68,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "MODEL,...",
         value_delimiter = ',',
-        value_parser = PossibleValuesParser::new(Contender::names())
+        value_parser = PossibleValuesParser::new(names())
     )]
     models: Vec<String>,
     /// How light enters the medium
@@ -155,6 +155,16 @@ fn stopped(_: Stopped) -> Failure {
     }
 }
 
+/// What `--models` takes, and a model that it refuses with a reason.
+fn names() -> Vec<PossibleValue> {
+    let mut names: Vec<PossibleValue> = Contender::names().into_iter().map(PossibleValue::new).collect();
+    names.push(PossibleValue::new(OBLIQUE.name()).hide(true));
+    names
+}
+
+/// A model that is not compared: its profile is no function of the radius alone.
+const OBLIQUE: Model = Model::NormalizedDiffusionOblique;
+
 impl Arguments {
     /// What the options ask for.
     fn settings(&self) -> Result<Settings, Failure> {
@@ -177,6 +187,13 @@ impl Arguments {
         let models = &self.models;
         if let Some(i) = (1..models.len()).find(|i| models[..*i].contains(&models[*i])) {
             return Err(Failure::input(format!("--models has {} twice", models[i])));
+        }
+        if models.iter().any(|name| name == OBLIQUE.name()) {
+            let message = format!("--models has {OBLIQUE}, whose light may come at any angle");
+            let same = Model::NormalizedDiffusionRefined;
+            return Err(
+                Failure::input(message).with_help(format!("of perpendicular light it is the same as {same}"))
+            );
         }
         if !MAX_RADII.contains(&self.max_radius) {
             let found = exact(self.max_radius);

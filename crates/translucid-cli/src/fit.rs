@@ -20,6 +20,8 @@ Fits the exact half space (isotropic scattering, no boundary) at the surface alb
 Columns for burley: surface_albedo, s, error; the width of the profile is d = length/s, and s is what
 minimizes the error. A polynomial of the form that Christensen and Burley 2015 give is fitted to these points
 such that the mean error is least.
+Without --configuration and --parameter the three cases of the talk are fitted, and all tables begin with the
+columns configuration, parameter. The report says for which radii the mean error is the one that the talk states.
 Columns for exponentials: surface_albedo, weight_1, rate_1, ..., error; the profile is
 A/(2 pi r) (weight_1 rate_1 exp(-rate_1 r/length) + ...)/length, fitted by least squares.
 
@@ -37,6 +39,7 @@ files are parameters.csv, residuals.csv (fit - reflectance in units of the error
 residuals.svg and residuals.png, and report.txt.
 
 Examples:
+  translucid fit --family burley
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid fit --configuration diffuse --parameter mfp --family burley --max-radius 8 -o fit
   translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit
@@ -46,11 +49,11 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// How light enters the medium
-    #[arg(long, required_unless_present = "table")]
+    /// How light enters the medium; for burley [default: all cases of the talk]
+    #[arg(long)]
     configuration: Option<ConfigurationName>,
-    /// Length that the fit is in
-    #[arg(long, value_enum, required_unless_present = "table")]
+    /// Length that the fit is in; for burley [default: all cases of the talk]
+    #[arg(long, value_enum)]
     parameter: Option<ParameterName>,
     /// What is fitted
     #[arg(long, value_enum, required_unless_present = "table")]
@@ -101,17 +104,26 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let message = format!("--max-radius is {}, but must be at least 0.001 mean free paths", exact(r_max));
         return Err(Failure::input(message));
     }
+    if arguments.family == Some(FamilyName::Burley) && arguments.terms.is_some() {
+        return Err(Failure::input("--terms is for --family exponentials, but the family is burley"));
+    }
+    if arguments.is_all_of_the_talk() {
+        return albedos::burley_of_the_talk(r_max, &arguments.output);
+    }
     let case = arguments.case()?;
-    match (case.family, arguments.terms) {
-        (FamilyName::Burley, Some(_)) => {
-            Err(Failure::input("--terms is for --family exponentials, but the family is burley"))
-        }
-        (FamilyName::Burley, None) => albedos::burley(&case, &arguments.output),
-        (FamilyName::Exponentials, _) => albedos::exponentials(&case, terms(3), &arguments.output),
+    match case.family {
+        FamilyName::Burley => albedos::burley(&case, &arguments.output),
+        FamilyName::Exponentials => albedos::exponentials(&case, terms(3), &arguments.output),
     }
 }
 
 impl Arguments {
+    /// Whether every case that the talk has a polynomial for is asked for.
+    fn is_all_of_the_talk(&self) -> bool {
+        let [no_configuration, no_parameter] = [self.configuration.is_none(), self.parameter.is_none()];
+        self.family == Some(FamilyName::Burley) && no_configuration && no_parameter
+    }
+
     fn case(&self) -> Result<Case, Failure> {
         let missing = |option: &str| Failure::input(format!("{option} is missing"));
         Ok(Case {

@@ -48,6 +48,37 @@ fn burley_reports_both_polynomials_with_their_errors() {
     }
 }
 
+/// The range of radii over which the talk's mean errors come out within half a point is said, not left to the reader.
+#[test]
+fn burley_without_a_case_is_all_cases_of_the_talk() {
+    let output = run(&here(), "fit --family burley");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let report = stderr(&output);
+    for stated in [
+        "the talk states a mean error of about 5.5 %: 5.47 % over r <= 16\n",
+        "the talk states a mean error of about 3.9 %: 3.86 % over r <= 8\n",
+        "the talk states a mean error of about 7.7 %: 7.63 % over all r\n",
+    ] {
+        assert!(report.contains(stated), "{stated} is missing in\n{report}");
+    }
+    let csv = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(csv.lines().next(), Some("configuration,parameter,surface_albedo,s,error"));
+    assert_eq!(csv.lines().count(), 1 + 3 * 99);
+    // The case alone has the same numbers
+    let one = stdout(&here(), BURLEY);
+    let ours = csv.lines().filter_map(|line| line.strip_prefix("searchlight,mfp,"));
+    assert!(one.lines().skip(1).eq(ours));
+
+    let directory = tempfile::tempdir().unwrap();
+    stdout(directory.path(), "fit --family burley -o all");
+    let read = |name: &str| fs::read_to_string(directory.path().join("all").join(name)).unwrap();
+    assert_eq!(read("points.csv"), csv);
+    assert_eq!(read("coefficients.csv").lines().count(), 1 + 3 * 2);
+    assert!(read("coefficients.csv").contains("\ndiffuse,mfp,talk,1.9,1,3.5,0.8,2\n"));
+    assert_eq!(read("errors.csv").lines().count(), 1 + 3 * 9);
+    assert_eq!(read("report.txt").matches("the talk states").count(), 3);
+}
+
 /// Mean over all albedos of the error over all radii: below that of normalized diffusion, and falling.
 #[test]
 fn exponentials_print_weights_and_rates() {
@@ -101,7 +132,10 @@ fn wrong_input_is_refused() {
     let directory = tempfile::tempdir().unwrap();
     fs::write(directory.path().join("file"), "").unwrap();
     for (words, part) in [
-        ("fit", "--configuration"),
+        ("fit", "--family"),
+        ("fit --family burley --configuration diffuse", "--parameter is missing"),
+        ("fit --family burley --parameter mfp", "--configuration is missing"),
+        ("fit --family exponentials", "--configuration is missing"),
         ("fit --configuration searchlight --parameter mfp --family gaussians", "gaussians"),
         ("fit --configuration oblique --parameter mfp --family burley", "oblique"),
         (&format!("{BURLEY} --terms 2"), "--terms is for"),

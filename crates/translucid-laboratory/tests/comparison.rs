@@ -6,7 +6,7 @@ use translucid_laboratory::comparison::{
     Comparison, Contender, ErrorTable, Inversion, Quantity, Reference, SampleTest, Sampling, ScalingCase,
     Settings, Stopped, Watch, talk_albedos,
 };
-use translucid_profile::{Configuration, Model};
+use translucid_profile::{Configuration, Model, Parameterization};
 
 const SEARCHLIGHT: Configuration = Configuration::Searchlight;
 const DIFFUSE: Configuration = Configuration::Diffuse;
@@ -45,8 +45,13 @@ fn scaling_cases_reach_what_the_talk_states() {
     for ((length, configuration, stated), (expected, range)) in
         ScalingCase::TALK.into_iter().zip([(5.47, 1), (3.86, 0), (7.63, 2)])
     {
-        let case = ScalingCase::new(length, configuration, stated).unwrap();
-        assert_eq!(case.nearest_range(), range, "{}", case.name());
+        let case = ScalingCase::new(length, configuration, f64::INFINITY).unwrap();
+        assert_eq!(
+            (case.stated, case.reproduction()),
+            (Some(stated), Some((range, true))),
+            "{}",
+            case.name()
+        );
         let mean = 100.0 * case.talk_errors[range].mean;
         assert!((mean - expected).abs() < 0.01 && (mean - 100.0 * stated).abs() < 0.5, "{mean}");
         for i in 0..3 {
@@ -54,6 +59,8 @@ fn scaling_cases_reach_what_the_talk_states() {
         }
         assert!(case.fitted_errors[2].mean < case.talk_errors[2].mean);
     }
+    let other = ScalingCase::new(Parameterization::Dmfp, DIFFUSE, 8.0).unwrap();
+    assert_eq!((other.stated, other.reproduction()), (None, None));
 }
 
 /// 6 figures of 14 to 20 rings each. |z| < 4.3 for all has a false-alarm rate of 0.2 %, each χ² one of 1e-4.

@@ -3,24 +3,20 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
-use translucid_fit::{ErrorSummary, Exponential, Judge, Mixture, ScalingFit, ScalingPolynomial, Target};
+use translucid_fit::{ErrorSummary, Exponential, Judge, Mixture, Target};
+use translucid_laboratory::comparison::{R_MAX, ScalingCase, talk_albedos};
 use translucid_profile::{
     Configuration, ExactProfile, Medium, ParameterError, Parameterization,
     half_space_single_scattering_albedo,
 };
 
 use super::output::{OutputArguments, Table, Value};
-use super::report::{self, Errors, R_MAX};
+use super::report::{self, Errors};
 use super::{Case, FamilyName, ParameterName};
 use crate::failure::Failure;
 use crate::model::ConfigurationName;
 use crate::progress::{Meter, Unit};
 use crate::table::exact;
-
-/// The surface albedos of the talk.
-fn surface_albedos() -> Vec<f64> {
-    (1..=99).map(|percent| f64::from(percent) / 100.0).collect()
-}
 
 /// Errors of the library, which the options have ruled out.
 fn unexpected(error: ParameterError) -> Failure {
@@ -29,44 +25,87 @@ fn unexpected(error: ParameterError) -> Failure {
 
 /// Normalized diffusion: the best s for each surface albedo, and polynomials through them.
 pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failure> {
-    let files = ["points.csv", "coefficients.csv", "errors.csv"];
-    output.check(&files, None)?;
-    let (parameterization, configuration) = (case.parameterization(), case.configuration());
-    let fit = ScalingFit::new(parameterization, configuration, &surface_albedos(), case.max_radius)
-        .map_err(unexpected)?;
-    let talk = ScalingPolynomial::talk(parameterization, configuration);
-    let ours = fit.polynomial(&talk);
+    output.check(&BURLEY_FILES, None)?;
+    let fit = ScalingCase::new(case.parameterization(), case.configuration(), case.max_radius);
+    let fit = fit.map_err(unexpected)?;
+    output.write(&burley_report(case, &fit), &burley_tables(&fit))
+}
 
-    // Lay out the tables
-    let mut points = Table::new(files[0], &["surface_albedo", "s", "error"]);
-    points.rows =
-        fit.points().iter().map(|p| [p.surface_albedo, p.s, p.error].map(Value::from).to_vec()).collect();
+/// The same for the three cases that the talk has polynomials for; the columns begin with the case.
+pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> Result<(), Failure> {
+    output.check(&BURLEY_FILES, None)?;
+    let cases = Case::of_the_talk(max_radius);
+    let fits: Result<Vec<ScalingCase>, ParameterError> = cases
+        .par_iter()
+        .map(|case| ScalingCase::new(case.parameterization(), case.configuration(), max_radius))
+        .collect();
+    let fits = fits.map_err(unexpected)?;
+    let reports: Vec<String> = cases.iter().zip(&fits).map(|(case, fit)| burley_report(case, fit)).collect();
+    let mut tables: Vec<Table> = Vec::new();
+    for (case, fit) in cases.iter().zip(&fits) {
+        for (i, table) in burley_tables(fit).into_iter().enumerate() {
+            let table = table.with_words(&[
+                ("configuration", case.configuration_word()),
+                ("parameter", case.parameter_word()),
+            ]);
+            match tables.get_mut(i) {
+                Some(all) => all.rows.extend(table.rows),
+                None => tables.push(table),
+            }
+        }
+    }
+    output.write(&reports.join("\n"), &tables)
+}
+
+const BURLEY_FILES: [&str; 3] = ["points.csv", "coefficients.csv", "errors.csv"];
+
+fn burley_tables(fit: &ScalingCase) -> [Table; 3] {
+    let mut points = Table::new(BURLEY_FILES[0], &["surface_albedo", "s", "error"]);
+    points.rows = fit.points.iter().map(|point| point.map(Value::from).to_vec()).collect();
     let columns = ["fit", "constant", "slope", "factor", "center", "power"];
-    let mut coefficients = Table::new(files[1], &columns);
-    for (name, form) in [("fitted", ours), ("talk", talk)] {
+    let mut coefficients = Table::new(BURLEY_FILES[1], &columns);
+    for (name, form) in [("fitted", fit.fitted), ("talk", fit.talk)] {
         let numbers = [form.constant, form.slope, form.factor, form.center, f64::from(form.power)];
         let row = [Value::from(name)].into_iter().chain(numbers.map(Value::from));
         coefficients.rows.push(row.collect());
     }
-    let errors = [
-        Errors { name: "best s", summaries: R_MAX.map(|r_max| fit.least_errors(r_max)) },
-        Errors { name: "fitted", summaries: R_MAX.map(|r_max| fit.errors(|a| ours.eval(a), r_max)) },
-        Errors { name: "talk", summaries: R_MAX.map(|r_max| fit.errors(|a| talk.eval(a), r_max)) },
-    ];
+    [points, coefficients, report::table(&burley_errors(fit))]
+}
 
-    // Say what came out
+fn burley_errors(fit: &ScalingCase) -> [Errors; 3] {
+    [
+        Errors { name: "best s", summaries: fit.least_errors },
+        Errors { name: "fitted", summaries: fit.fitted_errors },
+        Errors { name: "talk", summaries: fit.talk_errors },
+    ]
+}
+
+/// What came out, and whether it is what the talk says.
+fn burley_report(case: &Case, fit: &ScalingCase) -> String {
     let mut text = case.heading();
-    text += &format!("fitted: {ours}\n");
-    text += &format!("talk:   {talk}{}\n", case.talk_note());
-    text += &report::text(&errors);
-    output.write(&text, &[points, coefficients, report::table(&errors)])
+    text += &format!("fitted: {}\n", fit.fitted);
+    text += &format!("talk:   {}{}\n", fit.talk, case.talk_note());
+    text += &report::text(&burley_errors(fit));
+    if let (Some(stated), Some((nearest, is_confirmed))) = (fit.stated, fit.reproduction()) {
+        let range = report::range(R_MAX[nearest]);
+        let found = 100.0 * fit.talk_errors[nearest].mean;
+        let stated = format!("the talk states a mean error of about {:.1} %", 100.0 * stated);
+        text += &if is_confirmed {
+            format!("{stated}: {found:.2} % over {range}\n")
+        } else {
+            format!(
+                "{stated}, which none of these ranges has within half a point; nearest is {found:.2} % over {range}\n"
+            )
+        };
+    }
+    text
 }
 
 /// A sum of exponentials for each surface albedo.
 pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) -> Result<(), Failure> {
     let files = ["points.csv", "errors.csv"];
     output.check(&files, None)?;
-    let albedos = surface_albedos();
+    let albedos = talk_albedos();
     let meter = Meter::new(Unit::Albedos, 0, None);
     let done = AtomicU64::new(0);
     let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
@@ -135,6 +174,38 @@ fn dmfp(surface_albedo: f64, configuration: Configuration) -> Result<f64, Parame
 }
 
 impl Case {
+    /// The cases of the talk.
+    fn of_the_talk(max_radius: f64) -> [Self; 3] {
+        ScalingCase::TALK.map(|(parameterization, configuration, _)| Self {
+            configuration: match configuration {
+                Configuration::Searchlight => ConfigurationName::Searchlight,
+                Configuration::Diffuse => ConfigurationName::Diffuse,
+            },
+            parameter: match parameterization {
+                Parameterization::Mfp => ParameterName::Mfp,
+                Parameterization::Dmfp => ParameterName::Dmfp,
+            },
+            family: FamilyName::Burley,
+            max_radius,
+        })
+    }
+
+    /// The configuration as the option has it.
+    fn configuration_word(&self) -> &'static str {
+        match self.configuration {
+            ConfigurationName::Searchlight => "searchlight",
+            ConfigurationName::Diffuse => "diffuse",
+        }
+    }
+
+    /// The parameter as the option has it.
+    fn parameter_word(&self) -> &'static str {
+        match self.parameter {
+            ParameterName::Mfp => "mfp",
+            ParameterName::Dmfp => "dmfp",
+        }
+    }
+
     /// What was fitted to what.
     fn heading(&self) -> String {
         let family = match self.family {

@@ -69,6 +69,15 @@ impl Table {
         Self { file, columns: columns.iter().map(|name| (*name).to_owned()).collect(), rows: Vec::new() }
     }
 
+    /// The same with columns before the others, which have one word in all rows.
+    pub(super) fn with_words(mut self, words: &[(&str, &str)]) -> Self {
+        self.columns.splice(0..0, words.iter().map(|(name, _)| (*name).to_owned()));
+        for row in &mut self.rows {
+            row.splice(0..0, words.iter().map(|(_, word)| Value::from(*word)));
+        }
+        self
+    }
+
     fn csv(&self) -> String {
         let field = |value: &Value| match value {
             Value::Number(number) if number.is_finite() => exact(*number),

@@ -3,11 +3,9 @@
 use std::fmt::Write;
 
 use translucid_fit::ErrorSummary;
+use translucid_laboratory::comparison::R_MAX;
 
 use super::output::{Table, Value};
-
-/// Greatest radii that errors are stated for, in mean free paths.
-pub(super) const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
 
 /// Errors of one fit up to each of [`R_MAX`].
 pub(super) struct Errors {
@@ -32,8 +30,7 @@ pub(super) fn table(errors: &[Errors]) -> Table {
 /// The errors in percent, as columns of text.
 pub(super) fn text(errors: &[Errors]) -> String {
     let mut text = String::from("error in percent: mean, worst (at A)\n");
-    let head = |r_max: f64| if r_max.is_finite() { format!("r <= {r_max}") } else { String::from("all r") };
-    let heads = R_MAX.map(|r_max| format!("{:<22}", head(r_max)));
+    let heads = R_MAX.map(|r_max| format!("{:<22}", range(r_max)));
     line(&mut text, "", heads.as_slice());
     for of in errors {
         let cell = |s: &ErrorSummary| {
@@ -43,6 +40,11 @@ pub(super) fn text(errors: &[Errors]) -> String {
         line(&mut text, of.name, &of.summaries.iter().map(cell).collect::<Vec<_>>());
     }
     text
+}
+
+/// The radii that count, in words.
+pub(super) fn range(r_max: f64) -> String {
+    if r_max.is_finite() { format!("r <= {r_max}") } else { String::from("all r") }
 }
 
 fn line(text: &mut String, name: &str, cells: &[String]) {

@@ -313,7 +313,7 @@ pub(crate) fn scaling(cases: &[ScalingCase]) -> String {
     let formula = |text: String| format!("`{text}`");
     let rows = cases.iter().flat_map(|one| {
         let means = |errors: &[translucid_fit::ErrorSummary; 3]| errors.map(|range| percent(range.mean));
-        let stated = format!("{:.1}", 100.0 * one.stated);
+        let stated = one.stated.map_or_else(String::new, |stated| format!("{:.1}", 100.0 * stated));
         let row = |whose: &str, text: String, stated: String, errors: [String; 3]| {
             [vec![case(one).to_owned(), whose.to_owned(), text, stated], errors.to_vec()].concat()
         };

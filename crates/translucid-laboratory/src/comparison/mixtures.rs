@@ -38,6 +38,14 @@ impl MixtureFamily {
         }
     }
 
+    /// One word as it stands in a sentence.
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Gaussians => "Gaussians",
+            Self::Exponentials => "exponentials",
+        }
+    }
+
     /// The [`Contender`](super::Contender) of so many terms.
     pub fn contender(self, terms: usize) -> String {
         match self {

@@ -48,7 +48,7 @@ impl Walk {
 
     /// Sends photons into the half space, so many that serve all albedos of the references of one configuration.
     ///
-    /// The radii are spread evenly in ln r up to `max_radius` mean free paths, at least 0.2. The table's bits are a
+    /// The radii are spread evenly in ln r up to 0.9 `max_radius`. The table's bits are a
     /// function of seed and number alone.
     ///
     /// # Errors
@@ -125,8 +125,9 @@ fn work(photons: u64) -> u64 {
 }
 
 fn radii(max_radius: f64) -> Vec<f64> {
-    let (least, last) = (0.05f64, (Walk::RINGS - 1) as f64);
-    let ratio = (max_radius.max(0.2) / least).powf(1.0 / last);
+    let (least, last) = (0.04f64, (Walk::RINGS - 1) as f64);
+    // The last one stays clear of the edge of a figure
+    let ratio = (0.9 * max_radius.max(0.2) / least).powf(1.0 / last);
     (0..Walk::RINGS as i32).map(|i| least * ratio.powi(i)).collect()
 }
 

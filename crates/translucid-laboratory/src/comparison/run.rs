@@ -1,7 +1,7 @@
 //! Everything at once.
 
 use rayon::prelude::*;
-use translucid_profile::{Configuration, Model};
+use translucid_profile::{Configuration, Model, Parameterization};
 
 use super::errors::Asked;
 use super::watch::{Progress, Stopped};
@@ -47,6 +47,12 @@ impl Default for Settings {
 }
 
 impl Settings {
+    /// The cases of s(A): none without the model that it is for.
+    fn scaling_cases(&self) -> &'static [(Parameterization, Configuration, f64)] {
+        let normalized = Model::NormalizedDiffusion.name();
+        if self.contenders.iter().any(|one| one.name == normalized) { &ScalingCase::TALK } else { &[] }
+    }
+
     fn asked(&self) -> Asked<'_> {
         let Self { contenders, configurations, averaged, surface_albedos: others, .. } = self;
         Asked { contenders, configurations, averaged, others }
@@ -100,9 +106,9 @@ impl Comparison {
             None => Vec::new(),
         };
         let errors = settings.asked().judge(&progress)?;
-        let cases = ScalingCase::TALK.into_par_iter().map(|(length, configuration, stated)| {
+        let cases = settings.scaling_cases().into_par_iter().map(|&(length, configuration, _)| {
             progress.check()?;
-            let case = ScalingCase::new(length, configuration, stated);
+            let case = ScalingCase::new(length, configuration, f64::INFINITY);
             progress.add(SCALING_COST);
             Ok(case.ok())
         });
@@ -170,7 +176,7 @@ fn work(settings: &Settings) -> u64 {
     let models = contenders.iter().filter(|one| one.is_model()).count() as u64;
     timing::work(contenders)
         + settings.asked().work()
-        + SCALING_COST * ScalingCase::TALK.len() as u64
+        + SCALING_COST * settings.scaling_cases().len() as u64
         + HISTOGRAM_COST * models
         + configurations.len() as u64 * Walk::work(settings.photons)
 }

@@ -1,5 +1,7 @@
 //! Radii drawn from a profile against its density.
 
+use std::f64::consts::PI;
+
 use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
 
 use super::{Contender, Reference, chi_square_probability};
@@ -28,6 +30,8 @@ pub struct SampleTest {
     pub counts: Vec<u64>,
     /// Expected of the model's own energies within the edges.
     pub expected: Vec<f64>,
+    /// Radii, and the density per length there, 2πr R(r)/A \[ℓ⁻¹\].
+    pub density: Vec<[f64; 2]>,
     /// Σ (count − expected)²/expected.
     pub chi_square: f64,
     /// Bins, and the rest beyond, less one.
@@ -74,7 +78,10 @@ impl SampleTest {
         };
         let expected: Vec<f64> = (0..=Self::BINS).map(|i| sampling.count as f64 * share(i)).collect();
         let chi_square = counts.iter().zip(&expected).map(|(n, e)| (*n as f64 - e).powi(2) / e).sum();
+        let fine = |i: usize| 0.25 * step * i as f64;
+        let per_length = |r: f64| 2.0 * PI * profile.eval_times_r(r) / profile.total();
         Ok(Self {
+            density: (0..=4 * Self::BINS).map(|i| [fine(i), per_length(fine(i))]).collect(),
             contender: contender.name,
             surface_albedo: reference.surface_albedo,
             own_sampler: contender.has_own_sampler(),

@@ -5,7 +5,7 @@ use translucid_profile::{Configuration, ParameterError, Parameterization};
 
 use super::{R_MAX, talk_albedos};
 
-/// One of the talk's cases.
+/// A length and a configuration for which s(A) is fitted.
 #[derive(Clone, Debug)]
 pub struct ScalingCase {
     /// The length that s divides.
@@ -14,11 +14,11 @@ pub struct ScalingCase {
     pub configuration: Configuration,
     /// The talk's polynomial.
     pub talk: ScalingPolynomial,
-    /// The same form with constants that make the mean error over all radii least.
+    /// The same form with constants that make the mean error least.
     pub fitted: ScalingPolynomial,
-    /// The mean error that the talk states, "about".
-    pub stated: f64,
-    /// Best s, and its error over all radii, for each of [`talk_albedos`].
+    /// The mean error that the talk states, "about"; `None` where it has no polynomial of its own.
+    pub stated: Option<f64>,
+    /// Surface albedo, best s, and its error, for each of [`talk_albedos`].
     pub points: Vec<[f64; 3]>,
     /// Errors of the talk's polynomial up to each of [`R_MAX`].
     pub talk_errors: [ErrorSummary; 3],
@@ -36,16 +36,23 @@ impl ScalingCase {
         (Parameterization::Dmfp, Configuration::Searchlight, 0.077),
     ];
 
-    /// Fits one case.
+    /// How far a mean error may be from the one that the talk states for it to be the same: half a point.
+    const TOLERANCE: f64 = 0.005;
+
+    /// Fits s for least errors over radii up to `r_max` mean free paths, which may be infinite.
     ///
     /// # Errors
-    /// None for the talk's cases.
+    /// `r_max` is not greater than 0.
     pub fn new(
         parameterization: Parameterization,
         configuration: Configuration,
-        stated: f64,
+        r_max: f64,
     ) -> Result<Self, ParameterError> {
-        let fit = ScalingFit::new(parameterization, configuration, &talk_albedos(), f64::INFINITY)?;
+        let is_this = |case: &&(Parameterization, Configuration, f64)| {
+            (case.0, case.1) == (parameterization, configuration)
+        };
+        let stated = Self::TALK.iter().find(is_this).map(|case| case.2);
+        let fit = ScalingFit::new(parameterization, configuration, &talk_albedos(), r_max)?;
         let talk = ScalingPolynomial::talk(parameterization, configuration);
         let fitted = fit.polynomial(&talk);
         Ok(Self {
@@ -71,9 +78,12 @@ impl ScalingCase {
         }
     }
 
-    /// Index in [`R_MAX`] of the range whose mean error is nearest to the one that the talk states.
-    pub fn nearest_range(&self) -> usize {
-        let distance = |i: &usize| (self.talk_errors[*i].mean - self.stated).abs();
-        (0..R_MAX.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+    /// Index in [`R_MAX`] of the range over which the talk's polynomial has a mean error closest to what the talk
+    /// states, and whether it is that within half a point; `None` where it states nothing.
+    pub fn reproduction(&self) -> Option<(usize, bool)> {
+        let stated = self.stated?;
+        let distance = |i: usize| (self.talk_errors[i].mean - stated).abs();
+        let nearest = (0..R_MAX.len()).min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+        Some((nearest, distance(nearest) < Self::TOLERANCE))
     }
 }

@@ -63,17 +63,19 @@ fn stated(comparison: &Comparison) -> DataTable {
     let caption = "Mean errors of the talk's polynomials s(A) over A = 0.01, 0.02, … 0.99";
     let mut table = DataTable::new("stated-errors", caption, &columns);
     for case in &comparison.scaling {
-        let nearest = case.nearest_range();
-        let off = (case.talk_errors[nearest].mean - case.stated).abs();
+        let (Some(stated), Some((nearest, is_confirmed))) = (case.stated, case.reproduction()) else {
+            continue;
+        };
         let range = if R_MAX[nearest].is_finite() {
             format!("r ≤ {} ℓ", R_MAX[nearest])
         } else {
             String::from("all r")
         };
-        let word = if off < 0.005 { "confirmed" } else { "refuted" };
+        let word = if is_confirmed { "confirmed" } else { "refuted" };
         let verdict = format!("{word}: {} for {range}", percent(case.talk_errors[nearest].mean));
         let [a, b, c] = case.talk_errors.map(|errors| Cell::from(percent(errors.mean)));
-        table.push([Cell::from(case.name()), Cell::from(percent(case.stated)), a, b, c, Cell::from(verdict)]);
+        let stated = format!("{:.1} %", 100.0 * stated);
+        table.push([Cell::from(case.name()), Cell::from(stated), a, b, c, Cell::from(verdict)]);
     }
     table
 }

@@ -3,7 +3,7 @@
 use translucid_profile::Configuration;
 
 use super::{ink, percent, section_of, word};
-use crate::comparison::{Comparison, Contender, Group, Inversion, Quantity, Summary};
+use crate::comparison::{Comparison, Contender, Group, Inversion, Quantity, Summary, Timing};
 use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
 
 /// Errors over the albedos, with a table of their means.
@@ -11,16 +11,15 @@ pub(super) fn section(comparison: &Comparison) -> Section {
     let mut blocks = Vec::new();
     let configurations = &comparison.settings.configurations;
     for &configuration in configurations {
-        let own = Inversion::Own;
-        for (groups, kind, title) in [
-            (&[Group::Model][..], "models", "Error of the models"),
-            (&[Group::Variant, Group::Fit][..], "variants", "Error of variants and fits"),
+        for (inversion, is_shown, kind, title) in [
+            (Inversion::Own, Contender::is_model as fn(&Contender) -> bool, "models", "Error of the models"),
+            (Inversion::Own, is_variant, "variants", "Error of variants"),
+            (Inversion::Own, is_sum, "sums", "Error of sums of Gaussians and exponentials"),
+            (Inversion::Exact, |_| true, "exact-medium", "Error of models of the exact medium"),
         ] {
-            blocks.extend(against_albedo(comparison, configuration, own, groups, [kind, title]));
+            let chart = Chart::new(&format!("error-{}-{kind}", word(configuration)), title, x(), y());
+            blocks.extend(against_albedo(comparison, configuration, inversion, is_shown, chart));
         }
-        let kind = ["exact-medium", "Error of models of the exact medium"];
-        let all = &[Group::Model, Group::Variant];
-        blocks.extend(against_albedo(comparison, configuration, Inversion::Exact, all, kind));
         for inversion in [Inversion::Own, Inversion::Exact] {
             blocks.extend(means(comparison, configuration, inversion));
         }
@@ -66,22 +65,36 @@ pub(super) fn time_section(comparison: &Comparison) -> Section {
     section_of("Error against time", blocks)
 }
 
-/// Least error of a chart, in percent; a curve that is nowhere above it is left to the table.
+/// The axes of all charts against the albedo.
+fn x() -> Axis {
+    Axis::linear("surface albedo A", "").between(0.0, 1.0)
+}
+
+fn y() -> Axis {
+    Axis::logarithmic("error", "%").between(LEAST, 200.0)
+}
+
+/// Least error that charts show, in percent; that of the exact solution's table is far below.
 const LEAST: f64 = 0.05;
 
+fn is_variant(contender: &Contender) -> bool {
+    !contender.is_model() && contender.terms.is_none()
+}
+
+fn is_sum(contender: &Contender) -> bool {
+    contender.terms.is_some()
+}
+
+/// Fills a chart; `None` where it stays empty.
 fn against_albedo(
     comparison: &Comparison,
     configuration: Configuration,
     inversion: Inversion,
-    groups: &[Group],
-    [kind, title]: [&str; 2],
+    is_shown: fn(&Contender) -> bool,
+    mut chart: Chart,
 ) -> Option<Block> {
-    let name = format!("error-{}-{kind}", word(configuration));
-    let y = Axis::logarithmic("error", "%").between(LEAST, 200.0);
-    let x = Axis::linear("surface albedo A", "").between(0.0, 1.0);
-    let mut chart = Chart::new(&name, &format!("{title}, {}", word(configuration)), x, y);
-    let contenders = comparison.settings.contenders.iter().filter(|one| groups.contains(&one.group));
-    for contender in contenders {
+    chart.title = format!("{}, {}", chart.title, word(configuration));
+    for contender in comparison.settings.contenders.iter().filter(|one| is_shown(one)) {
         let rows = comparison.errors.of(contender.name, configuration, inversion);
         let points: Vec<[f64; 2]> = rows.map(|row| [row.surface_albedo, 100.0 * row.errors[2]]).collect();
         if points.iter().any(|[_, error]| *error > LEAST) {
@@ -120,6 +133,7 @@ fn means(comparison: &Comparison, configuration: Configuration, inversion: Inver
     (!table.rows.is_empty()).then_some(Block::Table(table))
 }
 
+/// Everything that is timed, each with its name beside it.
 fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Option<Chart> {
     let name = format!("error-against-time-{}", quantity.name());
     let (x, y) = (Axis::logarithmic("time", "ns"), Axis::logarithmic("mean error", "%"));
@@ -128,19 +142,11 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
     let searchlight = Configuration::Searchlight;
     let mut below = Vec::new();
     for contender in &comparison.settings.contenders {
-        let of = |timing: &&crate::comparison::Timing| {
-            timing.contender == contender.name && timing.quantity == quantity
-        };
-        let Some(timing) = comparison.timings.iter().find(of) else { continue };
+        let Some(time) = time(comparison, contender, quantity) else { continue };
         let summary = comparison.errors.summary(contender.name, searchlight, Inversion::Own);
         let Some(error) = summary.map(|summary| summary.errors[2].mean) else { continue };
         if 100.0 * error < LEAST {
-            below.push(format!(
-                "{} ({:.0} ns, {:.1e} %)",
-                contender.title,
-                timing.nanoseconds,
-                100.0 * error
-            ));
+            below.push(format!("{} ({time:.0} ns, {:.1e} %)", contender.title, 100.0 * error));
             continue;
         }
         let ink = match contender.group {
@@ -148,7 +154,7 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
             Group::Variant | Group::Fit => Ink::Guide,
         };
         let words = Mark::LabelledPoints(vec![short(contender)]);
-        chart.series.push(Series::new("", ink, words, vec![[timing.nanoseconds, 100.0 * error]]));
+        chart.series.push(Series::new("", ink, words, vec![[time, 100.0 * error]]));
     }
     let mut caption = String::from(
         "Better is to the left and further down. Searchlight, mean over the albedos, all radii; gray marks are variants.",
@@ -157,6 +163,12 @@ fn against_time(comparison: &Comparison, quantity: Quantity, what: &str) -> Opti
         caption += &format!(" Far below the chart: {}.", below.join(", "));
     }
     (!chart.series.is_empty()).then(|| chart.with_caption(&caption))
+}
+
+/// Nanoseconds a call.
+fn time(comparison: &Comparison, contender: &Contender, quantity: Quantity) -> Option<f64> {
+    let of = |timing: &&Timing| timing.contender == contender.name && timing.quantity == quantity;
+    Some(comparison.timings.iter().find(of)?.nanoseconds)
 }
 
 /// A name that fits beside a point.
@@ -174,13 +186,7 @@ fn times(comparison: &Comparison) -> DataTable {
     let caption = format!("Nanoseconds a call at A = {}", comparison.middle_albedo);
     let mut table = DataTable::new("times", &caption, &columns);
     for contender in &comparison.settings.contenders {
-        let time = |quantity: Quantity| {
-            let of = |timing: &&crate::comparison::Timing| {
-                timing.contender == contender.name && timing.quantity == quantity
-            };
-            comparison.timings.iter().find(of).map_or(f64::NAN, |timing| timing.nanoseconds)
-        };
-        let times = Quantity::ALL.map(time);
+        let times = Quantity::ALL.map(|quantity| time(comparison, contender, quantity).unwrap_or(f64::NAN));
         if times.iter().any(|time| time.is_finite()) {
             let mut row = vec![Cell::from(contender.title)];
             row.extend(times.map(Cell::from));

@@ -21,7 +21,7 @@ fn reflectance(side: Side, curves: &[&FresnelCurve]) -> Chart {
     let (x, y) = (Axis::linear("angle θ", "degrees"), Axis::linear("reflectance", ""));
     let title = format!("Reflectance of light from {}", side.name());
     let name = format!("fresnel-{}", side.name());
-    let mut chart = Chart::new(&name, &title, x.between(0.0, 90.0), y.between(0.0, 1.0));
+    let mut chart = Chart::new(&name, &title, x.between(0.0, end(side)), y.between(0.0, 1.05));
     for (place, curve) in curves.iter().enumerate() {
         let of = |i: usize| curve.points.iter().map(|point| [point[0], point[i]]).collect::<Vec<_>>();
         let eta = curve.eta;
@@ -35,6 +35,14 @@ fn reflectance(side: Side, curves: &[&FresnelCurve]) -> Chart {
     )
 }
 
+/// Where charts end \[degrees\]: from inside all is reflected beyond the greatest critical angle, 50.3°.
+fn end(side: Side) -> f64 {
+    match side {
+        Side::Outside => 90.0,
+        Side::Inside => 60.0,
+    }
+}
+
 /// Numbered inks of equal colors, solid and broken.
 const SOLID: [usize; 3] = [0, 1, 10];
 const BROKEN: [usize; 3] = [8, 9, 2];
@@ -43,7 +51,7 @@ fn difference(side: Side, curves: &[&FresnelCurve]) -> Chart {
     let (x, y) = (Axis::linear("angle θ", "degrees"), Axis::linear("Schlick − Fresnel", ""));
     let title = format!("What Schlick's approximation is off by, from {}", side.name());
     let mut chart =
-        Chart::new(&format!("fresnel-difference-{}", side.name()), &title, x.between(0.0, 90.0), y);
+        Chart::new(&format!("fresnel-difference-{}", side.name()), &title, x.between(0.0, end(side)), y);
     for (place, curve) in curves.iter().enumerate() {
         let points = curve.points.iter().map(|point| [point[0], point[2] - point[1]]).collect();
         let label = format!("η = {}", curve.eta);

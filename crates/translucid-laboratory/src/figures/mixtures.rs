@@ -38,7 +38,7 @@ fn errors(comparison: &Comparison) -> Chart {
                 .map(|one| [one.terms as f64, 100.0 * one.errors[2]])
                 .collect();
             if !points.is_empty() {
-                let label = format!("{}, {}", family.name(), word(configuration));
+                let label = format!("{}, {}", family.title(), word(configuration));
                 let ink = Ink::Numbered(place);
                 chart.series.push(Series::new(&label, ink, Mark::Line, points.clone()));
                 chart.series.push(Series::new(&label, ink, Mark::Points, points));
@@ -56,11 +56,11 @@ fn curves(figure: &Reflectance, family: MixtureFamily) -> Option<Chart> {
     let end = figure.radii.last().copied().unwrap_or(1.0);
     let (x, y) = (Axis::logarithmic("r", "ℓ").between(0.02, end), Axis::linear("2πr² R(r) / A", ""));
     let name = format!("mixtures-{}", family.name());
-    let title = format!("Sums of {}, A = {a}, {}", family.name(), word(figure.configuration));
+    let title = format!("Sums of {}, A = {a}, {}", family.title(), word(figure.configuration));
     let mut chart = Chart::new(&name, &title, x, y);
     for terms in [1, 2, 3, 4, 6] {
         if let Some(curve) = curve(figure, &family.contender(terms)) {
-            let label = format!("{terms} {}", family.name());
+            let label = format!("{terms} {}", family.title());
             let label = if terms == 1 { label.trim_end_matches('s').to_owned() } else { label };
             let y = |i: usize| weight(figure.radii[i], curve.reflectance[i]);
             chart.series.push(line(&label, Ink::Numbered(chart.series.len()), figure, y));

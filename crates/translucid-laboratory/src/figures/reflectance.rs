@@ -19,7 +19,8 @@ pub(super) fn section(comparison: &Comparison, configuration: Configuration) -> 
                 "A pencil of light enters perpendicularly, and every model knows the case. On logarithmic axes the \
                  exact profile goes like 1/r towards the point of entry, because light that is scattered once leaves \
                  there; models of light that is scattered many times stay finite. The third chart of each albedo \
-                 shows where the light is: equal areas under a curve are equal energies."
+                 shows where the light is: equal areas under a curve are equal energies; the fourth divides by the \
+                 exact solution, so that small differences and the errors of the photons are seen."
             }
             Configuration::Diffuse => {
                 "Light enters at a point with a cosine distribution, as it does under a sky. Models that describe a \
@@ -30,7 +31,9 @@ pub(super) fn section(comparison: &Comparison, configuration: Configuration) -> 
         blocks.push(Block::Text(agreement(&figures)));
     }
     for figure in figures {
-        blocks.extend([linear, logarithmic, energy].map(|chart| Block::Chart(chart(comparison, figure))));
+        blocks.extend(
+            [linear, logarithmic, energy, ratio].map(|chart| Block::Chart(chart(comparison, figure))),
+        );
     }
     let title = match configuration {
         Configuration::Searchlight => "Profiles of a perpendicular pencil of light",
@@ -58,9 +61,12 @@ fn agreement(figures: &[&Reflectance]) -> String {
     format!("Photons against the exact solution: {}.", all.join("; "))
 }
 
+/// Share of the light that linear axes show.
+const MOST: f64 = 0.7;
+
 /// Both axes linear, over the radii where most of the light leaves.
 fn linear(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let [near, far] = [0.08, 0.85].map(|share| radius_of(figure, share));
+    let [near, far] = [0.08, MOST].map(|share| radius_of(figure, share));
     let (x, y) = (Axis::linear("r", "ℓ"), Axis::linear("R(r)", "ℓ⁻²"));
     let top = at(figure, near);
     let chart = chart(figure, "linear", x.between(0.0, far), y.between(0.0, top));
@@ -69,7 +75,7 @@ fn linear(comparison: &Comparison, figure: &Reflectance) -> Chart {
          upwards.",
         figure.surface_albedo,
         word(figure.configuration),
-        100.0 * 0.85
+        100.0 * MOST
     );
     with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
 }
@@ -102,15 +108,37 @@ fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
     with_series(comparison, figure, chart, weight).with_caption(&caption)
 }
 
+/// R(r) in units of the exact one.
+fn ratio(comparison: &Comparison, figure: &Reflectance) -> Chart {
+    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::linear("R(r) / exact R(r)", ""));
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    let chart = chart(figure, "ratio", x.between(0.02, end), y.between(0.5, 1.5));
+    let caption = format!(
+        "R(r) divided by the exact one at A = {}, {}; the points are photons in rings, divided by the exact mean over \
+         the ring.",
+        figure.surface_albedo,
+        word(figure.configuration)
+    );
+    let exact = |r: f64| {
+        let is_ring = |point: &&RingPoint| point.r == r;
+        match figure.points.iter().find(is_ring) {
+            Some(ring) => ring.exact,
+            None => at(figure, r),
+        }
+    };
+    with_series(comparison, figure, chart, |r, reflectance| reflectance / exact(r)).with_caption(&caption)
+}
+
 fn chart(figure: &Reflectance, kind: &str, x: Axis, y: Axis) -> Chart {
     let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
     let name = format!("reflectance-{configuration}-{a}-{kind}").replace('.', "_");
     let what = match kind {
-        "energy" => "Light per e-fold of the radius",
-        "logarithmic" => "Reflectance profiles on logarithmic axes",
-        _ => "Reflectance profiles",
+        "linear" => "R(r), linear axes",
+        "logarithmic" => "R(r), logarithmic axes",
+        "energy" => "Where the light leaves",
+        _ => "R(r) divided by the exact one",
     };
-    Chart::new(&name, &format!("{what}, A = {a}, {configuration}"), x, y)
+    Chart::new(&name, &format!("{what}: A = {a}, {configuration}"), x, y)
 }
 
 /// The models, the exact solution above them, and the photons on top.

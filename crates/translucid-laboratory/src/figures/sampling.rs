@@ -108,16 +108,13 @@ fn chart(test: &SampleTest, ink: Ink) -> Chart {
         .map(|((edge, n), width)| [*edge, *n as f64 / (count * width)])
         .collect();
     steps.push([test.edges.last().copied().unwrap_or(1.0), 0.0]);
-    let middles = test.edges.windows(2).map(|edges| 0.5 * (edges[0] + edges[1]));
-    let densities = test.expected.iter().zip(&widths).map(|(n, width)| n / (count * width));
-    let promised: Vec<[f64; 2]> = middles.zip(densities).map(|(r, density)| [r, density]).collect();
     let (x, y) = (Axis::linear("r", "ℓ"), Axis::linear("density", "ℓ⁻¹"));
-    let top = steps.iter().chain(&promised).map(|[_, y]| *y).fold(0.0, f64::max);
+    let top = steps.iter().chain(&test.density).map(|[_, y]| *y).fold(0.0, f64::max);
     let end = test.edges.last().copied().unwrap_or(1.0);
     let name = format!("sampling-{}", test.contender);
     let title = format!("Radii drawn from {}, A = {}", test.contender, test.surface_albedo);
     let caption = format!(
-        "Histogram of {} radii and the mean density of each bin; χ² = {:.1} with {} degrees of freedom, probability \
+        "Histogram of {} radii and the density 2πr R(r)/A of the model; χ² = {:.1} with {} degrees of freedom, probability \
          {:.3}.",
         super::grouped(test.count()),
         test.chi_square,
@@ -126,6 +123,6 @@ fn chart(test: &SampleTest, ink: Ink) -> Chart {
     );
     Chart::new(&name, &title, x.between(0.0, end), y.between(0.0, 1.08 * top))
         .with(Series::new("drawn", ink, Mark::Steps, steps))
-        .with(Series::new("density", Ink::Reference, Mark::Points, promised))
+        .with(Series::new("density", Ink::Reference, Mark::Line, test.density.clone()))
         .with_caption(&caption)
 }

@@ -1,12 +1,14 @@
 //! s(A) of normalized diffusion.
 
+use translucid_profile::Model;
+
 use super::section_of;
 use crate::comparison::{Comparison, R_MAX, ScalingCase};
 use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
 
 pub(super) fn section(comparison: &Comparison) -> Section {
     let mut blocks = Vec::new();
-    if comparison.has(translucid_profile::Model::NormalizedDiffusion) && !comparison.scaling.is_empty() {
+    if comparison.has(Model::NormalizedDiffusion) && !comparison.scaling.is_empty() {
         blocks.push(Block::Text(String::from(
             "Normalized diffusion R(r) = A (e^(−r/d) + e^(−r/3d))/(8πdr) has one free length d = length/s(A). The \
              points are the s that brings it closest to the exact solution at each albedo; the talk gives a polynomial \
@@ -23,10 +25,10 @@ fn chart(case: &ScalingCase) -> Chart {
     let best: Vec<[f64; 2]> = case.points.iter().map(|[a, s, _]| [*a, *s]).collect();
     let albedos = || (0..=200).map(|i| f64::from(i) / 200.0);
     let curve = |of: &dyn Fn(f64) -> f64| albedos().map(|a| [a, of(a)]).collect::<Vec<_>>();
-    // In view is what the points need: near A = 1 a polynomial in the dmfp leaves them
-    let top = best.iter().map(|[_, s]| *s).fold(0.0, f64::max);
+    let [low, top] =
+        best.iter().fold([f64::MAX, 0.0], |[low, top]: [f64; 2], [_, s]| [low.min(*s), top.max(*s)]);
     let x = Axis::linear("surface albedo A", "").between(0.0, 1.0);
-    let low = best.iter().map(|[_, s]| *s).fold(top, f64::min);
+    // A diffuse mean free path grows without bounds towards A = 1, and s with it
     let y = if top > 20.0 * low {
         Axis::logarithmic("s", "").between(0.8 * low, 1.25 * top)
     } else {
