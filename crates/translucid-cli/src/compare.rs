@@ -3,6 +3,7 @@
 mod output;
 
 use std::path::PathBuf;
+use std::sync::atomic::Ordering;
 
 use clap::builder::{PossibleValue, PossibleValuesParser};
 use clap::{Args, ValueEnum};
@@ -131,13 +132,16 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         output::draw(&Report::new(&comparison), &draw)
     });
     meter.finish();
-    let files = match files {
+    let is_stopped = || interrupt::STOP.load(Ordering::Relaxed);
+    let files = match files.and_then(|files| if is_stopped() { Err(stopped(Stopped)) } else { Ok(files) }) {
         Ok(files) => files,
         Err(failure) => {
             output.abandon();
             return Err(failure);
         }
     };
+    // Files of two comparisons beside each other would be worse than the moment that the rest takes
+    interrupt::catch("\nall files are being written; press Ctrl-C again to end at once")?;
     output.write(&files)?;
     messages::line(&format!(
         "{} files in {}; open {}",

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use translucid_profile::Configuration;
 
 use super::{curve, ink, line, section_of, shown, word};
-use crate::comparison::{Comparison, Reflectance, RingPoint};
+use crate::comparison::{Comparison, Reflectance, RingPoint, Walk};
 use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
 
 /// Charts of all albedos in one configuration.
@@ -28,7 +28,9 @@ pub(super) fn section(comparison: &Comparison, configuration: Configuration) -> 
             }
         };
         blocks.push(Block::Text(String::from(text)));
-        blocks.push(Block::Text(agreement(&figures)));
+        if comparison.settings.photons > 0 {
+            blocks.push(Block::Text(agreement(&figures)));
+        }
     }
     for figure in figures {
         blocks.extend(
@@ -48,7 +50,13 @@ fn agreement(figures: &[&Reflectance]) -> String {
         let (chi_square, rings, probability) = figure.chi_square();
         let a = figure.surface_albedo;
         match rings {
-            0 => format!("A = {a}: no photons, for they would collide without end"),
+            0 if figure.single_scattering_albedo > Walk::HIGHEST_ALBEDO => {
+                format!("A = {a}: no photons, for they would collide without end")
+            }
+            0 => format!(
+                "A = {a}: no points, for no ring has been left by {:.0} photons",
+                Walk::FEWEST_PHOTONS
+            ),
             _ => format!(
                 "A = {a}: χ² = {chi_square:.1} for {rings} rings, as large by chance in {:.0} % of all runs, greatest \
                  distance {:.1} standard errors",
