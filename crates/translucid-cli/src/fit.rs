@@ -32,11 +32,11 @@ The table goes to stdout, the report to stderr. With -o both go to files of a di
 errors.csv, report.txt and, for burley, coefficients.csv.
 
 With --table normalized diffusion, exponentials and Gaussians are fitted to a file of your own by least squares
-of (fit - reflectance)/error; without errors the same relative error is taken for each line. Columns: fit,
-parameter, value, standard_error, empty where nothing limits the parameter; a warning names those that the
-file does not determine, whose error exceeds a third of the value. Lengths are in the unit of r. With -o the
-files are parameters.csv, residuals.csv (fit - reflectance in units of the error), the same drawn over r as
-residuals.svg and residuals.png, and report.txt.
+of (fit - reflectance)/error; without errors each line has the same error relative to what the best of the fits
+has there. Columns: fit, parameter, value, standard_error, empty where nothing limits the parameter; a warning
+names those that the file does not determine, whose error exceeds a third of the value. Lengths are in the unit
+of r. With -o the files are parameters.csv, residuals.csv (fit - reflectance in units of the error; without
+errors, of the reflectance), the same drawn over r as residuals.svg and residuals.png, and report.txt.
 
 Examples:
   translucid fit --family burley
