@@ -51,14 +51,17 @@ impl Directionality {
     pub(crate) fn new(tables: &ProfileTables, subsurface: &Subsurface, passage: Passage) -> Self {
         let Subsurface { albedo, length, source } = *subsurface;
         let distance = passage.offset.length();
+        // Of the shape that the table has
+        let shape = |table: usize, c: usize| albedo[c].min(tables.brightest(table));
         // 1 over what a table of radial profiles says
-        let inverse_of = |table: usize, radial: &dyn Fn(ProfileViewF32<'_>) -> f32| {
-            let table = tables.table(table);
+        let inverse_of = |index: usize, radial: &dyn Fn(ProfileViewF32<'_>) -> f32| {
+            let table = tables.table(index);
             let inverse = |c: usize| {
                 if length[c] <= 0.0 {
                     return 0.0;
                 }
-                let radial = albedo[c] * radial(table.at(albedo[c], length[c]));
+                let albedo = shape(index, c);
+                let radial = albedo * radial(table.at(albedo, length[c]));
                 if radial > 0.0 { radial.recip() } else { 0.0 }
             };
             Vec3::new(inverse(0), inverse(1), inverse(2))
@@ -67,12 +70,12 @@ impl Directionality {
             ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) => Self::Radial,
             ProfileSource::Directional { table, dipole } => Self::Dipole {
                 passage,
-                dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(albedo[c], length[c])),
+                dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
                 inverse: inverse_of(table, &|view| view.pdf_area(distance)),
             },
             ProfileSource::Oblique { table, oblique } => Self::Oblique {
                 passage,
-                profiles: [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(albedo[c], length[c])),
+                profiles: [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
                 inverse: inverse_of(table, &|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
             },
         }

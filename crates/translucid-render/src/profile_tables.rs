@@ -44,6 +44,8 @@ pub(crate) struct ProfileTables {
     /// What has been made from what.
     made: Vec<(Recipe, ProfileSource)>,
     tables: Vec<AlbedoTableF32>,
+    /// For each table the surface albedo whose shape stands in above it.
+    brightest: Vec<f32>,
     dipoles: Vec<DirectionalDipoleTable>,
     obliques: Vec<ObliqueDiffusionTable>,
     notes: Vec<String>,
@@ -76,6 +78,12 @@ impl ProfileTables {
         &self.tables[index]
     }
 
+    /// Surface albedo whose shape stands in above it in a table: what follows the direction of light has to have that
+    /// shape, too, or most of its light would leave where probes hardly look.
+    pub(crate) fn brightest(&self, table: usize) -> f32 {
+        self.brightest[table]
+    }
+
     pub(crate) fn dipole(&self, index: usize) -> &DirectionalDipoleTable {
         &self.dipoles[index]
     }
@@ -99,7 +107,7 @@ impl ProfileTables {
         let made = match recipe {
             Recipe::Model(recipe) => self.source_of_model(&recipe, material).map_err(|e| e.to_string()),
             Recipe::File(index) => {
-                files[index].table().map_err(|e| e.to_string()).map(|table| self.add(&table))
+                files[index].table().map_err(|e| e.to_string()).map(|table| self.add(&table, 1.0))
             }
         };
         match made {
@@ -117,8 +125,9 @@ impl ProfileTables {
         }
     }
 
-    fn add(&mut self, table: &AlbedoTable) -> ProfileSource {
+    fn add(&mut self, table: &AlbedoTable, brightest: f64) -> ProfileSource {
         self.tables.push(AlbedoTableF32::from(table));
+        self.brightest.push(brightest as f32);
         ProfileSource::Table(self.tables.len() - 1)
     }
 
@@ -141,7 +150,7 @@ impl ProfileTables {
                 material.name, recipe.eta
             ));
         }
-        let source = self.add(&table);
+        let source = self.add(&table, recipe.brightest());
         match source {
             ProfileSource::Table(table) if recipe.model == Model::DirectionalDipole => {
                 let dipole = DirectionalDipoleTable::new(recipe.eta, recipe.g, recipe.parameterization)?;
@@ -222,10 +231,14 @@ impl ModelRecipe {
         self.model.profile(&appearance, self.configuration, self.eta)
     }
 
+    /// Surface albedo whose shape stands in above it.
+    fn brightest(&self) -> f64 {
+        if self.parameterization == Parameterization::Dmfp { BRIGHTEST_WITH_DMFP } else { 1.0 }
+    }
+
     /// The table, and the greatest surface albedo that the model reaches.
     fn table(&self) -> Result<(AlbedoTable, f64), ParameterError> {
-        let brightest =
-            if self.parameterization == Parameterization::Dmfp { BRIGHTEST_WITH_DMFP } else { 1.0 };
+        let brightest = self.brightest();
         let most = match self.profile(brightest) {
             Ok(_) => brightest,
             Err(error) => error.limit.unwrap_or(brightest),
@@ -237,7 +250,7 @@ impl ModelRecipe {
                 rows.dedup();
                 AlbedoTable::new(&rows, |a| self.profile(a))?
             }
-            None => AlbedoTable::for_every_albedo(|a| self.profile(a))?,
+            None => AlbedoTable::for_every_albedo(|a| self.profile(a.min(brightest)))?,
         };
         Ok((table, if most == brightest { 1.0 } else { most }))
     }

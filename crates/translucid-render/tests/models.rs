@@ -97,6 +97,31 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     }
 }
 
+/// White with a diffuse mean free path is a limit that no medium has: the probes and what follows the direction of
+/// light stop at the same one before it, so that no sample counts for hundreds.
+#[test]
+fn white_with_a_dmfp_is_no_noisier_than_nearly_white() {
+    for texture in [false, true] {
+        let errors = [0.9999, 1.0].map(|a| {
+            let mut white = material(OBLIQUE);
+            white.subsurface_color = ColorInput::constant(Vec3::splat(a));
+            white.subsurface_parameter = Parameterization::Dmfp;
+            white.subsurface_radius_scale = ColorInput::constant(Vec3::splat(1e3));
+            let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], white);
+            scene.environment = uniform_environment(Vec3::ONE);
+            if texture {
+                scene = textured(scene);
+                scene.images[0].pixels = Pixels::Float(vec![[a, a, a, 1.0]]);
+            }
+            let point = Vec3::new(3.3, 1.1, 0.0);
+            let (mean, error) = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
+            assert_within(&format!("texture {texture} A {a}"), (mean, error), Vec3::splat(a));
+            error.max_element()
+        });
+        assert!(errors[1] < 1.5 * errors[0], "texture {texture}: {errors:?}");
+    }
+}
+
 /// A slab lit from behind transmits the profile's energy beyond its thickness.
 #[test]
 fn slab_transmits_what_every_profile_says() {
