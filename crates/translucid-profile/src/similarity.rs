@@ -254,7 +254,7 @@ fn polynomial(coefficients: &[f64], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::half_space_surface_albedo;
+    use crate::{half_space_single_scattering_albedo, half_space_surface_albedo};
 
     const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
     const ALBEDOS: [f64; 9] = [0.0, 1e-9, 0.02, 0.1, 0.4, 0.7, 0.95, 0.9999, 1.0];
@@ -292,6 +292,24 @@ mod tests {
                 let back = half_space_surface_albedo(alpha, configuration);
                 assert!((back - a).abs() < 6e-4 * (1.0 - a) + 1e-13, "{configuration:?} {a}: {back}");
             }
+        }
+    }
+
+    /// Both factors c stretch the same d: they differ by ℓ_d/ℓ* = √((2 − α')/(3 (1 − α'))) of A' over that of A.
+    #[test]
+    fn stretch_of_dmfp_is_that_of_mfp_in_the_other_length() {
+        let dmfp_per_transport_mfp = |a: f64, configuration| {
+            let alpha = half_space_single_scattering_albedo(a, configuration);
+            ((2.0 - alpha) / (3.0 * (1.0 - alpha))).sqrt()
+        };
+        for (a, g, eta, configuration) in everywhere().filter(|case| case.0 > 0.0 && case.0 < 1.0) {
+            let it = Similarity::new(a, g, eta, configuration).unwrap();
+            let [mfp, dmfp] = [Parameterization::Mfp, Parameterization::Dmfp]
+                .map(|parameterization| it.stretch_of_normalized_diffusion(parameterization));
+            let [here, similar] =
+                [a, it.similar_surface_albedo()].map(|a| dmfp_per_transport_mfp(a, configuration));
+            let off = dmfp / mfp / (similar / here) - 1.0;
+            assert!(off.abs() < 1.2e-3, "A {a} g {g} eta {eta} {configuration:?}: {off}");
         }
     }
 
