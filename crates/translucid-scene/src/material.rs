@@ -17,13 +17,28 @@ pub enum SubsurfaceModel {
     None,
 }
 
+/// The default of a plain medium (g = 0, η = 1).
 impl Default for SubsurfaceModel {
     fn default() -> Self {
-        Self::Profile(Model::default())
+        Self::default_of(0.0, 1.0)
     }
 }
 
 impl SubsurfaceModel {
+    /// The model that materials have which name none: the one that is nearest to the truth for a mean cosine g and a
+    /// relative index η.
+    ///
+    /// Oblique light is solved for isotropic scattering without a boundary only; the refined profile knows the rest.
+    #[must_use]
+    pub fn default_of(g: f32, eta: f32) -> Self {
+        let plain = g == 0.0 && eta == 1.0;
+        Self::Profile(if plain {
+            Model::NormalizedDiffusionOblique
+        } else {
+            Model::NormalizedDiffusionRefined
+        })
+    }
+
     /// Every model that can be asked for by its name alone.
     pub const ALL: [Self; Model::ALL.len() + 1] = {
         let mut all = [Self::None; Model::ALL.len() + 1];

@@ -312,6 +312,18 @@ fn fits() -> Vec<Contender> {
             ..fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(from_dmfp(reference)?)))
         },
         Contender {
+            name: "normalized-diffusion-refined-from-dmfp",
+            title: "normalized diffusion refined, from the dmfp",
+            group: Group::Variant,
+            sampler: Some(Box::new(|reference| {
+                let profile = refined_from_dmfp(reference)?;
+                Ok(Box::new(move |u| profile.sample(u)))
+            })),
+            ..fitted(Model::NormalizedDiffusionRefined, |reference| {
+                Ok(Box::new(refined_from_dmfp(reference)?))
+            })
+        },
+        Contender {
             name: "best-normalized-diffusion",
             title: "best normalized diffusion",
             group: Group::Fit,
@@ -382,6 +394,12 @@ fn from_dmfp(reference: &Reference) -> Result<NormalizedDiffusion, ParameterErro
 fn refined(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
     let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
     RefinedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
+}
+
+/// The same by way of the diffuse mean free path of the exact medium.
+fn refined_from_dmfp(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
+    let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
+    RefinedDiffusion::new(a, length, Parameterization::Dmfp, reference.configuration)
 }
 
 fn sum_of_gaussians(reference: &Reference, terms: usize) -> Result<SumOfGaussians, ParameterError> {

@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 use super::document::TextureInfo;
 use super::materials::{MaterialReader, white};
-use crate::{Channel, ColorInput, Material, ScalarInput, SceneError};
+use crate::{Channel, ColorInput, Material, ScalarInput, SceneError, SubsurfaceModel};
 
 /// KHR_materials_transmission.
 #[derive(Deserialize)]
@@ -165,7 +165,9 @@ impl MaterialReader<'_> {
             let albedo = scatter.multiscatter_color.map(|c| self.unit(c, "multiscatterColor"));
             material.subsurface_color.factor *= Vec3::from_array(albedo);
             let g = scatter.scatter_anisotropy;
-            material.subsurface_scatter_anisotropy = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
+            let g = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
+            material.subsurface_scatter_anisotropy = g;
+            material.subsurface_model = SubsurfaceModel::default_of(g, material.subsurface_eta);
         }
     }
 }

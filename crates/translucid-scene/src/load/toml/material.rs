@@ -124,8 +124,11 @@ impl Reader<'_, '_> {
         self.color("subsurface_radius_scale", Interval::FACTOR, &mut material.subsurface_radius_scale)?;
         let anisotropy = &mut material.subsurface_scatter_anisotropy;
         self.number("subsurface_scatter_anisotropy", Interval::open(-1.0, 1.0), anisotropy)?;
+        let eta = &mut material.subsurface_eta;
+        self.number("subsurface_eta", Interval::closed(0.5, 3.0), eta)?;
         let models = SubsurfaceModel::ALL.map(|model| (model.name(), model));
-        let (model, parameter) = (material.subsurface_model, material.subsurface_parameter);
+        let model =
+            SubsurfaceModel::default_of(material.subsurface_scatter_anisotropy, material.subsurface_eta);
         material.subsurface_model = self.table.read("subsurface_model", model, |item| item.word(&models))?;
         if let Some(item) = self.table.get("subsurface_table") {
             if self.table.get("subsurface_model").is_some() {
@@ -134,12 +137,13 @@ impl Reader<'_, '_> {
             }
             material.subsurface_model = SubsurfaceModel::Tabulated(self.images.request_table(&item)?);
         }
+        let parameter = material.subsurface_parameter;
         material.subsurface_parameter =
             self.table.read("subsurface_parameter", parameter, |item| item.word(&PARAMETERS))?;
         let configuration = material.subsurface_configuration;
         material.subsurface_configuration =
             self.table.read("subsurface_configuration", configuration, |item| item.word(&CONFIGURATIONS))?;
-        self.number("subsurface_eta", Interval::closed(0.5, 3.0), &mut material.subsurface_eta)
+        Ok(())
     }
 
     fn coat_and_emission(&mut self, material: &mut Material) -> Result<(), SceneError> {

@@ -120,6 +120,17 @@ fn material_reads_every_constant() {
     assert_eq!(material(""), Material { name: String::from("m"), ..Material::default() });
 }
 
+/// Oblique light is solved without phase function and boundary; the round profile knows both.
+#[test]
+fn material_without_a_model_takes_the_one_that_knows_its_medium() {
+    let model = |text: &str| material(text).subsurface_model.name();
+    assert_eq!(model(""), "normalized-diffusion-oblique");
+    assert_eq!(model("preset = \"skin1\""), "normalized-diffusion-oblique");
+    assert_eq!(model("subsurface_scatter_anisotropy = 0.5"), "normalized-diffusion-refined");
+    assert_eq!(model("subsurface_eta = 1.4"), "normalized-diffusion-refined");
+    assert_eq!(model("subsurface_eta = 1.4\nsubsurface_model = \"dipole\""), "dipole");
+}
+
 #[test]
 fn material_preset_fills_in_what_is_not_said() {
     let skin = crate::preset("skin1").unwrap().material(Unit::Millimeter);
