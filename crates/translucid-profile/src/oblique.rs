@@ -291,6 +291,26 @@ mod tests {
         }
     }
 
+    /// A half space may be named by the albedo of diffuse light or of light along the normal: a beam in it is the same,
+    /// its energy up to the errors of both.
+    #[test]
+    fn both_configurations_are_one_half_space() {
+        for a in [1e-6, 0.05, 0.2, 0.5, 0.8, 0.97, 1.0] {
+            let along_normal = profile(a, 1.0, Configuration::Diffuse, 1.0).total();
+            for cos_theta in COSINES {
+                let diffuse = profile(a, 1.0, Configuration::Diffuse, cos_theta);
+                let searchlight = profile(along_normal, 1.0, Configuration::Searchlight, cos_theta);
+                let shape =
+                    |p: &ObliqueDiffusion| [p.weights(), p.rates(), p.eccentricities()].into_iter().flatten();
+                for (x, y) in shape(&diffuse).zip(shape(&searchlight)) {
+                    assert!((x - y).abs() <= 1e-12 * y, "{a} {cos_theta}: {diffuse:?} {searchlight:?}");
+                }
+                let off = (searchlight.total() - diffuse.total()) / a;
+                assert!(off.abs() < 2.0 * 2.6e-3, "{a} {cos_theta}: {off}");
+            }
+        }
+    }
+
     /// Near the entry all light has been scattered once: R = α cos θ / (4π r (1 − sin θ cos φ)).
     #[test]
     fn near_the_entry_light_is_scattered_once() {
