@@ -49,18 +49,22 @@ fn boundary_is_repaired_as_stated() {
 
 /// Against a walk with seed 1, of which the two halves say that noise adds 1 % at most to an error: the limits leave
 /// more than five times that above the stated errors of the neighbors on the grid, so a false alarm is rarer than 1e-6.
+/// With a phase function and a boundary at once the limit is tight, for what they do together is seen nowhere else: the
+/// 2 % that are stated on average, and the noise.
 /// α is right within 5 standard errors and 3 % of 1 − α.
 #[test]
 fn phase_function_is_repaired_as_stated() {
     for configuration in CONFIGURATIONS {
-        for (a, g, eta) in [(0.3, 0.6, 1.0), (0.5, 0.85, 1.45), (0.5, -0.4, 1.0)] {
+        for (a, g, eta, most) in
+            [(0.3, 0.6, 1.0, 0.1), (0.5, 0.5, 1.4, 0.03), (0.5, 0.85, 1.45, 0.1), (0.5, -0.4, 1.0, 0.1)]
+        {
             let case = Case { g, eta, configuration };
             let point = case.walked_alone(a, 2.5e8);
             assert!(point.noise() < 0.01, "{}", point.noise());
             let [normalized_diffusion, refined] = errors(case, &point);
             let at = || format!("{configuration:?} {a} {g} {eta}: {normalized_diffusion:?} {refined:?}");
             assert!(normalized_diffusion[1] < normalized_diffusion[0].min(0.35), "{}", at());
-            assert!(refined[1] < 0.5 * refined[0] && refined[1] < 0.1, "{}", at());
+            assert!(refined[1] < 0.5 * refined[0] && refined[1] < most, "{}", at());
 
             let found = Similarity::new(a, g, eta, configuration).unwrap().single_scattering_albedo();
             let [alpha, error] = point.single_scattering_albedo;
