@@ -40,13 +40,14 @@ pub struct FresnelCurve {
 impl FresnelCurve {
     /// Indices of the talk's range of materials.
     pub const ETAS: [f64; 3] = [1.3, 1.4, 1.5];
-    /// Steps to a degree; from inside everything happens within a few.
+    /// Steps to a degree.
     const STEPS: u32 = 8;
 
-    /// Both reflectances at every eighth of a degree.
+    /// Both reflectances at every eighth of a degree, from inside also where light of these angles outside goes to:
+    /// near the critical angle much happens within a degree.
     pub fn new(eta: f64, side: Side) -> Self {
-        let point = |i: u32| {
-            let degrees = f64::from(i) / f64::from(Self::STEPS);
+        let steps = (0..=90 * Self::STEPS).map(|i| f64::from(i) / f64::from(Self::STEPS));
+        let point = |degrees: f64| {
             let cos_theta = degrees.to_radians().cos();
             match side {
                 Side::Outside => {
@@ -57,7 +58,13 @@ impl FresnelCurve {
                 }
             }
         };
-        Self { eta, side, points: (0..=90 * Self::STEPS).map(point).collect() }
+        let mut angles: Vec<f64> = steps.clone().collect();
+        if side == Side::Inside {
+            angles.extend(steps.map(|degrees| (degrees.to_radians().sin() / eta).asin().to_degrees()));
+            angles.sort_by(f64::total_cmp);
+            angles.dedup();
+        }
+        Self { eta, side, points: angles.into_iter().map(point).collect() }
     }
 
     /// The angle at which the approximation is farthest off \[degrees\], and by how much.
@@ -88,6 +95,15 @@ mod tests {
             }
             let [_, off] = curve.greatest_difference();
             assert!(off.abs() > 0.005 && off.abs() < 0.2, "{} {off}", curve.eta);
+        }
+    }
+
+    /// Light that goes the same way back is reflected as much, and so is its approximation.
+    #[test]
+    fn greatest_difference_is_the_same_from_both_sides() {
+        for eta in FresnelCurve::ETAS {
+            let [outside, inside] = Side::ALL.map(|side| FresnelCurve::new(eta, side).greatest_difference());
+            assert!((outside[1] - inside[1]).abs() < 1e-5, "{eta}: {outside:?} {inside:?}");
         }
     }
 }
