@@ -6,7 +6,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
+use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32};
 
 use crate::material::Subsurface;
 use crate::profile_tables::{ProfileSource, ProfileTables};
@@ -53,30 +53,25 @@ impl Directionality {
         let distance = passage.offset.length();
         // Of the shape that the table has
         let shape = |table: usize, c: usize| albedo[c].min(tables.brightest(table));
-        // 1 over what a table of radial profiles says
-        let inverse_of = |index: usize, radial: &dyn Fn(ProfileViewF32<'_>) -> f32| {
-            let table = tables.table(index);
-            let inverse = |c: usize| {
-                if length[c] <= 0.0 {
-                    return 0.0;
-                }
-                let albedo = shape(index, c);
-                let radial = albedo * radial(table.at(albedo, length[c]));
-                if radial > 0.0 { radial.recip() } else { 0.0 }
+        let view = |table: usize, c: usize| tables.table(table).at(shape(table, c), length[c]);
+        let inverse = |radial: &[f32; 3], table: usize| {
+            let of = |c: usize| {
+                let radial = shape(table, c) * radial[c];
+                if length[c] > 0.0 && radial > 0.0 { radial.recip() } else { 0.0 }
             };
-            Vec3::new(inverse(0), inverse(1), inverse(2))
+            Vec3::new(of(0), of(1), of(2))
         };
         match source {
             ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) => Self::Radial,
             ProfileSource::Directional { table, dipole } => Self::Dipole {
                 passage,
                 dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
-                inverse: inverse_of(table, &|view| view.pdf_area(distance)),
+                inverse: inverse(&[0, 1, 2].map(|c| view(table, c).pdf_area(distance)), table),
             },
             ProfileSource::Oblique { table, oblique } => Self::Oblique {
                 passage,
                 profiles: [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
-                inverse: inverse_of(table, &|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+                inverse: inverse(&[0, 1, 2].map(|c| view(table, c).pdf(distance) * (0.5 * FRAC_1_PI)), table),
             },
         }
     }
