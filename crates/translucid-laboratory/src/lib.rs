@@ -40,6 +40,7 @@ mod markup;
 #[cfg(doctest)]
 mod model_pages;
 mod page;
+mod random;
 mod residuals;
 mod theme;
 
@@ -48,5 +49,6 @@ pub use chart::{Chart, ChartError, Mark, Series};
 pub use data_table::{Cell, DataTable};
 pub use ink::Ink;
 pub use page::{Block, Page, Section};
+pub use random::random;
 pub use residuals::{ResidualScale, Residuals, residual_chart};
 pub use theme::Theme;

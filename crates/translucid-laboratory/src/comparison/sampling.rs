@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
 
 use super::{Contender, Reference, chi_square_probability};
+use crate::random;
 
 /// How radii are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -102,18 +103,3 @@ impl SampleTest {
 
 /// The configuration of the histograms: the one that all models know.
 pub(super) const CONFIGURATION: Configuration = Configuration::Searchlight;
-
-/// Random number of a seed and an index, uniform on (0, 1).
-fn random(seed: u64, index: u64) -> f64 {
-    // The middles of 2⁵² intervals: neither 0 nor 1, every one exact
-    let bits = mix(index.wrapping_add(mix(seed)).wrapping_mul(0x9e37_79b9_7f4a_7c15)) >> 12;
-    (bits as f64 + 0.5) * 2.0_f64.powi(-52)
-}
-
-/// A bijection of 64 bits that leaves no pattern of its input: the finalizer of SplitMix64, variant 13
-/// [D. Stafford 2011, "Better Bit Mixing"; Steele, Lea, Flood 2014].
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
-}
