@@ -1,11 +1,12 @@
 //! Ground truth for subsurface scattering.
 //!
-//! Every approximation of light under a surface needs a judge. This crate holds two, on the same parameters:
+//! Every approximation of light under a surface needs a judge. This crate holds three, on the same parameters:
 //!
 //! - [`exact`]: the half space of isotropic scatterers, solved. Its figures carry an estimate of their numerical
 //!   error: without a boundary some 1e-10 of the value, with one as [`exact::HalfSpace::with_boundary`] says.
 //! - [`walk`]: a Monte Carlo walk for everything else (phase functions, slabs, spots of light), whose figures
 //!   carry a standard error, and whose tables serve every albedo at once.
+//! - [`body`]: the same, photon by photon, in things that are no half space: sphere, slab and wedge.
 //!
 //! # Conventions
 //! *Lengths are mean free paths* (ℓ = 1/σ_t = 1): a medium of another ℓ has the profile R(r/ℓ)/ℓ².
@@ -19,9 +20,11 @@
 //! # Out of scope
 //! Approximate profiles (`translucid-profile`), fits, colors, files of tables other than the walk's own.
 
+pub mod body;
 mod entry;
 mod estimate;
 pub mod exact;
+mod split_mix;
 pub mod walk;
 
 pub use entry::{Entry, specular_reflectance};

@@ -4,9 +4,9 @@
 //! cargo run --release -p translucid-render --example sphere_truth
 //! ```
 //!
-//! The sphere is homogeneous, scatters isotropically and has no boundary (g = 0, η = 1). The walk is analog, photon by
-//! photon, in `f64`: slow, and nothing in it is shared with the models. Light that passes without a collision is left
-//! out, as it is no scattered light.
+//! The sphere is homogeneous, scatters isotropically and has no boundary (g = 0, η = 1). The walk is that of
+//! `translucid_reference::body`, of which nothing is shared with the models. Light that passes without a collision is
+//! left out, as it is no scattered light.
 //! Models are integrated over the sphere's surface as the renderer does it: R of the offset from entry to exit, of the
 //! direction of light and of the normals, times the irradiance at the entry.
 //!
@@ -22,14 +22,12 @@ use translucid_profile::{
     Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusionF32,
     ObliqueDiffusionTable, Parameterization, RefinedDiffusion, half_space_single_scattering_albedo,
 };
+use translucid_reference::body::{Body, Light, Medium, SPHERE_RINGS as RINGS, Shape};
 
 const ALBEDOS: [f64; 2] = [0.5, 0.9];
 /// In mean free paths.
 const RADII: [f64; 3] = [3.0, 10.0, 30.0];
 const PHOTONS: u64 = 2_000_000;
-const BATCHES: u64 = 64;
-/// Rings of equal area around the direction to the light.
-const RINGS: usize = 10;
 const NAMES: [&str; 4] = ["oblique", "refined", "normalized diffusion", "directional dipole"];
 
 fn main() {
@@ -58,14 +56,6 @@ fn main() {
     for (a, radius, truth, radiosities) in &profiles {
         print_rings(*a, *radius, truth, radiosities);
     }
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Light {
-    /// Parallel light from +z.
-    Distant,
-    /// The same radiance from everywhere.
-    Uniform,
 }
 
 type Radiosities = [[f64; RINGS]; NAMES.len()];
@@ -109,73 +99,20 @@ struct Truth {
 
 impl Truth {
     fn walk(alpha: f64, radius: f64, light: Light) -> Self {
-        let batch = |seed: u64| {
-            let mut random = Random(seed << 40);
-            let mut counts = [0u64; RINGS];
-            for _ in 0..PHOTONS / BATCHES {
-                if let Some(cosine) = exit_of_photon(alpha, radius, light, &mut random) {
-                    counts[(((cosine + 1.0) * 0.5 * RINGS as f64) as usize).min(RINGS - 1)] += 1;
-                }
-            }
-            counts
-        };
-        let add = |a: [u64; RINGS], b: [u64; RINGS]| std::array::from_fn(|i| a[i] + b[i]);
-        let counts = (0..BATCHES).into_par_iter().map(batch).reduce(|| [0; RINGS], add);
+        let medium = Medium { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
+        let body = Body::new(Shape::Sphere { radius }, medium, light).expect("an albedo in (0, 1)");
+        let tally = body.walk(PHOTONS, 1);
         // Of πρ² of distant flux at irradiance 1, or 4πρ² of uniform, on 4πρ²/RINGS of area
-        let per_photon = match light {
-            Light::Distant => RINGS as f64 / 4.0 / PHOTONS as f64,
-            Light::Uniform => RINGS as f64 / PHOTONS as f64,
+        let per_share = match light {
+            Light::Distant => RINGS as f64 / 4.0,
+            Light::Uniform => RINGS as f64,
         };
-        let error = |count: u64| {
-            let share = count as f64 / PHOTONS as f64;
-            (count as f64 * (1.0 - share)).sqrt() * per_photon
-        };
+        // The walk counts rings from the light, the tables by rising cosine
+        let ring = |i: usize| tally.scattered_through(RINGS - 1 - i);
         Self {
-            radiosity: counts.map(|count| count as f64 * per_photon),
-            error: counts.map(error),
-            share: counts.iter().sum::<u64>() as f64 / PHOTONS as f64,
-        }
-    }
-}
-
-/// z/ρ of the point where a photon leaves; `None` if it was absorbed or never scattered.
-fn exit_of_photon(alpha: f64, radius: f64, light: Light, random: &mut Random) -> Option<f64> {
-    let (mut position, mut direction) = light.photon(radius, random);
-    let mut scattered = false;
-    loop {
-        let length = -(1.0 - random.next()).ln();
-        // To where |x + t ω| = ρ
-        let along = dot(position, direction);
-        let way_out = -along + (along * along + radius * radius - dot(position, position)).max(0.0).sqrt();
-        if length >= way_out {
-            return scattered.then(|| (position[2] + way_out * direction[2]) / radius);
-        }
-        position = std::array::from_fn(|i| position[i] + length * direction[i]);
-        if random.next() >= alpha {
-            return None;
-        }
-        direction = random.direction();
-        scattered = true;
-    }
-}
-
-impl Light {
-    /// Position and direction of a photon on the surface.
-    fn photon(self, radius: f64, random: &mut Random) -> ([f64; 3], [f64; 3]) {
-        match self {
-            Self::Distant => {
-                let (r, turn) = (radius * random.next().sqrt(), 2.0 * PI * random.next());
-                let z = (radius * radius - r * r).max(0.0).sqrt();
-                ([r * turn.cos(), r * turn.sin(), z], [0.0, 0.0, -1.0])
-            }
-            Self::Uniform => {
-                let normal = random.direction();
-                // A cosine distribution is that of uniform points of a sphere which touches the surface
-                let other = random.direction();
-                let inward: [f64; 3] = std::array::from_fn(|i| other[i] - normal[i]);
-                let norm = dot(inward, inward).sqrt().max(f64::MIN_POSITIVE);
-                (normal.map(|x| x * radius), inward.map(|x| x / norm))
-            }
+            radiosity: std::array::from_fn(|i| ring(i).value * per_share),
+            error: std::array::from_fn(|i| ring(i).error * per_share),
+            share: tally.scattered().value,
         }
     }
 }
@@ -321,25 +258,4 @@ impl Passage {
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// S. Vigna's SplitMix64.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
-    }
-
-    fn direction(&mut self) -> [f64; 3] {
-        let z = 2.0 * self.next() - 1.0;
-        let (sin, cos) = (2.0 * PI * self.next()).sin_cos();
-        let r = (1.0 - z * z).sqrt();
-        [r * cos, r * sin, z]
-    }
 }

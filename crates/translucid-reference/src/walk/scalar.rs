@@ -12,29 +12,7 @@ use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 
 use super::{Exit, Parameters, PhaseFunction, PhotonCounts, Problem, Side};
 use crate::Entry;
-
-/// SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
-struct Random(u64);
-
-impl Random {
-    fn of_photon(seed: u64, index: u64) -> Self {
-        let mut random = Self(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
-        Self(random.next() ^ random.next().rotate_left(32))
-    }
-
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// Uniform in (0, 1).
-    fn uniform(&mut self) -> f64 {
-        ((self.next() >> 12) as f64 + 0.5) / 4_503_599_627_370_496.0
-    }
-}
+use crate::split_mix::SplitMix;
 
 type Vector = [f64; 3];
 
@@ -48,7 +26,7 @@ pub(crate) fn trace_scalar(
 ) -> PhotonCounts {
     let mut counts = PhotonCounts::default();
     for index in photons {
-        let mut random = Random::of_photon(seed, index);
+        let mut random = SplitMix::of_photon(seed, index);
         let (exit, collisions) = walk(problem.parameters(), reference_albedo, &mut random);
         counts.launched += 1;
         counts.collisions += collisions;
@@ -61,7 +39,7 @@ pub(crate) fn trace_scalar(
 }
 
 /// One photon, until it is out or absorbed.
-fn walk(parameters: &Parameters, albedo: f64, random: &mut Random) -> (Option<Exit>, u64) {
+fn walk(parameters: &Parameters, albedo: f64, random: &mut SplitMix) -> (Option<Exit>, u64) {
     let mut position = point_of_entry(parameters, random);
     let mut direction = direction_of_entry(parameters, random);
     for order in 0u32.. {
@@ -79,13 +57,13 @@ fn walk(parameters: &Parameters, albedo: f64, random: &mut Random) -> (Option<Ex
     (None, u64::from(u32::MAX))
 }
 
-fn point_of_entry(parameters: &Parameters, random: &mut Random) -> Vector {
+fn point_of_entry(parameters: &Parameters, random: &mut SplitMix) -> Vector {
     let radius = parameters.spot_radius * random.uniform().sqrt();
     let azimuth = TAU * random.uniform();
     [radius * azimuth.cos(), radius * azimuth.sin(), 0.0]
 }
 
-fn direction_of_entry(parameters: &Parameters, random: &mut Random) -> Vector {
+fn direction_of_entry(parameters: &Parameters, random: &mut SplitMix) -> Vector {
     let eta = parameters.eta;
     let (sine, azimuth) = match parameters.entry {
         Entry::Pencil { cos_theta } => ((1.0 - cos_theta * cos_theta).sqrt() / eta, 0.0),
@@ -108,7 +86,7 @@ fn fly(
     parameters: &Parameters,
     position: &mut Vector,
     direction: &mut Vector,
-    random: &mut Random,
+    random: &mut SplitMix,
 ) -> Option<Side> {
     let mut flight = -random.uniform().ln();
     loop {
@@ -135,7 +113,7 @@ fn fly(
 }
 
 /// The cosine of a deflection.
-fn deflection(phase_function: PhaseFunction, random: &mut Random) -> f64 {
+fn deflection(phase_function: PhaseFunction, random: &mut SplitMix) -> f64 {
     match phase_function {
         PhaseFunction::HenyeyGreenstein { g: 0.0 } => 2.0 * random.uniform() - 1.0,
         PhaseFunction::HenyeyGreenstein { g } => {

@@ -1,0 +1,159 @@
+//! Bodies that a ray can leave at one place only: convex ones.
+
+use std::f64::consts::{PI, TAU};
+
+use translucid_profile::{ParameterError, fresnel_from_outside};
+
+use super::Light;
+use super::photon::{Ray, Vector, across, dot};
+use crate::split_mix::SplitMix;
+
+/// Rings of equal area into which a sphere is divided, from the one that faces a distant light to the one behind.
+pub const SPHERE_RINGS: usize = 10;
+
+/// A convex body; lengths in mean free paths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Shape {
+    /// A sphere. Its parts are [`SPHERE_RINGS`] rings.
+    Sphere {
+        /// Radius, greater than 0 and finite.
+        radius: f64,
+    },
+    /// Two parallel planes. Its parts are the face where light enters, and the other.
+    Slab {
+        /// Distance of the planes, greater than 0 and finite.
+        thickness: f64,
+    },
+    /// Two half planes that meet in an infinite edge. Its parts are the face where light enters, and the other.
+    Wedge {
+        /// Angle between the faces, inside, in (0, π).
+        angle: f64,
+        /// Distance of the point where light enters from the edge, greater than 0 and finite.
+        distance: f64,
+    },
+}
+
+/// Where a flight leads out of a body.
+pub(super) struct Wall {
+    /// Length of the flight, at least 0.
+    pub(super) distance: f64,
+    /// Part of the surface.
+    pub(super) part: usize,
+    /// Unit normal that points inside.
+    pub(super) inward: Vector,
+}
+
+impl Shape {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let positive = |name, value: f64| {
+            let holds = value > 0.0 && value.is_finite();
+            if holds { Ok(()) } else { Err(ParameterError::new(name, value, "greater than 0 and finite")) }
+        };
+        match *self {
+            Self::Sphere { radius } => positive("radius", radius),
+            Self::Slab { thickness } => positive("thickness", thickness),
+            Self::Wedge { angle, distance } => {
+                if !(angle > 0.0 && angle < PI) {
+                    return Err(ParameterError::new("angle", angle, "in (0, π)"));
+                }
+                positive("distance", distance)
+            }
+        }
+    }
+
+    /// Whether light leaves after finitely many collisions on average, though none absorbs it.
+    pub(super) fn is_finite(&self) -> bool {
+        !matches!(self, Self::Wedge { .. })
+    }
+
+    /// Number of parts of the surface.
+    pub fn parts(&self) -> usize {
+        match self {
+            Self::Sphere { .. } => SPHERE_RINGS,
+            Self::Slab { .. } | Self::Wedge { .. } => 2,
+        }
+    }
+
+    /// The surface that a ray inside meets; `None` where it meets none.
+    pub(super) fn wall(&self, ray: &Ray) -> Option<Wall> {
+        let Ray { position, direction } = *ray;
+        match *self {
+            Self::Sphere { radius } => {
+                let along = dot(position, direction);
+                let squared = along * along + radius * radius - dot(position, position);
+                let distance = (squared.max(0.0).sqrt() - along).max(0.0);
+                let inward: Vector =
+                    std::array::from_fn(|i| -(position[i] + distance * direction[i]) / radius);
+                let share = 0.5 * (1.0 + inward[2]);
+                let part = ((share * SPHERE_RINGS as f64) as usize).min(SPHERE_RINGS - 1);
+                Some(Wall { distance, part, inward })
+            }
+            Self::Slab { thickness } => {
+                let planes = [([0.0, 0.0, 1.0], 0.0), ([0.0, 0.0, -1.0], -thickness)];
+                nearest(planes, position, direction)
+            }
+            Self::Wedge { angle, .. } => {
+                let planes = [([0.0, 0.0, 1.0], 0.0), ([angle.sin(), 0.0, -angle.cos()], 0.0)];
+                nearest(planes, position, direction)
+            }
+        }
+    }
+
+    /// Draws the ray along which light enters, already refracted.
+    pub(super) fn entry(&self, light: Light, eta: f64, random: &mut SplitMix) -> Ray {
+        loop {
+            let (position, inward, cosine, azimuth) = self.arrival(light, random);
+            if random.uniform() >= fresnel_from_outside(cosine, eta) {
+                let sine = (1.0 - cosine * cosine).max(0.0).sqrt() / eta;
+                return Ray {
+                    position,
+                    direction: across(inward, (1.0 - sine * sine).max(0.0).sqrt(), azimuth),
+                };
+            }
+        }
+    }
+
+    /// Where light arrives, the inward normal there, and the direction outside about it.
+    fn arrival(&self, light: Light, random: &mut SplitMix) -> (Vector, Vector, f64, f64) {
+        let up = [0.0, 0.0, 1.0];
+        let toward = |random: &mut SplitMix| match light {
+            Light::Uniform => (random.uniform().sqrt(), TAU * random.uniform()),
+            Light::Distant => (1.0, 0.0),
+        };
+        match *self {
+            Self::Sphere { radius } => {
+                // Lit all over, or like a disc that faces the light
+                let outward_z: f64 = match light {
+                    Light::Uniform => 2.0 * random.uniform() - 1.0,
+                    Light::Distant => random.uniform().sqrt(),
+                };
+                let outward = across(up, outward_z, TAU * random.uniform());
+                let inward = outward.map(|x| -x);
+                // Parallel light goes down along z, whatever the normal: about which `across` has azimuth 0 there
+                let (cosine, azimuth) = match light {
+                    Light::Uniform => toward(random),
+                    Light::Distant => (outward_z, 0.0),
+                };
+                (outward.map(|x| x * radius), inward, cosine, azimuth)
+            }
+            Self::Slab { .. } => {
+                let (cosine, azimuth) = toward(random);
+                ([0.0; 3], up, cosine, azimuth)
+            }
+            Self::Wedge { distance, .. } => {
+                let (cosine, azimuth) = toward(random);
+                ([distance, 0.0, 0.0], up, cosine, azimuth)
+            }
+        }
+    }
+}
+
+/// The nearer of two planes n·x = offset, with inside where n·x is greater.
+fn nearest(planes: [(Vector, f64); 2], position: Vector, direction: Vector) -> Option<Wall> {
+    let walls = planes.iter().enumerate().filter_map(|(part, &(inward, offset))| {
+        let approach = -dot(inward, direction);
+        let distance = ((dot(inward, position) - offset) / approach).max(0.0);
+        (approach > 0.0).then_some(Wall { distance, part, inward })
+    });
+    walls.min_by(|a, b| a.distance.total_cmp(&b.distance))
+}
