@@ -50,6 +50,12 @@ impl Outputs {
         Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
     }
 
+    /// Both images in a directory.
+    pub(crate) fn in_directory(directory: &Path, stem: &str) -> Self {
+        let file = |end: &str| directory.join(format!("{stem}{end}"));
+        Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
+    }
+
     /// The image files.
     pub(crate) fn images(&self) -> impl Iterator<Item = &Path> {
         self.exr.iter().map(PathBuf::as_path).chain([self.png.as_path()])
@@ -62,9 +68,7 @@ impl Outputs {
 
     /// Refuses to write over a file that the scene was read from, whatever paths both go by.
     pub(crate) fn spare<'a>(&self, inputs: impl Iterator<Item = &'a Path>) -> Result<(), OutputError> {
-        let inputs: Vec<PathBuf> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
-        let is_input = |path: &Path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path));
-        match self.images().chain([self.checkpoint.as_path()]).find(|path| is_input(path)) {
+        match input_among(self.images().chain([self.checkpoint.as_path()]), inputs) {
             Some(path) => {
                 let message = "is a file that the scene is read from, and would be written over";
                 Err(OutputError::new(path, message).with_help("name another picture with -o FILE"))
@@ -99,12 +103,31 @@ impl Outputs {
     }
 }
 
+/// The first of some files that is one of the inputs, whatever paths both go by.
+pub(crate) fn input_among<'a, 'b>(
+    mut files: impl Iterator<Item = &'b Path>,
+    inputs: impl Iterator<Item = &'a Path>,
+) -> Option<&'b Path> {
+    let inputs: Vec<PathBuf> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
+    files.find(|path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path)))
+}
+
 /// Whether a file says at its start, where images keep their notes, that this program has made it.
-fn is_own(path: &Path) -> bool {
+pub(crate) fn is_own(path: &Path) -> bool {
     const NAME: &[u8] = b"translucid";
     let mut start = Vec::new();
     let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut start));
     read.is_ok() && start.windows(NAME.len()).any(|bytes| bytes == NAME)
+}
+
+/// Whether a page says that this program has made it, with a title that begins so.
+pub(crate) fn is_own_page(page: &Path, title: &str) -> bool {
+    const GENERATOR: &str = "name=\"generator\" content=\"translucid\"";
+    const START: u64 = 4096;
+    let mut start = Vec::new();
+    let read = fs::File::open(page).and_then(|file| file.take(START).read_to_end(&mut start));
+    let start = String::from_utf8_lossy(&start);
+    read.is_ok() && start.contains(GENERATOR) && start.contains(&format!("<title>{title}"))
 }
 
 #[cfg(test)]

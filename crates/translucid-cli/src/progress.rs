@@ -33,6 +33,8 @@ pub(crate) struct Meter {
     done_before: u64,
     /// When the time is up, if it is limited.
     deadline: Option<Instant>,
+    /// What is being worked at, with a colon; empty where there is one thing only.
+    name: String,
     display: Display,
 }
 
@@ -45,7 +47,19 @@ enum Display {
 impl Meter {
     /// A meter that shows nothing.
     pub(crate) fn quiet(unit: Unit, done_before: u64, deadline: Option<Instant>) -> Self {
-        Self { unit, start: Instant::now(), done_before, deadline, display: Display::Quiet }
+        Self {
+            unit,
+            start: Instant::now(),
+            done_before,
+            deadline,
+            name: String::new(),
+            display: Display::Quiet,
+        }
+    }
+
+    /// The meter with the name of what is being worked at before everything it shows.
+    pub(crate) fn named(self, name: &str) -> Self {
+        Self { name: format!("{name}: "), ..self }
     }
 
     /// A meter that draws a bar on a terminal and prints lines elsewhere.
@@ -73,7 +87,7 @@ impl Meter {
             Display::Bar(bar) => {
                 let state = self.state(done, total);
                 bar.set_position((state.fraction * STEPS as f64) as u64);
-                bar.set_message(state.text(self.unit));
+                bar.set_message(format!("{}{}", self.name, state.text(self.unit)));
             }
             Display::Lines { next } => {
                 // Another thread that is printing has just said the same.
@@ -82,7 +96,8 @@ impl Meter {
                 if now >= *next {
                     *next = now + LINE_INTERVAL;
                     let state = self.state(done, total);
-                    messages::line(&format!("{:3.0} % {}", 100.0 * state.fraction, state.text(self.unit)));
+                    let (name, percent) = (&self.name, 100.0 * state.fraction);
+                    messages::line(&format!("{name}{percent:3.0} % {}", state.text(self.unit)));
                 }
             }
         }

@@ -1,11 +1,13 @@
-//! `translucid render`: a scene or mesh becomes a picture.
+//! `translucid render`: a scene or mesh becomes a picture, or one of each of several models.
+
+mod side_by_side;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_scene::{LoadOptions, Scene, Unit, load_scene, still_life};
+use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, Warning, load_scene, still_life};
 
 use crate::failure::Failure;
 use crate::model::ModelName;
@@ -22,11 +24,22 @@ Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only th
 Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it.
 --resume goes on from there; the result is the same as if nothing had happened.
 
+Several models after --subsurface render the scene with each and write to a directory, -o DIR:
+  MODEL.exr, MODEL.png   the picture with each MODEL; same seed and samples, --time is for each
+  MODEL-flip.png         what a viewer sees who flips between it and the judge (ꟻLIP), from black to nearly white
+  MODEL-difference.png   darker (blue) or brighter (orange) than the judge, white where there is no difference
+  sheet.png, index.html  all of them side by side with times and errors; neither needs another file
+  errors.csv             model, against, samples, seconds, cpu_seconds, relative_mse, noise, mean_flip, max_flip
+                         relative_mse: mean of (x - ref)^2 / (ref^2 + 0.01) over channels and pixels that are not
+                         background; noise: how much of it is noise, estimated from halves of the samples and
+                         rather too high; empty where unknown.
+
 Examples:
   translucid render
   translucid render bust.glb --preset marble --unit mm -o bust.exr
   translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
   translucid render scene.toml --time 60
+  translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
   translucid render --preset list";
 
 /// Renders a scene file or a mesh; without one the built-in still life
@@ -36,8 +49,9 @@ pub(crate) struct Arguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply)
     #[arg(value_name = "SCENE|MESH")]
     scene: Option<PathBuf>,
-    /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]
-    #[arg(short, long, value_name = "FILE")]
+    /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]; with several
+    /// models a directory [default: the scene's name and -side-by-side]
+    #[arg(short, long, value_name = "FILE|DIR")]
     output: Option<PathBuf>,
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
@@ -57,9 +71,12 @@ pub(crate) struct Arguments {
     /// Go on from the checkpoint of an unfinished rendering, and keep one at the end
     #[arg(long)]
     resume: bool,
-    /// Model of the transport under all surfaces, in place of the scene's
+    /// Model of the transport under all surfaces, in place of the scene's; several are rendered side by side
+    #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
+    subsurface: Vec<ModelName>,
+    /// The model that the others are compared with [default: random-walk or else exact, if among them, else the first]
     #[arg(long, value_name = "MODEL")]
-    subsurface: Option<ModelName>,
+    against: Option<ModelName>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
@@ -103,13 +120,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.preset.as_deref() == Some("list") {
         return print_presets();
     }
+    let models = models(arguments)?;
+    if models.len() > 1 {
+        return side_by_side::run(arguments, &models);
+    }
+    if arguments.against.is_some() {
+        let help = "name several: --subsurface MODEL,MODEL,...";
+        return Err(
+            Failure::input("--against compares models, but --subsurface has fewer than two").with_help(help)
+        );
+    }
     let outputs = outputs(arguments)?;
     outputs.check()?;
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
     let start = Instant::now();
-    let scene = scene(arguments)?;
+    let (scene, warnings) = scene(arguments, models.first().copied())?;
+    messages::print_warnings(&warnings);
     outputs.spare(inputs(arguments, &scene))?;
     if arguments.verbose {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
@@ -120,7 +148,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    require_memory(&scene)?;
+    require_memory(&scene, session::BYTES_PER_PIXEL)?;
     session::render(
         scene,
         &Session {
@@ -131,19 +159,24 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             resume: arguments.resume,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
+            part: None,
         },
     )
+    .map(drop)
 }
 
-/// The scene with the options' changes, its warnings printed.
-fn scene(arguments: &Arguments) -> Result<Scene, Failure> {
-    let options = load_options(arguments)?;
+/// The models that the options name.
+fn models(arguments: &Arguments) -> Result<Vec<SubsurfaceModel>, Failure> {
+    arguments.subsurface.iter().map(|model| model.available()).collect()
+}
+
+/// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.
+fn scene(arguments: &Arguments, model: Option<SubsurfaceModel>) -> Result<(Scene, Vec<Warning>), Failure> {
+    let options = load_options(arguments, model);
+    let mut warnings = Vec::new();
     let mut scene = match &arguments.scene {
         Some(path) => {
-            let mut warnings = Vec::new();
-            let scene = load_scene(path, &options, &mut warnings);
-            messages::print_warnings(&warnings);
-            scene?
+            load_scene(path, &options, &mut warnings).inspect_err(|_| messages::print_warnings(&warnings))?
         }
         None => built_in(arguments, &options)?,
     };
@@ -155,7 +188,7 @@ fn scene(arguments: &Arguments) -> Result<Scene, Failure> {
         (None, Some(_)) => MAX_SAMPLES,
         (None, None) => scene.integrator.samples_per_pixel,
     };
-    Ok(scene)
+    Ok((scene, warnings))
 }
 
 /// The still life, with what of the options applies to it.
@@ -172,14 +205,14 @@ fn built_in(arguments: &Arguments, options: &LoadOptions) -> Result<Scene, Failu
     Ok(still_life(options)?)
 }
 
-fn load_options(arguments: &Arguments) -> Result<LoadOptions, Failure> {
-    Ok(LoadOptions {
+fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOptions {
+    LoadOptions {
         preset: arguments.preset.clone(),
         unit: arguments.unit.map(Unit::from),
         mesh_overrides: arguments.mesh.clone(),
         size: arguments.size,
-        subsurface_model: arguments.subsurface.map(ModelName::available).transpose()?,
-    })
+        subsurface_model: model,
+    }
 }
 
 /// The files that a picture of the scene must not replace.
@@ -206,9 +239,9 @@ fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
 }
 
 /// Refuses a picture that does not fit into memory: the system would end the process without a word.
-fn require_memory(scene: &Scene) -> Result<(), Failure> {
+fn require_memory(scene: &Scene, bytes_per_pixel: u64) -> Result<(), Failure> {
     let (width, height) = (scene.film.width, scene.film.height);
-    let needed = u64::from(width) * u64::from(height) * session::BYTES_PER_PIXEL;
+    let needed = u64::from(width) * u64::from(height) * bytes_per_pixel;
     match machine::available_memory() {
         Some(available) if needed > available => {
             let [needed, available] = [needed, available].map(|bytes| bytes as f64 / f64::from(1 << 30));

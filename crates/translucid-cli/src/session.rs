@@ -1,6 +1,7 @@
 //! A rendering from start to end: threads, checkpoints, Ctrl-C, files.
 
 use std::fs;
+use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use translucid_render::{
@@ -36,10 +37,38 @@ pub(crate) struct Session {
     pub(crate) quiet: bool,
     /// Whether to print what takes how long.
     pub(crate) verbose: bool,
+    /// What is different where several renderings belong together.
+    pub(crate) part: Option<Part>,
+}
+
+/// One of several renderings that belong together.
+///
+/// It keeps its checkpoint, so that all can go on where one was interrupted, and its time limit holds for all runs
+/// together, so that they stay comparable.
+#[derive(Debug)]
+pub(crate) struct Part {
+    /// What to call it while it goes on.
+    pub(crate) label: String,
+    /// Where the film with the first half of the samples is kept, for those who go on in the second.
+    pub(crate) first_half: PathBuf,
+}
+
+/// What a rendering has come to; its images are written.
+pub(crate) struct Rendering {
+    /// The sums of all samples.
+    pub(crate) film: FilmSums,
+    /// The same as they were after half of the samples, if that is known and was asked for.
+    pub(crate) first_half: Option<FilmSums>,
+    /// Whether every pixel has its samples.
+    pub(crate) is_finished: bool,
+    /// Time spent rendering in all runs \[s\].
+    pub(crate) seconds: f64,
+    /// CPU time of all threads \[s\]; none where it is not known, or an earlier run had a part in it.
+    pub(crate) cpu_seconds: Option<f64>,
 }
 
 /// Renders a scene and writes its files.
-pub(crate) fn render(scene: Scene, session: &Session) -> Result<(), Failure> {
+pub(crate) fn render(scene: Scene, session: &Session) -> Result<Rendering, Failure> {
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(session.threads)
         .build()
@@ -65,6 +94,8 @@ struct Work<'a> {
     /// Of scene and settings.
     fingerprint: u64,
     film: FilmSums,
+    /// The film after half of its samples, for a part of several renderings.
+    first_half: Option<FilmSums>,
     /// Seconds that earlier runs spent.
     seconds_before: f64,
 }
@@ -78,24 +109,51 @@ impl<'a> Work<'a> {
             Some((film, info)) => (film, info.elapsed_seconds),
             None => (FilmSums::new(size.width, size.height), 0.0),
         };
-        Ok(Self { renderer, session, fingerprint, film, seconds_before })
+        let mut work = Self { renderer, session, fingerprint, film, first_half: None, seconds_before };
+        work.first_half = work.load_first_half();
+        Ok(work)
+    }
+
+    /// Number of samples after which the film is kept as its first half; none where there is no use for it.
+    fn half(&self) -> Option<u32> {
+        let samples = self.renderer.scene().integrator.samples_per_pixel;
+        // Without a goal of its own, work that ends with the time has no middle
+        (self.session.part.is_some() && self.session.limit.is_none() && samples > 1).then_some(samples / 2)
+    }
+
+    /// The first half that an earlier run has left, where this one begins beyond it.
+    fn load_first_half(&self) -> Option<FilmSums> {
+        let (part, half) = self.session.part.as_ref().zip(self.half())?;
+        let is_beyond = self.film.tiles.iter().any(|tile| tile.samples > half);
+        // Without it only the estimate of the noise is missing
+        let (film, _) =
+            is_beyond.then(|| load_checkpoint(&part.first_half, self.fingerprint).ok()).flatten()?;
+        film.tiles.iter().all(|tile| tile.samples == half).then_some(film)
     }
 
     /// Renders until the goal, the time limit or Ctrl-C, then writes the files.
-    fn finish(mut self) -> Result<(), Failure> {
+    fn finish(mut self) -> Result<Rendering, Failure> {
         let cpu_before = machine::cpu_seconds();
         let paths_before = self.paths();
-        let deadline = self.session.limit.and_then(|limit| Instant::now().checked_add(limit));
-        let meter = if self.session.quiet {
+        let deadline = self.limit().and_then(|limit| Instant::now().checked_add(limit));
+        let mut meter = if self.session.quiet {
             Meter::quiet(Unit::Samples, paths_before, deadline)
         } else {
             Meter::new(Unit::Samples, paths_before, deadline)
         };
-        let outcome = self.render_in_slices(&meter, deadline);
+        if let Some(part) = &self.session.part {
+            meter = meter.named(&part.label);
+        }
+        let outcome = self.render_to_the_end(&meter, deadline);
         let seconds = meter.elapsed().as_secs_f64();
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
         let outcome = outcome?;
+        if self.paths() == 0 && self.session.part.is_some() && outcome == Outcome::Interrupted {
+            return Err(Failure::Interrupted {
+                help: String::from("repeat the command with --resume to go on"),
+            });
+        }
         if self.paths() == 0 {
             // An empty picture must not take the place of one that may be there.
             let message = "the rendering ended before its first samples, so nothing was written";
@@ -112,12 +170,49 @@ impl<'a> Work<'a> {
             let help = format!("repeat the command with --resume to go on from {checkpoint}");
             return Err(Failure::Interrupted { help });
         }
-        Ok(())
+        Ok(Rendering {
+            is_finished: outcome == Outcome::Finished,
+            seconds: self.seconds_before + seconds,
+            cpu_seconds: cpu_seconds.filter(|_| self.seconds_before == 0.0),
+            film: self.film,
+            first_half: self.first_half,
+        })
     }
 
-    /// Renders with a checkpoint now and then.
-    fn render_in_slices(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
+    /// How long this run may take.
+    fn limit(&self) -> Option<Duration> {
+        let before = if self.session.part.is_some() { self.seconds_before } else { 0.0 };
+        let limit = self.session.limit?;
+        Some(
+            Duration::try_from_secs_f64(before).map_or(Duration::ZERO, |before| limit.saturating_sub(before)),
+        )
+    }
+
+    /// Renders until the goal, by way of the first half where that is to be kept.
+    fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
         let samples = self.renderer.scene().integrator.samples_per_pixel;
+        if let (Some(part), Some(half)) = (&self.session.part, self.half())
+            && self.film.tiles.iter().all(|tile| tile.samples <= half)
+        {
+            let outcome = self.render_in_slices(half, meter, deadline)?;
+            if outcome != Outcome::Finished {
+                return Ok(outcome);
+            }
+            let info = self.checkpoint_info(meter.elapsed().as_secs_f64());
+            save_checkpoint(&part.first_half, &self.film, &info).map_err(Failure::late)?;
+            self.first_half = Some(self.film.clone());
+        }
+        self.render_in_slices(samples, meter, deadline)
+    }
+
+    /// Renders until a number of samples with a checkpoint now and then.
+    fn render_in_slices(
+        &mut self,
+        samples: u32,
+        meter: &Meter,
+        deadline: Option<Instant>,
+    ) -> Result<Outcome, Failure> {
+        let total = u64::from(self.renderer.scene().integrator.samples_per_pixel) * self.pixels();
         loop {
             let slice = Instant::now() + CHECKPOINT_INTERVAL;
             let goal =
@@ -125,7 +220,7 @@ impl<'a> Work<'a> {
             let outcome = self.renderer.render(
                 &mut self.film,
                 goal,
-                &|progress| meter.update(progress.samples_done, progress.samples_total),
+                &|progress| meter.update(progress.samples_done, total),
                 &interrupt::STOP,
             );
             let time_is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
@@ -138,7 +233,7 @@ impl<'a> Work<'a> {
 
     /// Keeps the state where there is something to go on with, else removes what an earlier slice left.
     fn settle_checkpoint(&self, outcome: Outcome, seconds: f64) -> Result<(), Failure> {
-        if outcome != Outcome::Finished || self.session.resume {
+        if outcome != Outcome::Finished || self.session.resume || self.session.part.is_some() {
             return self.save_checkpoint(seconds);
         }
         // It is not there when the rendering was short.
@@ -147,12 +242,16 @@ impl<'a> Work<'a> {
     }
 
     fn save_checkpoint(&self, seconds: f64) -> Result<(), Failure> {
-        let info = CheckpointInfo {
+        let info = self.checkpoint_info(seconds);
+        save_checkpoint(&self.session.outputs.checkpoint, &self.film, &info).map_err(Failure::late)
+    }
+
+    fn checkpoint_info(&self, seconds: f64) -> CheckpointInfo {
+        CheckpointInfo {
             fingerprint: self.fingerprint,
             seed: self.renderer.scene().integrator.seed,
             elapsed_seconds: self.seconds_before + seconds,
-        };
-        save_checkpoint(&self.session.outputs.checkpoint, &self.film, &info).map_err(Failure::late)
+        }
     }
 
     fn write_images(&self, seconds: f64) -> Result<(), Failure> {
@@ -167,6 +266,10 @@ impl<'a> Work<'a> {
         self.session.outputs.write(&self.film, &scene.film, &info).map_err(Failure::late)
     }
 
+    fn pixels(&self) -> u64 {
+        u64::from(self.film.width) * u64::from(self.film.height)
+    }
+
     /// Camera paths in the film.
     fn paths(&self) -> u64 {
         self.film.tiles.iter().map(|tile| u64::from(tile.samples) * tile.pixels.len() as u64).sum()
@@ -174,8 +277,9 @@ impl<'a> Work<'a> {
 
     fn print_summary(&self, seconds: f64, cpu_seconds: Option<f64>, paths: u64) {
         let FilmSums { width, height, .. } = self.film;
+        let label = self.session.part.as_ref().map_or_else(String::new, |part| format!("{}: ", part.label));
         let mut text = format!(
-            "{} samples per pixel at {width}x{height} in {}",
+            "{label}{} samples per pixel at {width}x{height} in {}",
             self.film.samples(),
             duration(seconds + self.seconds_before)
         );
@@ -193,7 +297,7 @@ impl<'a> Work<'a> {
         let files: Vec<String> =
             self.session.outputs.images().map(|path| path.display().to_string()).collect();
         messages::line(&format!("wrote {}", files.join(" and ")));
-        if self.session.outputs.checkpoint.exists() {
+        if self.session.part.is_none() && self.session.outputs.checkpoint.exists() {
             messages::line(&format!("kept {}", self.session.outputs.checkpoint.display()));
         }
     }

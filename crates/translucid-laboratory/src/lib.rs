@@ -1,4 +1,4 @@
-//! Comparisons of reflectance profiles, drawn as figures and laid out as pages.
+//! Comparisons of reflectance profiles and of rendered pictures, drawn as figures and laid out as pages.
 //!
 //! - [`comparison`]: the numbers, of every model against the exact solution.
 //! - [`figures`]: the charts, tables and the page of a comparison.
@@ -6,8 +6,9 @@
 //!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV, HTML or Markdown.
+//! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`residual_chart`]: what fits to a table leave over.
-//! - [`Page`]: text, charts and tables as one HTML file that needs nothing else.
+//! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
 //! ```
 //! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series, Theme};
@@ -40,6 +41,8 @@ mod markup;
 #[cfg(doctest)]
 mod model_pages;
 mod page;
+pub mod picture;
+mod plate;
 mod random;
 mod residuals;
 mod theme;
@@ -49,6 +52,7 @@ pub use chart::{Chart, ChartError, Mark, Series};
 pub use data_table::{Cell, DataTable};
 pub use ink::Ink;
 pub use page::{Block, Page, Section};
+pub use plate::Plate;
 pub use random::random;
 pub use residuals::{ResidualScale, Residuals, residual_chart};
 pub use theme::Theme;

@@ -1,10 +1,11 @@
-//! A page of text, charts and tables.
+//! A page of text, charts, pictures and tables.
 
 use std::collections::HashSet;
 
 use crate::chart::Chart;
 use crate::data_table::DataTable;
 use crate::markup::{escape, identifier, link};
+use crate::plate::Plate;
 use crate::theme::{Shade, Theme};
 
 /// A piece of a section.
@@ -16,6 +17,8 @@ pub enum Block {
     Chart(Chart),
     /// A table with its caption.
     Table(DataTable),
+    /// Pictures beside each other.
+    Plates(Vec<Plate>),
 }
 
 /// A part of a page under one title.
@@ -62,7 +65,7 @@ impl Page {
 
     /// The page as one HTML file that needs nothing else: no script, no font, no network.
     ///
-    /// Charts are inside as SVG; they and the text turn dark where the reader's system is, and light in print.
+    /// Charts are inside as SVG, pictures as PNG; charts and the text turn dark where the reader's system is, and light in print.
     /// Below each stand links to its files, NAME.svg, NAME.png and NAME.csv, and below a table to NAME.csv; they
     /// are expected beside the page.
     /// The text is XML, too.
@@ -117,6 +120,10 @@ struct Counts {
 fn part(block: &Block, ids: &mut HashSet<String>, counts: &mut Counts) -> (String, String, String) {
     match block {
         Block::Text(text) => (String::new(), String::new(), paragraph(text)),
+        Block::Plates(plates) => {
+            let plates: String = plates.iter().map(Plate::html).collect();
+            (String::new(), String::new(), format!("<div class=\"plates\">\n{plates}</div>\n"))
+        }
         Block::Chart(chart) => {
             counts.figures += 1;
             let id = unique(ids, "figure", &chart.name);
@@ -209,6 +216,9 @@ figure{margin:1.5rem 0 2rem}
 figure svg{display:block;width:100%;max-width:52rem;height:auto}
 figcaption{max-width:46rem;margin-top:.4rem;font-size:.94rem}
 .files{font-size:.88rem;white-space:nowrap}
+.plates{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(22rem,100%),1fr));gap:0 1rem}
+.plates figure{margin:.75rem 0}
+.plates img{display:block;width:100%;height:auto}
 .table{margin:1.5rem 0 2rem}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-size:.92rem;font-variant-numeric:tabular-nums}
@@ -237,8 +247,16 @@ mod tests {
         };
         let mut table = DataTable::new("numbers", "Numbers > 0", &["word", "number"]);
         table.push(["a & b".into(), 1.0.into()]);
+        let plate = Plate {
+            file: String::from("a b.png"),
+            alternative: String::from("a \"ball\""),
+            caption: String::from("A <ball>."),
+            size: [4, 2],
+            png: b"\x89PNG".to_vec(),
+        };
         let blocks = vec![
             Block::Text(String::from("x < y")),
+            Block::Plates(vec![plate.clone(), plate]),
             Block::Chart(chart("one")),
             Block::Chart(chart("one")),
             Block::Table(table),
@@ -258,8 +276,11 @@ mod tests {
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..roxmltree::ParsingOptions::default() };
         let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
         let count = |name: &str| document.descendants().filter(|node| node.tag_name().name() == name).count();
-        assert_eq!([count("figure"), count("svg"), count("table"), count("section")], [2, 2, 1, 2]);
-        assert_eq!(count("script") + count("link") + count("img"), 0);
+        assert_eq!([count("figure"), count("svg"), count("table"), count("section")], [4, 2, 1, 2]);
+        assert_eq!(count("script") + count("link"), 0);
+        let images = document.descendants().filter(|node| node.has_tag_name("img"));
+        let sources: Vec<&str> = images.filter_map(|image| image.attribute("src")).collect();
+        assert_eq!(sources, ["data:image/png;base64,iVBORw=="; 2]);
 
         // Every id is there once, and every link within the page leads to one
         let ids: Vec<&str> = document.descendants().filter_map(|node| node.attribute("id")).collect();
@@ -269,10 +290,15 @@ mod tests {
         for link in &links {
             match link.strip_prefix('#') {
                 Some(id) => assert!(distinct.contains(id), "{link} leads nowhere"),
-                None => assert!(link.starts_with("one.") || *link == "numbers.csv", "{link}"),
+                None => {
+                    assert!(
+                        link.starts_with("one.") || ["numbers.csv", "a%20b.png"].contains(link),
+                        "{link}"
+                    );
+                }
             }
         }
-        assert_eq!(links.iter().filter(|link| !link.starts_with('#')).count(), 7);
+        assert_eq!(links.iter().filter(|link| !link.starts_with('#')).count(), 9);
     }
 
     #[test]

@@ -12,13 +12,14 @@ use translucid_render::{OutputError, check_writable, write_atomically};
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::outputs::is_own_page;
 
 /// The file that shows the others.
 pub(super) const PAGE: &str = "index.html";
 /// Names that another program may well have given its own files.
 const COMMON_NAMES: [&str; 3] = [PAGE, "errors.csv", "timing.csv"];
-/// Bytes at the start of a page that say where it comes from.
-const START: usize = 4096;
+/// What a comparison's page is called.
+const TITLE: &str = "Reflectance profiles compared";
 
 /// A directory to write to.
 pub(super) struct Output {
@@ -50,7 +51,7 @@ impl Output {
 
     /// Refuses to write over files that are not those of an earlier comparison.
     fn spare_others(&self) -> Result<(), Failure> {
-        if is_own(&self.directory.join(PAGE)) {
+        if is_own_page(&self.directory.join(PAGE), TITLE) {
             return Ok(());
         }
         match COMMON_NAMES.iter().map(|name| self.directory.join(name)).find(|path| path.exists()) {
@@ -79,16 +80,6 @@ impl Output {
         Ok(())
     }
 }
-
-/// Whether a page says that this program has made it.
-fn is_own(page: &Path) -> bool {
-    let content = fs::read(page).unwrap_or_default();
-    let start = &content[..content.len().min(START)];
-    start.windows(GENERATOR.len()).any(|bytes| bytes == GENERATOR)
-}
-
-/// What a page of this program says.
-const GENERATOR: &[u8] = b"name=\"generator\" content=\"translucid\"";
 
 /// Draws everything: the page, three files a chart, one a table.
 pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<File>, Failure> {

@@ -1,4 +1,4 @@
-//! A bitmap with another one in it.
+//! A bitmap with others in it.
 
 use std::io::Cursor;
 
@@ -18,14 +18,15 @@ pub(crate) fn with_upright(picture: &[u8], lying: &[u8], at: [f64; 2]) -> Result
 }
 
 /// Rows of red, green, blue and opacity.
-struct Bitmap {
+pub(crate) struct Bitmap {
     width: usize,
     height: usize,
     pixels: Vec<u8>,
 }
 
 impl Bitmap {
-    fn read(bytes: &[u8]) -> Result<Self, String> {
+    /// Reads a picture as kuva writes them.
+    pub(crate) fn read(bytes: &[u8]) -> Result<Self, String> {
         let mut reader =
             png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| error.to_string())?;
         let mut pixels = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
@@ -35,6 +36,33 @@ impl Bitmap {
         }
         pixels.truncate(frame.buffer_size());
         Ok(Self { width: frame.width as usize, height: frame.height as usize, pixels })
+    }
+
+    /// Width and height.
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.width, self.height]
+    }
+
+    /// Sets pixels, row by row in a rectangle of a width with its upper left corner at a place; what is outside is
+    /// left out.
+    pub(crate) fn paste(
+        &mut self,
+        [left, top]: [usize; 2],
+        width: usize,
+        codes: impl Iterator<Item = [u8; 3]>,
+    ) {
+        for (i, code) in codes.enumerate() {
+            let (x, y) = (left + i % width, top + i / width);
+            if x < self.width && y < self.height {
+                let at = 4 * (y * self.width + x);
+                self.pixels[at..at + 3].copy_from_slice(&code);
+            }
+        }
+    }
+
+    /// The pixels' red, green and blue.
+    pub(crate) fn opaque(&self) -> Vec<u8> {
+        self.pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect()
     }
 
     /// Writes the opaque picture, with the size on paper that the SVG has.
@@ -52,9 +80,11 @@ impl Bitmap {
             yppu: PER_METER,
             unit: png::Unit::Meter,
         }));
-        let opaque: Vec<u8> = self.pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect();
         let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-        writer.write_image_data(&opaque).and_then(|()| writer.finish()).map_err(|error| error.to_string())?;
+        writer
+            .write_image_data(&self.opaque())
+            .and_then(|()| writer.finish())
+            .map_err(|error| error.to_string())?;
         Ok(bytes)
     }
 }

@@ -3,13 +3,13 @@
 //! kuva has the bitmaps, their fonts and the SVG; where things go is decided here, so that the figures of a page have
 //! one size and one look, and a curve is cut off at the edge of its plot in bitmaps, too.
 
-mod bitmap;
-mod canvas;
+pub(crate) mod bitmap;
+pub(crate) mod canvas;
 mod legend;
 mod marks;
 mod polyline;
 mod span;
-mod text;
+pub(crate) mod text;
 mod ticks;
 mod words;
 

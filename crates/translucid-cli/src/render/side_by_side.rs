@@ -1,0 +1,200 @@
+//! One scene with each of several models: pictures, their differences, a sheet, a table and a page.
+
+mod directory;
+mod report;
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+
+use translucid_laboratory::picture::{Picture, PicturePixel};
+use translucid_render::{FilmSums, display_from_linear, layer};
+use translucid_scene::{Film, Scene, SubsurfaceModel};
+
+use super::{Arguments, inputs, require_memory, scene, scene_name};
+use crate::failure::Failure;
+use crate::model::ModelName;
+use crate::session::{self, Part, Rendering, Session};
+use crate::{interrupt, messages};
+use directory::Directory;
+use report::{Entry, Report};
+
+/// Most models of one sheet.
+const MOST_MODELS: usize = 16;
+/// Most pixels of a picture: what the perceptual difference takes.
+const MOST_PIXELS: u64 = 1 << 24;
+/// Models that know better than others, the best first.
+const JUDGES: [&str; 2] = ["random-walk", "exact"];
+/// Memory that a pixel of a picture takes while the others are rendered.
+const BYTES_PER_PICTURE_PIXEL: u64 = 48;
+
+/// Renders the scene with each of the models, which are two or more, and writes what tells them apart.
+pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(), Failure> {
+    require_distinct(models)?;
+    let judge = judge(models, arguments.against)?;
+    let path = directory_path(arguments)?;
+    let (first, warnings) = scene(arguments, models.first().copied())?;
+    messages::print_warnings(&warnings);
+    require_size(&first, models.len())?;
+    let directory = Directory::prepare(&path, models)?;
+    let result = directory.spare(inputs(arguments, &first)).and_then(|()| {
+        let entries = render_all(arguments, models, first, &directory)?;
+        write(arguments, &directory, entries, judge)
+    });
+    result.inspect_err(|_| directory.abandon())
+}
+
+/// Refuses a model that is named twice, and more models than a sheet has room for.
+fn require_distinct(models: &[SubsurfaceModel]) -> Result<(), Failure> {
+    if models.len() > MOST_MODELS {
+        let message =
+            format!("--subsurface has {} models, but at most {MOST_MODELS} fit on a sheet", models.len());
+        return Err(Failure::input(message));
+    }
+    match (1..models.len()).find(|&i| models[..i].contains(&models[i])) {
+        Some(i) => Err(Failure::input(format!("--subsurface has {} twice", models[i].name()))),
+        None => Ok(()),
+    }
+}
+
+/// Index of the model that the others are compared with.
+fn judge(models: &[SubsurfaceModel], against: Option<ModelName>) -> Result<usize, Failure> {
+    let position = |name: &str| models.iter().position(|model| model.name() == name);
+    let Some(against) = against else {
+        return Ok(JUDGES.into_iter().find_map(position).unwrap_or(0));
+    };
+    let name = against.available()?.name();
+    position(name).ok_or_else(|| {
+        let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
+        let message = format!("--against is {name}, but must be among those of --subsurface");
+        Failure::input(message).with_help(format!("these are: {}", names.join(", ")))
+    })
+}
+
+/// Where to write: what `-o` says, or a directory named after the scene.
+fn directory_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
+    let Some(path) = &arguments.output else {
+        let stem = arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem();
+        let mut name = OsString::from(stem.unwrap_or_default());
+        name.push("-side-by-side");
+        return Ok(name.into());
+    };
+    let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+    if matches!(extension.as_str(), "exr" | "png") {
+        let message =
+            format!("--output is the file {}, but several models write to a directory", path.display());
+        return Err(Failure::input(message).with_help("name a directory with -o DIR, or one model only"));
+    }
+    Ok(path.clone())
+}
+
+/// Refuses pictures that cannot be compared, or do not fit into memory.
+fn require_size(scene: &Scene, models: usize) -> Result<(), Failure> {
+    let (width, height) = (scene.film.width, scene.film.height);
+    if u64::from(width) * u64::from(height) > MOST_PIXELS {
+        let message = format!(
+            "the picture has {width}x{height} pixels, but at most {MOST_PIXELS} can be put side by side"
+        );
+        return Err(Failure::input(message).with_help("choose a smaller --size, or one model"));
+    }
+    // The film, its first half, and the pictures of all models
+    require_memory(scene, 2 * session::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL)
+}
+
+/// Renders the scene with one model after the other.
+fn render_all(
+    arguments: &Arguments,
+    models: &[SubsurfaceModel],
+    first: Scene,
+    directory: &Directory,
+) -> Result<Vec<Entry>, Failure> {
+    let mut loaded = Some(first);
+    let mut entries = Vec::new();
+    for (number, &model) in models.iter().enumerate() {
+        if interrupt::STOP.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted {
+                help: String::from("repeat the command with --resume to go on"),
+            });
+        }
+        let scene = match loaded.take() {
+            Some(scene) => scene,
+            // Its warnings are those that the first has had
+            None => scene(arguments, Some(model))?.0,
+        };
+        let film = scene.film;
+        let goal = scene.integrator.samples_per_pixel;
+        let session = Session {
+            scene_name: scene_name(arguments),
+            outputs: directory.outputs(model),
+            limit: arguments.time,
+            threads: arguments.threads.map_or(0, usize::from),
+            resume: arguments.resume,
+            quiet: arguments.quiet,
+            verbose: arguments.verbose,
+            part: Some(Part {
+                label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
+                first_half: directory.first_half(model),
+            }),
+        };
+        entries.push(entry(model, &session::render(scene, &session)?, &film, goal));
+    }
+    Ok(entries)
+}
+
+/// What of a rendering is compared.
+fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u32) -> Entry {
+    let first_half = rendering.first_half.as_ref().filter(|_| rendering.is_finished);
+    Entry {
+        model: model.name().to_owned(),
+        picture: picture(&rendering.film, settings),
+        first_half: first_half.map(|half| {
+            let radiance = pixels(half).map(|(x, y)| half.radiance(x, y).map(|value| value as f32)).collect();
+            (radiance, [half.samples(), goal])
+        }),
+        samples: rendering.film.samples(),
+        seconds: rendering.seconds,
+        cpu_seconds: rendering.cpu_seconds,
+        is_finished: rendering.is_finished,
+    }
+}
+
+/// A film as a picture; its background is black.
+fn picture(film: &FilmSums, settings: &Film) -> Picture {
+    let exposure = settings.exposure.exp2();
+    let pixels = pixels(film).map(|(x, y)| {
+        let radiance = film.radiance(x, y).map(|value| value as f32);
+        PicturePixel {
+            radiance,
+            alpha: film.mean(x, y)[layer::ALPHA] as f32,
+            display: display_from_linear(settings.tone_mapping, radiance.map(|value| value * exposure)),
+        }
+    });
+    Picture::new(film.width as usize, film.height as usize, pixels)
+}
+
+/// Coordinates of all pixels, row by row.
+fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> + use<> {
+    let (width, height) = (film.width, film.height);
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+}
+
+/// Compares the pictures, writes what that gives, and takes away what was kept for an interruption.
+fn write(
+    arguments: &Arguments,
+    directory: &Directory,
+    entries: Vec<Entry>,
+    judge: usize,
+) -> Result<(), Failure> {
+    let unfinished: Vec<bool> = entries.iter().map(|entry| !entry.is_finished).collect();
+    let report = Report { scene: scene_name(arguments), entries, judge };
+    directory.write(&report.files()?)?;
+    for (entry, unfinished) in report.entries.iter().zip(unfinished) {
+        if !unfinished && !arguments.resume {
+            directory.remove_checkpoints(&entry.model);
+        }
+    }
+    if !arguments.quiet {
+        messages::line(&format!("wrote {}; open {}", directory.path().display(), directory.page().display()));
+    }
+    Ok(())
+}
