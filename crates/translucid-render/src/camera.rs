@@ -1,6 +1,6 @@
 //! Camera rays: perspective, thin lens, pixel filter.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use translucid_scene::{Camera, Film, FilterKind};
 
 use crate::Frame;
@@ -29,8 +29,11 @@ pub(crate) struct CameraRays {
 
 impl CameraRays {
     pub(crate) fn new(camera: &Camera, film: &Film) -> Self {
-        let forward = (camera.target - camera.position).normalize();
-        let x = forward.cross(camera.up).try_normalize().unwrap_or_else(|| Frame::from_normal(forward).x);
+        // In double precision: squares of the least and the greatest lengths.
+        let view = (camera.target.as_dvec3() - camera.position.as_dvec3()).normalize();
+        let right = view.cross(camera.up.as_dvec3()).try_normalize();
+        let forward = view.as_vec3();
+        let x = right.map_or_else(|| Frame::from_normal(forward).x, DVec3::as_vec3);
         let (width, height) = (film.width as f32, film.height as f32);
         let half_width = (camera.horizontal_fov.to_radians() * 0.5).tan();
         Self {
@@ -56,9 +59,10 @@ impl CameraRays {
         }
         let [lens_x, lens_y] = concentric_disk([u[2], u[3]]);
         let lens = Vec3::new(lens_x, lens_y, 0.0) * self.lens_radius;
-        let focus = local * self.focus_distance;
+        let focus = local.as_dvec3() * f64::from(self.focus_distance);
+        let direction = (focus - lens.as_dvec3()).normalize().as_vec3();
         let origin = self.position + self.frame.to_world(lens);
-        Ray::new(origin, self.frame.to_world(focus - lens).normalize())
+        Ray::new(origin, self.frame.to_world(direction).normalize())
     }
 
     fn filter_offset(&self, u: f32) -> f32 {
@@ -146,6 +150,23 @@ mod tests {
             let ray = rays.ray(30, 20, [0.3, 0.6, a, b]);
             let distance = (point - ray.origin).cross(ray.direction).length();
             assert!(distance < 1e-4, "{distance}");
+        }
+    }
+
+    #[test]
+    fn ray_has_a_direction_for_every_lens_and_view() {
+        let film = film(FilterKind::Box, 0.5);
+        let extents = [f32::from_bits(1), 1e-40, 1e-20, 1.0, 1e9];
+        for (lens_radius, focus_distance, fov) in extents.into_iter().flat_map(|lens| {
+            extents.into_iter().flat_map(move |focus| [1e-40, 179.999].map(|fov| (lens, focus, fov)))
+        }) {
+            for target in [Vec3::new(0.0, 0.0, 5.0 - 5e-7), Vec3::new(1e-30, 0.0, 0.0), Vec3::splat(1e9)] {
+                let position = if target.x == 1e-30 { Vec3::ZERO } else { Vec3::new(0.0, 0.0, 5.0) };
+                let camera =
+                    Camera { position, target, lens_radius, focus_distance, horizontal_fov: fov, ..camera() };
+                let ray = CameraRays::new(&camera, &film).ray(7, 93, [0.1, 0.9, 0.3, 0.8]);
+                assert!(ray.direction.is_normalized() && ray.origin.is_finite(), "{camera:?}");
+            }
         }
     }
 

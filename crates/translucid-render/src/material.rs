@@ -156,12 +156,16 @@ pub(crate) fn opacity_at(scene: &Scene, material: &Material, point: &SurfacePoin
     scalar(scene, &material.geometry_opacity, point).clamp(0.0, 1.0)
 }
 
+/// Largest color of an emission, as scene files have it.
+const GREATEST_FACTOR: f32 = 1e6;
+
 /// Emitted radiance.
 pub(crate) fn emission_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> Vec3 {
     if material.emission_luminance <= 0.0 {
         return Vec3::ZERO;
     }
-    color(scene, &material.emission_color, point).max(Vec3::ZERO) * material.emission_luminance
+    let color = color(scene, &material.emission_color, point).clamp(Vec3::ZERO, Vec3::splat(GREATEST_FACTOR));
+    color * material.emission_luminance
 }
 
 /// Absorption coefficient of a clear material [1/L]; zero where its color is a tint of the surface.

@@ -40,6 +40,10 @@ const ROULETTE_AFTER: u32 = 3;
 /// Surfaces that a path may pass straight through in a row, against endless loops.
 const MOST_PASSES: u32 = 256;
 
+/// Light beyond this is cut off: that of a point light at a distance of 1e-7, say, which may shine with 1e12.
+/// Products with what comes after it stay finite, and a black channel stays black.
+const GREATEST_LIGHT: f32 = 1e26;
+
 /// Everything that paths need to know, shared by all threads.
 pub(crate) struct World {
     pub(crate) scene: Scene,
@@ -346,15 +350,15 @@ impl<'a> PathTracer<'a> {
         if same_side != shading_side || (value.diffuse + value.specular) == Vec3::ZERO {
             return;
         }
-        let mut weight = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
-        weight /= light.pdf;
+        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, value.pdf) };
         let absorption = if same_side {
             path.absorption
         } else {
             shadow::absorption_behind(vertex.material, vertex.point, light.direction)
         };
         let medium = Medium { absorption, soft: vertex.soft };
-        let received = self.unoccluded(vertex.point, &light, medium) * weight * path.throughput;
+        let light = weighed(self.unoccluded(vertex.point, &light, medium), mis / light.pdf);
+        let received = light * path.throughput;
         if received != Vec3::ZERO {
             path.add_to(path.layer_after(Layer::Surface(Vec3::ONE)), received * value.diffuse);
             path.add_to(path.layer_after(Layer::Surface(Vec3::ZERO)), received * value.specular);
@@ -372,11 +376,10 @@ impl<'a> PathTracer<'a> {
             return;
         }
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
-        let value = entry.eval(cosine) * (mis / light.pdf);
+        let value = entry.eval(cosine) * directionality.weight(light.direction);
         let medium = Medium { absorption: path.absorption, soft: !self.world.scene.integrator.caustics };
-        let value = value * directionality.weight(light.direction);
-        let received = self.unoccluded(point, &light, medium) * value * path.throughput;
-        path.add_to(path.layer_after(Layer::Subsurface), received);
+        let light = weighed(self.unoccluded(point, &light, medium), mis / light.pdf);
+        path.add_to(path.layer_after(Layer::Subsurface), light * value * path.throughput);
     }
 
     /// Radiance of a light sample that reaches the point.
@@ -545,6 +548,11 @@ fn survives(path: &mut Path, u: f32) -> bool {
     true
 }
 
+/// Light times the weight of its sample, up to the greatest.
+fn weighed(light: Vec3, weight: f32) -> Vec3 {
+    (light * weight.min(GREATEST_LIGHT)).min(Vec3::splat(GREATEST_LIGHT))
+}
+
 /// Weight of a sample made with density `own` that could have been made with density `other`, too
 /// [Veach & Guibas 1995, power heuristic with exponent 2].
 fn power_heuristic(own: f32, other: f32) -> f32 {
@@ -553,4 +561,20 @@ fn power_heuristic(own: f32, other: f32) -> f32 {
     }
     let ratio = other / own;
     1.0 / (1.0 + ratio * ratio)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weighed_light_is_finite_and_black_stays_black() {
+        let light = Vec3::new(0.0, 1e12, 3e38);
+        for weight in [0.0, 1e-30, 1.0, 1e30, f32::MAX, f32::INFINITY] {
+            let weighed = weighed(light, weight);
+            assert!(weighed.is_finite() && weighed.x == 0.0, "{weight}: {weighed}");
+            assert!(weighed.cmple(Vec3::splat(GREATEST_LIGHT)).all());
+        }
+        assert_eq!(weighed(Vec3::splat(2.0), 3.0), Vec3::splat(6.0));
+    }
 }

@@ -215,7 +215,8 @@ fn probe_segment(exit: &Exit, frame: &Frame, axis: usize, profile: &impl CutProf
     let radius = profile.sample(u[0]);
     let (sin, cos) = (std::f32::consts::TAU * u[1]).sin_cos();
     let (first, second) = (frame.axis((axis + 1) % 3), frame.axis((axis + 2) % 3));
-    let half = (longest * longest - radius * radius).max(0.0).sqrt();
+    // √(R_m² − r²), whose squares might overflow
+    let half = (longest - radius).max(0.0).sqrt() * (longest + radius).sqrt();
     let center = exit.position + (first * cos + second * sin) * radius;
     Ray::segment(center + frame.axis(axis) * half, -frame.axis(axis), 2.0 * half)
 }
@@ -241,6 +242,21 @@ fn choose(shares: [f32; 3], u: f32) -> (usize, f32) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn probes_of_the_longest_lengths_are_finite() {
+        let subsurface =
+            Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, source: ProfileSource::NormalizedDiffusion };
+        let exit =
+            Exit { position: Vec3::ZERO, normal: Vec3::Y, group: 0, subsurface, importance: Vec3::ONE };
+        let frame = Frame::from_normal(exit.normal);
+        // The greatest length of a material times a factor of its channel times the reach of a profile table
+        let profile = CutNormalizedDiffusion::new(1e15 * 1e6, &Truncation::new(1e-3));
+        for (axis, u) in [0.0, 0.3, 1.0 - f32::EPSILON].into_iter().flat_map(|u| [(0, u), (2, u)]) {
+            let ray = probe_segment(&exit, &frame, axis, &profile, [u, 0.4]);
+            assert!(ray.origin.is_finite() && ray.direction.is_finite() && ray.t_max.is_finite(), "{ray:?}");
+        }
+    }
 
     #[test]
     fn choose_is_proportional_and_rescales() {

@@ -1,6 +1,11 @@
 //! Files that are either whole or not there.
+//!
+//! A file is written as a draft beside its target, which it then replaces by its name. A process that is killed
+//! leaves its draft behind; the next one that writes into the directory takes it away. It knows that nobody writes
+//! it any more by its lock, which ends with the process that held it.
 
-use std::fs::{self, File, OpenOptions};
+use std::ffi::OsStr;
+use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
@@ -24,23 +29,24 @@ pub fn write_atomically(
     let file = draft.file.take().ok_or_else(|| failed(io::Error::other("the draft is gone")))?;
     let mut buffer = BufWriter::with_capacity(1 << 16, file);
     write(&mut buffer).map_err(failed)?;
+    // Still open, and so locked, when it takes its place.
     let file = buffer.into_inner().map_err(|error| failed(error.into_error()))?;
     // Without this a power cut after the rename could leave a whole name on an empty file.
     file.sync_all().map_err(failed)?;
-    drop(file);
     fs::rename(&draft.path, &target).map_err(failed)?;
     draft.renamed = true;
     Ok(())
 }
 
 /// Finds out whether [`write_atomically`] would get as far as writing, so that hours of work do not end
-/// at a directory that is not there. Leaves nothing behind.
+/// at a directory that is not there. Leaves nothing behind, and takes away what killed processes have left.
 ///
 /// # Errors
 /// The directory does not exist, is no directory or admits no new file, or the target is itself a
 /// directory or write-protected.
 pub fn check_writable(path: &Path) -> Result<(), OutputError> {
     let target = checked_target(path)?;
+    remove_abandoned_drafts(directory_of(&target));
     Draft::create(&target).map(drop).map_err(|error| cannot_create(path, &error))
 }
 
@@ -98,7 +104,10 @@ fn cannot_create(path: &Path, error: &io::Error) -> OutputError {
     OutputError::new(path, message)
 }
 
-/// A file on its way: removed when dropped, unless it has been renamed.
+/// What the name of every draft begins and ends with.
+const DRAFT_NAME: [&str; 2] = [".translucid-", ".part"];
+
+/// A file on its way: locked while it is open, removed when dropped, unless it has been renamed.
 struct Draft {
     path: PathBuf,
     file: Option<File>,
@@ -112,15 +121,52 @@ impl Draft {
         loop {
             let number = NUMBER.fetch_add(1, Ordering::Relaxed);
             // The name does not grow with the target's, which may already be as long as names may be.
-            let name = format!(".translucid-{}-{number}.part", std::process::id());
+            let [begin, end] = DRAFT_NAME;
+            let name = format!("{begin}{}-{number}{end}", std::process::id());
             let path = directory_of(target).join(name);
             match OpenOptions::new().write(true).create_new(true).open(&path) {
-                Ok(file) => return Ok(Self { path, file: Some(file), renamed: false }),
+                Ok(file) if is_kept(&path, &file) => {
+                    return Ok(Self { path, file: Some(file), renamed: false });
+                }
+                Ok(_) => {}
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
                 Err(error) => return Err(error),
             }
         }
     }
+}
+
+/// Locks a new draft; false if another process took it for abandoned before.
+fn is_kept(path: &Path, file: &File) -> bool {
+    match file.try_lock() {
+        Ok(()) => path.exists(),
+        Err(TryLockError::WouldBlock) => false,
+        // Where there are no locks nothing is taken for abandoned either.
+        Err(TryLockError::Error(_)) => true,
+    }
+}
+
+/// Removes the drafts in a directory that no process is writing. What cannot be read or removed stays.
+fn remove_abandoned_drafts(directory: &Path) {
+    let Ok(entries) = fs::read_dir(directory) else { return };
+    for entry in entries.flatten().filter(|entry| is_name_of_draft(&entry.file_name())) {
+        // Only a file can be one: opening a pipe of that name would not return.
+        if !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let Ok(file) = OpenOptions::new().write(true).open(entry.path()) else { continue };
+        if file.try_lock().is_ok() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// Whether a file is named as [`Draft::create`] names them.
+fn is_name_of_draft(name: &OsStr) -> bool {
+    let [begin, end] = DRAFT_NAME;
+    let numbers = name.to_str().and_then(|name| name.strip_prefix(begin)?.strip_suffix(end)?.split_once('-'));
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit());
+    numbers.is_some_and(|(process, number)| is_number(process) && is_number(number))
 }
 
 impl Drop for Draft {
@@ -214,6 +260,54 @@ mod tests {
         let directory = tempfile::tempdir().unwrap();
         check_writable(&directory.path().join("picture.exr")).unwrap();
         assert!(names(directory.path()).is_empty());
+    }
+
+    #[test]
+    fn check_removes_what_killed_processes_have_left() {
+        let directory = tempfile::tempdir().unwrap();
+        let path = |name: &str| directory.path().join(name);
+        let abandoned = path(".translucid-4194305-7.part");
+        let others = [
+            ".translucid-1-2.part.txt",
+            ".translucid-x-2.part",
+            ".translucid-12.part",
+            "translucid-1-2.part",
+        ];
+        for file in others.map(path).iter().chain([&abandoned]) {
+            fs::write(file, b"half of a pict").unwrap();
+        }
+        let draft = Draft::create(&path("other.exr")).unwrap();
+        let (in_use, of_another) = (draft.path.clone(), path(".translucid-4194305-8.part"));
+        let held = File::create(&of_another).unwrap();
+        held.lock().unwrap();
+        fs::create_dir(path(".translucid-4194305-9.part")).unwrap();
+
+        check_writable(&path("picture.exr")).unwrap();
+        assert!(!abandoned.exists());
+        assert!(in_use.exists() && of_another.exists());
+        assert!(others.map(path).iter().all(|file| file.exists()));
+        drop((draft, held));
+        check_writable(&path("picture.exr")).unwrap();
+        assert!(!in_use.exists() && !of_another.exists());
+    }
+
+    /// Drafts that are created while others look for abandoned ones get where they should.
+    #[test]
+    fn check_takes_no_draft_from_its_writer() {
+        let directory = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for writer in 0..4 {
+                let path = directory.path().join(format!("{writer}.exr"));
+                scope.spawn(move || {
+                    for round in 0..50_u8 {
+                        check_writable(&path).unwrap();
+                        write_bytes(&path, &[round]).unwrap();
+                        assert_eq!(fs::read(&path).unwrap(), [round]);
+                    }
+                });
+            }
+        });
+        assert_eq!(names(directory.path()).len(), 4);
     }
 
     #[test]

@@ -258,7 +258,7 @@ impl<'a> Item<'a> {
     pub(super) fn number(&self, range: Interval) -> Result<f32, SceneError> {
         let rounded = self.double(range)? as f32;
         // Rounding may reach an open end: 1e-60 becomes 0.
-        if range.contains(f64::from(rounded)) {
+        if range.contains_single(rounded) {
             Ok(rounded)
         } else {
             Err(self.refuse(&format!("in {range} in single precision")))

@@ -75,6 +75,12 @@ impl Interval {
         };
         above && below
     }
+
+    /// Whether a number in single precision is in the interval whose ends are, too: 0.1 belongs to [0, 0.1].
+    pub(super) fn contains_single(self, x: f32) -> bool {
+        let single = |end: f64| f64::from(end as f32);
+        Self { low: single(self.low), high: single(self.high), ..self }.contains(f64::from(x))
+    }
 }
 
 impl fmt::Display for Interval {
@@ -108,6 +114,20 @@ mod tests {
         assert!(!Interval::open(0.0, 1.0).contains(0.0) && !Interval::open(0.0, 1.0).contains(1.0));
         assert!(!Interval::above(0.0, 1.0).contains(0.0) && Interval::above(0.0, 1.0).contains(1.0));
         assert!(Interval::below(0.0, 1.0).contains(0.0) && !Interval::below(0.0, 1.0).contains(1.0));
+    }
+
+    #[test]
+    fn interval_knows_its_ends_in_single_precision() {
+        // The single-precision number next to 0.1 is above it.
+        assert!(
+            Interval::above(0.0, 0.1).contains_single(0.1)
+                && !Interval::above(0.0, 0.1).contains(f64::from(0.1_f32))
+        );
+        assert!(
+            !Interval::above(0.0, 0.1).contains_single(0.0)
+                && !Interval::closed(0.0, 0.1).contains_single(0.100_001)
+        );
+        assert!(!Interval::open(0.0, 180.0).contains_single(180.0));
     }
 
     #[test]
