@@ -19,9 +19,12 @@ use crate::{machine, messages};
 /// Most samples per pixel, as the scene's settings have it.
 const MAX_SAMPLES: u32 = 1 << 24;
 
+/// Time between two checkpoints where none is asked for.
+const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
-Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then.
 --resume goes on from there; the result is the same as if nothing had happened.
 
 Several models after --subsurface render the scene with each and write to a directory, -o DIR:
@@ -71,6 +74,9 @@ pub(crate) struct Arguments {
     /// Go on from the checkpoint of an unfinished rendering, and keep one at the end
     #[arg(long)]
     resume: bool,
+    /// How often an unfinished rendering is saved for --resume, against power cuts and kills [default: 30]
+    #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
+    checkpoint: Option<Duration>,
     /// Model of the transport under all surfaces, in place of the scene's; several are rendered side by side
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
     subsurface: Vec<ModelName>,
@@ -92,6 +98,12 @@ pub(crate) struct Arguments {
     /// Print what takes how long
     #[arg(short, long)]
     verbose: bool,
+}
+
+impl Arguments {
+    fn checkpoint_interval(&self) -> Duration {
+        self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
+    }
 }
 
 /// Length units of a mesh.
@@ -157,6 +169,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             limit: arguments.time,
             threads: arguments.threads.map_or(0, usize::from),
             resume: arguments.resume,
+            checkpoint_interval: arguments.checkpoint_interval(),
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: None,

@@ -14,9 +14,6 @@ use crate::outputs::Outputs;
 use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
 
-/// Time between two checkpoints: what a power cut may cost.
-const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
 /// Memory that a pixel takes: its sums, and while it is written its values in all channels.
 pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 64;
 
@@ -33,6 +30,8 @@ pub(crate) struct Session {
     pub(crate) threads: usize,
     /// Whether to go on from a checkpoint, and to keep one.
     pub(crate) resume: bool,
+    /// Time between two checkpoints: what a power cut may cost.
+    pub(crate) checkpoint_interval: Duration,
     /// Whether to print errors and warnings only.
     pub(crate) quiet: bool,
     /// Whether to print what takes how long.
@@ -149,10 +148,12 @@ impl<'a> Work<'a> {
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
         let outcome = outcome?;
-        if self.paths() == 0 && self.session.part.is_some() && outcome == Outcome::Interrupted {
-            return Err(Failure::Interrupted {
-                help: String::from("repeat the command with --resume to go on"),
-            });
+        if self.paths() == 0 && outcome == Outcome::Interrupted {
+            let help = match self.session.part {
+                Some(_) => "repeat the command with --resume to go on",
+                None => "the rendering had not begun, so nothing was written",
+            };
+            return Err(Failure::Interrupted { help: help.into() });
         }
         if self.paths() == 0 {
             // An empty picture must not take the place of one that may be there.
@@ -213,10 +214,11 @@ impl<'a> Work<'a> {
         deadline: Option<Instant>,
     ) -> Result<Outcome, Failure> {
         let total = u64::from(self.renderer.scene().integrator.samples_per_pixel) * self.pixels();
+        let mut interval = self.session.checkpoint_interval;
         loop {
-            let slice = Instant::now() + CHECKPOINT_INTERVAL;
-            let goal =
-                Goal { samples, deadline: Some(deadline.map_or(slice, |deadline| deadline.min(slice))) };
+            let paths = self.paths();
+            let slice = Instant::now().checked_add(interval);
+            let goal = Goal { samples, deadline: deadline.into_iter().chain(slice).min() };
             let outcome = self.renderer.render(
                 &mut self.film,
                 goal,
@@ -226,6 +228,11 @@ impl<'a> Work<'a> {
             let time_is_up = deadline.is_some_and(|deadline| Instant::now() >= deadline);
             if outcome != Outcome::TimeUp || time_is_up {
                 return Ok(outcome);
+            }
+            if self.paths() == paths {
+                // Not even time for one tile: a longer slice will do.
+                interval *= 2;
+                continue;
             }
             self.save_checkpoint(meter.elapsed().as_secs_f64())?;
         }

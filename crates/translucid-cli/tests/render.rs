@@ -85,6 +85,15 @@ fn render_cut_off_in_the_middle_resumes_to_the_same_bits() {
 }
 
 #[test]
+fn render_with_checkpoints_without_end_comes_to_the_same_bits() {
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q -o whole.exr");
+    stdout(&directory, "render ball.toml -q --checkpoint 1e-9 -o parts.exr");
+    assert_eq!(exr_values(&directory.join("whole.exr")), exr_values(&directory.join("parts.exr")));
+    assert_eq!(files(&directory), ["ball.toml", "parts.exr", "parts.png", "whole.exr", "whole.png"]);
+}
+
+#[test]
 fn resume_refuses_what_does_not_belong_to_the_scene() {
     let (_keep, directory) = directory_with_ball();
     stdout(&directory, "render ball.toml -q --spp 1 --resume -o a.exr");
@@ -162,6 +171,9 @@ fn wrong_options_are_refused_with_a_reason() {
         ("render ball.toml --time 0", "--time"),
         ("render ball.toml --time -3", "--time"),
         ("render ball.toml --time soon", "--time"),
+        ("render ball.toml --checkpoint 0", "--checkpoint"),
+        ("render ball.toml --checkpoint -1", "--checkpoint"),
+        ("render ball.toml --checkpoint nan", "--checkpoint"),
         ("render ball.toml --seed x", "--seed"),
         ("render ball.toml --threads 0", "--threads"),
         ("render ball.toml --subsurface dipol", "dipole"),

@@ -129,6 +129,7 @@ fn render_all(
             limit: arguments.time,
             threads: arguments.threads.map_or(0, usize::from),
             resume: arguments.resume,
+            checkpoint_interval: arguments.checkpoint_interval(),
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: Some(Part {
