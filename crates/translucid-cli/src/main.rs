@@ -12,6 +12,7 @@ mod machine;
 mod messages;
 mod model;
 mod outputs;
+mod points;
 mod presets;
 mod profile;
 mod progress;

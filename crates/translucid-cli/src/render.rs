@@ -7,14 +7,16 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, Unit, Warning, load_scene, still_life};
+use translucid_scene::{
+    LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
+};
 
 use crate::failure::Failure;
 use crate::model::ModelName;
 use crate::outputs::Outputs;
 use crate::presets::print_presets;
 use crate::session::{self, Session};
-use crate::{machine, messages};
+use crate::{machine, messages, points};
 
 /// Most samples per pixel, as the scene's settings have it.
 const MAX_SAMPLES: u32 = 1 << 24;
@@ -43,6 +45,7 @@ Examples:
   translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
   translucid render scene.toml --time 60
   translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
+  translucid render scene.toml --subsurface-method point-based --points scene.points
   translucid render --preset list";
 
 /// Renders a scene file or a mesh; without one the built-in still life
@@ -83,6 +86,12 @@ pub(crate) struct Arguments {
     /// The model that the others are compared with [default: random-walk or else exact, if among them, else the first]
     #[arg(long, value_name = "MODEL")]
     against: Option<ModelName>,
+    /// How light under surfaces is found: ray-traced or point-based [default: the scene's]
+    #[arg(long, value_name = "METHOD", value_parser = parse_method)]
+    subsurface_method: Option<SubsurfaceMethod>,
+    /// File of the point-based method's points: made and kept there, or taken from there for another view
+    #[arg(long, value_name = "FILE")]
+    points: Option<PathBuf>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME")]
     preset: Option<String>,
@@ -134,6 +143,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let models = models(arguments)?;
     if models.len() > 1 {
+        if arguments.points.is_some() {
+            let message = "--points keeps the points of one model, but --subsurface has several";
+            return Err(Failure::input(message).with_help("leave --points out, or name one model"));
+        }
         return side_by_side::run(arguments, &models);
     }
     if arguments.against.is_some() {
@@ -151,6 +164,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
     outputs.spare(inputs(arguments, &scene))?;
+    points::check(&scene, arguments.points.as_deref())?;
     if arguments.verbose {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
         let seconds = start.elapsed().as_secs_f64();
@@ -170,6 +184,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             threads: arguments.threads.map_or(0, usize::from),
             resume: arguments.resume,
             checkpoint_interval: arguments.checkpoint_interval(),
+            points: arguments.points.clone(),
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: None,
@@ -195,6 +210,9 @@ fn scene(arguments: &Arguments, model: Option<SubsurfaceModel>) -> Result<(Scene
     };
     if let Some(seed) = arguments.seed {
         scene.integrator.seed = seed;
+    }
+    if let Some(method) = arguments.subsurface_method {
+        scene.integrator.subsurface_method = method;
     }
     scene.integrator.samples_per_pixel = match (arguments.spp, arguments.time) {
         (Some(spp), _) => spp,
@@ -233,7 +251,8 @@ fn inputs<'a>(arguments: &'a Arguments, scene: &'a Scene) -> impl Iterator<Item 
     let images = scene.images.iter().filter_map(|image| image.path.as_deref());
     let meshes = arguments.mesh.iter().map(|(_, path)| path.as_path());
     let tables = scene.profile_tables.iter().map(|table| table.path.as_path());
-    arguments.scene.as_deref().into_iter().chain(meshes).chain(images).chain(tables)
+    let points = arguments.points.as_deref();
+    arguments.scene.as_deref().into_iter().chain(meshes).chain(images).chain(tables).chain(points)
 }
 
 fn scene_name(arguments: &Arguments) -> String {
@@ -273,6 +292,11 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let edge =
         |text: &str| text.parse::<u32>().ok().filter(|edge| (1..=16_384).contains(edge)).ok_or_else(wrong);
     Ok([edge(width)?, edge(height)?])
+}
+
+fn parse_method(text: &str) -> Result<SubsurfaceMethod, String> {
+    SubsurfaceMethod::from_name(text)
+        .ok_or_else(|| String::from("the methods are ray-traced and point-based"))
 }
 
 fn parse_seconds(text: &str) -> Result<Duration, String> {

@@ -11,6 +11,7 @@ use translucid_scene::Scene;
 
 use crate::failure::Failure;
 use crate::outputs::Outputs;
+use crate::points::{self, PointOptions};
 use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
 
@@ -32,6 +33,8 @@ pub(crate) struct Session {
     pub(crate) resume: bool,
     /// Time between two checkpoints: what a power cut may cost.
     pub(crate) checkpoint_interval: Duration,
+    /// File of the points that the point-based method needs.
+    pub(crate) points: Option<PathBuf>,
     /// Whether to print errors and warnings only.
     pub(crate) quiet: bool,
     /// Whether to print what takes how long.
@@ -81,6 +84,8 @@ pub(crate) fn render(scene: Scene, session: &Session) -> Result<Rendering, Failu
             let seconds = start.elapsed().as_secs_f64();
             messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
         }
+        let points = PointOptions { file: session.points.as_deref(), quiet: session.quiet };
+        let renderer = points::prepare(renderer, points)?;
         let work = Work::start(&renderer, session)?;
         work.finish()
     })

@@ -5,43 +5,60 @@ use translucid_scene::{Pixels, Scene};
 /// Hashes all of a scene that decides its samples: not the number of samples, not the display.
 pub(crate) fn fingerprint(scene: &Scene) -> u64 {
     let mut hash = Fnv::new();
-    let mut integrator = scene.integrator;
-    integrator.samples_per_pixel = 1;
     let film = &scene.film;
-    // Debug output of floats reads back exactly, so equal text is equal data.
-    hash.text(&format!(
-        "{} {:?} {:?} {:?} {:?} {:?}",
-        env!("CARGO_PKG_VERSION"),
-        scene.camera,
-        (film.width, film.height, film.filter, film.filter_radius),
-        integrator,
-        scene.lights,
-        scene.environment,
-    ));
-    for material in &scene.materials {
-        hash.text(&format!("{material:?}"));
-    }
-    for table in &scene.profile_tables {
-        hash.text(&format!("{:?}", table.rows));
-    }
-    for object in &scene.objects {
-        hash.text(&format!("{} {}", object.material, object.subsurface_group));
-        let mesh = &object.mesh;
-        hash.bytes(bytemuck::cast_slice(&mesh.positions));
-        hash.bytes(bytemuck::cast_slice(&mesh.normals));
-        hash.bytes(bytemuck::cast_slice(&mesh.uvs));
-        hash.bytes(bytemuck::cast_slice(&mesh.tangents));
-        hash.bytes(bytemuck::cast_slice(&mesh.colors));
-        hash.bytes(bytemuck::cast_slice(&mesh.triangles));
-    }
-    for image in &scene.images {
-        hash.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
-        match &image.pixels {
-            Pixels::Byte(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
-            Pixels::Float(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+    let size = (film.width, film.height, film.filter, film.filter_radius);
+    hash.text(&format!("{:?} {size:?}", scene.camera));
+    hash.content(scene);
+    hash.0
+}
+
+/// Hashes all of a scene that decides its points and the light that enters there, whoever looks at them.
+pub(crate) fn fingerprint_of_points(scene: &Scene) -> u64 {
+    let mut hash = Fnv::new();
+    hash.content(scene);
+    hash.0
+}
+
+impl Fnv {
+    /// All but camera and film.
+    fn content(&mut self, scene: &Scene) {
+        let hash = self;
+        let mut integrator = scene.integrator;
+        integrator.samples_per_pixel = 1;
+        // How much memory points may take does not change them.
+        integrator.point_memory = 1;
+        // Debug output of floats reads back exactly, so equal text is equal data.
+        hash.text(&format!(
+            "{} {:?} {:?} {:?}",
+            env!("CARGO_PKG_VERSION"),
+            integrator,
+            scene.lights,
+            scene.environment,
+        ));
+        for material in &scene.materials {
+            hash.text(&format!("{material:?}"));
+        }
+        for table in &scene.profile_tables {
+            hash.text(&format!("{:?}", table.rows));
+        }
+        for object in &scene.objects {
+            hash.text(&format!("{} {}", object.material, object.subsurface_group));
+            let mesh = &object.mesh;
+            hash.bytes(bytemuck::cast_slice(&mesh.positions));
+            hash.bytes(bytemuck::cast_slice(&mesh.normals));
+            hash.bytes(bytemuck::cast_slice(&mesh.uvs));
+            hash.bytes(bytemuck::cast_slice(&mesh.tangents));
+            hash.bytes(bytemuck::cast_slice(&mesh.colors));
+            hash.bytes(bytemuck::cast_slice(&mesh.triangles));
+        }
+        for image in &scene.images {
+            hash.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
+            match &image.pixels {
+                Pixels::Byte(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+                Pixels::Float(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+            }
         }
     }
-    hash.0
 }
 
 /// FNV-1a over 64 bits, eight bytes a step: the data is not hostile, only long.

@@ -17,6 +17,7 @@ mod light;
 mod material;
 mod output;
 mod path;
+mod point_based;
 mod profile_tables;
 mod renderer;
 mod sampler;
@@ -33,4 +34,5 @@ pub use output::{
     CheckpointInfo, ImageInfo, OutputError, check_writable, display_from_linear, load_checkpoint,
     save_checkpoint, write_atomically, write_exr, write_png,
 };
+pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
 pub use renderer::{Goal, Outcome, Progress, Renderer};

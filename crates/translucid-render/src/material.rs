@@ -68,6 +68,11 @@ impl Materials {
         &self.profile_tables
     }
 
+    /// Where a material's profile is.
+    pub(crate) fn profile_source(&self, material: usize) -> ProfileSource {
+        self.profile_sources[material]
+    }
+
     pub(crate) fn tables(&self, material: usize) -> &MaterialTables {
         &self.tables[self.table_of[material]]
     }
@@ -96,8 +101,7 @@ pub(crate) fn subsurface_at(
     if material.subsurface_model == SubsurfaceModel::None {
         return Subsurface { albedo, length: Vec3::ZERO, source };
     }
-    let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
-    let length = color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius;
+    let length = stated_length_at(scene, material, point);
     // Below the rounding error of a position the profile is a point: the Lambertian limit.
     let scale = |channel: usize| match source {
         ProfileSource::NormalizedDiffusion => {
@@ -119,6 +123,12 @@ pub(crate) fn subsurface_at(
         }
     };
     Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }
+}
+
+/// The length that the material states, per channel \[L\]: a mean free path or a diffuse one.
+pub(crate) fn stated_length_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> Vec3 {
+    let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
+    color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius
 }
 
 /// Evaluates everything that the surface itself does.

@@ -25,6 +25,7 @@ use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
+use crate::point_based::{Gatherer, Leaving, Scratch};
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
 use crate::subsurface::{Exit, Prober};
@@ -51,6 +52,8 @@ pub(crate) struct World {
     pub(crate) materials: Materials,
     pub(crate) lights: LightSet,
     pub(crate) axis_probes: [f32; 3],
+    /// Points to gather light from in place of probes.
+    pub(crate) points: Option<Gatherer>,
 }
 
 impl World {
@@ -64,6 +67,7 @@ impl World {
 pub(crate) struct PathTracer<'a> {
     world: &'a World,
     prober: Prober,
+    scratch: Scratch,
 }
 
 /// Which layer of the image a path brings light to: the first scattering event decides.
@@ -163,7 +167,8 @@ impl Path {
 impl<'a> PathTracer<'a> {
     pub(crate) fn new(world: &'a World) -> Self {
         let truncation = Truncation::new(world.scene.integrator.subsurface_tail);
-        Self { world, prober: Prober::new(truncation, world.axis_probes) }
+        let prober = Prober::new(truncation, world.axis_probes);
+        Self { world, prober, scratch: Scratch::default() }
     }
 
     /// Light that arrives at the ray's origin along the ray.
@@ -291,8 +296,65 @@ impl<'a> PathTracer<'a> {
         path.throughput != Vec3::ZERO
     }
 
+    /// Light that enters the volume at a point of a triangle, on its outside: one sample of
+    /// ∫ L T(ωi) cosθ / (π T̄) dω, as after an event under a surface that was seen.
+    pub(crate) fn entering_light(
+        &mut self,
+        primitive: u32,
+        position: Vec3,
+        [x, y]: [u32; 2],
+        index: u32,
+    ) -> Vec3 {
+        let world = self.world;
+        let mut sampler = Sampler::new(world.scene.integrator.seed, x, y, index);
+        let point = world.geometry.point_on(&world.scene, primitive, position);
+        let (_, material) = world.material(&point);
+        let entrance = Entrance {
+            point: &point,
+            normal: material::shading_normal_at(&world.scene, material, &point),
+            geometric: point.geometric_normal,
+            entry: self.entry(&point),
+            directionality: Directionality::Radial,
+        };
+        let mut path = Path::new(Ray::new(point.position, -point.geometric_normal));
+        let mut goes_on = self.enter(&mut path, &entrance, &mut sampler);
+        while goes_on {
+            goes_on = self.step(&mut path, &mut sampler);
+        }
+        path.sample.radiance()
+    }
+
+    /// What a surface lets enter.
+    fn entry(&self, point: &SurfacePoint) -> EntryBsdf<'a> {
+        let world = self.world;
+        let (index, material) = world.material(point);
+        // What lies below has been dealt with: only the surface counts here
+        let source = world.materials.profile_source(index);
+        let below = Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, source };
+        let surface = material::surface_at(&world.scene, material, point, &below);
+        EntryBsdf::new(&surface, world.materials.tables(index))
+    }
+
+    /// Leaves the surface through the volume below by the sum over all points; false where there are none.
+    fn gather_below(&mut self, path: &mut Path, vertex: &Vertex<'_>) -> bool {
+        let Some(points) = &self.world.points else { return false };
+        let leaving = Leaving {
+            position: vertex.point.position,
+            normal: vertex.point.geometric_normal,
+            group: vertex.point.group,
+            subsurface: vertex.subsurface,
+        };
+        let tables = self.world.materials.profile_tables();
+        let Some(gathered) = points.gather(tables, &leaving, &mut self.scratch) else { return false };
+        path.add_to(path.layer_after(Layer::Subsurface), path.throughput * gathered.light);
+        true
+    }
+
     /// Leaves the surface through the volume below: probe, light at the entry, cosine direction.
     fn scatter_below(&mut self, path: &mut Path, vertex: &Vertex<'_>, sampler: &mut Sampler) -> bool {
+        if self.gather_below(path, vertex) {
+            return false;
+        }
         let world = self.world;
         let side = if path.ray.direction.dot(vertex.point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let exit = Exit {
@@ -306,11 +368,8 @@ impl<'a> PathTracer<'a> {
         let Some(found) = self.prober.sample(&world.geometry, tables, &exit, sampler) else { return false };
         path.throughput *= found.weight;
         let point = world.geometry.surface_point(&world.scene, &found.hit);
-        let (index, material) = world.material(&point);
-        // What lies below has been dealt with: only the surface counts here
-        let subsurface = Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, ..vertex.subsurface };
-        let surface = material::surface_at(&world.scene, material, &point, &subsurface);
-        let entry = EntryBsdf::new(&surface, world.materials.tables(index));
+        let (_, material) = world.material(&point);
+        let entry = self.entry(&point);
         // Seen from inside an open mesh, light enters from inside, too.
         let normal = material::shading_normal_at(&world.scene, material, &point) * side;
         let geometric = point.geometric_normal * side;
@@ -321,7 +380,13 @@ impl<'a> PathTracer<'a> {
         };
         let directionality = Directionality::new(tables, &vertex.subsurface, passage);
         let entrance = Entrance { point: &point, normal, geometric, entry, directionality };
-        self.add_entering_light(path, &entrance, sampler.next_4d());
+        self.enter(path, &entrance, sampler)
+    }
+
+    /// Goes on where light enters the volume: light from one sampled light, a cosine direction.
+    fn enter(&self, path: &mut Path, entrance: &Entrance<'_>, sampler: &mut Sampler) -> bool {
+        let Entrance { point, normal, geometric, .. } = *entrance;
+        self.add_entering_light(path, entrance, sampler.next_4d());
         let v = sampler.next_4d();
         let (wi, weight) = entrance.entry.sample([v[0], v[1]]);
         let direction = Frame::from_normal(normal).to_world(wi).normalize();
@@ -331,7 +396,7 @@ impl<'a> PathTracer<'a> {
         }
         let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
         path.diffuse_depth += 1;
-        path.soft |= !world.scene.integrator.caustics;
+        path.soft |= !self.world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
         path.throughput != Vec3::ZERO
     }

@@ -38,6 +38,16 @@ pub(crate) enum ProfileSource {
     },
 }
 
+impl ProfileSource {
+    /// Number of the table that has the radial profile, if there is one.
+    pub(crate) fn table(self) -> Option<usize> {
+        match self {
+            Self::NormalizedDiffusion => None,
+            Self::Table(table) | Self::Directional { table, .. } | Self::Oblique { table, .. } => Some(table),
+        }
+    }
+}
+
 /// The tables of a scene.
 #[derive(Default)]
 pub(crate) struct ProfileTables {
@@ -74,6 +84,11 @@ struct ModelRecipe {
 }
 
 impl ProfileTables {
+    /// Number of tables.
+    pub(crate) fn len(&self) -> usize {
+        self.tables.len()
+    }
+
     pub(crate) fn table(&self, index: usize) -> &AlbedoTableF32 {
         &self.tables[index]
     }

@@ -5,15 +5,16 @@ use std::time::Instant;
 
 use glam::Vec3;
 use rayon::prelude::*;
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SubsurfaceMethod};
 
 use crate::camera::CameraRays;
 use crate::film::{FilmSums, PixelSample, TileSums, layer};
-use crate::fingerprint::fingerprint;
+use crate::fingerprint::{fingerprint, fingerprint_of_points};
 use crate::geometry::Geometry;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::material::{self, Materials};
 use crate::path::{PathTracer, World};
+use crate::point_based::{PointCloud, PointProgress, PointsError};
 use crate::sampler::Sampler;
 use crate::subsurface::AXIS_PROBES;
 use crate::triangle::Ray;
@@ -61,7 +62,8 @@ impl Renderer {
         let lights = LightSet::new(&scene, emissive_triangles(&scene, &geometry), geometry.bounds());
         let materials = Materials::new(&scene);
         let camera = CameraRays::new(&scene.camera, &scene.film);
-        Self { world: World { scene, geometry, materials, lights, axis_probes: AXIS_PROBES }, camera }
+        let axis_probes = AXIS_PROBES;
+        Self { world: World { scene, geometry, materials, lights, axis_probes, points: None }, camera }
     }
 
     /// The scene as it was given.
@@ -80,6 +82,43 @@ impl Renderer {
     #[must_use]
     pub fn fingerprint(&self) -> u64 {
         fingerprint(&self.world.scene)
+    }
+
+    /// Whether the scene asks for points that it does not have yet.
+    #[must_use]
+    pub fn wants_points(&self) -> bool {
+        self.world.scene.integrator.subsurface_method == SubsurfaceMethod::PointBased
+            && self.world.points.is_none()
+    }
+
+    /// A number that differs when the points would: clouds with the same one may stand in for each other.
+    #[must_use]
+    pub fn points_fingerprint(&self) -> u64 {
+        fingerprint_of_points(&self.world.scene)
+    }
+
+    /// Makes the points of the point-based method on the current rayon pool; `None` when stopped.
+    ///
+    /// The points and their light do not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The points would take more than so many bytes of memory.
+    pub fn make_points(
+        &self,
+        memory: u64,
+        progress: &(dyn Fn(PointProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> Result<Option<PointCloud>, PointsError> {
+        PointCloud::new(&self.world, self.points_fingerprint(), memory, progress, stop)
+    }
+
+    /// Gathers light under surfaces from points, which are this scene's, in place of probing for it.
+    ///
+    /// A renderer without points, or whose points leave a subsurface group out, uses probes.
+    #[must_use]
+    pub fn with_points(mut self, points: &PointCloud) -> Self {
+        self.world.points = Some(points.gatherer(&self.world));
+        self
     }
 
     /// Adds samples to the film until the goal is reached, on the current rayon pool.

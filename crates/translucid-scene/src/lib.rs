@@ -48,7 +48,7 @@ pub use preset::{Preset, preset, presets};
 pub use profile_table::{ProfileRow, ProfileTable};
 pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
-pub use settings::{Film, FilterKind, Integrator, ToneMapping};
+pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod, ToneMapping};
 pub use shapes::{
     FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_meaning,
     shape_names, shape_parameters,

@@ -52,6 +52,36 @@ impl Default for Film {
     }
 }
 
+/// How light under a surface is found where a profile describes it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SubsurfaceMethod {
+    /// Each path looks for a point where light enters, by probes.
+    RayTraced,
+    /// Light that enters is computed at points all over the surface beforehand; a path sums over them.
+    PointBased,
+}
+
+impl SubsurfaceMethod {
+    /// Every method by its name.
+    pub(crate) const WORDS: [(&str, Self); 2] =
+        [("ray-traced", Self::RayTraced), ("point-based", Self::PointBased)];
+
+    /// The method's name as scene files and the command line write it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::RayTraced => Self::WORDS[0].0,
+            Self::PointBased => Self::WORDS[1].0,
+        }
+    }
+
+    /// The method that scene files and the command line call `name`.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, method)| method)
+    }
+}
+
 /// Samples and path limits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Integrator {
@@ -67,6 +97,13 @@ pub struct Integrator {
     /// Energy of a subsurface profile beyond the longest probe, in (0, 0.1]; the profile is renormalized
     /// to what is left, so no energy is lost.
     pub subsurface_tail: f32,
+    /// How light under surfaces is found.
+    pub subsurface_method: SubsurfaceMethod,
+    /// Relative error that the point-based method may make, in [0.001, 1]: it decides how close the points lie, how
+    /// exact their light is, and how far sums over distant points are refined.
+    pub point_tolerance: f32,
+    /// Most memory for points, in MiB, in [1, 2^20].
+    pub point_memory: u32,
     /// Seed of all random numbers.
     pub seed: u64,
 }
@@ -79,6 +116,9 @@ impl Default for Integrator {
             max_diffuse_depth: 4,
             caustics: false,
             subsurface_tail: 1e-3,
+            subsurface_method: SubsurfaceMethod::RayTraced,
+            point_tolerance: 0.05,
+            point_memory: 2048,
             seed: 0,
         }
     }

@@ -130,6 +130,7 @@ fn render_all(
             threads: arguments.threads.map_or(0, usize::from),
             resume: arguments.resume,
             checkpoint_interval: arguments.checkpoint_interval(),
+            points: None,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: Some(Part {

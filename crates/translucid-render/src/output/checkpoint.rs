@@ -42,7 +42,7 @@ pub struct CheckpointInfo {
 /// The file cannot be written; an older checkpoint at `path` is then still whole.
 pub fn save_checkpoint(path: &Path, film: &FilmSums, info: &CheckpointInfo) -> Result<(), OutputError> {
     write_atomically(path, |out| {
-        let mut out = Checked { inner: out, crc: crc32fast::Hasher::new() };
+        let mut out = Checked::new(out);
         out.write_all(&header(film, info))?;
         for tile in &film.tiles {
             out.write_all(&tile.samples.to_le_bytes())?;
@@ -94,7 +94,7 @@ fn parse(
         OutputError::new(path, format!("the checkpoint is damaged: {what}"))
             .with_help("delete it to render from the start")
     };
-    let mut file = Checked { inner: reader, crc: crc32fast::Hasher::new() };
+    let mut file = Checked::new(reader);
 
     // Read and judge the header
     if length < HEADER_BYTES + 4 {
@@ -208,9 +208,15 @@ impl Header {
 }
 
 /// A reader or writer that keeps the checksum of what passes.
-struct Checked<T> {
-    inner: T,
-    crc: crc32fast::Hasher,
+pub(crate) struct Checked<T> {
+    pub(crate) inner: T,
+    pub(crate) crc: crc32fast::Hasher,
+}
+
+impl<T> Checked<T> {
+    pub(crate) fn new(inner: T) -> Self {
+        Self { inner, crc: crc32fast::Hasher::new() }
+    }
 }
 
 impl<T: Read> Read for Checked<T> {

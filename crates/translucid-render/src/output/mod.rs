@@ -16,6 +16,7 @@ mod png;
 mod tone_mapping;
 
 pub use atomic_file::{check_writable, write_atomically};
+pub(crate) use checkpoint::Checked;
 pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
 pub use error::OutputError;
 pub use exr::{ImageInfo, write_exr};

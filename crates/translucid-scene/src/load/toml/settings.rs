@@ -2,11 +2,20 @@
 
 use super::document::{Item, Table};
 use super::interval::Interval;
-use crate::{Film, FilterKind, Integrator, SceneError, ToneMapping};
+use crate::{Film, FilterKind, Integrator, SceneError, SubsurfaceMethod, ToneMapping};
 
 pub(super) const FILM_KEYS: &[&str] = &["size", "filter", "filter_radius", "exposure", "tone_mapping"];
-pub(super) const INTEGRATOR_KEYS: &[&str] =
-    &["samples_per_pixel", "max_depth", "max_diffuse_depth", "caustics", "subsurface_tail", "seed"];
+pub(super) const INTEGRATOR_KEYS: &[&str] = &[
+    "samples_per_pixel",
+    "max_depth",
+    "max_diffuse_depth",
+    "caustics",
+    "subsurface_tail",
+    "subsurface_method",
+    "point_tolerance",
+    "point_memory",
+    "seed",
+];
 
 const FILTERS: [(&str, FilterKind); 3] = [
     ("box", FilterKind::Box),
@@ -61,6 +70,13 @@ pub(super) fn read_integrator(table: &Table<'_>) -> Result<Integrator, SceneErro
         subsurface_tail: table.read("subsurface_tail", default.subsurface_tail, |item| {
             item.number(Interval::above(0.0, 0.1))
         })?,
+        subsurface_method: table.read("subsurface_method", default.subsurface_method, |item| {
+            item.word(&SubsurfaceMethod::WORDS)
+        })?,
+        point_tolerance: table.read("point_tolerance", default.point_tolerance, |item| {
+            item.number(Interval::closed(0.001, 1.0))
+        })?,
+        point_memory: count("point_memory", default.point_memory, 1, 1 << 20)?,
         seed: table.read("seed", default.seed, |item| item.integer(0, u64::MAX))?,
     })
 }

@@ -130,6 +130,13 @@ fn broken_integrator_is_refused() {
     refuse("[integrator]\ncaustics = 1", message, "1", "");
     let message = "integrator.subsurface_tail is 0.5, but must be in (0, 0.1]";
     refuse("[integrator]\nsubsurface_tail = 0.5", message, "0.5", "");
+    let must = "must be one of \"ray-traced\", \"point-based\"";
+    let message = format!("integrator.subsurface_method is \"points\", but {must}");
+    refuse("[integrator]\nsubsurface_method = \"points\"", &message, "\"points\"", "");
+    let message = "integrator.point_tolerance is 0, but must be in [0.001, 1]";
+    refuse("[integrator]\npoint_tolerance = 0", message, "0", "");
+    let message = "integrator.point_memory is 0, but must be a whole number in [1, 1048576]";
+    refuse("[integrator]\npoint_memory = 0", message, "0", "");
     let message = "integrator.seed is -1, but must be a whole number in [0, 18446744073709551615]";
     refuse("[integrator]\nseed = -1", message, "-1", "");
 }

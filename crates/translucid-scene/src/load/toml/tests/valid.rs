@@ -5,7 +5,7 @@ use glam::{Mat3, Vec2, Vec3};
 use super::{BALL, load, parse};
 use crate::{
     Camera, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator, Light, LoadOptions,
-    Material, ScalarInput, SubsurfaceModel, SubsurfaceParameter, ToneMapping, Unit, Wrap,
+    Material, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceParameter, ToneMapping, Unit, Wrap,
 };
 
 fn with_ball(piece: &str) -> String {
@@ -54,7 +54,8 @@ fn camera_reads_every_key() {
 #[test]
 fn film_and_integrator_read_every_key() {
     let text = "[film]\nsize = [640, 0x1e0]\nfilter = \"gaussian\"\nfilter_radius = 2\nexposure = -1.5\ntone_mapping = \"agx\"\n\
-                [integrator]\nsamples_per_pixel = 1_024\nmax_depth = 7\nmax_diffuse_depth = 3\ncaustics = true\nsubsurface_tail = 1e-4\nseed = 18446744073709551615";
+                [integrator]\nsamples_per_pixel = 1_024\nmax_depth = 7\nmax_diffuse_depth = 3\ncaustics = true\nsubsurface_tail = 1e-4\n\
+                subsurface_method = \"point-based\"\npoint_tolerance = 0.125\npoint_memory = 77\nseed = 18446744073709551615";
     let file = parse(&with_ball(text)).unwrap();
     let film = Film {
         width: 640,
@@ -70,6 +71,9 @@ fn film_and_integrator_read_every_key() {
         max_diffuse_depth: 3,
         caustics: true,
         subsurface_tail: 1e-4,
+        subsurface_method: SubsurfaceMethod::PointBased,
+        point_tolerance: 0.125,
+        point_memory: 77,
         seed: u64::MAX,
     };
     assert_eq!((file.film, file.integrator), (film, integrator));

@@ -1,0 +1,439 @@
+//! The light that leaves at a point: a sum over all points of its group.
+//!
+//! ```text
+//! B(x) = A Σ_i a_i E_i p(√(|x − p_i|² + b²)) + A cdf(b) Ē(x)
+//! ```
+//!
+//! p(r) = R(r)/A goes like 1/r, so the points nearest to x would count for far too much or too little. The radius is
+//! softened by b, half of the points' spacing; then a sum over points in blue noise is as good as the integral. On a
+//! plane the softened profile has the energy that the profile has beyond b; the share cdf(b) that is missing comes
+//! from the mean irradiance Ē around x on surfaces that face the same way. The plane's energy is then exact, and
+//! what is softened away vanishes with the spacing.
+//!
+//! A cluster of points around c stands in for its points with the tangent of f(p) = p(√(|x − p|² + b²)) at c, and
+//! with half of the second derivative H of f at c times the spread of its area,
+//!
+//! ```text
+//! Σ_i a_i E_i f(p_i) = f(c) Σ a_i E_i + ∇f(c) · Σ a_i E_i (p_i − c) + C + error
+//! C = ½ tr(H(c) Σ a_i (p_i − c)(p_i − c)ᵀ) Σ a_i E_i / Σ a_i
+//! |error| ≤ ½ K Σ a_i E_i |p_i − c|² + |C|,   K ≥ |p''|, |p'|/r at all radii from √(r_min² + b²) on,
+//! ```
+//!
+//! because the eigenvalues of H are mixtures of p'' and p'/r. r_min is the least distance of the cluster's ball
+//! from x. C is right where irradiance changes little within the cluster: it takes most of the error away, and costs a
+//! somewhat looser bound. Clusters are opened in the order of their bounds, as lightcuts are [Walter et al. 2005],
+//! until the bounds of all together are small enough in every channel. Whether a profile falls monotonically plays
+//! no part.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::{DVec3, Vec3};
+use translucid_profile::NormalizedDiffusionF32;
+use translucid_scene::Scene;
+
+use super::hierarchy::{Hierarchy, Node, Point};
+use super::smooth_profile::SmoothProfile;
+use super::surfels::Surfel;
+use crate::material::{Materials, Subsurface};
+use crate::profile_tables::{ProfileSource, ProfileTables};
+
+/// Softening b in spacings.
+const SOFTENING: f32 = 0.5;
+/// Radius of the neighborhood that Ē is the mean of, in spacings.
+const NEIGHBORHOOD: f32 = 2.0;
+/// Light below this part of what the group's mean irradiance would give everywhere need not be exact.
+const DARK: f64 = 1e-3;
+/// Albedos that a textured material's profile is tabulated for.
+const ROWS: usize = 64;
+
+/// A point that light leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaving {
+    pub(crate) position: Vec3,
+    /// Unit geometric normal on the outside.
+    pub(crate) normal: Vec3,
+    pub(crate) group: u32,
+    pub(crate) subsurface: Subsurface,
+}
+
+/// What comes together at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Gathered {
+    /// Σ R a E: radiant exitance under the surface; 0 in channels that do not scatter.
+    pub(crate) light: Vec3,
+    /// Σ R a / A: share of the profile's energy that the group's surfaces hold; 1 on a plane.
+    pub(crate) energy: Vec3,
+}
+
+/// Points made ready for sums.
+pub(crate) struct Gatherer {
+    tolerance: f64,
+    /// Sorted by their numbers.
+    groups: Vec<Group>,
+    profiles: Profiles,
+}
+
+/// The points of a subsurface group.
+struct Group {
+    number: u32,
+    tree: Hierarchy,
+    /// Length of the tree's unit \[L\].
+    spacing: f64,
+    /// Exitance that need not be exact, for A = 1.
+    dark: DVec3,
+}
+
+/// Memory that gathering needs; each thread has its own.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    near: Vec<u32>,
+    open: BinaryHeap<Open>,
+}
+
+/// Points of a group in the order of the tree, with their spacing.
+pub(crate) struct GroupOfPoints<'a> {
+    pub(crate) number: u32,
+    pub(crate) spacing: f64,
+    pub(crate) surfels: &'a [Surfel],
+}
+
+impl Gatherer {
+    /// Makes points ready; `irradiance` is that of each, or empty for 1 everywhere.
+    pub(crate) fn new(
+        scene: &Scene,
+        materials: &Materials,
+        groups: &[GroupOfPoints<'_>],
+        irradiance: &[Vec3],
+    ) -> Self {
+        let mut start = 0;
+        let group = |group: &GroupOfPoints<'_>| {
+            let of = |i: usize| irradiance.get(start + i).copied().unwrap_or(Vec3::ONE);
+            let tree = Hierarchy::new(group.surfels, of, group.spacing);
+            start += group.surfels.len();
+            let mean = tree.nodes.first().map_or(DVec3::ZERO, |root| {
+                root.flux.as_dvec3() / f64::from(root.area).max(f64::MIN_POSITIVE)
+            });
+            Group { number: group.number, tree, spacing: group.spacing, dark: mean * DARK }
+        };
+        let mut groups: Vec<Group> = groups.iter().map(group).collect();
+        groups.sort_by_key(|group| group.number);
+        let tolerance = f64::from(scene.integrator.point_tolerance);
+        Self { tolerance, groups, profiles: Profiles::new(scene, materials) }
+    }
+
+    /// What leaves at a point; `None` where its group has no points.
+    pub(crate) fn gather(
+        &self,
+        tables: &ProfileTables,
+        leaving: &Leaving,
+        scratch: &mut Scratch,
+    ) -> Option<Gathered> {
+        let index = self.groups.binary_search_by_key(&leaving.group, |group| group.number).ok()?;
+        let group = &self.groups[index];
+        let channels = [0, 1, 2].map(|c| self.profiles.channel(&leaving.subsurface, c, group.spacing));
+        let place = group.tree.local(leaving.position);
+        let mut sum = Sum::new(&group.tree, channels, place, leaving.normal);
+        sum.run(scratch, self.tolerance, group.dark);
+        let softening = (f64::from(SOFTENING) * group.spacing) as f32;
+        Some(sum.finish(&leaving.subsurface, within(tables, &leaving.subsurface, softening)))
+    }
+}
+
+/// Share of each channel's energy that leaves within r.
+fn within(tables: &ProfileTables, subsurface: &Subsurface, r: f32) -> Vec3 {
+    let Subsurface { albedo, length, source } = *subsurface;
+    let share = |c: usize| match source {
+        _ if length[c] <= 0.0 => 0.0,
+        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length[c]).cdf(r),
+        ProfileSource::Table(table)
+        | ProfileSource::Directional { table, .. }
+        | ProfileSource::Oblique { table, .. } => tables.table(table).at(albedo[c], length[c]).cdf(r),
+    };
+    Vec3::new(share(0), share(1), share(2))
+}
+
+/// A sum on its way, for A = 1.
+struct Sum<'a> {
+    tree: &'a Hierarchy,
+    channels: [Channel<'a>; 3],
+    place: Vec3,
+    normal: Vec3,
+    light: DVec3,
+    energy: DVec3,
+    /// Bound of the error of `light`.
+    error: DVec3,
+    /// Light that enters around the place, weighted, and the sum of the weights.
+    near_flux: Vec3,
+    near_area: f32,
+}
+
+/// A cluster that stands in for its points so far.
+struct Open {
+    key: f32,
+    node: u32,
+    part: Part,
+}
+
+/// What a cluster adds.
+#[derive(Clone, Copy)]
+struct Part {
+    light: DVec3,
+    energy: DVec3,
+    error: DVec3,
+}
+
+impl<'a> Sum<'a> {
+    fn new(tree: &'a Hierarchy, channels: [Channel<'a>; 3], place: Vec3, normal: Vec3) -> Self {
+        let zero = DVec3::ZERO;
+        let (near_flux, near_area) = (Vec3::ZERO, 0.0);
+        Self { tree, channels, place, normal, light: zero, energy: zero, error: zero, near_flux, near_area }
+    }
+
+    /// Sums until the error is within the tolerance, relative to the light or to what counts as dark.
+    fn run(&mut self, scratch: &mut Scratch, tolerance: f64, dark: DVec3) {
+        scratch.open.clear();
+        self.sum_near(scratch, dark);
+        while (self.error.cmpgt(self.light.max(dark) * tolerance)).any() {
+            let Some(open) = scratch.open.pop() else { break };
+            self.light -= open.part.light;
+            self.energy -= open.part.energy;
+            self.error -= open.part.error;
+            let node = &self.tree.nodes[open.node as usize];
+            if node.right == 0 {
+                self.add_points(node);
+            } else {
+                self.open(scratch, open.node + 1, dark);
+                self.open(scratch, node.right, dark);
+            }
+        }
+    }
+
+    /// Adds the points of all clusters that reach into the neighborhood one by one, and the others as they are.
+    fn sum_near(&mut self, scratch: &mut Scratch, dark: DVec3) {
+        scratch.near.clear();
+        scratch.near.extend((!self.tree.nodes.is_empty()).then_some(0));
+        while let Some(index) = scratch.near.pop() {
+            let node = &self.tree.nodes[index as usize];
+            if node.center.distance(self.place) - node.radius > NEIGHBORHOOD {
+                self.open(scratch, index, dark);
+            } else if node.right == 0 {
+                self.add_points(node);
+            } else {
+                scratch.near.extend([index + 1, node.right]);
+            }
+        }
+    }
+
+    /// Adds a cluster as a whole.
+    fn open(&mut self, scratch: &mut Scratch, index: u32, dark: DVec3) {
+        let part = self.part(&self.tree.nodes[index as usize]);
+        self.light += part.light;
+        self.energy += part.energy;
+        self.error += part.error;
+        let relative = part.error / self.light.max(dark).max(DVec3::splat(f64::MIN_POSITIVE));
+        scratch.open.push(Open { key: relative.max_element() as f32, node: index, part });
+    }
+
+    /// What a cluster adds as a whole, see the head of the file.
+    fn part(&self, node: &Node) -> Part {
+        let offset = node.center - self.place;
+        let squared = offset.length_squared();
+        let soft = SOFTENING * SOFTENING;
+        let radius = (squared + soft).sqrt();
+        let nearest = (squared.sqrt() - node.radius).max(0.0);
+        let least = (nearest * nearest + soft).sqrt();
+        let along = f64::from(offset.dot(node.spread * offset) / (radius * radius));
+        let trace = f64::from(node.spread.x_axis.x + node.spread.y_axis.y + node.spread.z_axis.z);
+        let mut part = Part { light: DVec3::ZERO, energy: DVec3::ZERO, error: DVec3::ZERO };
+        for (c, channel) in self.channels.iter().enumerate() {
+            let Curve { value, slope, second } = channel.eval(radius);
+            let first = f64::from(offset.dot(node.first[c]) / radius);
+            let slope_over_radius = slope / f64::from(radius);
+            let bend = 0.5 * ((second - slope_over_radius) * along + slope_over_radius * trace);
+            part.light[c] = (value + bend) * f64::from(node.flux[c]) + slope * first;
+            part.energy[c] = (value + bend) * f64::from(node.area);
+            part.error[c] = 0.5 * channel.curvature_from(least) * f64::from(node.second[c])
+                + bend.abs() * f64::from(node.flux[c]);
+        }
+        part
+    }
+
+    /// Adds points one by one.
+    fn add_points(&mut self, node: &Node) {
+        for point in self.tree.points_of(node) {
+            let squared = point.position.distance_squared(self.place);
+            let radius = (squared + SOFTENING * SOFTENING).sqrt();
+            for (c, channel) in self.channels.iter().enumerate() {
+                let value = channel.eval(radius).value;
+                self.light[c] += value * f64::from(point.flux[c]);
+                self.energy[c] += value * f64::from(point.area);
+            }
+            self.add_to_neighborhood(point, squared);
+        }
+    }
+
+    fn add_to_neighborhood(&mut self, point: &Point, squared: f32) {
+        let inside = 1.0 - squared * (1.0 / (NEIGHBORHOOD * NEIGHBORHOOD));
+        if inside > 0.0 {
+            // A little of what faces elsewhere, for edges where nothing else is near
+            let weight = inside * inside * (self.normal.dot(point.normal).max(0.0) + 1e-4);
+            self.near_flux += point.flux * weight;
+            self.near_area += point.area * weight;
+        }
+    }
+
+    /// The light with the share that enters around the place.
+    fn finish(&self, subsurface: &Subsurface, within: Vec3) -> Gathered {
+        let mean = if self.near_area > 0.0 { self.near_flux / self.near_area } else { Vec3::ZERO };
+        let light = (self.light.as_vec3() + mean * within).max(Vec3::ZERO) * subsurface.albedo;
+        let energy = self.energy.as_vec3() + within;
+        let is_active = subsurface.length.cmpgt(Vec3::ZERO);
+        let finite = |v: Vec3| Vec3::select(v.is_finite_mask() & is_active, v, Vec3::ZERO);
+        Gathered { light: finite(light), energy: finite(energy) }
+    }
+}
+
+/// The profiles of a scene's materials as smooth tables.
+struct Profiles {
+    normalized_diffusion: SmoothProfile,
+    /// For each table of the materials its rows, by albedo.
+    tables: Vec<Vec<(f32, SmoothProfile)>>,
+}
+
+/// A channel's profile in the tree's units: a mixture of two rows.
+#[derive(Clone, Copy)]
+struct Channel<'a> {
+    rows: [Option<Row<'a>>; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    profile: &'a SmoothProfile,
+    /// From the tree's units to the profile's.
+    scale: f32,
+    /// Share in the mixture times the square of the scale.
+    weight: f64,
+}
+
+/// Density per area and its derivatives, in the tree's units.
+#[derive(Clone, Copy, Default)]
+struct Curve {
+    value: f64,
+    slope: f64,
+    second: f64,
+}
+
+impl Profiles {
+    fn new(scene: &Scene, materials: &Materials) -> Self {
+        let tables = materials.profile_tables();
+        let albedos = albedos_in_use(scene, materials);
+        let row = |table: usize, albedo: f32| {
+            (albedo, SmoothProfile::tabulated(tables.table(table).at(albedo, 1.0)))
+        };
+        let rows = |(table, albedos): (usize, &Vec<f32>)| albedos.iter().map(|&a| row(table, a)).collect();
+        Self {
+            normalized_diffusion: SmoothProfile::normalized_diffusion(),
+            tables: albedos.iter().enumerate().map(rows).collect(),
+        }
+    }
+
+    /// The profile of a channel for a tree whose unit is `unit` long \[L\].
+    fn channel(&self, subsurface: &Subsurface, channel: usize, unit: f64) -> Channel<'_> {
+        let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
+        if length <= 0.0 {
+            return Channel { rows: [None; 2] };
+        }
+        let row = |profile, share: f32| Row::new(profile, unit / f64::from(length), f64::from(share));
+        match subsurface.source {
+            ProfileSource::NormalizedDiffusion => {
+                Channel { rows: [Some(row(&self.normalized_diffusion, 1.0)), None] }
+            }
+            ProfileSource::Table(table)
+            | ProfileSource::Directional { table, .. }
+            | ProfileSource::Oblique { table, .. } => {
+                let rows = &self.tables[table];
+                let upper = rows.partition_point(|(start, _)| *start < albedo).min(rows.len() - 1);
+                let lower = if rows[upper].0 > albedo { upper.saturating_sub(1) } else { upper };
+                let width = rows[upper].0 - rows[lower].0;
+                let mix = if width > 0.0 { (albedo - rows[lower].0) / width } else { 0.0 };
+                let second = (mix > 0.0).then(|| row(&rows[upper].1, mix));
+                Channel { rows: [Some(row(&rows[lower].1, 1.0 - mix)), second] }
+            }
+        }
+    }
+}
+
+/// For each table the albedos that constant materials ask for, and a grid where one is textured.
+fn albedos_in_use(scene: &Scene, materials: &Materials) -> Vec<Vec<f32>> {
+    let mut albedos: Vec<Vec<f32>> = vec![Vec::new(); materials.profile_tables().len()];
+    for (index, material) in scene.materials.iter().enumerate() {
+        let Some(table) = materials.profile_source(index).table() else { continue };
+        let color = &material.subsurface_color;
+        if color.texture.is_some() || color.vertex_color {
+            // Closer to each other towards 0 and 1, as in `AlbedoTable::for_every_albedo`
+            let y = |i: usize| i as f32 / (ROWS - 1) as f32;
+            albedos[table].extend((0..ROWS).map(|i| 1.0 - (1.0 - y(i).powi(3)).powi(3)));
+        } else {
+            albedos[table].extend(color.factor.clamp(Vec3::ZERO, Vec3::ONE).to_array());
+        }
+    }
+    for albedos in &mut albedos {
+        albedos.sort_by(f32::total_cmp);
+        albedos.dedup();
+    }
+    albedos
+}
+
+impl<'a> Row<'a> {
+    fn new(profile: &'a SmoothProfile, scale: f64, share: f64) -> Self {
+        let scale = scale / f64::from(profile.scale());
+        Self { profile, scale: scale as f32, weight: share * scale * scale }
+    }
+}
+
+impl Channel<'_> {
+    /// Density per area and its derivatives at a radius.
+    #[inline]
+    fn eval(&self, radius: f32) -> Curve {
+        let mut sum = Curve::default();
+        for row in self.rows.iter().flatten() {
+            let jet = row.profile.eval(radius * row.scale);
+            let scale = f64::from(row.scale);
+            sum.value += row.weight * f64::from(jet.value);
+            sum.slope += row.weight * scale * f64::from(jet.slope);
+            sum.second += row.weight * scale * scale * f64::from(jet.second);
+        }
+        sum
+    }
+
+    /// No less than the second derivative and slope/radius from a radius on.
+    #[inline]
+    fn curvature_from(&self, radius: f32) -> f64 {
+        let of = |row: &Row<'_>| {
+            let scale = f64::from(row.scale);
+            row.weight * scale * scale * f64::from(row.profile.curvature_from(radius * row.scale))
+        };
+        self.rows.iter().flatten().map(of).sum()
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key.total_cmp(&other.key).then(self.node.cmp(&other.node))
+    }
+}

@@ -1,0 +1,235 @@
+//! How close the points have to lie, and whether there is room for them.
+
+use std::fmt;
+
+use glam::Vec3;
+use translucid_profile::NormalizedDiffusionF32;
+use translucid_scene::{Scene, SubsurfaceModel};
+
+use super::patches::Patch;
+use crate::geometry::Geometry;
+use crate::material::{self, Materials, Subsurface};
+use crate::profile_tables::{ProfileSource, ProfileTables};
+
+/// Spacing of the points for a tolerance of 1, over the radius within which half of the narrowest channel's light
+/// leaves. It goes with the root of the tolerance, as errors of smooth sums go with the square of the spacing.
+const SPACING: f64 = 0.6;
+/// Least number of points of a group for a tolerance of 1, in inverse proportion to it: where light travels farther
+/// than the body is large, points have to tell its lit from its shaded side.
+const LEAST_POINTS: f64 = 50.0;
+/// A channel whose albedo is a smaller part of the largest one is hardly seen: its width does not count.
+const FAINT: f32 = 0.05;
+/// Places of an object at which its profile's width is looked up.
+const PLACES: usize = 4096;
+/// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
+const BYTES_PER_POINT: f64 = 256.0;
+
+/// Why points cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointsError {
+    /// What is wrong, with the numbers found and allowed.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl fmt::Display for PointsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.message, self.help)
+    }
+}
+
+impl std::error::Error for PointsError {}
+
+/// The points that a scene needs.
+pub(super) struct Plan {
+    pub(super) groups: Vec<GroupPlan>,
+}
+
+/// The points of the objects that share light under their surfaces.
+pub(super) struct GroupPlan {
+    pub(super) group: u32,
+    /// Numbers of the objects, which all take part: light may enter one that has another material.
+    pub(super) objects: Vec<usize>,
+    /// Root of the area that a point shall stand for \[L\].
+    pub(super) spacing: f64,
+    /// Area of all objects \[L²\].
+    pub(super) area: f64,
+    narrowest: Narrowest,
+}
+
+/// Where light travels least far.
+#[derive(Clone, Copy, Debug)]
+struct Narrowest {
+    object: usize,
+    /// Radius within which half of the light leaves \[L\].
+    width: f64,
+    /// Length that the material states there \[L\].
+    length: f64,
+}
+
+impl Plan {
+    /// Looks at every object whose material lets light travel under its surface by a profile.
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, materials: &Materials) -> Self {
+        let mut groups: Vec<GroupPlan> = Vec::new();
+        for index in 0..scene.objects.len() {
+            let Some(narrowest) = narrowest(scene, geometry, materials, index) else { continue };
+            let group = scene.objects[index].subsurface_group;
+            match groups.iter_mut().find(|known| known.group == group) {
+                Some(known) if known.narrowest.width <= narrowest.width => {}
+                Some(known) => known.narrowest = narrowest,
+                None => groups.push(GroupPlan::new(scene, group, narrowest)),
+            }
+        }
+        let tolerance = f64::from(scene.integrator.point_tolerance);
+        for group in &mut groups {
+            let finest = group.narrowest.width * SPACING * tolerance.sqrt();
+            group.spacing = finest.min((group.area * tolerance / LEAST_POINTS).sqrt());
+        }
+        groups.retain(|group| group.spacing > 0.0 && group.spacing.is_finite());
+        Self { groups }
+    }
+
+    /// About how many points there will be.
+    pub(super) fn points(&self) -> f64 {
+        self.groups.iter().map(GroupPlan::points).sum()
+    }
+
+    /// Refuses points that do not fit into so many bytes.
+    pub(super) fn require_memory(&self, scene: &Scene, limit: u64) -> Result<(), PointsError> {
+        let bytes = self.points() * BYTES_PER_POINT;
+        if bytes <= limit as f64 && self.points() < f64::from(u32::MAX / 4) {
+            return Ok(());
+        }
+        Err(self.too_many(scene, self.points(), limit))
+    }
+
+    /// Most points that so many bytes hold.
+    pub(super) fn most_points(limit: u64) -> usize {
+        (limit as f64 / BYTES_PER_POINT).min(f64::from(u32::MAX / 4)) as usize
+    }
+
+    /// What to say where there are, or would be, this many points.
+    pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> PointsError {
+        let most = |a: &&GroupPlan, b: &&GroupPlan| a.points().total_cmp(&b.points());
+        let Some(worst) = self.groups.iter().max_by(most) else {
+            return PointsError { message: String::from("there are too many points"), help: String::new() };
+        };
+        let object = &scene.objects[worst.narrowest.object];
+        let material = &scene.materials[object.material];
+        let mebibytes = |bytes: f64| significant(bytes / f64::from(1 << 20));
+        let unit = scene.unit.name();
+        let message = format!(
+            "points need {} MiB of memory, but may take {} MiB: material {} of object {} has a mean free path of {} {unit}, for which {} points would lie {} {unit} apart on {} {unit}²",
+            mebibytes(points * BYTES_PER_POINT),
+            mebibytes(limit as f64),
+            material.name,
+            object.name,
+            significant(worst.narrowest.length),
+            significant(points),
+            significant(worst.spacing),
+            significant(worst.area),
+        );
+        let tolerance =
+            f64::from(scene.integrator.point_tolerance) * points * BYTES_PER_POINT / limit as f64 * 1.05;
+        let coarser = if tolerance <= 1.0 {
+            format!("choose a point_tolerance of {} or more, ", significant(tolerance))
+        } else {
+            String::new()
+        };
+        let help = format!(
+            "{coarser}raise point_memory if the machine has more, make subsurface_radius larger, or render with subsurface_method = \"ray-traced\""
+        );
+        PointsError { message, help }
+    }
+}
+
+impl GroupPlan {
+    fn new(scene: &Scene, group: u32, narrowest: Narrowest) -> Self {
+        let is_in = |&index: &usize| scene.objects[index].subsurface_group == group;
+        let objects: Vec<usize> = (0..scene.objects.len()).filter(is_in).collect();
+        let area = objects.iter().map(|&index| area(scene, index)).sum();
+        Self { group, objects, spacing: narrowest.width, area, narrowest }
+    }
+
+    /// About how many points there will be.
+    pub(super) fn points(&self) -> f64 {
+        self.area / (self.spacing * self.spacing)
+    }
+}
+
+/// Whether a profile, and nothing else, tells how light travels under a material.
+fn has_profile(model: SubsurfaceModel) -> bool {
+    matches!(model, SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_))
+}
+
+/// Area of an object's mesh \[L²\].
+fn area(scene: &Scene, index: usize) -> f64 {
+    let object = &scene.objects[index];
+    (0..object.mesh.triangles.len()).map(|triangle| Patch::of_triangle(object, triangle).area()).sum()
+}
+
+/// The narrowest profile at some thousand places of an object, evenly by area; `None` where no light travels.
+fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: usize) -> Option<Narrowest> {
+    let object = &scene.objects[index];
+    let material = &scene.materials[object.material];
+    if material.subsurface_weight.factor <= 0.0 || !has_profile(material.subsurface_model) {
+        return None;
+    }
+    let step = area(scene, index) / PLACES as f64;
+    let mut passed = 0.5 * step;
+    let mut found: Option<Narrowest> = None;
+    for triangle in 0..object.mesh.triangles.len() {
+        let patch = Patch::of_triangle(object, triangle);
+        passed += patch.area();
+        let places = (passed / step) as usize;
+        passed -= places as f64 * step;
+        let primitive = geometry.primitive(index as u32, triangle as u32);
+        for place in 0..places.min(PLACES) {
+            let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive).map(f64::from);
+            let point = geometry.point_on(scene, primitive, patch.point(u, v).as_vec3());
+            let subsurface = material::subsurface_at(scene, materials, object.material, &point);
+            let Some((width, channel)) = least_width(materials.profile_tables(), &subsurface) else {
+                continue;
+            };
+            if found.is_none_or(|known| width < known.width) {
+                let length = f64::from(material::stated_length_at(scene, material, &point)[channel]);
+                found = Some(Narrowest { object: index, width, length });
+            }
+        }
+    }
+    found
+}
+
+/// Radius within which half of the light leaves, of the narrowest channel that is seen, and the channel.
+fn least_width(tables: &ProfileTables, subsurface: &Subsurface) -> Option<(f64, usize)> {
+    let Subsurface { albedo, length, .. } = *subsurface;
+    let active = Vec3::from_array([0, 1, 2].map(|c| if length[c] > 0.0 { albedo[c] } else { 0.0 }));
+    let seen = |c: &usize| active[*c] > 0.0 && active[*c] >= FAINT * active.max_element();
+    let width = |c: usize| (f64::from(half_radius(tables, subsurface, c)), c);
+    (0..3).filter(seen).map(width).min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(width, _)| *width > 0.0)
+}
+
+/// Radius within which half of a channel's light leaves \[L\].
+fn half_radius(tables: &ProfileTables, subsurface: &Subsurface, channel: usize) -> f32 {
+    let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
+    match subsurface.source {
+        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length).quantile(0.5),
+        ProfileSource::Table(table)
+        | ProfileSource::Directional { table, .. }
+        | ProfileSource::Oblique { table, .. } => {
+            tables.table(table).at(albedo, length).truncation_radius(0.5)
+        }
+    }
+}
+
+/// A number with three digits that count.
+fn significant(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x) {
+        let digits =
+            if x >= 100.0 || x == 0.0 { 0 } else { (2.0 - x.log10().floor()).clamp(0.0, 6.0) as usize };
+        format!("{x:.digits$}")
+    } else {
+        format!("{x:.2e}")
+    }
+}
