@@ -22,13 +22,12 @@ pub(crate) fn fingerprint_of_points(scene: &Scene) -> u64 {
 impl Fnv {
     /// All but camera and film.
     fn content(&mut self, scene: &Scene) {
-        let hash = self;
         let mut integrator = scene.integrator;
         integrator.samples_per_pixel = 1;
         // How much memory points may take does not change them.
         integrator.point_memory = 1;
         // Debug output of floats reads back exactly, so equal text is equal data.
-        hash.text(&format!(
+        self.text(&format!(
             "{} {:?} {:?} {:?}",
             env!("CARGO_PKG_VERSION"),
             integrator,
@@ -36,26 +35,26 @@ impl Fnv {
             scene.environment,
         ));
         for material in &scene.materials {
-            hash.text(&format!("{material:?}"));
+            self.text(&format!("{material:?}"));
         }
         for table in &scene.profile_tables {
-            hash.text(&format!("{:?}", table.rows));
+            self.text(&format!("{:?}", table.rows));
         }
         for object in &scene.objects {
-            hash.text(&format!("{} {}", object.material, object.subsurface_group));
+            self.text(&format!("{} {}", object.material, object.subsurface_group));
             let mesh = &object.mesh;
-            hash.bytes(bytemuck::cast_slice(&mesh.positions));
-            hash.bytes(bytemuck::cast_slice(&mesh.normals));
-            hash.bytes(bytemuck::cast_slice(&mesh.uvs));
-            hash.bytes(bytemuck::cast_slice(&mesh.tangents));
-            hash.bytes(bytemuck::cast_slice(&mesh.colors));
-            hash.bytes(bytemuck::cast_slice(&mesh.triangles));
+            self.bytes(bytemuck::cast_slice(&mesh.positions));
+            self.bytes(bytemuck::cast_slice(&mesh.normals));
+            self.bytes(bytemuck::cast_slice(&mesh.uvs));
+            self.bytes(bytemuck::cast_slice(&mesh.tangents));
+            self.bytes(bytemuck::cast_slice(&mesh.colors));
+            self.bytes(bytemuck::cast_slice(&mesh.triangles));
         }
         for image in &scene.images {
-            hash.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
+            self.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
             match &image.pixels {
-                Pixels::Byte(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
-                Pixels::Float(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+                Pixels::Byte(pixels) => self.bytes(bytemuck::cast_slice(pixels)),
+                Pixels::Float(pixels) => self.bytes(bytemuck::cast_slice(pixels)),
             }
         }
     }

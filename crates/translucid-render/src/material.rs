@@ -3,7 +3,7 @@
 use glam::Vec3;
 use translucid_profile::d_from_surface_albedo_f32;
 use translucid_scene::{
-    Channel, ColorInput, Image, Material, ScalarInput, Scene, SubsurfaceModel, TextureRef,
+    Channel, ColorInput, Image, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, TextureRef,
 };
 
 use crate::bsdf::{MaterialTables, SurfaceParameters};
@@ -59,8 +59,13 @@ impl Materials {
             .collect();
         let mut profile_tables = ProfileTables::default();
         let files = &scene.profile_tables;
-        let profile_sources =
+        let profile_sources: Vec<ProfileSource> =
             scene.materials.iter().map(|material| profile_tables.source(material, files)).collect();
+        if scene.integrator.subsurface_method == SubsurfaceMethod::PointBased {
+            for (material, source) in scene.materials.iter().zip(&profile_sources) {
+                profile_tables.note_of_points(material, *source);
+            }
+        }
         Self { tables, table_of, lets_light_through, profile_tables, profile_sources }
     }
 

@@ -112,6 +112,16 @@ impl ProfileTables {
         &self.notes
     }
 
+    /// Notes where points leave out what a material's model knows.
+    pub(crate) fn note_of_points(&mut self, material: &Material, source: ProfileSource) {
+        if matches!(source, ProfileSource::Directional { .. } | ProfileSource::Oblique { .. }) {
+            let (name, model) = (&material.name, material.subsurface_model.name());
+            self.notes.push(format!(
+                "material {name}: {model} follows the direction of light; points hold its mean over all directions"
+            ));
+        }
+    }
+
     /// Finds or makes what a material needs.
     pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
         self.notes.extend(note_of_nearest(material));

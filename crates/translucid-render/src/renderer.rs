@@ -84,6 +84,11 @@ impl Renderer {
         fingerprint(&self.world.scene)
     }
 
+    #[cfg(test)]
+    pub(crate) fn world(&self) -> &World {
+        &self.world
+    }
+
     /// Whether the scene asks for points that it does not have yet.
     #[must_use]
     pub fn wants_points(&self) -> bool {

@@ -92,6 +92,7 @@ pub(crate) struct Scratch {
 }
 
 /// Points of a group in the order of the tree, with their spacing.
+#[derive(Clone, Copy)]
 pub(crate) struct GroupOfPoints<'a> {
     pub(crate) number: u32,
     pub(crate) spacing: f64,
@@ -435,5 +436,166 @@ impl PartialOrd for Open {
 impl Ord for Open {
     fn cmp(&self, other: &Self) -> Ordering {
         self.key.total_cmp(&other.key).then(self.node.cmp(&other.node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use translucid_profile::Model;
+    use translucid_scene::{
+        ColorInput, Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel,
+    };
+
+    use super::*;
+    use crate::point_based::hierarchy;
+    use crate::{PointCloud, Renderer};
+
+    /// Points at random in a ball of radius 3 with random light in half of it.
+    fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
+        let random = |i: u32, salt: u32| sobol_burley::sample(i, salt, 3);
+        let surfel = |i: u32| {
+            let at = |salt: u32| 6.0 * random(i, salt) - 3.0;
+            let (position, normal) = ([at(0), at(1), at(2)], Vec3::new(at(3), at(4), 4.0).normalize());
+            Surfel { position, area: 0.01 * random(i, 6), normal: normal.into(), primitive: i }
+        };
+        let mut surfels: Vec<Surfel> = (0..count).map(surfel).collect();
+        hierarchy::order(&mut surfels);
+        let light = |surfel: &Surfel| {
+            let x = random(surfel.primitive, 7);
+            if surfel.position[0] > 0.0 { Vec3::new(x, x * x, 3.0 * x) } else { Vec3::ZERO }
+        };
+        let light = surfels.iter().map(light).collect();
+        (surfels, light)
+    }
+
+    fn scene(model: SubsurfaceModel) -> Scene {
+        let material = Material {
+            subsurface_weight: ScalarInput::constant(1.0),
+            subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
+            subsurface_radius_scale: ColorInput::constant(Vec3::new(2.0, 0.6, 0.3)),
+            subsurface_model: model,
+            ..Material::default()
+        };
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let mut scene = translucid_scene::still_life(&translucid_scene::LoadOptions::default())
+            .expect("the built-in scene is valid");
+        scene.materials = vec![material];
+        scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 5 }];
+        scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+        scene
+    }
+
+    /// The sum over all points one by one, by the profile itself.
+    fn brute_force(
+        tables: &ProfileTables,
+        leaving: &Leaving,
+        spacing: f32,
+        surfels: &[Surfel],
+        irradiance: &[Vec3],
+    ) -> Vec3 {
+        let Subsurface { albedo, length, source } = leaving.subsurface;
+        let density = |c: usize, r: f32| match source.table() {
+            None => NormalizedDiffusionF32::from_d(length[c]).pdf_area(r),
+            Some(table) => tables.table(table).at(albedo[c], length[c]).pdf_area(r),
+        };
+        let (mut sum, mut near, mut weights) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for (surfel, light) in surfels.iter().zip(irradiance) {
+            let squared = surfel.position().distance_squared(leaving.position);
+            let r = (squared + (SOFTENING * spacing).powi(2)).sqrt();
+            let value = Vec3::from_array([0, 1, 2].map(|c| density(c, r)));
+            sum += (value * *light * surfel.area).as_dvec3();
+            let inside = (1.0 - squared / (NEIGHBORHOOD * spacing).powi(2)).max(0.0);
+            let weight =
+                inside * inside * surfel.area * (surfel.normal().dot(leaving.normal).max(0.0) + 1e-4);
+            near += (*light * weight).as_dvec3();
+            weights += f64::from(weight);
+        }
+        let mean = if weights > 0.0 { near / weights } else { DVec3::ZERO };
+        let share = within(tables, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
+        (sum + mean * share).as_vec3() * albedo
+    }
+
+    /// For every model: the error is within the tolerance, and far below it on average.
+    #[test]
+    fn gather_keeps_its_bound_for_every_model() {
+        let (surfels, irradiance) = soup(2000);
+        let spacing = 0.05;
+        for model in Model::ALL {
+            let scene = scene(SubsurfaceModel::Profile(model));
+            let materials = Materials::new(&scene);
+            let tables = materials.profile_tables();
+            let geometry = crate::geometry::Geometry::new(&scene.objects);
+            let point = geometry.point_on(&scene, 0, Vec3::new(0.2, 0.2, 0.0));
+            let subsurface = crate::material::subsurface_at(&scene, &materials, 0, &point);
+            let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
+            for tolerance in [0.3, 0.05, 0.0] {
+                let mut scene = scene.clone();
+                scene.integrator.point_tolerance = tolerance;
+                let gatherer = Gatherer::new(&scene, &materials, &[group], &irradiance);
+                let mut scratch = Scratch::default();
+                for i in 0..20 {
+                    let at = |salt: u32| 8.0 * sobol_burley::sample(i, salt, 9) - 4.0;
+                    let position = Vec3::new(at(0), at(1), at(2));
+                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, subsurface };
+                    let gathered = gatherer.gather(tables, &leaving, &mut scratch).expect("points");
+                    let exact = brute_force(tables, &leaving, spacing as f32, &surfels, &irradiance);
+                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.albedo;
+                    for c in 0..3 {
+                        // And what the smooth table differs from the profile by
+                        let allowed = (tolerance + 1e-3) * exact[c].max(dark[c]);
+                        let error = (gathered.light[c] - exact[c]).abs();
+                        assert!(error <= allowed, "{model} {tolerance} {c}: {gathered:?} not {exact}");
+                    }
+                }
+            }
+            assert!(gatherer_of_other_group_is_silent(&scene, &materials, &point, subsurface));
+        }
+    }
+
+    fn gatherer_of_other_group_is_silent(
+        scene: &Scene,
+        materials: &Materials,
+        point: &crate::geometry::SurfacePoint,
+        subsurface: Subsurface,
+    ) -> bool {
+        let gatherer = Gatherer::new(scene, materials, &[], &[]);
+        let (position, normal) = (point.position, point.geometric_normal);
+        let leaving = Leaving { position, normal, group: 5, subsurface };
+        gatherer.gather(materials.profile_tables(), &leaving, &mut Scratch::default()).is_none()
+    }
+
+    /// Without light the energy is that of the profile, and so is the light of irradiance 1.
+    #[test]
+    fn energy_is_one_in_the_middle_of_a_plane() {
+        let mut scene = scene(SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined));
+        scene.materials[0].subsurface_color = ColorInput::constant(Vec3::splat(0.5));
+        scene.materials[0].subsurface_radius_scale = ColorInput::constant(Vec3::ONE);
+        let corners = [(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)];
+        scene.objects[0].mesh = Mesh {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        scene.integrator.point_tolerance = 0.2;
+        let renderer = Renderer::new(scene);
+        let world = renderer.world();
+        let stop = AtomicBool::new(false);
+        let cloud = PointCloud::without_light(world, 0, 1 << 30, &|_| {}, &stop);
+        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world);
+        let point = world.geometry.point_on(&world.scene, 0, Vec3::new(0.3, 0.1, 0.0));
+        let subsurface = crate::material::subsurface_at(&world.scene, &world.materials, 0, &point);
+        let (position, normal) = (point.position, point.geometric_normal);
+        let leaving = Leaving { position, normal, group: 5, subsurface };
+        let tables = world.materials.profile_tables();
+        let gathered = gatherer.gather(tables, &leaving, &mut Scratch::default()).expect("points");
+        assert!((gathered.energy - 1.0).abs().max_element() < 0.03, "{gathered:?}");
+        let ratio = gathered.light / (gathered.energy * subsurface.albedo);
+        assert!((ratio - 1.0).abs().max_element() < 1e-4, "{gathered:?}");
     }
 }

@@ -21,7 +21,7 @@ const LEAST_SAMPLES: u32 = 8;
 const MOST_SAMPLES: u32 = 4096;
 /// Standard error of a cluster's mean for a tolerance of 1, relative to the mean. It goes with the root of the
 /// tolerance: the number of points within reach of a profile goes with its inverse.
-const NOISE: f64 = 0.06;
+const NOISE: f64 = 0.04;
 /// Clusters darker than this part of the group's mean may be as inexact as one that is as bright.
 const DARK: f64 = 0.05;
 

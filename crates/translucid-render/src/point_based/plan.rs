@@ -2,23 +2,20 @@
 
 use std::fmt;
 
-use glam::Vec3;
 use translucid_profile::NormalizedDiffusionF32;
 use translucid_scene::{Scene, SubsurfaceModel};
 
 use super::patches::Patch;
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, SurfacePoint};
 use crate::material::{self, Materials, Subsurface};
 use crate::profile_tables::{ProfileSource, ProfileTables};
 
 /// Spacing of the points for a tolerance of 1, over the radius within which half of the narrowest channel's light
 /// leaves. It goes with the root of the tolerance, as errors of smooth sums go with the square of the spacing.
-const SPACING: f64 = 0.6;
+const SPACING: f64 = 1.0;
 /// Least number of points of a group for a tolerance of 1, in inverse proportion to it: where light travels farther
 /// than the body is large, points have to tell its lit from its shaded side.
 const LEAST_POINTS: f64 = 50.0;
-/// A channel whose albedo is a smaller part of the largest one is hardly seen: its width does not count.
-const FAINT: f32 = 0.05;
 /// Places of an object at which its profile's width is looked up.
 const PLACES: usize = 4096;
 /// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
@@ -62,7 +59,7 @@ pub(super) struct GroupPlan {
 #[derive(Clone, Copy, Debug)]
 struct Narrowest {
     object: usize,
-    /// Radius within which half of the light leaves \[L\].
+    /// Radius within which half of the light leaves, more where it is dark \[L\].
     width: f64,
     /// Length that the material states there \[L\].
     length: f64,
@@ -170,15 +167,41 @@ fn area(scene: &Scene, index: usize) -> f64 {
 }
 
 /// The narrowest profile at some thousand places of an object, evenly by area; `None` where no light travels.
+///
+/// A dark channel or place may be less exact than a bright one. Errors go with the square of the spacing over the
+/// width, so widths count times the root of the greatest albedo over their own.
 fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: usize) -> Option<Narrowest> {
     let object = &scene.objects[index];
     let material = &scene.materials[object.material];
     if material.subsurface_weight.factor <= 0.0 || !has_profile(material.subsurface_model) {
         return None;
     }
+    let mut brightest = 0.0_f32;
+    let mut found: Option<Narrowest> = None;
+    for_each_place(scene, geometry, index, |point| {
+        let subsurface = material::subsurface_at(scene, materials, object.material, &point);
+        let stated = material::stated_length_at(scene, material, &point);
+        for channel in 0..3 {
+            let albedo = subsurface.albedo[channel];
+            if subsurface.length[channel] <= 0.0 || albedo <= 0.0 {
+                continue;
+            }
+            brightest = brightest.max(albedo);
+            let radius = half_radius(materials.profile_tables(), &subsurface, channel);
+            let width = f64::from(radius) / f64::from(albedo).sqrt();
+            if width > 0.0 && found.is_none_or(|known| width < known.width) {
+                found = Some(Narrowest { object: index, width, length: f64::from(stated[channel]) });
+            }
+        }
+    });
+    found.map(|found| Narrowest { width: found.width * f64::from(brightest).sqrt(), ..found })
+}
+
+/// Calls `found` for some thousand points of an object, evenly by area.
+fn for_each_place(scene: &Scene, geometry: &Geometry, index: usize, mut found: impl FnMut(SurfacePoint)) {
+    let object = &scene.objects[index];
     let step = area(scene, index) / PLACES as f64;
     let mut passed = 0.5 * step;
-    let mut found: Option<Narrowest> = None;
     for triangle in 0..object.mesh.triangles.len() {
         let patch = Patch::of_triangle(object, triangle);
         passed += patch.area();
@@ -187,27 +210,9 @@ fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: u
         let primitive = geometry.primitive(index as u32, triangle as u32);
         for place in 0..places.min(PLACES) {
             let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive).map(f64::from);
-            let point = geometry.point_on(scene, primitive, patch.point(u, v).as_vec3());
-            let subsurface = material::subsurface_at(scene, materials, object.material, &point);
-            let Some((width, channel)) = least_width(materials.profile_tables(), &subsurface) else {
-                continue;
-            };
-            if found.is_none_or(|known| width < known.width) {
-                let length = f64::from(material::stated_length_at(scene, material, &point)[channel]);
-                found = Some(Narrowest { object: index, width, length });
-            }
+            found(geometry.point_on(scene, primitive, patch.point(u, v).as_vec3()));
         }
     }
-    found
-}
-
-/// Radius within which half of the light leaves, of the narrowest channel that is seen, and the channel.
-fn least_width(tables: &ProfileTables, subsurface: &Subsurface) -> Option<(f64, usize)> {
-    let Subsurface { albedo, length, .. } = *subsurface;
-    let active = Vec3::from_array([0, 1, 2].map(|c| if length[c] > 0.0 { albedo[c] } else { 0.0 }));
-    let seen = |c: &usize| active[*c] > 0.0 && active[*c] >= FAINT * active.max_element();
-    let width = |c: usize| (f64::from(half_radius(tables, subsurface, c)), c);
-    (0..3).filter(seen).map(width).min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(width, _)| *width > 0.0)
 }
 
 /// Radius within which half of a channel's light leaves \[L\].

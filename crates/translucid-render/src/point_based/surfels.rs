@@ -117,7 +117,7 @@ impl<'a> Cover<'a> {
         let mut places = self.places();
         places.par_sort_unstable_by_key(|place| (place.order, place.primitive));
         for (number, place) in places.iter().enumerate() {
-            if number % 4096 == 0 {
+            if number.is_multiple_of(4096) {
                 if self.stop.load(Ordering::Relaxed) {
                     return Err(Unfinished::Stopped);
                 }
@@ -176,7 +176,7 @@ impl<'a> Cover<'a> {
         let done = AtomicUsize::new(0);
         let (areas, orphans) = self.share(&triangles, quantum, &|| {
             let done = done.fetch_add(1, Ordering::Relaxed);
-            if done % 4096 == 0 {
+            if done.is_multiple_of(4096) {
                 progress(done as f64 / triangles.len() as f64);
             }
         });
