@@ -116,7 +116,11 @@ impl Prober {
             }
             let (channel, _) = choose(channels.shares, u[0] / self.axis_probes[axis]);
             let first = self.hits.len();
-            let ray = probe_segment(exit, &frame, axis, &channels.profiles[channel], [u[1], u[2]]);
+            let profile = &channels.profiles[channel];
+            let Some(ray) = probe_segment(exit, &frame, axis, profile, [u[1], u[2]], geometry.bounds())
+            else {
+                continue;
+            };
             geometry.all_in_group(&ray, exit.group, |hit| self.hits.push(hit));
             // The tree's order must not show in the picture.
             self.hits[first..].sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
@@ -209,8 +213,16 @@ impl<P: CutProfile> Channels<P> {
     }
 }
 
-/// The segment of a probe inside the ball of its channel.
-fn probe_segment(exit: &Exit, frame: &Frame, axis: usize, profile: &impl CutProfile, u: [f32; 2]) -> Ray {
+/// The segment of a probe inside the ball of its channel, and near the scene: seen from a thousand times its size away a
+/// mesh would drown in rounding. `None` where there is nothing to meet.
+fn probe_segment(
+    exit: &Exit,
+    frame: &Frame,
+    axis: usize,
+    profile: &impl CutProfile,
+    u: [f32; 2],
+    (low, high): (Vec3, Vec3),
+) -> Option<Ray> {
     let longest = profile.longest();
     let radius = profile.sample(u[0]);
     let (sin, cos) = (std::f32::consts::TAU * u[1]).sin_cos();
@@ -218,7 +230,11 @@ fn probe_segment(exit: &Exit, frame: &Frame, axis: usize, profile: &impl CutProf
     // √(R_m² − r²), whose squares might overflow
     let half = (longest - radius).max(0.0).sqrt() * (longest + radius).sqrt();
     let center = exit.position + (first * cos + second * sin) * radius;
-    Ray::segment(center + frame.axis(axis) * half, -frame.axis(axis), 2.0 * half)
+    let direction = -frame.axis(axis);
+    let middle = (0.5 * (low + high) - center).dot(direction);
+    let reach = (high - low).length();
+    let (start, end) = ((-half).max(middle - reach), half.min(middle + reach));
+    (start < end).then(|| Ray::segment(center + direction * start, direction, end - start))
 }
 
 /// Picks an index in proportion to shares that sum to one; returns what is left of the random number,
@@ -241,20 +257,69 @@ fn choose(shares: [f32; 3], u: f32) -> (usize, f32) {
 
 #[cfg(test)]
 mod tests {
+    use std::f32::consts::PI;
+
+    use translucid_scene::{Mesh, Object};
+
     use super::*;
+
+    fn exit_at(position: Vec3) -> Exit {
+        let subsurface =
+            Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, source: ProfileSource::NormalizedDiffusion };
+        Exit { position, normal: Vec3::Y, group: 0, subsurface, importance: Vec3::ONE }
+    }
 
     #[test]
     fn probes_of_the_longest_lengths_are_finite() {
-        let subsurface =
-            Subsurface { albedo: Vec3::ONE, length: Vec3::ONE, source: ProfileSource::NormalizedDiffusion };
-        let exit =
-            Exit { position: Vec3::ZERO, normal: Vec3::Y, group: 0, subsurface, importance: Vec3::ONE };
+        let exit = exit_at(Vec3::ZERO);
         let frame = Frame::from_normal(exit.normal);
         // The greatest length of a material times a factor of its channel times the reach of a profile table
         let profile = CutNormalizedDiffusion::new(1e15 * 1e6, &Truncation::new(1e-3));
         for (axis, u) in [0.0, 0.3, 1.0 - f32::EPSILON].into_iter().flat_map(|u| [(0, u), (2, u)]) {
-            let ray = probe_segment(&exit, &frame, axis, &profile, [u, 0.4]);
-            assert!(ray.origin.is_finite() && ray.direction.is_finite() && ray.t_max.is_finite(), "{ray:?}");
+            for size in [1e-9, 1.0, 1e9].map(Vec3::splat) {
+                let ray = probe_segment(&exit, &frame, axis, &profile, [u, 0.4], (-size, size));
+                let is_finite =
+                    |ray: Ray| ray.origin.is_finite() && ray.direction.is_finite() && ray.t_max.is_finite();
+                assert!(ray.is_none_or(is_finite), "{ray:?}");
+            }
+        }
+    }
+
+    /// A probe as long as a million balls meets the ball as one as long as a few.
+    #[test]
+    fn probes_much_longer_than_a_body_meet_it_where_it_is() {
+        let (rows, columns) = (40_u32, 80_u32);
+        let mut mesh = Mesh::default();
+        for (i, j) in (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+            let (theta, phi) = (PI * i as f32 / rows as f32, 2.0 * PI * j as f32 / columns as f32);
+            let (x, z) = (theta.sin() * phi.cos(), theta.sin() * phi.sin());
+            mesh.positions.push(Vec3::new(x, theta.cos(), -z));
+        }
+        for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+            let (a, b) = (i * columns + j, i * columns + (j + 1) % columns);
+            mesh.triangles.extend([[a, a + columns, b], [b, a + columns, b + columns]]);
+        }
+        let ball = Object { name: "ball".into(), mesh, material: 0, subsurface_group: 0 };
+        let geometry = Geometry::new(&[ball]);
+        let exit = exit_at(Vec3::new(0.6, 0.8, 0.0));
+        let frame = Frame::from_normal(Vec3::new(0.48, 0.64, 0.6));
+        for (axis, length) in [1.0, 1e6].into_iter().flat_map(|length| (0..3).map(move |axis| (axis, length)))
+        {
+            let profile = CutNormalizedDiffusion::new(length, &Truncation::new(1e-3));
+            // Random numbers so near to 0 that the probe passes at about half the ball's radius
+            let u = 1.0 - (0.5 / length).min(0.4);
+            let u = if profile.sample(u) < profile.sample(1.0 - u) { u } else { 1.0 - u };
+            let ray = probe_segment(&exit, &frame, axis, &profile, [u, 0.7], geometry.bounds());
+            let mut hits = 0;
+            if let Some(ray) = ray {
+                geometry.all_in_group(&ray, 0, |hit| {
+                    hits += 1;
+                    assert!((geometry.position(&hit).length() - 1.0).abs() < 0.01, "{length}, {axis}");
+                    let off = (geometry.position(&hit) - ray.origin).cross(ray.direction).length();
+                    assert!(off < 1e-4, "{length}, {axis}: {off}");
+                });
+            }
+            assert_eq!(hits, 2, "{length}, {axis}");
         }
     }
 
