@@ -14,26 +14,15 @@ use crate::failure::Failure;
 use crate::messages;
 use crate::table::exact;
 
-/// A model as the command line names it; those that are not available yet are not listed by `--help`, but known.
+/// A model as the command line names it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum ModelName {
-    Available(SubsurfaceModel),
-    NotYet(&'static str),
-}
+pub(crate) struct ModelName(SubsurfaceModel);
 
-/// Names that the contract reserves.
-const NOT_YET: [&str; 1] = ["random-walk"];
-
-const MODELS: [ModelName; SubsurfaceModel::ALL.len() + NOT_YET.len()] = {
-    let available = SubsurfaceModel::ALL.len();
-    let mut models = [ModelName::NotYet(""); SubsurfaceModel::ALL.len() + NOT_YET.len()];
+const MODELS: [ModelName; SubsurfaceModel::ALL.len()] = {
+    let mut models = [ModelName(SubsurfaceModel::None); SubsurfaceModel::ALL.len()];
     let mut i = 0;
     while i < models.len() {
-        models[i] = if i < available {
-            ModelName::Available(SubsurfaceModel::ALL[i])
-        } else {
-            ModelName::NotYet(NOT_YET[i - available])
-        };
+        models[i] = ModelName(SubsurfaceModel::ALL[i]);
         i += 1;
     }
     models
@@ -45,29 +34,21 @@ impl ValueEnum for ModelName {
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(match *self {
-            Self::Available(SubsurfaceModel::Profile(model)) => {
-                PossibleValue::new(model.name()).help(model.description())
-            }
-            Self::Available(model) => PossibleValue::new(model.name()).help("No transport under the surface"),
-            Self::NotYet(name) => PossibleValue::new(name).hide(true),
-        })
+        let description = match self.0 {
+            SubsurfaceModel::Profile(model) => model.description(),
+            SubsurfaceModel::RandomWalk => "No profile: a walk through the volume itself, for pictures only",
+            SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => "No transport under the surface",
+        };
+        Some(PossibleValue::new(self.0.name()).help(description))
     }
 }
 
 impl ModelName {
-    const NORMALIZED_DIFFUSION: Self = Self::Available(SubsurfaceModel::Profile(Model::NormalizedDiffusion));
+    const NORMALIZED_DIFFUSION: Self = Self(SubsurfaceModel::Profile(Model::NormalizedDiffusion));
 
-    /// The model, if it is one that is available.
-    pub(crate) fn available(self) -> Result<SubsurfaceModel, Failure> {
-        match self {
-            Self::Available(model) => Ok(model),
-            Self::NotYet(name) => Err(Failure::input(format!("the model {name} is not available yet"))
-                .with_help(format!(
-                    "these are: {}",
-                    SubsurfaceModel::ALL.map(SubsurfaceModel::name).join(", ")
-                ))),
-        }
+    /// The model.
+    pub(crate) fn model(self) -> SubsurfaceModel {
+        self.0
     }
 }
 
@@ -225,8 +206,16 @@ impl ModelArguments {
         if let Some(path) = &self.table {
             return self.tabulated(path);
         }
-        let SubsurfaceModel::Profile(model) = self.model.available()? else {
-            return Err(Failure::input("the model none has no profile"));
+        let model = match self.model.model() {
+            SubsurfaceModel::Profile(model) => model,
+            SubsurfaceModel::RandomWalk => {
+                let message = "the model random-walk has no profile: it walks through the volume of a scene";
+                let help = "use it with render; the exact profile of the same medium is --model exact";
+                return Err(Failure::input(message).with_help(help));
+            }
+            SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => {
+                return Err(Failure::input("the model none has no profile"));
+            }
         };
         self.require_known(model)?;
         let fail = |error| self.name_option(model, error);

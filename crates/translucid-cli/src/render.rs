@@ -141,7 +141,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.preset.as_deref() == Some("list") {
         return print_presets();
     }
-    let models = models(arguments)?;
+    let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
         if arguments.points.is_some() {
             let message = "--points keeps the points of one model, but --subsurface has several";
@@ -191,11 +191,6 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         },
     )
     .map(drop)
-}
-
-/// The models that the options name.
-fn models(arguments: &Arguments) -> Result<Vec<SubsurfaceModel>, Failure> {
-    arguments.subsurface.iter().map(|model| model.available()).collect()
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.

@@ -177,7 +177,7 @@ fn wrong_options_are_refused_with_a_reason() {
         ("render ball.toml --seed x", "--seed"),
         ("render ball.toml --threads 0", "--threads"),
         ("render ball.toml --subsurface dipol", "dipole"),
-        ("render ball.toml --subsurface random-walk", "random-walk is not available yet"),
+        ("render ball.toml --subsurface random-wal", "random-walk"),
         ("render ball.toml --subsurface normalised-diffusion", "normalized-diffusion"),
         ("render ball.toml --preset marble", "preset"),
         ("render ball.toml --unit mm", "unit"),

@@ -32,5 +32,8 @@ struct PhotonBeamDiffusion;
 #[doc = include_str!("../../../docs/models/quantized-diffusion.md")]
 struct QuantizedDiffusion;
 
+#[doc = include_str!("../../../docs/models/random-walk.md")]
+struct RandomWalk;
+
 #[doc = include_str!("../../../docs/models/tables.md")]
 struct Tables;

@@ -70,6 +70,7 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
 )]
 
+mod albedo_inversion;
 mod albedo_table;
 mod albedo_table_f32;
 mod better_dipole;
@@ -84,6 +85,7 @@ mod directional_correction;
 mod directional_dipole;
 mod directional_dipole_f32;
 mod directional_kernel;
+mod discrete_ordinates;
 mod elementary;
 mod energy_profile;
 mod error;
@@ -120,9 +122,11 @@ mod similarity;
 mod similarity_coefficients;
 mod slices;
 mod source_pair;
+mod square_matrix;
 mod sum_of_gaussians;
 mod tabulated_profile;
 
+pub use albedo_inversion::AlbedoInversion;
 pub use albedo_table::{AlbedoTable, ProfileView};
 pub use albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
 pub use better_dipole::BetterDipole;

@@ -1,13 +1,13 @@
 //! Error against CPU time on the head and the dragon of `scenes/`.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench convergence [-- head dragon --reference-samples 1024]
+//! cargo bench -p translucid-render --bench convergence [-- head dragon --reference-samples 1024 --model random-walk]
 //! ```
 //!
 //! Prints, for 1, 4, 16 and 64 samples per pixel, CPU seconds, CPU seconds per sample per pixel of the
 //! whole frame, and the relative mean square error against an image of our own with at least 1,024
 //! samples and another seed: relMSE = mean of (x − ref)² / (ref² + 0.01) over all channels of all pixels
-//! that are not background.
+//! that are not background. `--model` takes the place of the scenes' own model.
 //! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and
 //! skips.
 
@@ -18,7 +18,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use translucid_render::{FilmSums, Goal, Renderer, layer};
-use translucid_scene::{LoadOptions, Scene, load_scene};
+use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, load_scene};
 
 struct Case {
     name: &'static str,
@@ -33,15 +33,15 @@ const CASES: [Case; 2] = [
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
-    let reference_samples = arguments
-        .iter()
-        .position(|a| a == "--reference-samples")
-        .and_then(|i| arguments.get(i + 1)?.parse().ok())
-        .unwrap_or(1024);
+    let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
+    let reference_samples = value("--reference-samples").and_then(|n| n.parse().ok()).unwrap_or(1024);
+    let model = value("--model").map(|name| {
+        SubsurfaceModel::from_name(name).unwrap_or_else(|| panic!("--model {name}: there is no such model"))
+    });
     let chosen =
         |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
     for case in CASES.iter().filter(|case| chosen(case)) {
-        match load(case) {
+        match load(case, model) {
             Some(scene) => run(case, &scene, reference_samples),
             None => println!("{}: skipped, ../shared/assets/{} is not there", case.name, case.mesh),
         }
@@ -56,12 +56,13 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
 }
 
-fn load(case: &Case) -> Option<Scene> {
+fn load(case: &Case, model: Option<SubsurfaceModel>) -> Option<Scene> {
     let mesh = root().join("../shared/assets").join(case.mesh);
     if !mesh.is_file() {
         return None;
     }
-    let options = LoadOptions { mesh_overrides: vec![(None, mesh)], ..LoadOptions::default() };
+    let options =
+        LoadOptions { mesh_overrides: vec![(None, mesh)], subsurface_model: model, ..LoadOptions::default() };
     match load_scene(&root().join(case.scene), &options, &mut Vec::new()) {
         Ok(scene) => Some(scene),
         Err(error) => panic!("{error}"),

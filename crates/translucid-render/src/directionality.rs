@@ -62,7 +62,9 @@ impl Directionality {
             Vec3::new(of(0), of(1), of(2))
         };
         match source {
-            ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) => Self::Radial,
+            ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) | ProfileSource::RandomWalk(_) => {
+                Self::Radial
+            }
             ProfileSource::Directional { table, dipole } => Self::Dipole {
                 passage,
                 dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),

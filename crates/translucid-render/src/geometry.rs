@@ -104,6 +104,12 @@ impl Geometry {
         self.tree.occluded(ray)
     }
 
+    /// The nearest surface of a subsurface group along a ray.
+    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
+        let (hit, leaf) = self.tree.closest_in_group(ray, group)?;
+        Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+    }
+
     /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
     pub(crate) fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
         self.tree.all(ray, |hit, leaf| {
@@ -251,6 +257,35 @@ mod tests {
             assert_eq!(geometry.closest(&ray).map(|hit| hit.t), expected.first().copied());
             assert_eq!(geometry.occluded(&ray), !expected.is_empty());
             geometry.all_in_group(&ray, group + 1, |_| panic!("a hit in a foreign group"));
+            let nearest = geometry.closest_in_group(&ray, group);
+            assert_eq!(nearest.map(|hit| hit.t), expected.first().copied());
+            assert!(geometry.closest_in_group(&ray, group + 1).is_none());
+        }
+        assert!(hits > 150, "the test meets too few triangles: {hits}");
+    }
+
+    /// Triangles of several groups share leaves and boxes.
+    #[test]
+    fn closest_in_group_sees_through_other_groups() {
+        let mesh = soup(1200).remove(0).mesh;
+        let objects: Vec<Object> = (0..3)
+            .map(|group| {
+                let triangles = mesh.triangles.iter().copied().skip(group).step_by(3).collect();
+                let mesh = Mesh { triangles, ..mesh.clone() };
+                Object { name: "third".into(), mesh, material: 0, subsurface_group: group as u32 }
+            })
+            .collect();
+        let geometry = Geometry::new(&objects);
+        let mut hits = 0;
+        for i in 0..500 {
+            let ray = random_ray(i);
+            for group in 0..3 {
+                let mut nearest = f32::INFINITY;
+                geometry.all_in_group(&ray, group, |hit| nearest = nearest.min(hit.t));
+                let found = geometry.closest_in_group(&ray, group).map_or(f32::INFINITY, |hit| hit.t);
+                assert_eq!(found, nearest);
+                hits += u32::from(found.is_finite());
+            }
         }
         assert!(hits > 150, "the test meets too few triangles: {hits}");
     }

@@ -19,6 +19,7 @@ mod output;
 mod path;
 mod point_based;
 mod profile_tables;
+mod random_walk;
 mod renderer;
 mod sampler;
 mod shadow;

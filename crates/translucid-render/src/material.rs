@@ -10,6 +10,10 @@ use crate::bsdf::{MaterialTables, SurfaceParameters};
 use crate::geometry::SurfacePoint;
 use crate::profile_tables::{ProfileSource, ProfileTables};
 
+/// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
+/// off by more than 1 %.
+const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
+
 /// What a scene's materials need beside their parameters.
 pub(crate) struct Materials {
     tables: Vec<MaterialTables>,
@@ -28,7 +32,7 @@ pub(crate) struct Subsurface {
     /// Surface albedo A in [0, 1].
     pub(crate) albedo: Vec3,
     /// Length that scales the profile [L], 0 where the channel is Lambertian: the width d of normalized diffusion,
-    /// and for a tabulated model the length that the material states.
+    /// for a tabulated model the length that the material states, for a walk the mean free path 1/σ_t.
     pub(crate) length: Vec3,
     /// The profile of length 1.
     pub(crate) source: ProfileSource,
@@ -66,6 +70,7 @@ impl Materials {
                 profile_tables.note_of_points(material, *source);
             }
         }
+        profile_tables.note_lights(scene);
         Self { tables, table_of, lets_light_through, profile_tables, profile_sources }
     }
 
@@ -125,6 +130,10 @@ pub(crate) fn subsurface_at(
             let profile = materials.profile_tables.table(table).at(albedo[channel], length);
             // The length says little of the width: a file's radii may be in any unit
             if length > 0.0 && profile.cdf(point.offset) < 0.5 { length } else { 0.0 }
+        }
+        ProfileSource::RandomWalk(medium) => {
+            let mfp = materials.profile_tables.medium(medium).mfp(albedo[channel], length[channel]);
+            if mfp > LEAST_OFFSETS_OF_MFP * point.offset { mfp } else { 0.0 }
         }
     };
     Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }

@@ -8,6 +8,7 @@
 //!     a direction            → go on from here
 //!     subsurface scattering  → draw the entry point by a probe, add light from one sampled light there,
 //!                              draw a cosine direction, go on from there
+//!                              (or walk there through the volume, see `random_walk`)
 //! ```
 //!
 //! With `caustics` off, clear surfaces let light that falls on a matte surface pass straight through, with
@@ -26,6 +27,7 @@ use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
 use crate::point_based::{Gatherer, Leaving, Scratch};
+use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
 use crate::subsurface::{Exit, Prober};
@@ -57,7 +59,7 @@ pub(crate) struct World {
 }
 
 impl World {
-    fn material(&self, point: &SurfacePoint) -> (usize, &Material) {
+    pub(crate) fn material(&self, point: &SurfacePoint) -> (usize, &Material) {
         let index = self.scene.objects[point.object as usize].material;
         (index, &self.scene.materials[index])
     }
@@ -65,14 +67,14 @@ impl World {
 
 /// Traces paths; one for each thread, because it keeps scratch memory.
 pub(crate) struct PathTracer<'a> {
-    world: &'a World,
+    pub(crate) world: &'a World,
     prober: Prober,
     scratch: Scratch,
 }
 
 /// Which layer of the image a path brings light to: the first scattering event decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Layer {
+pub(crate) enum Layer {
     Emission,
     /// Reflected or transmitted by the surface; the share that is matte, per channel.
     Surface(Vec3),
@@ -81,28 +83,28 @@ enum Layer {
 
 /// The last point at which the path was scattered, for MIS.
 #[derive(Clone, Copy, Debug)]
-struct Origin {
-    point: Vec3,
+pub(crate) struct Origin {
+    pub(crate) point: Vec3,
     /// Normal given to the light selection.
-    normal: Vec3,
+    pub(crate) normal: Vec3,
     /// Solid-angle density of the direction taken; infinite where lights could not be sampled instead.
-    pdf: f32,
+    pub(crate) pdf: f32,
 }
 
-struct Path {
-    ray: Ray,
-    throughput: Vec3,
+pub(crate) struct Path {
+    pub(crate) ray: Ray,
+    pub(crate) throughput: Vec3,
     layer: Layer,
-    origin: Origin,
+    pub(crate) origin: Origin,
     depth: u32,
-    diffuse_depth: u32,
+    pub(crate) diffuse_depth: u32,
     passes: u32,
     /// Whether the path left a matte surface with caustics off; see the head of the file.
-    soft: bool,
+    pub(crate) soft: bool,
     /// Number of the vertex, the camera's being 0.
     vertex: u32,
     /// Absorption coefficient of the clear medium around the ray [1/L].
-    absorption: Vec3,
+    pub(crate) absorption: Vec3,
     sample: PixelSample,
 }
 
@@ -129,7 +131,7 @@ impl Path {
         self.add_to(self.layer, light);
     }
 
-    fn add_to(&mut self, layer: Layer, light: Vec3) {
+    pub(crate) fn add_to(&mut self, layer: Layer, light: Vec3) {
         match layer {
             Layer::Emission => self.sample.emission += light,
             Layer::Surface(diffuse_share) => {
@@ -141,12 +143,12 @@ impl Path {
     }
 
     /// The layer, given the kind of the event at hand.
-    fn layer_after(&self, event: Layer) -> Layer {
+    pub(crate) fn layer_after(&self, event: Layer) -> Layer {
         if self.layer == Layer::Emission { event } else { self.layer }
     }
 
     /// Goes on in a new direction.
-    fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: Origin) {
+    pub(crate) fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: Origin) {
         self.layer = self.layer_after(event);
         self.throughput *= weight;
         self.ray = ray;
@@ -325,7 +327,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// What a surface lets enter.
-    fn entry(&self, point: &SurfacePoint) -> EntryBsdf<'a> {
+    pub(crate) fn entry(&self, point: &SurfacePoint) -> EntryBsdf<'a> {
         let world = self.world;
         let (index, material) = world.material(point);
         // What lies below has been dealt with: only the surface counts here
@@ -352,6 +354,9 @@ impl<'a> PathTracer<'a> {
 
     /// Leaves the surface through the volume below: probe, light at the entry, cosine direction.
     fn scatter_below(&mut self, path: &mut Path, vertex: &Vertex<'_>, sampler: &mut Sampler) -> bool {
+        if let ProfileSource::RandomWalk(medium) = vertex.subsurface.source {
+            return self.walk_below(path, vertex, medium, sampler);
+        }
         if self.gather_below(path, vertex) {
             return false;
         }
@@ -448,7 +453,7 @@ impl<'a> PathTracer<'a> {
     }
 
     /// Radiance of a light sample that reaches the point.
-    fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, medium: Medium) -> Vec3 {
+    pub(crate) fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, medium: Medium) -> Vec3 {
         let world = self.world;
         let target = point.position + light.direction * light.distance;
         let radiance = match light.primitive {
@@ -576,12 +581,12 @@ struct Entrance<'a> {
 }
 
 /// A surface point with what was worked out about it.
-struct Vertex<'a> {
-    point: &'a SurfacePoint,
+pub(crate) struct Vertex<'a> {
+    pub(crate) point: &'a SurfacePoint,
     frame: Frame,
     /// Shading normal on the outside.
     normal: Vec3,
-    subsurface: Subsurface,
+    pub(crate) subsurface: Subsurface,
     material: &'a Material,
     /// Whether light that falls here has come straight through clear surfaces.
     soft: bool,
@@ -620,7 +625,7 @@ fn weighed(light: Vec3, weight: f32) -> Vec3 {
 
 /// Weight of a sample made with density `own` that could have been made with density `other`, too
 /// [Veach & Guibas 1995, power heuristic with exponent 2].
-fn power_heuristic(own: f32, other: f32) -> f32 {
+pub(crate) fn power_heuristic(own: f32, other: f32) -> f32 {
     if !own.is_finite() {
         return 1.0;
     }

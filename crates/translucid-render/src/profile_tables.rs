@@ -4,7 +4,9 @@ use translucid_profile::{
     AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model,
     ObliqueDiffusionTable, ParameterError, Parameterization, Profile,
 };
-use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
+use translucid_scene::{Material, ProfileTable, Scene, SubsurfaceModel};
+
+use crate::random_walk::{WalkMedia, WalkMedium};
 
 /// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
 const DARKEST: f64 = 1e-3;
@@ -36,13 +38,15 @@ pub(crate) enum ProfileSource {
         /// Number of the profiles of oblique light.
         oblique: usize,
     },
+    /// None: the medium of this number is walked through.
+    RandomWalk(usize),
 }
 
 impl ProfileSource {
     /// Number of the table that has the radial profile, if there is one.
     pub(crate) fn table(self) -> Option<usize> {
         match self {
-            Self::NormalizedDiffusion => None,
+            Self::NormalizedDiffusion | Self::RandomWalk(_) => None,
             Self::Table(table) | Self::Directional { table, .. } | Self::Oblique { table, .. } => Some(table),
         }
     }
@@ -58,6 +62,7 @@ pub(crate) struct ProfileTables {
     brightest: Vec<f32>,
     dipoles: Vec<DirectionalDipoleTable>,
     obliques: Vec<ObliqueDiffusionTable>,
+    media: WalkMedia,
     notes: Vec<String>,
 }
 
@@ -107,6 +112,16 @@ impl ProfileTables {
         &self.obliques[index]
     }
 
+    /// The medium that a walk of this number goes through.
+    pub(crate) fn medium(&self, index: usize) -> &WalkMedium {
+        self.media.medium(index)
+    }
+
+    /// Adds what a user should know of the scene's lights and walks.
+    pub(crate) fn note_lights(&mut self, scene: &Scene) {
+        self.notes.extend(WalkMedia::note_of_lights(scene));
+    }
+
     /// What a user should know of the tables.
     pub(crate) fn notes(&self) -> &[String] {
         &self.notes
@@ -124,6 +139,9 @@ impl ProfileTables {
 
     /// Finds or makes what a material needs.
     pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
+        if material.subsurface_model == SubsurfaceModel::RandomWalk {
+            return self.walk(material);
+        }
         self.notes.extend(note_of_nearest(material));
         let Some(recipe) = Recipe::of(material) else { return ProfileSource::NormalizedDiffusion };
         if let Some((_, source)) = self.made.iter().find(|(known, _)| *known == recipe) {
@@ -145,6 +163,25 @@ impl ProfileTables {
                 let note =
                     format!("material {name}: {model}: {error}; normalized-diffusion stands in for it");
                 self.notes.push(note);
+                ProfileSource::NormalizedDiffusion
+            }
+        }
+    }
+
+    fn walk(&mut self, material: &Material) -> ProfileSource {
+        if material.subsurface_weight.factor <= 0.0 {
+            return ProfileSource::NormalizedDiffusion;
+        }
+        match self.media.index(material) {
+            Ok((index, note)) => {
+                self.notes.extend(note);
+                ProfileSource::RandomWalk(index)
+            }
+            Err(error) => {
+                let name = &material.name;
+                self.notes.push(format!(
+                    "material {name}: random-walk: {error}; normalized-diffusion stands in for it"
+                ));
                 ProfileSource::NormalizedDiffusion
             }
         }
@@ -222,7 +259,7 @@ impl Recipe {
             return None;
         }
         match material.subsurface_model {
-            SubsurfaceModel::None => None,
+            SubsurfaceModel::None | SubsurfaceModel::RandomWalk => None,
             SubsurfaceModel::Profile(model) => {
                 let recipe = ModelRecipe::of(model, material);
                 let closed_form = model == Model::NormalizedDiffusion && recipe.g == 0.0 && recipe.eta == 1.0;

@@ -34,6 +34,12 @@ impl Sampler {
         sobol_burley::sample_4d(self.index, 0, scramble)
     }
 
+    /// A number of its own for the sets yet to come, of which other generators may be made.
+    pub(crate) fn fork(&self) -> u64 {
+        let low = hash_combine(hash_combine(self.seed, self.set), self.index);
+        u64::from(low) | u64::from(hash_combine(low ^ 0x5bd1_e995, self.index)) << 32
+    }
+
     /// Moves to the numbers that belong to a vertex of the path; the camera has vertex 0.
     pub(crate) fn start_vertex(&mut self, vertex: u32) {
         self.set = vertex.saturating_mul(SETS_PER_VERTEX);

@@ -92,6 +92,8 @@ impl Prober {
                 let profile = |c: usize| CutTable::new(table.at(albedo[c], length[c]), truncation.tail);
                 self.sample_from(&Channels::new(exit, profile)?, geometry, exit, sampler)
             }
+            // Walks find their way out themselves
+            ProfileSource::RandomWalk(_) => None,
         }
     }
 
@@ -239,7 +241,7 @@ fn probe_segment(
 
 /// Picks an index in proportion to shares that sum to one; returns what is left of the random number,
 /// uniform in [0, 1) again.
-fn choose(shares: [f32; 3], u: f32) -> (usize, f32) {
+pub(crate) fn choose(shares: [f32; 3], u: f32) -> (usize, f32) {
     let mut rest = u;
     let mut last = 0;
     for (index, &share) in shares.iter().enumerate() {

@@ -141,6 +141,24 @@ impl TriangleBlock {
         best.map(|lane| (hits.get(lane), lane))
     }
 
+    /// The nearest hit of a subsurface group and its lane; of equal distances the first.
+    #[inline(always)]
+    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<(TriangleHit, usize)> {
+        if self.groups.iter().all(|&own| own != group) {
+            return None;
+        }
+        let hits = self.intersect(ray);
+        let mut best = None;
+        let mut nearest = ray.t_max;
+        for lane in 0..LANES {
+            if hits.t[lane] < nearest && self.groups[lane] == group {
+                nearest = hits.t[lane];
+                best = Some(lane);
+            }
+        }
+        best.map(|lane| (hits.get(lane), lane))
+    }
+
     /// All hits with their lanes.
     #[inline(always)]
     pub(crate) fn all(&self, ray: &Ray, mut found: impl FnMut(TriangleHit, usize)) {

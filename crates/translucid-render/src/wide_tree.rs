@@ -118,6 +118,21 @@ impl WideTree {
         best
     }
 
+    /// The nearest hit along a ray with a subsurface group, with the number of its leaf.
+    #[inline]
+    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<(TriangleHit, u32)> {
+        let mut ray = *ray;
+        let mut best = None;
+        self.traverse(&mut ray, |ray, block, first| {
+            if let Some((hit, lane)) = block.closest_in_group(ray, group) {
+                ray.t_max = hit.t;
+                best = Some((hit, first + lane as u32));
+            }
+            false
+        });
+        best
+    }
+
     /// Whether anything lies on a segment.
     #[inline]
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {

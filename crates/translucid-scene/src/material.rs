@@ -13,6 +13,8 @@ pub enum SubsurfaceModel {
     Profile(Model),
     /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
     Tabulated(usize),
+    /// No profile: a walk through the volume, scattering event by scattering event.
+    RandomWalk,
     /// No transport under the surface: `subsurface_color` becomes a Lambertian color.
     None,
 }
@@ -40,8 +42,9 @@ impl SubsurfaceModel {
     }
 
     /// Every model that can be asked for by its name alone.
-    pub const ALL: [Self; Model::ALL.len() + 1] = {
-        let mut all = [Self::None; Model::ALL.len() + 1];
+    pub const ALL: [Self; Model::ALL.len() + 2] = {
+        let mut all = [Self::None; Model::ALL.len() + 2];
+        all[Model::ALL.len()] = Self::RandomWalk;
         let mut i = 0;
         while i < Model::ALL.len() {
             all[i] = Self::Profile(Model::ALL[i]);
@@ -56,6 +59,7 @@ impl SubsurfaceModel {
         match self {
             Self::Profile(model) => model.name(),
             Self::Tabulated(_) => "tabulated",
+            Self::RandomWalk => "random-walk",
             Self::None => "none",
         }
     }

@@ -63,7 +63,7 @@ fn judge(models: &[SubsurfaceModel], against: Option<ModelName>) -> Result<usize
     let Some(against) = against else {
         return Ok(JUDGES.into_iter().find_map(position).unwrap_or(0));
     };
-    let name = against.available()?.name();
+    let name = against.model().name();
     position(name).ok_or_else(|| {
         let names: Vec<&str> = models.iter().map(|model| model.name()).collect();
         let message = format!("--against is {name}, but must be among those of --subsurface");

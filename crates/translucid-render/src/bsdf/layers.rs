@@ -202,6 +202,12 @@ impl<'a> EntryBsdf<'a> {
         cos_i.max(0.0) * FRAC_1_PI
     }
 
+    /// The tint of one pass through the coat.
+    #[must_use]
+    pub(crate) fn tint(&self) -> Vec3 {
+        self.tint
+    }
+
     /// A direction and its weight `eval / pdf`.
     #[must_use]
     pub fn sample(&self, v: [f32; 2]) -> (Vec3, Vec3) {
@@ -209,7 +215,9 @@ impl<'a> EntryBsdf<'a> {
         (wi, self.weight(wi.z))
     }
 
-    fn weight(&self, cos_i: f32) -> Vec3 {
+    /// T(ωi)/T̄ with the tint of one pass through the coat: the share of a radiance that enters.
+    #[must_use]
+    pub(crate) fn weight(&self, cos_i: f32) -> Vec3 {
         self.tint * (self.layers.transmittance(cos_i.min(1.0)) * self.inverse_average)
     }
 }

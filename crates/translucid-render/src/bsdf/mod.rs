@@ -39,6 +39,7 @@ mod scattering;
 mod surface;
 
 pub use conductor::MetalFresnel;
+pub(crate) use dielectric::refract;
 pub use dielectric::{fresnel_dielectric, scaled_ior};
 pub use ggx::Ggx;
 pub use glass_table::GlassTable;

@@ -163,6 +163,16 @@ impl Source {
     }
 }
 
+/// What kind of light it is, if no ray can meet it.
+pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
+    match Source::new(light)? {
+        Source::Spot(_) => Some("spot"),
+        Source::Beam(_) => Some("beam"),
+        Source::Distant(light) if !light.is_disc() => Some("distant"),
+        _ => None,
+    }
+}
+
 /// All lights of a scene, ready to be sampled from any thread.
 #[derive(Clone, Debug)]
 pub struct LightSet {

@@ -146,6 +146,8 @@ fn within(tables: &ProfileTables, subsurface: &Subsurface, r: f32) -> Vec3 {
     let Subsurface { albedo, length, source } = *subsurface;
     let share = |c: usize| match source {
         _ if length[c] <= 0.0 => 0.0,
+        // Walked through, not gathered
+        ProfileSource::RandomWalk(_) => 0.0,
         ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length[c]).cdf(r),
         ProfileSource::Table(table)
         | ProfileSource::Directional { table, .. }
@@ -347,6 +349,7 @@ impl Profiles {
         }
         let row = |profile, share: f32| Row::new(profile, unit / f64::from(length), f64::from(share));
         match subsurface.source {
+            ProfileSource::RandomWalk(_) => Channel { rows: [None; 2] },
             ProfileSource::NormalizedDiffusion => {
                 Channel { rows: [Some(row(&self.normalized_diffusion, 1.0)), None] }
             }

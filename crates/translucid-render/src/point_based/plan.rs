@@ -219,6 +219,7 @@ fn for_each_place(scene: &Scene, geometry: &Geometry, index: usize, mut found: i
 fn half_radius(tables: &ProfileTables, subsurface: &Subsurface, channel: usize) -> f32 {
     let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
     match subsurface.source {
+        ProfileSource::RandomWalk(_) => 0.0,
         ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length).quantile(0.5),
         ProfileSource::Table(table)
         | ProfileSource::Directional { table, .. }

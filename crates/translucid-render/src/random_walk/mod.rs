@@ -1,0 +1,30 @@
+//! Subsurface scattering by a walk through the volume itself, without a profile: the truth that profiles approximate.
+//!
+//! ```text
+//! enter the body straight (refracted under a boundary), then
+//! loop
+//!   draw the length of a flight
+//!   if a surface of the body comes first: leave there (or be reflected under a boundary), and go on as a path outside
+//!   at the collision: absorb; add light from one sampled light, weighted by MIS; draw a direction by the phase function
+//! ```
+//!
+//! As with profiles the path's throughput is multiplied with T(ωo) where the camera sees the surface, and light that
+//! enters counts T(ωi)/T̄, so that A is the share of the light *that entered*; but what crosses the surface is a
+//! radiance, not the irradiance that a profile collects.
+//!
+//! Under a boundary (η > 1) the surface is a smooth dielectric from inside: it reflects by Fresnel's formula, also totally,
+//! and lets the rest out refracted. That loss of what goes out is, by reciprocity, the loss of light which goes in; the
+//! interface above says how much goes in on average, so T(ωi)/T̄ is left out here, or it would count twice. From outside,
+//! toward the camera, T(ωo) stands alone for the same reason.
+//!
+//! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
+//! walk is in tells when it is out.
+
+mod body;
+mod flight;
+mod medium;
+mod phase_function;
+mod random;
+mod walk;
+
+pub(crate) use medium::{WalkMedia, WalkMedium};

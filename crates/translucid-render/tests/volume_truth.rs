@@ -1,0 +1,135 @@
+//! The random walk against images of an independent volumetric path tracer, region by region.
+//!
+//! The images and meshes are not part of the project: where `../shared/assets` is absent, the tests say so and pass.
+//! Each region's mean is that of eight renderings with seeds of their own, which tell its standard error; it counts as
+//! right within four of them (a false alarm in 16,000) and 1.5 % of the truth, whose own noise and filter are in that.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+use exr::prelude::*;
+use glam::Vec3;
+use translucid_profile::roots::falling_root;
+use translucid_profile::{Configuration, half_space_surface_albedo};
+use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_scene};
+
+/// Pixels of the picture here, and of the truth's for each of them.
+const SIZE: usize = 128;
+const BLOCK: usize = 4;
+/// Pixels of a region.
+const REGION: usize = 16;
+const SEEDS: u64 = 8;
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// The truth's relation of A and α, H. C. van de Hulst, *Multiple Light Scattering*, 1980:
+/// A = (1 − s)(1 − 0.139 s)/(1 + 1.17 s), s = √(1 − α); the surface albedo here of the same α.
+fn same_medium(surface_albedo: f32) -> f32 {
+    let of_root = |s: f64| (1.0 - s) * (1.0 - 0.139 * s) / (1.0 + 1.17 * s);
+    let target = f64::from(surface_albedo);
+    let s = falling_root(|s| of_root(s) - target, [1.0 - target, -target], |_| 1e-12);
+    half_space_surface_albedo(1.0 - s * s, Configuration::Diffuse) as f32
+}
+
+/// The scene walked through, in the truth's medium; `None` where its mesh is not there.
+fn walked(scene: &str, mesh: &str) -> Option<Scene> {
+    let mesh = root().join("../shared/assets").join(mesh);
+    if !mesh.is_file() {
+        return None;
+    }
+    let options = LoadOptions {
+        mesh_overrides: vec![(None, mesh)],
+        size: Some([SIZE as u32; 2]),
+        subsurface_model: Some(SubsurfaceModel::RandomWalk),
+        ..LoadOptions::default()
+    };
+    let mut scene = load_scene(&root().join(scene), &options, &mut Vec::new()).unwrap();
+    for material in &mut scene.materials {
+        let color = &mut material.subsurface_color;
+        *color = ColorInput::constant(Vec3::from_array(color.factor.to_array().map(same_medium)));
+    }
+    // The truth has no such limits
+    scene.integrator.max_depth = 64;
+    scene.integrator.max_diffuse_depth = 32;
+    Some(scene)
+}
+
+/// The truth's pixels, averaged to those of the picture here.
+fn truth(file: &str) -> Vec<Vec3> {
+    let path = root().join("../shared/assets/truth").join(file);
+    let image = read_first_rgba_layer_from_file(
+        path,
+        |size, _| vec![vec![Vec3::ZERO; size.width()]; size.height()],
+        |rows: &mut Vec<Vec<Vec3>>, at, (r, g, b, _): (f32, f32, f32, f32)| {
+            rows[at.y()][at.x()] = Vec3::new(r, g, b);
+        },
+    )
+    .unwrap();
+    let rows = image.layer_data.channel_data.pixels;
+    let pixel = |x: usize, y: usize| {
+        let sum: Vec3 = (0..BLOCK * BLOCK).map(|i| rows[y * BLOCK + i / BLOCK][x * BLOCK + i % BLOCK]).sum();
+        sum / (BLOCK * BLOCK) as f32
+    };
+    (0..SIZE * SIZE).map(|i| pixel(i % SIZE, i / SIZE)).collect()
+}
+
+/// Means over regions.
+fn regions(pixel: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
+    let across = SIZE / REGION;
+    let mean = |region: usize| {
+        let (left, top) = (region % across * REGION, region / across * REGION);
+        let sum: Vec3 = (0..REGION * REGION).map(|i| pixel(left + i % REGION, top + i / REGION)).sum();
+        sum / (REGION * REGION) as f32
+    };
+    (0..across * across).map(mean).collect()
+}
+
+fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
+    let renderings: Vec<Vec<Vec3>> = (0..SEEDS)
+        .map(|seed| {
+            let mut scene = scene.clone();
+            scene.integrator.seed = seed;
+            let mut film = FilmSums::new(SIZE as u32, SIZE as u32);
+            let goal = Goal { samples, deadline: None };
+            Renderer::new(scene).render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+            regions(|x, y| Vec3::from_array(film.radiance(x as u32, y as u32).map(|value| value as f32)))
+        })
+        .collect();
+    let truth = regions(|x, y| truth[y * SIZE + x]);
+    let (mut compared, mut sums) = (0, [Vec3::ZERO; 2]);
+    for (region, expected) in truth.iter().enumerate() {
+        let mean = renderings.iter().map(|r| r[region]).sum::<Vec3>() / SEEDS as f32;
+        let square = |r: &Vec<Vec3>| (r[region] - mean) * (r[region] - mean);
+        let variance = renderings.iter().map(square).sum::<Vec3>() / (SEEDS * (SEEDS - 1)) as f32;
+        sums[0] += mean;
+        sums[1] += *expected;
+        for c in 0..3 {
+            let allowed = 4.0 * variance[c].sqrt() + 0.015 * expected[c];
+            let off = mean[c] - expected[c];
+            assert!(off.abs() <= allowed + 1e-5, "region {region}, channel {c}: {mean} {expected}");
+            compared += u32::from(allowed < 0.2 * expected[c]);
+        }
+    }
+    println!("{compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
+    assert!(compared > 30, "too noisy to tell: {compared}");
+    assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 0.02, "{sums:?}");
+}
+
+#[test]
+fn head_agrees_with_an_independent_renderer() {
+    let Some(scene) = walked("scenes/head.toml", "head/head_70k.ply") else {
+        return println!("skipped: ../shared/assets is not there");
+    };
+    compare(&scene, &truth("head_volume.exr"), 4);
+}
+
+#[test]
+fn dragon_agrees_with_an_independent_renderer() {
+    let Some(scene) = walked("scenes/dragon.toml", "dragon/dragon_198k.ply") else {
+        return println!("skipped: ../shared/assets is not there");
+    };
+    compare(&scene, &truth("dragon_volume.exr"), 4);
+}
