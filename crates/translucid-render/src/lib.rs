@@ -24,6 +24,7 @@ mod renderer;
 mod sampler;
 mod shadow;
 mod subsurface;
+mod subsurface_pair;
 mod subsurface_profile;
 mod triangle;
 mod wide_tree;

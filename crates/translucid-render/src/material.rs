@@ -9,6 +9,7 @@ use translucid_scene::{
 use crate::bsdf::{MaterialTables, SurfaceParameters};
 use crate::geometry::SurfacePoint;
 use crate::profile_tables::{ProfileSource, ProfileTables};
+use crate::subsurface_pair::Pairing;
 
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
@@ -24,6 +25,8 @@ pub(crate) struct Materials {
     profile_tables: ProfileTables,
     /// For each material, where its profile is.
     profile_sources: Vec<ProfileSource>,
+    /// For each material whose entry has a say, what that takes.
+    pairings: Vec<Option<Pairing>>,
 }
 
 /// The subsurface profile, per channel.
@@ -71,7 +74,10 @@ impl Materials {
             }
         }
         profile_tables.note_lights(scene);
-        Self { tables, table_of, lets_light_through, profile_tables, profile_sources }
+        let pairing =
+            |(index, &source): (usize, &ProfileSource)| Pairing::new(scene, index, source, &profile_tables);
+        let pairings = profile_sources.iter().enumerate().map(pairing).collect();
+        Self { tables, table_of, lets_light_through, profile_tables, profile_sources, pairings }
     }
 
     pub(crate) fn profile_tables(&self) -> &ProfileTables {
@@ -81,6 +87,12 @@ impl Materials {
     /// Where a material's profile is.
     pub(crate) fn profile_source(&self, material: usize) -> ProfileSource {
         self.profile_sources[material]
+    }
+
+    /// How a material's parameters at exit and entry go together; `None` where those of the exit count alone.
+    #[inline]
+    pub(crate) fn pairing(&self, material: usize) -> Option<&Pairing> {
+        self.pairings[material].as_ref()
     }
 
     pub(crate) fn tables(&self, material: usize) -> &MaterialTables {
@@ -97,8 +109,7 @@ impl Materials {
     }
 }
 
-/// Evaluates a material's subsurface parameters at the point where light leaves: a textured albedo or
-/// length acts through its value at the exit.
+/// Evaluates a material's subsurface parameters at the point where light leaves.
 pub(crate) fn subsurface_at(
     scene: &Scene,
     materials: &Materials,
@@ -106,43 +117,62 @@ pub(crate) fn subsurface_at(
     point: &SurfacePoint,
 ) -> Subsurface {
     let material = &scene.materials[index];
-    let source = materials.profile_sources[index];
-    let albedo = color(scene, &material.subsurface_color, point).clamp(Vec3::ZERO, Vec3::ONE);
+    let albedo = albedo_at(scene, material, point);
     if material.subsurface_model == SubsurfaceModel::None {
-        return Subsurface { albedo, length: Vec3::ZERO, source };
+        return Subsurface { albedo, length: Vec3::ZERO, source: materials.profile_sources[index] };
     }
     let length = stated_length_at(scene, material, point);
-    // Below the rounding error of a position the profile is a point: the Lambertian limit.
-    let scale = |channel: usize| match source {
-        ProfileSource::NormalizedDiffusion => {
-            let d = d_from_surface_albedo_f32(
-                albedo[channel],
-                length[channel],
-                material.subsurface_parameter,
-                material.subsurface_configuration,
-            );
-            if d > point.offset { d } else { 0.0 }
-        }
-        ProfileSource::Table(table)
-        | ProfileSource::Directional { table, .. }
-        | ProfileSource::Oblique { table, .. } => {
-            let length = length[channel];
-            let profile = materials.profile_tables.table(table).at(albedo[channel], length);
-            // The length says little of the width: a file's radii may be in any unit
-            if length > 0.0 && profile.cdf(point.offset) < 0.5 { length } else { 0.0 }
-        }
-        ProfileSource::RandomWalk(medium) => {
-            let mfp = materials.profile_tables.medium(medium).mfp(albedo[channel], length[channel]);
-            if mfp > LEAST_OFFSETS_OF_MFP * point.offset { mfp } else { 0.0 }
-        }
-    };
-    Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }
+    materials.subsurface(index, material, albedo, length, point.offset)
+}
+
+/// Surface albedo A in [0, 1].
+pub(crate) fn albedo_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> Vec3 {
+    color(scene, &material.subsurface_color, point).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// The length that the material states, per channel \[L\]: a mean free path or a diffuse one.
 pub(crate) fn stated_length_at(scene: &Scene, material: &Material, point: &SurfacePoint) -> Vec3 {
     let radius = scalar(scene, &material.subsurface_radius, point).max(0.0);
     color(scene, &material.subsurface_radius_scale, point).max(Vec3::ZERO) * radius
+}
+
+impl Materials {
+    /// The profile of a surface albedo and a stated length, where positions are exact to `offset`.
+    pub(crate) fn subsurface(
+        &self,
+        index: usize,
+        material: &Material,
+        albedo: Vec3,
+        length: Vec3,
+        offset: f32,
+    ) -> Subsurface {
+        let source = self.profile_sources[index];
+        // Below the rounding error of a position the profile is a point: the Lambertian limit.
+        let scale = |channel: usize| match source {
+            ProfileSource::NormalizedDiffusion => {
+                let d = d_from_surface_albedo_f32(
+                    albedo[channel],
+                    length[channel],
+                    material.subsurface_parameter,
+                    material.subsurface_configuration,
+                );
+                if d > offset { d } else { 0.0 }
+            }
+            ProfileSource::Table(table)
+            | ProfileSource::Directional { table, .. }
+            | ProfileSource::Oblique { table, .. } => {
+                let length = length[channel];
+                let profile = self.profile_tables.table(table).at(albedo[channel], length);
+                // The length says little of the width: a file's radii may be in any unit
+                if length > 0.0 && profile.cdf(offset) < 0.5 { length } else { 0.0 }
+            }
+            ProfileSource::RandomWalk(medium) => {
+                let mfp = self.profile_tables.medium(medium).mfp(albedo[channel], length[channel]);
+                if mfp > LEAST_OFFSETS_OF_MFP * offset { mfp } else { 0.0 }
+            }
+        };
+        Subsurface { albedo, length: Vec3::new(scale(0), scale(1), scale(2)), source }
+    }
 }
 
 /// Evaluates everything that the surface itself does.

@@ -227,9 +227,14 @@ impl<'a> PathTracer<'a> {
             surface.subsurface_color = Vec3::ZERO;
             surface.subsurface_active = [false; 3];
         }
+        let normal = material::shading_normal_at(&world.scene, material, point);
+        if let Some(pairing) = world.materials.pairing(index)
+            && path.ray.direction.dot(normal) < 0.0
+        {
+            pairing.brighten(&mut surface);
+        }
         let is_matte = surface.metalness < 1.0 && surface.transmission_weight < 1.0;
         let soft = path.soft || (is_matte && !world.scene.integrator.caustics);
-        let normal = material::shading_normal_at(&world.scene, material, point);
         let frame = Frame::from_normal(normal);
         let bsdf = Bsdf::new(&surface, world.materials.tables(index), frame.to_local(-path.ray.direction));
         if path.depth == 0 && path.sample.alpha == 0.0 {
@@ -363,14 +368,13 @@ impl<'a> PathTracer<'a> {
         let world = self.world;
         let side = if path.ray.direction.dot(vertex.point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let exit = Exit {
-            position: vertex.point.position,
-            normal: vertex.point.geometric_normal,
-            group: vertex.point.group,
+            point: vertex.point,
+            material: world.material(vertex.point).0,
             subsurface: vertex.subsurface,
             importance: path.throughput,
         };
         let tables = world.materials.profile_tables();
-        let Some(found) = self.prober.sample(&world.geometry, tables, &exit, sampler) else { return false };
+        let Some(found) = self.prober.sample(world, &exit, sampler) else { return false };
         path.throughput *= found.weight;
         let point = world.geometry.surface_point(&world.scene, &found.hit);
         let (_, material) = world.material(&point);
@@ -383,7 +387,7 @@ impl<'a> PathTracer<'a> {
             entry_normal: normal,
             exit_normal: vertex.normal * side,
         };
-        let directionality = Directionality::new(tables, &vertex.subsurface, passage);
+        let directionality = Directionality::new(tables, &found.subsurface, passage);
         let entrance = Entrance { point: &point, normal, geometric, entry, directionality };
         self.enter(path, &entrance, sampler)
     }

@@ -84,6 +84,17 @@ impl Image {
         sum.map(|sum| (sum / count.max(1) as f64) as f32)
     }
 
+    /// Greatest linear value of each channel over all pixels.
+    #[must_use]
+    pub fn greatest(&self) -> [f32; 4] {
+        let greater = |m: [f32; 4], p: [f32; 4]| std::array::from_fn(|i| m[i].max(p[i]));
+        let least = [f32::NEG_INFINITY; 4];
+        match &self.pixels {
+            Pixels::Byte(pixels) => pixels.iter().map(|&p| self.decode(p)).fold(least, greater),
+            Pixels::Float(pixels) => pixels.iter().copied().fold(least, greater),
+        }
+    }
+
     fn decode(&self, [r, g, b, a]: [u8; 4]) -> [f32; 4] {
         let linear = |byte: u8| f32::from(byte) * (1.0 / 255.0);
         match self.color_space {

@@ -42,7 +42,9 @@ pub use load::{
     parse_obj, parse_ply,
 };
 pub use load::{LoadOptions, SceneFile, load_profile_table, load_scene, parse_profile_table};
-pub use material::{Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter};
+pub use material::{
+    Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter, SubsurfaceTextureAt,
+};
 pub use mesh::{Mesh, Triangle};
 pub use preset::{Preset, preset, presets};
 pub use profile_table::{ProfileRow, ProfileTable};

@@ -71,6 +71,19 @@ impl SubsurfaceModel {
     }
 }
 
+/// Whose surface albedo and mean free path count where a texture gives different ones to the points where light enters
+/// and leaves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceTextureAt {
+    /// Those of the point where light leaves.
+    #[default]
+    Exit,
+    /// Those of the point where light enters.
+    Entry,
+    /// The geometric means of both points: light goes both ways alike.
+    Both,
+}
+
 /// A tangent-space normal map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
@@ -128,6 +141,8 @@ pub struct Material {
     pub subsurface_configuration: Configuration,
     /// Relative index of refraction of the boundary in models that know one, in [0.5, 3]; 1 is index-matched.
     pub subsurface_eta: f32,
+    /// Whose textured albedo and mean free path count.
+    pub subsurface_texture_at: SubsurfaceTextureAt,
     /// Strength of the clear coat.
     pub coat_weight: ScalarInput,
     /// Tint of what lies under the coat.
@@ -170,6 +185,7 @@ impl Default for Material {
             subsurface_parameter: SubsurfaceParameter::Mfp,
             subsurface_configuration: Configuration::Diffuse,
             subsurface_eta: 1.0,
+            subsurface_texture_at: SubsurfaceTextureAt::Exit,
             coat_weight: ScalarInput::constant(0.0),
             coat_color: ColorInput::constant(Vec3::ONE),
             coat_roughness: ScalarInput::constant(0.0),

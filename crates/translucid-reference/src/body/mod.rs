@@ -38,12 +38,14 @@
 mod photon;
 mod shape;
 mod tally;
+mod two_halves;
 
 use rayon::prelude::*;
 use translucid_profile::ParameterError;
 
 pub use shape::{SPHERE_RINGS, Shape};
 pub use tally::Tally;
+pub use two_halves::{Half, TwoHalves};
 
 use crate::split_mix::SplitMix;
 use photon::{End, follow};

@@ -5,7 +5,8 @@ use super::input::{FileList, read_color, read_normal_map, read_scalar};
 use super::interval::Interval;
 use crate::preset::preset;
 use crate::{
-    ColorInput, Configuration, Material, ScalarInput, SceneError, SubsurfaceModel, SubsurfaceParameter, Unit,
+    ColorInput, Configuration, Material, ScalarInput, SceneError, SubsurfaceModel, SubsurfaceParameter,
+    SubsurfaceTextureAt, Unit,
 };
 
 pub(super) const KEYS: &[&str] = &[
@@ -31,6 +32,7 @@ pub(super) const KEYS: &[&str] = &[
     "subsurface_parameter",
     "subsurface_configuration",
     "subsurface_eta",
+    "subsurface_texture_at",
     "coat_weight",
     "coat_color",
     "coat_roughness",
@@ -45,6 +47,11 @@ const PARAMETERS: [(&str, SubsurfaceParameter); 2] =
     [("mfp", SubsurfaceParameter::Mfp), ("dmfp", SubsurfaceParameter::Dmfp)];
 const CONFIGURATIONS: [(&str, Configuration); 2] =
     [("searchlight", Configuration::Searchlight), ("diffuse", Configuration::Diffuse)];
+const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
+    ("exit", SubsurfaceTextureAt::Exit),
+    ("entry", SubsurfaceTextureAt::Entry),
+    ("both", SubsurfaceTextureAt::Both),
+];
 
 /// Reads a material; what it does not say comes from its preset, else from OpenPBR.
 pub(super) fn read_material(
@@ -143,6 +150,9 @@ impl Reader<'_, '_> {
         let configuration = material.subsurface_configuration;
         material.subsurface_configuration =
             self.table.read("subsurface_configuration", configuration, |item| item.word(&CONFIGURATIONS))?;
+        let texture_at = material.subsurface_texture_at;
+        material.subsurface_texture_at =
+            self.table.read("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
         Ok(())
     }
 

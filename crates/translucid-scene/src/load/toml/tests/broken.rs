@@ -170,6 +170,9 @@ fn broken_material_is_refused() {
     refuse_material("subsurface_model = \"dipol\"", &message, "\"dipol\"", "did you mean \"dipole\"?");
     let message = "material[0].subsurface_eta is 4, but must be in [0.5, 3]";
     refuse_material("subsurface_eta = 4", message, "4", "");
+    let message =
+        "material[0].subsurface_texture_at is \"exits\", but must be one of \"exit\", \"entry\", \"both\"";
+    refuse_material("subsurface_texture_at = \"exits\"", message, "\"exits\"", "did you mean \"exit\"?");
     let message = "subsurface_table is the model: leave subsurface_model out, or the table";
     let both = "subsurface_model = \"none\"\nsubsurface_table = \"a.csv\"";
     refuse_material(both, message, "\"a.csv\"", "");

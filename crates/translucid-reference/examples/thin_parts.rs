@@ -1,0 +1,338 @@
+//! How much light thin and curved parts return, by a walk of photons and by the models of a flat half space.
+//!
+//! ```text
+//! cargo run --release -p translucid-reference --example thin_parts
+//! ```
+//!
+//! Bodies are homogeneous, scatter isotropically and have no boundary (g = 0, η = 1).
+//! Their size is a sphere's diameter, a slab's thickness, and in a wedge the distance of a point from the edge.
+//! It is given by the width d of normalized diffusion in diffuse light, d = ℓ/s(A), so that d/size tells how far light
+//! gets in comparison to the body.
+//!
+//! A profile is integrated over the surface of the body, as a renderer does it. Of the surface around an exit only the
+//! *coverage* matters, how much of it there is at a distance r in comparison to a plane, 2πr dr:
+//!
+//! ```text
+//! sphere   1 up to its diameter           (the area within a chord c is πc²)
+//! slab     1, and 1 more beyond its thickness
+//! wedge    what part of the circle of radius r around the exit lies on each of the half planes
+//! ```
+
+#![allow(clippy::print_stdout, reason = "the tables go to standard output")]
+
+use std::f64::consts::{FRAC_PI_3, PI, TAU};
+
+use rayon::prelude::*;
+use translucid_profile::{
+    Appearance, Configuration, Model, ObliqueDiffusionF32, ObliqueDiffusionTable, Parameterization, Profile,
+    d_from_surface_albedo, half_space_single_scattering_albedo,
+};
+use translucid_reference::Estimate;
+use translucid_reference::body::{Body, Light, Medium, SPHERE_RINGS, Shape, Tally};
+
+const ALBEDOS: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
+/// d over size.
+const THINNESSES: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+const PHOTONS: u64 = 400_000;
+/// Steps of the radius in sums over the surface: of round profiles, and of the oblique one.
+const RADII: [u32; 2] = [4000, 600];
+/// Azimuths and angles of light around an entry.
+const DIRECTIONS: [u32; 2] = [32, 60];
+
+/// Models whose light is the same whatever its direction; the oblique one comes beside them.
+const RADIAL: [Model; 8] = [
+    Model::NormalizedDiffusion,
+    Model::NormalizedDiffusionRefined,
+    Model::Dipole,
+    Model::BetterDipole,
+    Model::QuantizedDiffusion,
+    Model::PhotonBeamDiffusion,
+    Model::Gaussians,
+    Model::Exact,
+];
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Sphere,
+    Slab,
+    /// With its angle.
+    Wedge(f64),
+}
+
+const KINDS: [(&str, Kind); 4] = [
+    ("Sphere", Kind::Sphere),
+    ("Slab", Kind::Slab),
+    ("Edge of 60°", Kind::Wedge(FRAC_PI_3)),
+    ("Edge of 20°", Kind::Wedge(PI / 9.0)),
+];
+
+fn main() {
+    let media: Vec<Models> = ALBEDOS.iter().map(|&a| Models::new(a)).collect();
+    let mut summary = Summary::default();
+    for (title, kind) in KINDS {
+        println!("### {title} in even light\n");
+        let names: Vec<&str> = RADIAL.iter().map(|model| model.name()).collect();
+        println!("| A | d/size | scattered | straight | oblique | {} | normalized |", names.join(" | "));
+        println!("|---|---|---|---|---|{}---|", "---|".repeat(RADIAL.len()));
+        for models in &media {
+            for thinness in THINNESSES {
+                let size = models.d / thinness;
+                let truth = truth(kind, models.a, size, Light::Uniform);
+                let energies = models.energies(kind, size);
+                println!("{}", even_row(models.a, thinness, &truth, &energies));
+                summary.add(&truth, &energies, models.a);
+            }
+        }
+        println!();
+    }
+    summary.print();
+    println!("### Light from one side\n");
+    println!(
+        "| body | A | d/size | truth | normalized-diffusion | normalized-diffusion-refined | normalized |"
+    );
+    println!("|---|---|---|---|---|---|---|");
+    for models in &media {
+        for thinness in THINNESSES {
+            println!("{}", models.slab_row(thinness));
+            println!("{}", models.sphere_row(thinness));
+        }
+    }
+}
+
+fn body(kind: Kind, size: f64) -> Shape {
+    match kind {
+        Kind::Sphere => Shape::Sphere { radius: 0.5 * size },
+        Kind::Slab => Shape::Slab { thickness: size },
+        Kind::Wedge(angle) => Shape::Wedge { angle, distance: size },
+    }
+}
+
+fn truth(kind: Kind, a: f64, size: f64, light: Light) -> Tally {
+    let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
+    let medium = Medium { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
+    Body::new(body(kind, size), medium, light).expect("an albedo in (0, 1)").walk(PHOTONS, 1)
+}
+
+fn percent(x: f64) -> String {
+    format!("{:.1}", 100.0 * x)
+}
+
+fn even_row(a: f64, thinness: f64, truth: &Tally, energies: &[f64]) -> String {
+    let all = truth.leaving().value;
+    let models: Vec<String> = energies.iter().map(|energy| percent(energy / all)).collect();
+    let [scattered, straight] = [truth.scattered(), truth.straight()].map(|share| percent(share.value));
+    let models = models.join(" | ");
+    format!("| {a} | {thinness} | {scattered} | {straight} | {models} | {} |", percent(a / all))
+}
+
+/// The models of one surface albedo, with a mean free path of 1.
+struct Models {
+    a: f64,
+    /// Width of normalized diffusion.
+    d: f64,
+    radial: Vec<Box<dyn Profile>>,
+    oblique: ObliqueDiffusionF32,
+}
+
+impl Models {
+    fn new(a: f64) -> Self {
+        let (mfp, diffuse, valid) = (Parameterization::Mfp, Configuration::Diffuse, "an albedo in (0, 1)");
+        let appearance = Appearance { surface_albedo: a, length: 1.0, parameterization: mfp, g: 0.0 };
+        let profile = |model: &Model| model.profile(&appearance, diffuse, 1.0).expect(valid);
+        let table = ObliqueDiffusionTable::new(1.0, mfp, diffuse).expect(valid);
+        Self {
+            a,
+            d: d_from_surface_albedo(a, 1.0, mfp, diffuse),
+            radial: RADIAL.iter().map(profile).collect(),
+            oblique: table.at(a as f32, 1.0),
+        }
+    }
+
+    /// What every model returns of even light, the oblique one first.
+    fn energies(&self, kind: Kind, size: f64) -> Vec<f64> {
+        let mut energies = vec![self.oblique_energy(kind, size)];
+        energies.extend(self.radial.iter().map(|profile| radial_energy(profile.as_ref(), kind, size)));
+        energies
+    }
+
+    /// The same of light followed by its direction, which counts by the share q of the way that lies along the surface
+    /// at the entry.
+    fn oblique_energy(&self, kind: Kind, size: f64) -> f64 {
+        let longest = 60.0 * self.d;
+        let step = |i: u32| {
+            let t = (f64::from(i) + 0.5) / f64::from(RADII[1]);
+            let r = longest * t.powi(3);
+            let parts = coverage(kind, size, r);
+            let sum: f64 = parts.iter().map(|&[share, q]| share * self.oblique_times_r(r, q)).sum();
+            TAU * sum * longest * 3.0 * t * t / f64::from(RADII[1])
+        };
+        (0..RADII[1]).into_par_iter().map(step).collect::<Vec<_>>().iter().sum()
+    }
+
+    /// r R averaged over light from everywhere.
+    fn oblique_times_r(&self, r: f64, q: f64) -> f64 {
+        let [azimuths, angles] = DIRECTIONS;
+        let offset = [q * r, 0.0, -(1.0 - q * q).max(0.0).sqrt() * r].map(|x| x as f32);
+        let mut sum = 0.0;
+        for i in 0..angles {
+            let sin_theta = ((f64::from(i) + 0.5) / f64::from(angles)).sqrt();
+            for j in 0..azimuths {
+                let (sin, cos) = (TAU * (f64::from(j) + 0.5) / f64::from(azimuths)).sin_cos();
+                let toward = [sin_theta * cos, sin_theta * sin, (1.0 - sin_theta * sin_theta).sqrt()];
+                sum +=
+                    f64::from(self.oblique.eval_times_r(offset, toward.map(|x| x as f32), [0.0, 0.0, 1.0]));
+            }
+        }
+        sum / f64::from(angles * azimuths)
+    }
+
+    /// Both faces of a slab under parallel light: Σ|model − truth| / Σ truth.
+    fn slab_row(&self, thinness: f64) -> String {
+        let size = self.d / thinness;
+        // A diffuse profile is that of light from all angles: such light falls on one face
+        let tally = truth(Kind::Slab, self.a, size, Light::Uniform);
+        let truths = [tally.scattered_through(0), tally.scattered_through(1)];
+        let faces = |profile: &dyn Profile| vec![profile.total(), profile.beyond(size)];
+        self.side_row("slab", thinness, &truths, faces, |profile| radial_energy(profile, Kind::Slab, size))
+    }
+
+    /// Rings of a sphere under parallel light.
+    fn sphere_row(&self, thinness: f64) -> String {
+        let size = self.d / thinness;
+        let tally = truth(Kind::Sphere, self.a, size, Light::Distant);
+        let truths: Vec<Estimate> = (0..SPHERE_RINGS).map(|ring| tally.scattered_through(ring)).collect();
+        let rings = |profile: &dyn Profile| sphere_rings(profile, 0.5 * size);
+        self.side_row("sphere", thinness, &truths, rings, |profile| {
+            radial_energy(profile, Kind::Sphere, size)
+        })
+    }
+
+    fn side_row(
+        &self,
+        name: &str,
+        thinness: f64,
+        truths: &[Estimate],
+        parts: impl Fn(&dyn Profile) -> Vec<f64>,
+        energy: impl Fn(&dyn Profile) -> f64,
+    ) -> String {
+        let all: f64 = truths.iter().map(|truth| truth.value).sum();
+        let off = |parts: &[f64], factor: f64| -> f64 {
+            parts.iter().zip(truths).map(|(part, truth)| (part * factor - truth.value).abs()).sum::<f64>()
+                / all
+        };
+        let columns: Vec<String> = self.radial[..2]
+            .iter()
+            .map(|profile| {
+                let parts = parts(profile.as_ref());
+                percent(off(&parts, 1.0))
+            })
+            .collect();
+        let refined = self.radial[1].as_ref();
+        let normalized = off(&parts(refined), self.a / energy(refined));
+        let [a, all] = [self.a.to_string(), percent(all)];
+        format!("| {name} | {a} | {thinness} | {all} | {} | {} |", columns.join(" | "), percent(normalized))
+    }
+}
+
+/// Energy of a profile over the surface of a body: ∫ coverage dE, with the profile's own sums over rings.
+fn radial_energy(profile: &dyn Profile, kind: Kind, size: f64) -> f64 {
+    match kind {
+        Kind::Sphere => profile.enclosed(size),
+        Kind::Slab => profile.total() + profile.beyond(size),
+        Kind::Wedge(_) => {
+            // Radii at which the energy beyond falls evenly, and half of what each ring has at both of its ends
+            let longest = 40.0 * size.max(profile.scale());
+            let radius = |i: u32| longest * (f64::from(i) / f64::from(RADII[0])).powi(3);
+            let cover = |r: f64| coverage(kind, size, r).iter().map(|[share, _]| share).sum::<f64>();
+            let rings = (0..RADII[0]).map(|i| {
+                let (from, to) = (radius(i), radius(i + 1));
+                (profile.beyond(from) - profile.beyond(to)) * cover(0.5 * (from + to))
+            });
+            rings.sum::<f64>() + profile.beyond(longest) * cover(longest)
+        }
+    }
+}
+
+/// For the body's faces the surface at a distance r from an exit in comparison to a plane's, and what share of the way
+/// from there lies along the surface there.
+fn coverage(kind: Kind, size: f64, r: f64) -> Vec<[f64; 2]> {
+    // A plane at a distance, of which there is the part to one side of a line at a distance from the foot point
+    let half_plane = |distance: f64, to_edge: f64| {
+        let along = (r * r - distance * distance).max(0.0).sqrt();
+        let share = 1.0 - (to_edge / along.max(f64::MIN_POSITIVE)).clamp(-1.0, 1.0).acos() / PI;
+        [if r > distance { share } else { 0.0 }, along / r]
+    };
+    match kind {
+        Kind::Sphere => {
+            let is_there = r < size;
+            vec![[f64::from(u8::from(is_there)), (1.0 - (r / size).powi(2)).max(0.0).sqrt()]]
+        }
+        Kind::Slab => vec![[1.0, 1.0], half_plane(size, f64::INFINITY)],
+        Kind::Wedge(angle) => {
+            vec![half_plane(0.0, size), half_plane(size * angle.sin(), size * angle.cos())]
+        }
+    }
+}
+
+/// Share of the parallel light on a sphere that leaves through each ring, from the one that faces the light.
+fn sphere_rings(profile: &dyn Profile, radius: f64) -> Vec<f64> {
+    let (exits, chords, sectors) = (8_u32, 400_u32, 96_u32);
+    let ring = |ring: usize| {
+        let mut sum = 0.0;
+        for i in 0..exits {
+            let cosine =
+                1.0 - 2.0 * (ring as f64 + (f64::from(i) + 0.5) / f64::from(exits)) / SPHERE_RINGS as f64;
+            let sine = (1.0 - cosine * cosine).sqrt();
+            for j in 0..chords {
+                let [from, to] =
+                    [j, j + 1].map(|j| 2.0 * radius * (f64::from(j) / f64::from(chords)).powi(3));
+                let energy = profile.beyond(from) - profile.beyond(to);
+                let sin_half = 0.25 * (from + to) / radius;
+                let cos_gamma = 1.0 - 2.0 * sin_half * sin_half;
+                let sin_gamma = (1.0 - cos_gamma * cos_gamma).sqrt();
+                let lit: f64 = (0..sectors)
+                    .map(|k| {
+                        let psi = TAU * (f64::from(k) + 0.5) / f64::from(sectors);
+                        (cos_gamma * cosine - sin_gamma * psi.cos() * sine).max(0.0)
+                    })
+                    .sum();
+                sum += energy * lit / f64::from(sectors);
+            }
+        }
+        // Of the flux πρ² on a ring of 4πρ²/RINGS
+        sum / f64::from(exits) * 4.0 / SPHERE_RINGS as f64
+    };
+    (0..SPHERE_RINGS).into_par_iter().map(ring).collect()
+}
+
+/// Mean |error| of what is returned, by d/size.
+#[derive(Default)]
+struct Summary {
+    rows: Vec<[f64; 3]>,
+}
+
+impl Summary {
+    fn add(&mut self, truth: &Tally, energies: &[f64], a: f64) {
+        let all = truth.leaving().value;
+        let off = |energy: f64| (energy / all - 1.0).abs();
+        self.rows.push([off(energies[0]), off(energies[2]), off(a)]);
+    }
+
+    fn print(&self) {
+        println!("### Mean error of the energy in even light\n");
+        println!("| body | d/size | oblique | normalized-diffusion-refined | normalized |");
+        println!("|---|---|---|---|---|");
+        for (body, (title, _)) in KINDS.iter().enumerate() {
+            for (i, thinness) in THINNESSES.iter().enumerate() {
+                let rows: Vec<&[f64; 3]> = (0..ALBEDOS.len())
+                    .map(|a| &self.rows[(body * ALBEDOS.len() + a) * THINNESSES.len() + i])
+                    .collect();
+                let mean = |column: usize| {
+                    percent(rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64)
+                };
+                println!("| {title} | {thinness} | {} | {} | {} |", mean(0), mean(1), mean(2));
+            }
+        }
+        println!();
+    }
+}
