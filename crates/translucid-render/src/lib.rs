@@ -15,6 +15,7 @@ mod frame;
 mod geometry;
 mod light;
 mod material;
+mod normalization;
 mod output;
 mod path;
 mod point_based;

@@ -84,6 +84,11 @@ impl Materials {
         &self.profile_tables
     }
 
+    /// Adds what a user should know.
+    pub(crate) fn add_note(&mut self, note: String) {
+        self.profile_tables.add_note(note);
+    }
+
     /// Where a material's profile is.
     pub(crate) fn profile_source(&self, material: usize) -> ProfileSource {
         self.profile_sources[material]

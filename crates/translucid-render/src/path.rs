@@ -26,6 +26,7 @@ use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
 use crate::material::{self, Materials, Subsurface};
+use crate::normalization::Normalizer;
 use crate::point_based::{Gatherer, Leaving, Scratch};
 use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
@@ -56,6 +57,8 @@ pub(crate) struct World {
     pub(crate) axis_probes: [f32; 3],
     /// Points to gather light from in place of probes.
     pub(crate) points: Option<Gatherer>,
+    /// What materials with a normalization are normalized by.
+    pub(crate) normalizer: Option<Normalizer>,
 }
 
 impl World {
@@ -345,15 +348,12 @@ impl<'a> PathTracer<'a> {
     /// Leaves the surface through the volume below by the sum over all points; false where there are none.
     fn gather_below(&mut self, path: &mut Path, vertex: &Vertex<'_>) -> bool {
         let Some(points) = &self.world.points else { return false };
-        let leaving = Leaving {
-            position: vertex.point.position,
-            normal: vertex.point.geometric_normal,
-            group: vertex.point.group,
-            subsurface: vertex.subsurface,
-        };
         let tables = self.world.materials.profile_tables();
-        let Some(gathered) = points.gather(tables, &leaving, &mut self.scratch) else { return false };
-        path.add_to(path.layer_after(Layer::Subsurface), path.throughput * gathered.light);
+        let Some(gathered) = points.gather(tables, &vertex.leaving(), &mut self.scratch) else {
+            return false;
+        };
+        let factor = Normalizer::factor_of(vertex.material, gathered.energy);
+        path.add_to(path.layer_after(Layer::Subsurface), path.throughput * gathered.light * factor);
         true
     }
 
@@ -376,6 +376,10 @@ impl<'a> PathTracer<'a> {
         let tables = world.materials.profile_tables();
         let Some(found) = self.prober.sample(world, &exit, sampler) else { return false };
         path.throughput *= found.weight;
+        if let Some(normalizer) = &world.normalizer {
+            let scratch = &mut self.scratch;
+            path.throughput *= normalizer.factor(tables, vertex.material, &vertex.leaving(), scratch);
+        }
         let point = world.geometry.surface_point(&world.scene, &found.hit);
         let (_, material) = world.material(&point);
         let entry = self.entry(&point);
@@ -597,6 +601,12 @@ pub(crate) struct Vertex<'a> {
 }
 
 impl Vertex<'_> {
+    /// The point as one that light leaves.
+    fn leaving(&self) -> Leaving {
+        let SurfacePoint { position, geometric_normal: normal, group, .. } = *self.point;
+        Leaving { position, normal, group, subsurface: self.subsurface }
+    }
+
     /// The normal that light selection may rely on: none where light from both sides counts.
     fn light_normal(&self, incoming: Vec3) -> Vec3 {
         if self.material.transmission_weight.factor > 0.0 {

@@ -137,6 +137,10 @@ impl ProfileTables {
         }
     }
 
+    pub(crate) fn add_note(&mut self, note: String) {
+        self.notes.push(note);
+    }
+
     /// Finds or makes what a material needs.
     pub(crate) fn source(&mut self, material: &Material, files: &[ProfileTable]) -> ProfileSource {
         if material.subsurface_model == SubsurfaceModel::RandomWalk {

@@ -13,6 +13,7 @@ use crate::fingerprint::{fingerprint, fingerprint_of_points};
 use crate::geometry::Geometry;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::material::{self, Materials};
+use crate::normalization::Normalizer;
 use crate::path::{PathTracer, World};
 use crate::point_based::{PointCloud, PointProgress, PointsError};
 use crate::sampler::Sampler;
@@ -63,7 +64,16 @@ impl Renderer {
         let materials = Materials::new(&scene);
         let camera = CameraRays::new(&scene.camera, &scene.film);
         let axis_probes = AXIS_PROBES;
-        Self { world: World { scene, geometry, materials, lights, axis_probes, points: None }, camera }
+        let mut world =
+            World { scene, geometry, materials, lights, axis_probes, points: None, normalizer: None };
+        match Normalizer::new(&world) {
+            Ok(normalizer) => world.normalizer = normalizer,
+            Err(error) => {
+                let note = format!("subsurface_normalization is left out: {error}");
+                world.materials.add_note(note);
+            }
+        }
+        Self { world, camera }
     }
 
     /// The scene as it was given.

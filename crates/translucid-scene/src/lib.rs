@@ -43,7 +43,8 @@ pub use load::{
 };
 pub use load::{LoadOptions, SceneFile, load_profile_table, load_scene, parse_profile_table};
 pub use material::{
-    Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceParameter, SubsurfaceTextureAt,
+    Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
+    SubsurfaceTextureAt,
 };
 pub use mesh::{Mesh, Triangle};
 pub use preset::{Preset, preset, presets};

@@ -84,6 +84,17 @@ pub enum SubsurfaceTextureAt {
     Both,
 }
 
+/// What becomes of the share of a profile that a thin or curved thing has no surface for, or has it twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceNormalization {
+    /// The profile is that of a half space, whatever the shape.
+    #[default]
+    None,
+    /// Light that leaves at a point is divided by the share of the profile that the surface around it has, so that even
+    /// light returns the surface albedo from any shape.
+    Energy,
+}
+
 /// A tangent-space normal map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
@@ -143,6 +154,8 @@ pub struct Material {
     pub subsurface_eta: f32,
     /// Whose textured albedo and mean free path count.
     pub subsurface_texture_at: SubsurfaceTextureAt,
+    /// Whether the shape counts in how much light a profile returns.
+    pub subsurface_normalization: SubsurfaceNormalization,
     /// Strength of the clear coat.
     pub coat_weight: ScalarInput,
     /// Tint of what lies under the coat.
@@ -186,6 +199,7 @@ impl Default for Material {
             subsurface_configuration: Configuration::Diffuse,
             subsurface_eta: 1.0,
             subsurface_texture_at: SubsurfaceTextureAt::Exit,
+            subsurface_normalization: SubsurfaceNormalization::None,
             coat_weight: ScalarInput::constant(0.0),
             coat_color: ColorInput::constant(Vec3::ONE),
             coat_roughness: ScalarInput::constant(0.0),

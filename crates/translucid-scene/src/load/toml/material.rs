@@ -5,8 +5,8 @@ use super::input::{FileList, read_color, read_normal_map, read_scalar};
 use super::interval::Interval;
 use crate::preset::preset;
 use crate::{
-    ColorInput, Configuration, Material, ScalarInput, SceneError, SubsurfaceModel, SubsurfaceParameter,
-    SubsurfaceTextureAt, Unit,
+    ColorInput, Configuration, Material, ScalarInput, SceneError, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, Unit,
 };
 
 pub(super) const KEYS: &[&str] = &[
@@ -33,6 +33,7 @@ pub(super) const KEYS: &[&str] = &[
     "subsurface_configuration",
     "subsurface_eta",
     "subsurface_texture_at",
+    "subsurface_normalization",
     "coat_weight",
     "coat_color",
     "coat_roughness",
@@ -52,6 +53,8 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
     ("entry", SubsurfaceTextureAt::Entry),
     ("both", SubsurfaceTextureAt::Both),
 ];
+const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
+    [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
 /// Reads a material; what it does not say comes from its preset, else from OpenPBR.
 pub(super) fn read_material(
@@ -153,6 +156,9 @@ impl Reader<'_, '_> {
         let texture_at = material.subsurface_texture_at;
         material.subsurface_texture_at =
             self.table.read("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
+        let normalization = material.subsurface_normalization;
+        material.subsurface_normalization =
+            self.table.read("subsurface_normalization", normalization, |item| item.word(&NORMALIZATIONS))?;
         Ok(())
     }
 

@@ -173,6 +173,14 @@ fn broken_material_is_refused() {
     let message =
         "material[0].subsurface_texture_at is \"exits\", but must be one of \"exit\", \"entry\", \"both\"";
     refuse_material("subsurface_texture_at = \"exits\"", message, "\"exits\"", "did you mean \"exit\"?");
+    let message =
+        "material[0].subsurface_normalization is \"energi\", but must be one of \"none\", \"energy\"";
+    refuse_material(
+        "subsurface_normalization = \"energi\"",
+        message,
+        "\"energi\"",
+        "did you mean \"energy\"?",
+    );
     let message = "subsurface_table is the model: leave subsurface_model out, or the table";
     let both = "subsurface_model = \"none\"\nsubsurface_table = \"a.csv\"";
     refuse_material(both, message, "\"a.csv\"", "");

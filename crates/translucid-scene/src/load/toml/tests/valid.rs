@@ -5,8 +5,8 @@ use glam::{Mat3, Vec2, Vec3};
 use super::{BALL, load, parse};
 use crate::{
     Camera, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator, Light, LoadOptions,
-    Material, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceParameter, SubsurfaceTextureAt,
-    ToneMapping, Unit, Wrap,
+    Material, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
+    SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
 };
 
 fn with_ball(piece: &str) -> String {
@@ -89,7 +89,7 @@ fn material_reads_every_constant() {
         subsurface_color = \"vertex\"\nsubsurface_radius = 2\nsubsurface_radius_scale = [3, 2, 1]\n\
         subsurface_scatter_anisotropy = -0.5\nsubsurface_model = \"none\"\nsubsurface_parameter = \"dmfp\"\n\
         subsurface_configuration = \"searchlight\"\nsubsurface_eta = 1.4\n\
-        subsurface_texture_at = \"both\"\ncoat_weight = 0.5\ncoat_color = [1, 1, 0]\n\
+        subsurface_texture_at = \"both\"\nsubsurface_normalization = \"energy\"\ncoat_weight = 0.5\ncoat_color = [1, 1, 0]\n\
         coat_roughness = 0.1\ncoat_ior = 1.4\nemission_luminance = 100\nemission_color = [5, 6, 7]\ngeometry_opacity = 0.5";
     let color = |r, g, b| ColorInput::constant(Vec3::new(r, g, b));
     let expected = Material {
@@ -114,6 +114,7 @@ fn material_reads_every_constant() {
         subsurface_configuration: Configuration::Searchlight,
         subsurface_eta: 1.4,
         subsurface_texture_at: SubsurfaceTextureAt::Both,
+        subsurface_normalization: SubsurfaceNormalization::Energy,
         coat_weight: ScalarInput::constant(0.5),
         coat_color: color(1.0, 1.0, 0.0),
         coat_roughness: ScalarInput::constant(0.1),
