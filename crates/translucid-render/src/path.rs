@@ -161,7 +161,7 @@ impl Path {
     }
 
     /// Goes on behind the surface in the same direction; the MIS origin stays.
-    fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
+    pub(crate) fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
         self.throughput *= transmittance;
         self.ray = Ray::new(point.ray_origin(self.ray.direction), self.ray.direction);
         self.passes += 1;

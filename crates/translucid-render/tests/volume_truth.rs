@@ -1,8 +1,11 @@
 //! The random walk against images of an independent volumetric path tracer, region by region.
 //!
 //! The images and meshes are not part of the project: where `../shared/assets` is absent, the tests say so and pass.
-//! Each region's mean is that of eight renderings with seeds of their own, which tell its standard error; it counts as
-//! right within four of them (a false alarm in 16,000) and 1.5 % of the truth, whose own noise and filter are in that.
+//! Each region's mean is that of sixteen renderings with seeds of their own, which tell its standard error; it counts as
+//! right within five of them (by Student's t a false alarm in 6,000, and 1.5 % over all comparisons) and 1.5 % of the
+//! truth, whose own noise is in that; pixels of the truth that outshine all their neighbors are left out of both.
+
+#![allow(clippy::print_stdout, reason = "a skipped test must say that it is, and the others what they found")]
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -18,8 +21,8 @@ use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_sce
 const SIZE: usize = 128;
 const BLOCK: usize = 4;
 /// Pixels of a region.
-const REGION: usize = 16;
-const SEEDS: u64 = 8;
+const REGION: usize = 32;
+const SEEDS: u64 = 16;
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
@@ -76,6 +79,15 @@ fn truth(file: &str) -> Vec<Vec3> {
     (0..SIZE * SIZE).map(|i| pixel(i % SIZE, i / SIZE)).collect()
 }
 
+/// Whether a pixel outshines all its neighbors by far: a single path of the truth's that met a light by great luck.
+fn is_speck(pixels: &[Vec3], x: usize, y: usize) -> bool {
+    let brightness = |x: usize, y: usize| pixels[y * SIZE + x].max_element();
+    let neighbors = (y.saturating_sub(1)..=(y + 1).min(SIZE - 1))
+        .flat_map(|j| (x.saturating_sub(1)..=(x + 1).min(SIZE - 1)).map(move |i| (i, j)));
+    let others = neighbors.filter(|&at| at != (x, y));
+    brightness(x, y) > 4.0 * others.map(|(i, j)| brightness(i, j)).fold(0.0, f32::max)
+}
+
 /// Means over regions.
 fn regions(pixel: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
     let across = SIZE / REGION;
@@ -95,11 +107,14 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
             let mut film = FilmSums::new(SIZE as u32, SIZE as u32);
             let goal = Goal { samples, deadline: None };
             Renderer::new(scene).render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
-            regions(|x, y| Vec3::from_array(film.radiance(x as u32, y as u32).map(|value| value as f32)))
+            regions(|x, y| {
+                let radiance = film.radiance(x as u32, y as u32).map(|value| value as f32);
+                if is_speck(truth, x, y) { Vec3::ZERO } else { Vec3::from_array(radiance) }
+            })
         })
         .collect();
-    let truth = regions(|x, y| truth[y * SIZE + x]);
-    let (mut compared, mut sums) = (0, [Vec3::ZERO; 2]);
+    let truth = regions(|x, y| if is_speck(truth, x, y) { Vec3::ZERO } else { truth[y * SIZE + x] });
+    let (mut compared, mut sums, mut wrong) = (0, [Vec3::ZERO; 2], Vec::new());
     for (region, expected) in truth.iter().enumerate() {
         let mean = renderings.iter().map(|r| r[region]).sum::<Vec3>() / SEEDS as f32;
         let square = |r: &Vec<Vec3>| (r[region] - mean) * (r[region] - mean);
@@ -107,14 +122,17 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
         sums[0] += mean;
         sums[1] += *expected;
         for c in 0..3 {
-            let allowed = 4.0 * variance[c].sqrt() + 0.015 * expected[c];
+            let allowed = 5.0 * variance[c].sqrt() + 0.015 * expected[c];
             let off = mean[c] - expected[c];
-            assert!(off.abs() <= allowed + 1e-5, "region {region}, channel {c}: {mean} {expected}");
+            if off.abs() > allowed + 1e-5 {
+                wrong.push(format!("region {region}, channel {c}: {} is not {}", mean[c], expected[c]));
+            }
             compared += u32::from(allowed < 0.2 * expected[c]);
         }
     }
     println!("{compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
-    assert!(compared > 30, "too noisy to tell: {compared}");
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    assert!(compared > 15, "too noisy to tell: {compared}");
     assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 0.02, "{sums:?}");
 }
 

@@ -96,8 +96,13 @@ impl PathTracer<'_> {
         let point = world.geometry.surface_point(&world.scene, hit);
         let Some(direction) = walk.direction_outside(hit) else { return false };
         let weight = self.entering(&point, walk, direction);
-        let origin = Origin { point: walk.at.position, normal: Vec3::ZERO, pdf: walk.pdf };
         path.throughput = walk.throughput;
+        if walk.eta == 1.0 && !walk.has_scattered {
+            // Nothing has happened to the light; but no shadow ray would have come through
+            path.origin.pdf = f32::INFINITY;
+            return path.pass(&point, weight);
+        }
+        let origin = Origin { point: walk.at.position, normal: Vec3::ZERO, pdf: walk.pdf };
         path.diffuse_depth += u32::from(walk.has_scattered);
         path.soft |= walk.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
