@@ -164,6 +164,39 @@ fn points_agree_with_probes_for_every_model() {
     }
 }
 
+/// Pictures of points tend to those of probes: a ball with shadow and sky, seen along fixed rays.
+///
+/// relMSE = mean of (x − ref)² / (ref² + 0.01); the reference's own part of it is taken off.
+#[test]
+fn points_converge_to_probes_as_the_tolerance_shrinks() {
+    let mut scene = scene(vec![common::sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
+    scene.lights.push(distant(Vec3::new(1.0, 0.3, 0.5)));
+    scene.environment = uniform_environment(Vec3::new(0.1, 0.2, 0.3));
+    scene.integrator.max_depth = 8;
+    scene.integrator.max_diffuse_depth = 8;
+    scene.integrator.subsurface_tail = 1e-5;
+    let rays: Vec<Vec3> =
+        (0..36).map(|i| Vec3::new((i % 6) as f32 * 0.5 - 1.25, (i / 6) as f32 * 0.5 - 1.25, 5.0)).collect();
+    let ray_traced = Renderer::new(scene.clone());
+    let references: Vec<(Vec3, Vec3)> =
+        rays.iter().map(|&ray| common::measure(&ray_traced, ray, Vec3::NEG_Z, 1 << 14)).collect();
+    let over = |value: Vec3, truth: Vec3| (value * value / (truth * truth + 0.01)).element_sum() / 3.0;
+    let noise =
+        references.iter().map(|&(truth, error)| over(error, truth)).sum::<f32>() / references.len() as f32;
+    let mut before = f32::INFINITY;
+    for tolerance in [0.8, 0.2, 0.05] {
+        let renderer = point_based(scene.clone(), tolerance);
+        let light = |ray: &Vec3| renderer.sample_ray(*ray, Vec3::NEG_Z, 1, 0).radiance();
+        let errors = rays.iter().zip(&references).map(|(ray, &(truth, _))| over(light(ray) - truth, truth));
+        let error = errors.sum::<f32>() / rays.len() as f32;
+        println!("tolerance {tolerance}: relMSE {error:.2e}, noise of the reference {noise:.1e}");
+        // In proportion to the square of the tolerance it would fall to a sixteenth
+        assert!(error - noise < 0.35 * before, "tolerance {tolerance}: {error:e} after {before:e}");
+        before = error;
+    }
+    assert!(before < 1e-3, "{before:e}");
+}
+
 #[test]
 fn points_do_not_depend_on_threads() {
     let ball = common::sphere(2.0, 24);

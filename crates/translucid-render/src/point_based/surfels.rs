@@ -263,3 +263,73 @@ fn mix(x: u64) -> u64 {
     let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
     x ^ (x >> 31)
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use translucid_scene::{
+        LoadOptions, Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel, still_life,
+    };
+
+    use super::*;
+    use crate::Renderer;
+    use crate::point_based::cloud::PointCloud;
+
+    /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
+    fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
+        let mut scene = still_life(&LoadOptions::default()).expect("the built-in scene is valid");
+        scene.materials = vec![Material {
+            subsurface_weight: ScalarInput::constant(1.0),
+            subsurface_model: SubsurfaceModel::Profile(translucid_profile::Model::NormalizedDiffusion),
+            ..Material::default()
+        }];
+        scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 0 }];
+        scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+        let renderer = Renderer::new(scene);
+        let stop = AtomicBool::new(false);
+        let cloud = PointCloud::without_light(renderer.world(), 0, 1 << 30, &|_| {}, &stop);
+        let cloud = cloud.expect("memory").expect("not stopped");
+        (cloud.surfels, cloud.groups[0].spacing)
+    }
+
+    /// Two sides of a sheet, a hundredth of the points' spacing apart: one of large and one of tiny triangles.
+    fn sheet() -> Mesh {
+        let mut mesh = Mesh::default();
+        for (cells, height) in [(1_u32, 0.0), (60, -1e-3)] {
+            let first = mesh.positions.len() as u32;
+            let at = |i: u32| 3.0 * i as f32 / cells as f32;
+            let corners = (0..=cells).flat_map(|j| (0..=cells).map(move |i| (i, j)));
+            mesh.positions.extend(corners.map(|(i, j)| Vec3::new(at(i), at(j), height)));
+            for cell in 0..cells * cells {
+                let a = first + cell / cells * (cells + 1) + cell % cells;
+                let (b, c, d) = (a + 1, a + cells + 2, a + cells + 1);
+                let up = [[a, b, c], [a, c, d]];
+                let down = [[a, c, b], [a, d, c]];
+                mesh.triangles.extend(if height == 0.0 { up } else { down });
+            }
+        }
+        mesh
+    }
+
+    #[test]
+    fn points_share_out_the_area_of_each_side() {
+        let (surfels, spacing) = covered(sheet());
+        for side in [1.0, -1.0] {
+            let own: Vec<&Surfel> = surfels.iter().filter(|s| s.normal[2] * side > 0.5).collect();
+            let area: f64 = own.iter().map(|s| f64::from(s.area)).sum();
+            assert!((area / 9.0 - 1.0).abs() < 1e-5, "{side}: {area}");
+            // What a point stands for is the square of the spacing on average
+            let mean = area / own.len() as f64 / (spacing * spacing);
+            assert!((0.85..1.15).contains(&mean), "{side}: {mean} from {} points", own.len());
+            for (i, a) in own.iter().enumerate() {
+                let cell = f64::from(a.area) / (spacing * spacing);
+                assert!((0.2..3.0).contains(&cell), "{side}: {cell}");
+                for b in &own[..i] {
+                    let distance = f64::from(a.position().distance(b.position()));
+                    assert!(distance > 0.999 * DISC * spacing, "{side}: {distance}");
+                }
+            }
+        }
+    }
+}
