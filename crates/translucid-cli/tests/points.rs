@@ -13,8 +13,8 @@ fn directory() -> (tempfile::TempDir, PathBuf) {
     let path = directory.path().to_owned();
     let points = "samples_per_pixel = 4\nsubsurface_method = \"point-based\"\npoint_tolerance = 0.5";
     let text = BALL.replace("samples_per_pixel = 8", points);
-    fs::write(path.join("ball.toml"), text.replace("subsurface_radius = 0.2", "subsurface_radius = 2"))
-        .unwrap();
+    let radius = "subsurface_radius = 2\nsubsurface_model = \"normalized-diffusion-refined\"";
+    fs::write(path.join("ball.toml"), text.replace("subsurface_radius = 0.2", radius)).unwrap();
     (directory, path)
 }
 
