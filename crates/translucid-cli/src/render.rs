@@ -36,7 +36,7 @@ Several models after --subsurface render the scene with each and write to a dire
   sheet.png, index.html  all of them side by side with times and errors; neither needs another file
   errors.csv             model, against, samples, seconds, cpu_seconds, relative_mse, noise, mean_flip, max_flip
                          relative_mse: mean of (x - ref)^2 / (ref^2 + 0.01) over channels and pixels that are not
-                         background; noise: how much of it is noise, estimated from halves of the samples and
+                         background; noise: how much of it is noise, estimated from halves of the samples,
                          rather too high; empty where unknown.
 
 Examples:

@@ -26,7 +26,7 @@ const MOST_PIXELS: u64 = 1 << 24;
 /// Models that know better than others, the best first.
 const JUDGES: [&str; 2] = ["random-walk", "exact"];
 /// Memory that a pixel of a picture takes while the others are rendered.
-const BYTES_PER_PICTURE_PIXEL: u64 = 48;
+const BYTES_PER_PICTURE_PIXEL: u64 = 64;
 
 /// Renders the scene with each of the models, which are two or more, and writes what tells them apart.
 pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(), Failure> {
@@ -149,10 +149,7 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
     Entry {
         model: model.name().to_owned(),
         picture: picture(&rendering.film, settings),
-        first_half: first_half.map(|half| {
-            let radiance = pixels(half).map(|(x, y)| half.radiance(x, y).map(|value| value as f32)).collect();
-            (radiance, [half.samples(), goal])
-        }),
+        first_half: first_half.map(|half| (picture(half, settings), [half.samples(), goal])),
         samples: rendering.film.samples(),
         seconds: rendering.seconds,
         cpu_seconds: rendering.cpu_seconds,

@@ -19,9 +19,9 @@ pub fn relative_mse(picture: &Picture, reference: &Picture) -> f64 {
     }))
 }
 
-/// The part of a [`relative_mse`] against a reference that a picture's own noise makes.
+/// The part of the [`relative_mse`] of a picture against the truth that is the picture's noise.
 ///
-/// `first` is the mean of the first `samples[0]` of `samples[1]` samples of each pixel. As the means A of the first
+/// Its first half is the mean of the first `samples[0]` of `samples[1]` samples of each pixel. As the means A of the first
 /// n₁ and B of the last n₂ of n samples differ by chance alone, the variance of their mean is estimated by
 ///
 /// ```text
@@ -29,17 +29,44 @@ pub fn relative_mse(picture: &Picture, reference: &Picture) -> f64 {
 /// ```
 ///
 /// without a bias where samples are independent; samples that are spread evenly leave less noise than that.
-pub fn relative_noise(picture: &Picture, first: &[[f32; 3]], samples: [u32; 2], reference: &Picture) -> f64 {
+/// The result is not a number where one of the halves is empty.
+pub fn relative_noise([picture, first]: [&Picture; 2], samples: [u32; 2], reference: &Picture) -> f64 {
+    let deviation = |i: usize, c: usize| f64::from(picture.radiance[i][c]) - f64::from(first.radiance[i][c]);
+    noise(deviation, samples, reference)
+}
+
+/// The part of the [`relative_mse`] of a picture against a reference that is noise of either, by the halves of both
+/// as in [`relative_noise`].
+///
+/// Where both were made with the same random numbers, much of their noise is the same, and does not count.
+pub fn relative_noise_of_difference(
+    [picture, first]: [&Picture; 2],
+    [reference, reference_first]: [&Picture; 2],
+    samples: [u32; 2],
+) -> f64 {
+    let deviation = |i: usize, c: usize| {
+        let [x, x_first, truth, truth_first] =
+            [picture, first, reference, reference_first].map(|picture| f64::from(picture.radiance[i][c]));
+        (x - truth) - (x_first - truth_first)
+    };
+    noise(deviation, samples, reference)
+}
+
+/// Mean of the estimated variances, relative to a reference; `deviation` is that of all samples' mean from the first
+/// half's, by pixel and channel.
+fn noise(deviation: impl Fn(usize, usize) -> f64, samples: [u32; 2], reference: &Picture) -> f64 {
     let [one, all] = samples.map(f64::from);
     if one < 1.0 || all <= one {
         return f64::NAN;
     }
-    // B − A = (M − A) n / n₂, so the estimate is (M − A)² n₁ / n₂
+    // B − A = (M − A) n / n₂ with the mean M of all, so the estimate is (M − A)² n₁ / n₂
     let factor = one / (all - one);
-    mean(covered(reference).flat_map(|i| {
-        let [x, half, truth] = [picture.radiance[i], first[i], reference.radiance[i]];
-        [0, 1, 2].map(|c| factor * (f64::from(x[c]) - f64::from(half[c])).powi(2) / weight(truth[c]))
-    }))
+    let deviation = &deviation;
+    mean(
+        covered(reference).flat_map(|i| {
+            [0, 1, 2].map(|c| factor * deviation(i, c).powi(2) / weight(reference.radiance[i][c]))
+        }),
+    )
 }
 
 /// Difference of luminance from pixel to pixel, relative as in [`relative_mse`]:
@@ -136,9 +163,37 @@ mod tests {
         let [first, all] = SAMPLES.map(|count| picture(100, 100, mean(count)));
         let truth = picture(100, 100, |_, _| [0.5; 3]);
         let variance = 1.0 / 96.0 / (0.25 + RELATIVE_FLOOR);
-        let noise = relative_noise(&all, first.radiance(), SAMPLES, &truth);
+        let noise = relative_noise([&all, &first], SAMPLES, &truth);
         assert!((noise / variance - 1.0).abs() < 0.04, "{noise} {variance}");
         assert!((relative_mse(&all, &truth) / variance - 1.0).abs() < 0.04);
-        assert!(relative_noise(&all, all.radiance(), [8, 8], &truth).is_nan());
+        assert!(relative_noise([&all, &all], [8, 8], &truth).is_nan());
+    }
+
+    /// As above, with the same standard errors: the reference has the noise of the picture, which is 0.2 brighter, and
+    /// then another one.
+    #[test]
+    fn relative_noise_of_difference_leaves_out_what_both_have() {
+        const SAMPLES: [u32; 2] = [3, 8];
+        let mean = |seed: u64, count: u32, more: f64| {
+            picture(100, 100, |x, y| {
+                [0, 1, 2].map(|channel| {
+                    let index = |number: u32| ((100 * y + x) as u64 * 3 + channel) * 8 + u64::from(number);
+                    let sum: f64 = (0..count).map(|number| random(seed, index(number))).sum();
+                    (sum / f64::from(count) + more) as f32
+                })
+            })
+        };
+        let [one, other] =
+            [(7, 0.0), (8, 0.0)].map(|(seed, more)| [8, 3].map(|count| mean(seed, count, more)));
+        let brighter = [8, 3].map(|count| mean(7, count, 0.2));
+        let noise = |picture: &[Picture; 2], reference: &[Picture; 2]| {
+            relative_noise_of_difference(picture.each_ref(), reference.each_ref(), SAMPLES)
+        };
+        assert!(noise(&brighter, &one) < 1e-12, "{}", noise(&brighter, &one));
+        // The mean of a noisy reference's weights is known, that of its error is not: both come from the same numbers
+        let weights = other[0].radiance().as_flattened().iter().map(|&truth| 1.0 / weight(truth));
+        let expected = 2.0 / 96.0 * super::mean(weights);
+        let found = noise(&one, &other);
+        assert!((found / expected - 1.0).abs() < 0.04, "{found} {expected}");
     }
 }

@@ -1,8 +1,8 @@
 //! Rendered pictures beside each other: how far they are apart, maps of that, and a sheet that shows it all.
 //!
 //! - [`Picture`]: the light of a picture, and what a display shows of it.
-//! - [`relative_mse`], [`relative_noise`], [`relative_difference`]: distances of light, in numbers and from pixel to
-//!   pixel.
+//! - [`relative_mse`], [`relative_noise`], [`relative_noise_of_difference`], [`relative_difference`]: distances
+//!   of light, in numbers and from pixel to pixel.
 //! - [`FlipMap`]: the difference that a viewer sees, ꟻLIP.
 //! - [`Raster`]: pixels to show, of a picture or of a map; they become a PNG.
 //! - [`Sheet`]: pictures and their maps in columns with words below them.
@@ -12,7 +12,9 @@ mod flip;
 mod raster;
 mod sheet;
 
-pub use errors::{RELATIVE_FLOOR, relative_difference, relative_mse, relative_noise};
+pub use errors::{
+    RELATIVE_FLOOR, relative_difference, relative_mse, relative_noise, relative_noise_of_difference,
+};
 pub use flip::{FlipMap, PIXELS_PER_DEGREE};
 pub use raster::{DIFFERENCE_RANGE, Raster, difference_color, flip_color};
 pub use sheet::{Sheet, SheetColumn};

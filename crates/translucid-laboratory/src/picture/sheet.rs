@@ -159,7 +159,7 @@ impl Layout {
         MARGIN + (index % self.abreast) as f64 * (COLUMN + GAP)
     }
 
-    /// Draws the name and the lines below a picture, and a frame where there are no maps.
+    /// Draws the name and the lines below a picture, and the frames of its maps.
     fn draw_words(&self, canvas: &mut Canvas, index: usize, column: &SheetColumn) {
         let (left, band) = (self.left(index), index / self.abreast);
         let top = self.top(band) + self.picture[1];
@@ -171,21 +171,20 @@ impl Layout {
             let line = fitting(line, SMALL);
             canvas.text(&Label { text: &line, at: [left, top + LINE * (i + 2) as f64], ..PLAIN });
         }
-        if column.maps.is_none() {
-            for row in 0..2 {
-                self.draw_absence(canvas, [left, self.map_top(band, row)]);
-            }
+        for row in 0..2 {
+            let words = if column.maps.is_none() { "the judge" } else { "" };
+            self.draw_frame(canvas, [left, self.map_top(band, row)], words);
         }
     }
 
-    /// An empty frame in place of a map.
-    fn draw_absence(&self, canvas: &mut Canvas, [left, top]: [f64; 2]) {
+    /// A frame around a map, which may have the color of the sheet, or around words in its place.
+    fn draw_frame(&self, canvas: &mut Canvas, [left, top]: [f64; 2], words: &str) {
         let [right, bottom] = [left + self.picture[0], top + self.picture[1]];
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom], [left, top]];
         canvas.line(&corners, &Pen::solid(Shade::GRID, 2.0));
         let at = [0.5 * (left + right), 0.5 * (top + bottom) + 5.0];
         if self.picture[1] > LINE {
-            canvas.text(&Label { text: "the judge", at, anchor: Anchor::Middle, ..PLAIN });
+            canvas.text(&Label { text: words, at, anchor: Anchor::Middle, ..PLAIN });
         }
     }
 

@@ -2,7 +2,7 @@
 
 use translucid_laboratory::picture::{
     FlipMap, Picture, Raster, Sheet, SheetColumn, difference_color, flip_color, relative_difference,
-    relative_mse, relative_noise,
+    relative_mse, relative_noise, relative_noise_of_difference,
 };
 use translucid_laboratory::{Block, Cell, DataTable, Page, Plate, Section};
 
@@ -27,8 +27,8 @@ pub(super) struct Entry {
     /// Name of the model.
     pub(super) model: String,
     pub(super) picture: Picture,
-    /// Radiance after the first of all samples, and the numbers of both.
-    pub(super) first_half: Option<(Vec<[f32; 3]>, [u32; 2])>,
+    /// The picture after the first of all samples, and the numbers of both.
+    pub(super) first_half: Option<(Picture, [u32; 2])>,
     /// Samples per pixel.
     pub(super) samples: u32,
     /// Time spent rendering \[s\].
@@ -90,19 +90,28 @@ impl Report {
 
     fn distance(&self, entry: &Entry) -> Result<Distance, Failure> {
         let judge = self.judge();
-        let noise_of = |entry: &Entry| {
-            entry.first_half.as_ref().map_or(f64::NAN, |(first, samples)| {
-                relative_noise(&entry.picture, first, *samples, &judge.picture)
-            })
-        };
-        let is_judge = entry.model == judge.model;
         let flip = FlipMap::new(&entry.picture, &judge.picture);
         Ok(Distance {
             relative_mse: relative_mse(&entry.picture, &judge.picture),
-            noise: noise_of(entry) + if is_judge { 0.0 } else { noise_of(judge) },
+            noise: self.noise(entry),
             flip: flip.map_err(|error| Failure::work(format!("cannot compare the pictures: {error}")))?,
             difference: relative_difference(&entry.picture, &judge.picture),
         })
+    }
+
+    /// The part of the error that is noise, for the judge its own; not a number where it is not known.
+    fn noise(&self, entry: &Entry) -> f64 {
+        let judge = self.judge();
+        match (&entry.first_half, &judge.first_half) {
+            (Some((half, samples)), _) if entry.model == judge.model => {
+                relative_noise([&entry.picture, half], *samples, &judge.picture)
+            }
+            (Some((half, samples)), Some((judge_half, judge_samples))) if samples == judge_samples => {
+                let reference = [&judge.picture, judge_half];
+                relative_noise_of_difference([&entry.picture, half], reference, *samples)
+            }
+            _ => f64::NAN,
+        }
     }
 
     fn maps(&self, entry: &Entry, distance: &Distance) -> [Raster; 2] {
@@ -267,9 +276,11 @@ impl Report {
     fn explanation(&self) -> Block {
         Block::Text(String::from(
             "relative_mse is the mean of (x − ref)² / (ref² + 0.01) over all channels of all pixels that are not \
-             background. noise is how much of it is noise of the two pictures (for the judge its own), estimated \
-             from how far the first half of their samples is from all: rather too much, since samples are spread \
-             more evenly than by chance. Below it, a difference between models says nothing. seconds are those of \
+             background. noise is how much of it is noise (for the judge, that of its own picture), estimated from \
+             how much the difference of the pictures changes from the first half of their samples to all: rather \
+             too much, since samples are spread more evenly than by chance. Where relative_mse is not well above \
+             it, a difference between models says nothing; relative_mse less noise is what the models differ by. \
+             seconds are those of \
              the rendering itself; cpu_seconds, over all threads, are missing where an earlier run had a part in it.",
         ))
     }
