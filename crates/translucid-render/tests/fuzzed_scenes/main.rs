@@ -28,11 +28,11 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use translucid_render::{FilmSums, Goal, Outcome, Renderer, layer};
+use translucid_render::{FilmSums, Goal, Outcome, PointsError, Renderer, layer};
 use translucid_scene::{Light, LoadOptions, Object, Scene, load_scene};
 
 /// Scenes of every test run; of some the loader refuses a mesh.
-const SEEDS: Range<u64> = 0..1150;
+const SEEDS: Range<u64> = 0..1200;
 /// How many of them are rendered at least.
 const LEAST_RENDERED: u64 = 1000;
 
@@ -42,11 +42,14 @@ const MOST_CPU_SECONDS: f64 = 20.0;
 /// Time on the clock after which a scene is taken to hang, on a machine that may have much else to do.
 const HANG: Duration = Duration::from_secs(300);
 
+/// Memory for points: some dozens of them, each of which may take thousands of samples.
+const MOST_POINT_BYTES: u64 = 1 << 14;
+
 /// What became of a scene.
 enum Verdict {
     /// Rendered; the CPU time that it took, where the system tells.
     Good(Option<f64>),
-    /// The loader refused it, saying why.
+    /// Refused, and why.
     Refused(String),
     Bad(String),
 }
@@ -232,7 +235,10 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         Err(error) => return Verdict::Refused(error.message),
     };
     let dark = is_dark(&scene);
-    let renderer = Renderer::new(scene);
+    let renderer = match with_points(Renderer::new(scene)) {
+        Ok(renderer) => renderer,
+        Err(error) => return Verdict::Refused(error.message),
+    };
     let mut film = FilmSums::new(64, 64);
     let goal = Goal { samples: 4, deadline: None };
     let outcome = renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
@@ -243,6 +249,15 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         Some(what) => Verdict::Bad(what),
         None => Verdict::Good(before.zip(thread_cpu_seconds()).map(|(before, after)| after - before)),
     }
+}
+
+/// The renderer with the points that it wants, unless they are too many.
+fn with_points(renderer: Renderer) -> Result<Renderer, PointsError> {
+    if !renderer.wants_points() {
+        return Ok(renderer);
+    }
+    let points = renderer.make_points(MOST_POINT_BYTES, &|_| {}, &AtomicBool::new(false))?;
+    Ok(renderer.with_points(&points.expect("nobody stops it")))
 }
 
 /// Whether nothing in the scene shines.

@@ -78,6 +78,11 @@ fn integrator(text: &mut Text, random: &mut Random, seed: u64) {
     text.set("max_diffuse_depth", random.pick(&[0, 1, 4, 1024]));
     text.set("caustics", random.chance(0.5));
     text.set_number("subsurface_tail", random.pick(&[1e-40, 1e-30, 1e-6, 1e-3, 0.1]));
+    if random.chance(0.15) {
+        text.set_text("subsurface_method", "point-based");
+        text.set_number("point_tolerance", random.pick(&[0.001, 0.9, 1.0, 1.0, 1.0, 1.0]));
+        text.set("point_memory", random.pick(&[1, 1 << 20]));
+    }
     text.set("seed", seed);
 }
 
