@@ -633,7 +633,7 @@ fn survives(path: &mut Path, u: f32) -> bool {
 }
 
 /// Light times the weight of its sample, up to the greatest.
-fn weighed(light: Vec3, weight: f32) -> Vec3 {
+pub(crate) fn weighed(light: Vec3, weight: f32) -> Vec3 {
     (light * weight.min(GREATEST_LIGHT)).min(Vec3::splat(GREATEST_LIGHT))
 }
 

@@ -11,7 +11,7 @@ use crate::bsdf::{fresnel_dielectric, refract};
 use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::LightSample;
 use crate::material::{self, Subsurface};
-use crate::path::{Layer, Origin, Path, PathTracer, Vertex, power_heuristic};
+use crate::path::{Layer, Origin, Path, PathTracer, Vertex, power_heuristic, weighed};
 use crate::sampler::Sampler;
 use crate::shadow::Medium;
 use crate::triangle::Ray;
@@ -129,12 +129,12 @@ impl PathTracer<'_> {
         let phase = walk.phase.pdf(walk.direction.dot(light.direction));
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, phase) };
         let point = world.geometry.surface_point(&world.scene, &hit);
-        let weight = self.entering(&point, walk, light.direction) * (phase * mis / light.pdf);
+        let weight = self.entering(&point, walk, light.direction) * phase;
         let throughput = walk.flights.pass(walk.throughput, distance) * weight;
         let beyond = LightSample { distance: light.distance - distance, ..light };
         let medium = Medium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
-        let received = self.unoccluded(&point, &beyond, medium) * throughput;
-        path.add_to(path.layer_after(Layer::Subsurface), received);
+        let received = weighed(self.unoccluded(&point, &beyond, medium), mis / light.pdf);
+        path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
     }
 
     /// What the surface does to a radiance that enters from a direction; see the head of the module.

@@ -64,7 +64,7 @@ pub(crate) fn place(random: &mut Random, places: &[Vec3], size: f64) -> Vec3 {
     let on = places[random.below(places.len())];
     let other = places[random.below(places.len())];
     let near = random.cube() * size as f32;
-    let far = random.direction() * 1e9;
+    let far = random.direction() * (1e4 * size) as f32;
     random
         .pick(&[Vec3::ZERO, on, on.midpoint(other), near, near, near * 4.0, far])
         .clamp(Vec3::splat(-1e9), Vec3::splat(1e9))
