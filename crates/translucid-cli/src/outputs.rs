@@ -103,13 +103,23 @@ impl Outputs {
     }
 }
 
-/// The first of some files that is one of the inputs, whatever paths both go by.
+/// The first of some files that is one of the inputs, whatever paths both go by, or will be when both are there.
 pub(crate) fn input_among<'a, 'b>(
     mut files: impl Iterator<Item = &'b Path>,
     inputs: impl Iterator<Item = &'a Path>,
 ) -> Option<&'b Path> {
-    let inputs: Vec<PathBuf> = inputs.filter_map(|path| fs::canonicalize(path).ok()).collect();
-    files.find(|path| fs::canonicalize(path).is_ok_and(|path| inputs.contains(&path)))
+    let inputs: Vec<PathBuf> = inputs.filter_map(place).collect();
+    files.find(|path| place(path).is_some_and(|path| inputs.contains(&path)))
+}
+
+/// Where a file is, or would be, in a directory that is there.
+fn place(path: &Path) -> Option<PathBuf> {
+    let of_a_new_file = || {
+        let directory =
+            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
+    };
+    fs::canonicalize(path).ok().or_else(of_a_new_file)
 }
 
 /// Whether a file says at its start, where images keep their notes, that this program has made it.

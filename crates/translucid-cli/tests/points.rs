@@ -98,6 +98,11 @@ fn options_of_points_have_to_fit() {
     assert!(said.contains("nowhere"), "{said}");
     let said = refusal(&directory, "render ball.toml --points ball.toml -o ball.exr");
     assert!(said.contains("no file of points"), "{said}");
+    for file in ["ball.exr", "./ball.png", "ball.exr.checkpoint"] {
+        let said = refusal(&directory, &format!("render ball.toml --points {file} -o ball.exr"));
+        assert!(said.contains("written over"), "{said}");
+    }
+    assert_eq!(files(&directory), ["ball.toml"]);
     let said = refusal(&directory, "render ball.toml --subsurface-method points");
     assert!(said.contains("ray-traced and point-based"), "{said}");
 }
