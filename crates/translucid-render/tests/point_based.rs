@@ -168,6 +168,7 @@ fn points_agree_with_probes_for_every_model() {
 ///
 /// relMSE = mean of (x − ref)² / (ref² + 0.01); the reference's own part of it is taken off.
 #[test]
+#[allow(clippy::print_stdout, reason = "--nocapture shows how fast pictures converge")]
 fn points_converge_to_probes_as_the_tolerance_shrinks() {
     let mut scene = scene(vec![common::sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
     scene.lights.push(distant(Vec3::new(1.0, 0.3, 0.5)));
