@@ -16,6 +16,11 @@ use crate::path::World;
 use crate::point_based::{Gatherer, Leaving, PointCloud, PointsError, Scratch};
 use crate::profile_tables::ProfileTables;
 
+/// Most memory for points, in bytes, whatever the scene allows: half a million.
+///
+/// A body for which they do not suffice is hundreds of widths of its profile across, and N is 1 but at its thinnest.
+const MOST_MEMORY: u64 = 128 << 20;
+
 /// Below this N counts as so much: a body that holds less of the profile is a point to it.
 const LEAST_ENERGY: f32 = 1e-6;
 
@@ -28,7 +33,7 @@ impl Normalizer {
     /// `None` where no material asks for it.
     ///
     /// # Errors
-    /// The points would take more memory than the scene allows for points.
+    /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
     pub(crate) fn new(world: &World) -> Result<Option<Self>, PointsError> {
         let is_asked_for = |material: &Material| {
             material.subsurface_normalization == SubsurfaceNormalization::Energy
@@ -37,7 +42,7 @@ impl Normalizer {
         if !world.scene.materials.iter().any(is_asked_for) {
             return Ok(None);
         }
-        let memory = u64::from(world.scene.integrator.point_memory) << 20;
+        let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
         let never = AtomicBool::new(false);
         let cloud = PointCloud::without_light(world, 0, memory, &|_| {}, &never)?;
         Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world) }))

@@ -84,6 +84,8 @@ fn subsurface(text: &mut Text, random: &mut Random, size: f64) {
     }
     text.set_text("subsurface_parameter", random.pick(&["mfp", "dmfp"]));
     text.set_text("subsurface_configuration", random.pick(&["searchlight", "diffuse"]));
+    text.set_text("subsurface_texture_at", random.pick(&["exit", "entry", "both"]));
+    text.set_text("subsurface_normalization", random.pick(&["none", "none", "none", "energy"]));
 }
 
 fn coat(text: &mut Text, random: &mut Random) {
