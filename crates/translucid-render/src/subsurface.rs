@@ -254,9 +254,12 @@ impl<P: CutProfile, const N: usize> Proposals<P, N> {
             if cosine == 0.0 {
                 continue;
             }
-            let projected = (squared - offset[axis] * offset[axis]).max(0.0).sqrt();
+            // Not |x − P|² less the way along the axis: rounding would leave nothing of a short distance, where some
+            // profiles have no density at all.
+            let across = [offset[(axis + 1) % 3], offset[(axis + 2) % 3]];
+            let projected = (across[0] * across[0] + across[1] * across[1]).sqrt().max(distance * 1e-6);
             // At P itself the ratio tends to 1 on a plane facing the axis.
-            let ratio = if distance > 0.0 { distance / projected.max(distance * 1e-6) } else { 1.0 };
+            let ratio = if distance > 0.0 { distance / projected } else { 1.0 };
             let mut sum = 0.0;
             for (i, profile) in self.profiles.iter().enumerate() {
                 if inside[i] && self.shares[i] > 0.0 {
@@ -411,6 +414,36 @@ mod tests {
                 });
             }
             assert_eq!(hits, 2, "{length}, {axis}");
+        }
+    }
+
+    /// p(r) = r e^{−r}: no density at r = 0, like profiles that are finite there.
+    #[derive(Clone, Copy)]
+    struct Finite;
+
+    impl CutProfile for Finite {
+        fn pdf(&self, r: f32) -> f32 {
+            r * (-r).exp()
+        }
+
+        fn sample(&self, u: f32) -> f32 {
+            u
+        }
+
+        fn longest(&self) -> f32 {
+            10.0
+        }
+    }
+
+    /// On the other side of a body, straight below the exit, the density is |x − P| p(r)/r for every small r.
+    #[test]
+    fn density_survives_rounding_far_below_the_exit() {
+        let proposals = Proposals::new([Finite], [1.0]).expect("a share");
+        for r in [0.0_f32, 1e-7, 1e-5, 1e-4, 1e-3] {
+            let normal = Vec3::new(1e-4, 0.0, -1.0).normalize();
+            let (density, distance) = proposals.density(Vec3::new(r, 0.0, -3.0), normal, [0.25, 0.25, 1.0]);
+            let expected = distance * (-r).exp();
+            assert!((density / expected - 1.0).abs() < 1e-3, "r = {r}: {density} instead of {expected}");
         }
     }
 
