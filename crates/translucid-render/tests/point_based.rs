@@ -83,6 +83,27 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     }
 }
 
+/// Where there is no light, points take no more samples than it needs to see that.
+#[test]
+fn points_without_light_are_soon_black() {
+    let square = quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0);
+    let mut scene = scene(vec![square], translucent(Model::NormalizedDiffusion));
+    scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+    let renderer = Renderer::new(scene);
+    let most = std::sync::atomic::AtomicU64::new(0);
+    let hear = |progress: PointProgress| {
+        if progress.pass == PointPass::Irradiance {
+            most.fetch_max(progress.done, Ordering::Relaxed);
+        }
+    };
+    let points = renderer.make_points(MEMORY, &hear, &AtomicBool::new(false));
+    let points = points.expect("enough memory").expect("nobody stops it");
+    assert!(most.into_inner() <= 16 * points.len() as u64);
+    let light =
+        renderer.with_points(&points).sample_ray(Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1, 0).radiance();
+    assert_eq!(light, Vec3::ZERO);
+}
+
 /// Energy of a unit profile that falls on a half plane at distance x ≥ 0 from its edge:
 /// (1/4π)(Ki₁(x/d) + 3 Ki₁(x/3d)) with Ki₁(x) = ∫₀^∞ e^{−x cosh t}/cosh t dt, the integral of K₀.
 fn half_plane(x: f64, d: f64) -> f64 {

@@ -156,7 +156,8 @@ impl Cluster<'_> {
         }
         let allowed = (light / area).max(dark).max(DVec3::splat(f64::MIN_POSITIVE)) * (tolerance * area);
         let excess = (variance / (allowed * allowed)).max_element();
-        if excess <= 1.0 {
+        // Not a number where there is no light at all
+        if excess.is_nan() || excess <= 1.0 {
             return self.count;
         }
         let wanted = (f64::from(self.count) * excess * 1.05).ceil();
