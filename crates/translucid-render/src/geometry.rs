@@ -4,18 +4,20 @@
 //! the one at hand.
 
 use glam::{Vec2, Vec3};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
 use translucid_scene::{Object, Scene};
 
 use crate::triangle::Ray;
-use crate::wide_tree::{Primitive, WideTree};
+use crate::wide_tree::{Primitive, Source, WideTree};
 
-/// A point where a ray meets the scene.
+/// A point where a ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Hit {
-    /// Distance along the ray.
-    pub(crate) t: f32,
+pub struct Hit {
+    /// Distance along the ray \[L\].
+    pub t: f32,
     /// Barycentric coordinates of the triangle's vertices 1 and 2.
-    pub(crate) barycentric: [f32; 2],
+    pub barycentric: [f32; 2],
     /// The triangle's number in the tree.
     pub(crate) leaf: u32,
 }
@@ -45,35 +47,53 @@ impl SurfacePoint {
     }
 }
 
-/// The scene's triangles and the tree over them.
-pub(crate) struct Geometry {
+/// The triangles of objects and the tree over them: what a ray meets.
+///
+/// ```
+/// use glam::Vec3;
+/// use translucid_render::{Geometry, Ray};
+/// use translucid_scene::{Mesh, Object};
+///
+/// let mesh = Mesh {
+///     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+///     triangles: vec![[0, 1, 2]],
+///     ..Mesh::default()
+/// };
+/// let objects = [Object { name: "triangle".into(), mesh, material: 0, subsurface_group: 0 }];
+/// let geometry = Geometry::new(&objects);
+/// let hit = geometry.closest(&Ray::new(Vec3::new(0.2, 0.2, 5.0), Vec3::NEG_Z)).unwrap();
+/// assert!((hit.t - 5.0).abs() < 1e-5);
+/// ```
+pub struct Geometry {
     tree: WideTree,
     /// Number of triangles in the objects before each object, and in all.
     first_triangle: Vec<u32>,
 }
 
 impl Geometry {
-    /// Builds the tree. The result does not depend on the number of threads.
-    pub(crate) fn new(objects: &[Object]) -> Self {
+    /// Builds the tree on the current rayon pool. The result does not depend on the number of threads.
+    #[must_use]
+    pub fn new(objects: &[Object]) -> Self {
         let mut first_triangle = vec![0_u32];
-        let mut primitives = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
+        let mut places = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
         for (index, object) in objects.iter().enumerate() {
-            for (number, corners) in object.mesh.triangles.iter().enumerate() {
-                primitives.push(Primitive {
-                    vertices: corners.map(|vertex| object.mesh.positions[vertex as usize]),
-                    object: index as u32,
-                    triangle: number as u32,
-                    group: object.subsurface_group,
-                });
-            }
-            first_triangle.push(primitives.len() as u32);
+            let count = object.mesh.triangles.len() as u32;
+            places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
+            first_triangle.push(places.len() as u32);
         }
-        Self { tree: WideTree::new(&primitives), first_triangle }
+        Self { tree: WideTree::new(&places), first_triangle }
     }
 
     /// Corners of the box around everything.
-    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+    #[must_use]
+    pub fn bounds(&self) -> (Vec3, Vec3) {
         self.tree.bounds()
+    }
+
+    /// Memory that the tree takes, in bytes.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        self.tree.memory()
     }
 
     /// Scene-wide number of an object's triangle.
@@ -88,30 +108,34 @@ impl Geometry {
     }
 
     /// The object that a hit belongs to.
-    pub(crate) fn object(&self, hit: &Hit) -> u32 {
+    #[must_use]
+    pub fn object(&self, hit: &Hit) -> u32 {
         let (block, lane) = self.tree.leaf(hit.leaf);
         block.object(lane)
     }
 
     /// The nearest surface along a ray.
-    pub(crate) fn closest(&self, ray: &Ray) -> Option<Hit> {
+    #[must_use]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let (hit, leaf) = self.tree.closest(ray)?;
         Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
     }
 
     /// Whether anything lies on a segment.
-    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray) -> bool {
         self.tree.occluded(ray)
     }
 
     /// The nearest surface of a subsurface group along a ray.
-    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
+    #[must_use]
+    pub fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
         let (hit, leaf) = self.tree.closest_in_group(ray, group)?;
         Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
     }
 
     /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
-    pub(crate) fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
+    pub fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
         self.tree.all(ray, |hit, leaf| {
             let (block, lane) = self.tree.leaf(leaf);
             if block.group(lane) == group {
@@ -126,12 +150,14 @@ impl Geometry {
     }
 
     /// Unit geometric normal of a hit, on the outside of its mesh.
-    pub(crate) fn normal(&self, hit: &Hit) -> Vec3 {
+    #[must_use]
+    pub fn normal(&self, hit: &Hit) -> Vec3 {
         self.triangle(hit).normal().normalize_or(Vec3::Z)
     }
 
     /// Position of a hit, interpolated from the vertices: exact to their rounding errors.
-    pub(crate) fn position(&self, hit: &Hit) -> Vec3 {
+    #[must_use]
+    pub fn position(&self, hit: &Hit) -> Vec3 {
         self.triangle(hit).point(hit.barycentric)
     }
 
@@ -144,10 +170,31 @@ impl Geometry {
     pub(crate) fn point_on(&self, scene: &Scene, primitive: u32, position: Vec3) -> SurfacePoint {
         let (object, triangle) = self.object_and_triangle(primitive);
         let owner = &scene.objects[object as usize];
-        let corners = owner.mesh.triangles[triangle as usize];
-        let vertices = corners.map(|corner| owner.mesh.positions[corner as usize]);
-        let leaf = Primitive { vertices, object, triangle, group: owner.subsurface_group };
-        surface_point(scene, &leaf, barycentric(&vertices, position))
+        let leaf = Place { object: owner, index: object, triangle }.primitive();
+        surface_point(scene, &leaf, barycentric(&leaf.vertices, position))
+    }
+}
+
+/// Where a triangle is to be found: a third of the size of the triangle itself, of which there may be ten millions.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    object: &'a Object,
+    index: u32,
+    triangle: u32,
+}
+
+impl Boundable for Place<'_> {
+    fn aabb(&self) -> Aabb {
+        self.primitive().aabb()
+    }
+}
+
+impl Source for Place<'_> {
+    fn primitive(&self) -> Primitive {
+        let Object { mesh, subsurface_group, .. } = self.object;
+        let corners = mesh.triangles[self.triangle as usize];
+        let vertices = corners.map(|corner| mesh.positions[corner as usize]);
+        Primitive { vertices, object: self.index, triangle: self.triangle, group: *subsurface_group }
     }
 }
 

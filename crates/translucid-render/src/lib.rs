@@ -32,6 +32,7 @@ mod wide_tree;
 
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
+pub use geometry::{Geometry, Hit};
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSet};
 pub use output::{
     CheckpointInfo, ImageInfo, OutputError, check_writable, display_from_linear, load_checkpoint,
@@ -39,3 +40,4 @@ pub use output::{
 };
 pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
 pub use renderer::{Goal, Outcome, Progress, Renderer};
+pub use triangle::Ray;

@@ -1,12 +1,12 @@
 //! Triangles as the traversal sees them, with a watertight intersection.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use crate::wide_tree::Primitive;
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Ray {
+pub struct Ray {
     pub(crate) origin: Vec3,
     /// Unit length, so that t is a distance.
     pub(crate) direction: Vec3,
@@ -39,13 +39,15 @@ impl Shear {
 }
 
 impl Ray {
-    /// A ray without end.
-    pub(crate) fn new(origin: Vec3, direction: Vec3) -> Self {
+    /// A ray without end; the direction has unit length.
+    #[must_use]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self::segment(origin, direction, f32::INFINITY)
     }
 
-    /// A ray that ends at distance `t_max`.
-    pub(crate) fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
+    /// A ray that ends at distance `t_max` \[L\]; the direction has unit length.
+    #[must_use]
+    pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
         Self { origin, direction, t_max, shear: Shear::new(direction) }
     }
 
@@ -53,6 +55,26 @@ impl Ray {
     #[cfg(test)]
     pub(crate) fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
+    }
+}
+
+/// A ray as blocks of triangles want it: each number four times, in the order of the sheared axes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockRay {
+    axes: [usize; 3],
+    origin: [Vec4; 3],
+    factors: [Vec4; 3],
+    /// Beyond this there is nothing to be found.
+    pub(crate) t_max: f32,
+}
+
+impl BlockRay {
+    #[inline(always)]
+    pub(crate) fn new(ray: &Ray) -> Self {
+        let Shear { axes, factors } = ray.shear;
+        let origin = axes.map(|axis| Vec4::splat(ray.origin[axis]));
+        let factors = factors.to_array().map(Vec4::splat);
+        Self { axes, origin, factors, t_max: ray.t_max }
     }
 }
 
@@ -69,10 +91,10 @@ pub(crate) const LANES: usize = 4;
 
 /// Four triangles side by side: a vertex coordinate of all four is one vector.
 #[derive(Clone, Copy, Debug, PartialEq)]
-#[repr(C, align(16))]
+#[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// By vertex, axis, lane. Empty lanes are NaN: no ray meets them.
-    vertices: [[[f32; LANES]; 3]; 3],
+    vertices: [[Vec4; 3]; 3],
     /// Index into the scene's objects.
     objects: [u32; LANES],
     /// Index into the object's triangles.
@@ -83,12 +105,7 @@ pub(crate) struct TriangleBlock {
 
 impl Default for TriangleBlock {
     fn default() -> Self {
-        Self {
-            vertices: [[[f32::NAN; LANES]; 3]; 3],
-            objects: [0; LANES],
-            triangles: [0; LANES],
-            groups: [0; LANES],
-        }
+        Self { vertices: [[Vec4::NAN; 3]; 3], objects: [0; LANES], triangles: [0; LANES], groups: [0; LANES] }
     }
 }
 
@@ -128,50 +145,43 @@ impl TriangleBlock {
 
     /// The nearest hit and its lane; of equal distances the first.
     #[inline(always)]
-    pub(crate) fn closest(&self, ray: &Ray) -> Option<(TriangleHit, usize)> {
-        let hits = self.intersect(ray);
-        let mut best = None;
-        let mut nearest = ray.t_max;
-        for lane in 0..LANES {
-            if hits.t[lane] < nearest {
-                nearest = hits.t[lane];
-                best = Some(lane);
-            }
-        }
-        best.map(|lane| (hits.get(lane), lane))
+    pub(crate) fn closest(&self, ray: &BlockRay) -> Option<(TriangleHit, usize)> {
+        self.intersect(ray)?.nearest(u32::MAX)
     }
 
     /// The nearest hit of a subsurface group and its lane; of equal distances the first.
     #[inline(always)]
-    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<(TriangleHit, usize)> {
-        if self.groups.iter().all(|&own| own != group) {
+    pub(crate) fn closest_in_group(&self, ray: &BlockRay, group: u32) -> Option<(TriangleHit, usize)> {
+        let mut lanes = 0;
+        for (lane, &own) in self.groups.iter().enumerate() {
+            lanes |= u32::from(own == group) << lane;
+        }
+        if lanes == 0 {
             return None;
         }
-        let hits = self.intersect(ray);
-        let mut best = None;
-        let mut nearest = ray.t_max;
-        for lane in 0..LANES {
-            if hits.t[lane] < nearest && self.groups[lane] == group {
-                nearest = hits.t[lane];
-                best = Some(lane);
-            }
-        }
-        best.map(|lane| (hits.get(lane), lane))
+        self.intersect(ray)?.nearest(lanes)
+    }
+
+    /// Whether there is a hit.
+    #[inline(always)]
+    pub(crate) fn is_hit(&self, ray: &BlockRay) -> bool {
+        self.intersect(ray).is_some()
     }
 
     /// All hits with their lanes.
     #[inline(always)]
-    pub(crate) fn all(&self, ray: &Ray, mut found: impl FnMut(TriangleHit, usize)) {
-        let hits = self.intersect(ray);
-        for lane in 0..LANES {
-            if hits.t[lane] < ray.t_max {
-                found(hits.get(lane), lane);
-            }
+    pub(crate) fn all(&self, ray: &BlockRay, mut found: impl FnMut(TriangleHit, usize)) {
+        let Some(hits) = self.intersect(ray) else { return };
+        let mut mask = hits.mask;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % LANES;
+            mask &= mask - 1;
+            found(hits.get(lane), lane);
         }
     }
 
     /// Watertight intersection [Woop, Benthin & Wald 2013, "Watertight Ray/Triangle Intersection"] of
-    /// all lanes; a miss has an infinite distance.
+    /// all lanes; `None` without a hit.
     ///
     /// The vertices are sheared so that the ray becomes the z axis; a vertex gets the same two numbers in
     /// all its triangles. The sign of an edge function of such points, a difference of two rounded
@@ -179,45 +189,42 @@ impl TriangleBlock {
     /// shared edge or vertex. Zeros are decided so that one triangle of an edge has the ray and the other
     /// has not: a probe counts all its hits.
     #[inline(always)]
-    fn intersect(&self, ray: &Ray) -> BlockHits {
-        let Shear { axes: [x, y, z], factors } = ray.shear;
-        let origin = [ray.origin[x], ray.origin[y], ray.origin[z]];
-        let mut p = [[[0.0_f32; LANES]; 3]; 3];
-        for (sheared, vertex) in p.iter_mut().zip(&self.vertices) {
-            for lane in 0..LANES {
-                let depth = vertex[z][lane] - origin[2];
-                sheared[0][lane] = (vertex[x][lane] - origin[0]) - factors.x * depth;
-                sheared[1][lane] = (vertex[y][lane] - origin[1]) - factors.y * depth;
-                sheared[2][lane] = factors.z * depth;
-            }
+    fn intersect(&self, ray: &BlockRay) -> Option<BlockHits> {
+        let BlockRay { axes: [x, y, z], origin, factors, .. } = ray;
+        let sheared = |vertex: &[Vec4; 3]| {
+            let depth = vertex[*z] - origin[2];
+            [
+                (vertex[*x] - origin[0]) - factors[0] * depth,
+                (vertex[*y] - origin[1]) - factors[1] * depth,
+                factors[2] * depth,
+            ]
+        };
+        let [a, b, c] = [sheared(&self.vertices[0]), sheared(&self.vertices[1]), sheared(&self.vertices[2])];
+        let mut edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
+        let is_zero = |edge: Vec4| edge.cmpeq(Vec4::ZERO);
+        if (is_zero(edges[0]) | is_zero(edges[1]) | is_zero(edges[2])).any() {
+            edges = decide_zeros(&[a, b, c], edges);
         }
-        let [a, b, c] = &p;
-        let mut edges = [[0.0_f32; LANES]; 3];
-        let mut hits = BlockHits { t: [f32::INFINITY; LANES], b1: [0.0; LANES], b2: [0.0; LANES] };
-        for lane in 0..LANES {
-            let u = c[0][lane] * b[1][lane] - c[1][lane] * b[0][lane];
-            let v = a[0][lane] * c[1][lane] - a[1][lane] * c[0][lane];
-            let w = b[0][lane] * a[1][lane] - b[1][lane] * a[0][lane];
-            edges[0][lane] = u;
-            edges[1][lane] = v;
-            edges[2][lane] = w;
+        let [u, v, w] = edges;
+        let is_left = u.cmpgt(Vec4::ZERO) & v.cmpgt(Vec4::ZERO) & w.cmpgt(Vec4::ZERO);
+        let is_right = u.cmplt(Vec4::ZERO) & v.cmplt(Vec4::ZERO) & w.cmplt(Vec4::ZERO);
+        let inside = is_left | is_right;
+        // Most rays that meet a block's box meet no triangle.
+        if !inside.any() {
+            return None;
         }
-        if edges.iter().flatten().any(|&e| e == 0.0) {
-            decide_zeros(&p, &mut edges);
+        let determinant = u + v + w;
+        let inverse = determinant.recip();
+        let t = (u * a[2] + v * b[2] + w * c[2]) * inverse;
+        // Comparisons with NaN are false: empty lanes and degenerate triangles miss.
+        let hit =
+            inside & determinant.cmpne(Vec4::ZERO) & t.cmpgt(Vec4::ZERO) & t.cmplt(Vec4::splat(ray.t_max));
+        let mask = hit.bitmask();
+        if mask == 0 {
+            return None;
         }
-        for lane in 0..LANES {
-            let [u, v, w] = [edges[0][lane], edges[1][lane], edges[2][lane]];
-            let inside = (u > 0.0) & (v > 0.0) & (w > 0.0) | (u < 0.0) & (v < 0.0) & (w < 0.0);
-            let determinant = u + v + w;
-            let inverse = 1.0 / determinant;
-            let t = (u * a[2][lane] + v * b[2][lane] + w * c[2][lane]) * inverse;
-            // Comparisons with NaN are false: empty lanes and degenerate triangles miss.
-            let hit = inside & (determinant != 0.0) & (t > 0.0);
-            hits.t[lane] = if hit { t } else { f32::INFINITY };
-            hits.b1[lane] = v * inverse;
-            hits.b2[lane] = w * inverse;
-        }
-        hits
+        let [t, b1, b2] = [t, v * inverse, w * inverse].map(|lanes| lanes.to_array());
+        Some(BlockHits { mask, t, b1, b2 })
     }
 }
 
@@ -228,7 +235,7 @@ impl TriangleBlock {
 /// runs the other way.
 #[cold]
 #[inline(never)]
-fn decide_zeros(p: &[[[f32; LANES]; 3]; 3], edges: &mut [[f32; LANES]; 3]) {
+fn decide_zeros(p: &[[Vec4; 3]; 3], mut edges: [Vec4; 3]) -> [Vec4; 3] {
     let [a, b, c] = p;
     for (edge, (from, to)) in edges.iter_mut().zip([(c, b), (a, c), (b, a)]) {
         for lane in 0..LANES {
@@ -242,10 +249,13 @@ fn decide_zeros(p: &[[[f32; LANES]; 3]; 3], edges: &mut [[f32; LANES]; 3]) {
             edge[lane] = if claimed { f32::MIN_POSITIVE } else { -f32::MIN_POSITIVE };
         }
     }
+    edges
 }
 
-/// Distances and barycentric coordinates of a block.
+/// What a ray meets of a block.
 struct BlockHits {
+    /// A bit for each lane with a hit before the ray's end; not 0.
+    mask: u32,
     t: [f32; LANES],
     b1: [f32; LANES],
     b2: [f32; LANES],
@@ -255,6 +265,23 @@ impl BlockHits {
     #[inline(always)]
     fn get(&self, lane: usize) -> TriangleHit {
         TriangleHit { t: self.t[lane], b1: self.b1[lane], b2: self.b2[lane] }
+    }
+
+    /// The nearest hit among some lanes; of equal distances the first.
+    #[inline(always)]
+    fn nearest(&self, lanes: u32) -> Option<(TriangleHit, usize)> {
+        let mut mask = self.mask & lanes;
+        let mut best = None;
+        let mut nearest = f32::INFINITY;
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % LANES;
+            mask &= mask - 1;
+            if self.t[lane] < nearest {
+                nearest = self.t[lane];
+                best = Some(lane);
+            }
+        }
+        best.map(|lane| (self.get(lane), lane))
     }
 }
 
@@ -291,7 +318,8 @@ mod tests {
             let point = a * (1.0 - b1 - b2) + b * b1 + c * b2;
             let origin = Vec3::new(0.4, -3.0, -7.0);
             let ray = Ray::new(origin, (point - origin).normalize());
-            let hit = triangle.closest(&ray).expect("the ray aims at a point of the triangle").0;
+            let hit =
+                triangle.closest(&BlockRay::new(&ray)).expect("the ray aims at a point of the triangle").0;
             assert!((hit.t - (point - origin).length()).abs() < 1e-5, "{hit:?}");
             assert!((hit.b1 - b1).abs() < 1e-5 && (hit.b2 - b2).abs() < 1e-5, "{hit:?} {b1} {b2}");
         }
@@ -315,7 +343,7 @@ mod tests {
             let target = center.lerp(ring[k as usize % 7], s);
             let origin = Vec3::new(random(1) * 20.0 - 10.0, random(2) * 20.0 - 10.0, -4.0 - random(3) * 30.0);
             let ray = Ray::new(origin, (target - origin).normalize());
-            assert!(fan.iter().any(|t| t.closest(&ray).is_some()), "ray {k} slips through");
+            assert!(fan.iter().any(|t| t.closest(&BlockRay::new(&ray)).is_some()), "ray {k} slips through");
         }
     }
 
@@ -332,7 +360,7 @@ mod tests {
             let origin = Vec3::new(along + random(0), along + random(1), 1.0);
             for direction in [Vec3::NEG_Z, Vec3::new(0.3, 0.3, -0.9).normalize()] {
                 let ray = Ray::new(origin, direction);
-                let hits = halves.iter().filter(|half| half.closest(&ray).is_some()).count();
+                let hits = halves.iter().filter(|half| half.closest(&BlockRay::new(&ray)).is_some()).count();
                 assert_eq!(hits, 1, "ray {k} from {origin}");
             }
         }
@@ -345,7 +373,8 @@ mod tests {
         let huge = leaf([Vec3::ZERO, Vec3::X * 1e18, Vec3::Y * 1e18]);
         for triangle in [point, line, huge] {
             for direction in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE.normalize()] {
-                if let Some((hit, _)) = triangle.closest(&Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction)) {
+                let ray = Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction);
+                if let Some((hit, _)) = triangle.closest(&BlockRay::new(&ray)) {
                     assert!(hit.t.is_finite() && hit.b1.is_finite() && hit.b2.is_finite());
                 }
             }
