@@ -59,9 +59,9 @@ impl Renderer {
     /// Prepares a scene.
     #[must_use]
     pub fn new(scene: Scene) -> Self {
-        let geometry = Geometry::new(&scene.objects);
+        // Neither needs the other; the tree leaves threads idle now and then.
+        let (geometry, materials) = rayon::join(|| Geometry::new(&scene.objects), || Materials::new(&scene));
         let lights = LightSet::new(&scene, emissive_triangles(&scene, &geometry), geometry.bounds());
-        let materials = Materials::new(&scene);
         let camera = CameraRays::new(&scene.camera, &scene.film);
         let axis_probes = AXIS_PROBES;
         let mut world =

@@ -2,7 +2,9 @@
 
 use glam::{Quat, Vec2, Vec3};
 
-use super::distance::{ball, blend, carve, common, ellipsoid, round_cone, smoothstep, stalk};
+use super::distance::{
+    ball, blend, blend_stalk, carve, carve_stalk, common, ellipsoid, is_beyond, round_cone, smoothstep,
+};
 use super::noise::{fractal_noise, noise};
 use super::parameters::{ShapeParameter, Values};
 use super::sculpture::{Sculpture, detail, height, sculpt};
@@ -48,7 +50,7 @@ fn lips(face: f32, p: Vec3, q: Vec3) -> f32 {
     let lower = ellipsoid(q - Vec3::new(0.12, 1.52, 3.5), Vec3::new(0.66, 0.27, 0.38));
     let full = blend(blend(face, upper, 0.45), lower, 0.4);
     let line = [Vec3::new(0.0, 1.71, 3.98), Vec3::new(0.45, 1.77, 3.85), Vec3::new(0.95, 1.72, 3.5)];
-    let parted = carve(full, stalk(q, &line, [0.08, 0.05]), 0.2);
+    let parted = carve_stalk(full, q, &line, [0.08, 0.05], 0.2);
     let philtrum = round_cone(p, [Vec3::new(0.0, 2.55, 3.98), Vec3::new(0.0, 2.2, 4.0)], [0.1, 0.13]);
     carve(parted, philtrum, 0.2)
 }
@@ -65,9 +67,9 @@ fn eyes(face: f32, q: Vec3) -> f32 {
         Vec3::new(1.5, 4.12, 3.13),
         Vec3::new(1.9, 4.24, 3.0),
     ];
-    let seamed = carve(closed, stalk(q, &seam, [0.05, 0.05]), 0.2);
+    let seamed = carve_stalk(closed, q, &seam, [0.05, 0.05], 0.2);
     let brow = [Vec3::new(0.35, 5.2, 3.3), Vec3::new(1.2, 5.55, 3.15), Vec3::new(2.3, 5.25, 2.25)];
-    blend(seamed, stalk(q, &brow, [0.2, 0.12]), 0.55)
+    blend_stalk(seamed, q, &brow, [0.2, 0.12], 0.55)
 }
 
 /// A thin ear with its bowl.
@@ -79,32 +81,57 @@ fn ear(q: Vec3) -> f32 {
     carve(shell, bowl, 0.2)
 }
 
-/// Hair drawn back into a knot, combed in waves from a parting.
-fn hair(p: Vec3, q: Vec3) -> f32 {
+/// Hair on a head, drawn back into a knot, combed in waves from a parting.
+fn hair(head: f32, p: Vec3, q: Vec3) -> f32 {
+    const FILLET: f32 = 0.12;
     let cap = ellipsoid(p - Vec3::new(0.0, 6.55, -0.75), Vec3::new(3.65, 4.05, 4.25));
     // The hairline rises from the ear to the parting.
     let line = Vec3::new(0.0, 0.62, -0.78);
     let front = (p - Vec3::new(0.0, 7.75, 2.2)).dot(-line) - 0.22 * q.x * q.x * 0.5;
+    let center = Vec3::new(0.0, 6.6, -5.3);
+    let knot = ellipsoid(p - center, Vec3::new(1.65, 1.6, 1.25));
+    // The strands add at most 0.05, the coil 0.06, and the fillet between cap and knot takes at most 0.1
+    if is_beyond((cap - 0.05).max(front).min(knot - 0.06) - 0.1, head, FILLET) {
+        return head;
+    }
     let strands = 0.05 * (7.0 * (0.9 * q.x + 0.16 * (1.2 * p.y + p.z)) + 1.2 * (0.9 * p.y).sin()).sin();
     let cap = common(cap + strands, front, 0.35);
-    let center = Vec3::new(0.0, 6.6, -5.3);
     let around = Vec2::new(p.x - center.x, p.y - center.y);
     let coil = 0.06 * (2.0 * around.x.atan2(around.y) + 6.5 * around.length()).sin();
-    let knot = ellipsoid(p - center, Vec3::new(1.65, 1.6, 1.25)) + coil;
-    blend(cap, knot, 0.4)
+    blend(head, blend(cap, knot + coil, 0.4), FILLET)
+}
+
+/// Fillet of the shoulders with the neck.
+const NECK_FILLET: f32 = 2.0;
+
+/// The neck.
+fn neck(p: Vec3) -> f32 {
+    round_cone(p - RAISE, [Vec3::new(0.0, -6.2, -1.6), Vec3::new(0.0, 2.2, -0.9)], [2.05, 1.75])
+}
+
+/// The ball that the shoulders are cut with: they are nowhere beyond it.
+fn cut(p: Vec3) -> f32 {
+    ball((p - RAISE - Vec3::new(0.0, -5.6, -1.2)) / Vec3::new(1.15, 1.0, 1.0), 4.9)
+}
+
+/// No more than the distance to the torso.
+fn least_to_torso(p: Vec3) -> f32 {
+    cut(p).min(neck(p)) - 0.25 * NECK_FILLET
 }
 
 /// Neck and shoulders, cut in a curve.
-fn torso(p: Vec3, q: Vec3) -> f32 {
-    let (p, q) = (p - RAISE, q - RAISE);
-    let neck = round_cone(p, [Vec3::new(0.0, -6.2, -1.6), Vec3::new(0.0, 2.2, -0.9)], [2.05, 1.75]);
+fn torso(p: Vec3) -> f32 {
+    let (neck, cut) = (neck(p), cut(p));
+    if is_beyond(cut, neck, NECK_FILLET) {
+        return neck;
+    }
+    let (p, q) = (p - RAISE, mirrored(p) - RAISE);
     let shoulder = round_cone(q, [Vec3::new(0.0, -7.0, -1.4), Vec3::new(4.6, -8.2, -1.5)], [2.2, 1.7]);
     let chest = ellipsoid(p - Vec3::new(0.0, -8.6, -0.6), Vec3::new(4.2, 3.2, 2.4));
     let collar = [Vec3::new(0.45, -5.75, 0.75), Vec3::new(2.0, -5.75, 0.6), Vec3::new(4.2, -6.3, -0.6)];
     let body = blend(shoulder, chest, 1.5);
-    let body = blend(body, stalk(q, &collar, [0.22, 0.12]), 0.9);
-    let cut = ball((p - Vec3::new(0.0, -5.6, -1.2)) / Vec3::new(1.15, 1.0, 1.0), 4.9);
-    blend(common(body, cut, 0.35), neck, 2.0)
+    let body = blend_stalk(body, q, &collar, [0.22, 0.12], 0.9);
+    blend(common(body, cut, 0.35), neck, NECK_FILLET)
 }
 
 /// A turned foot under the shoulders.
@@ -124,14 +151,13 @@ fn figure(p: Vec3) -> f32 {
     let pivot = Vec3::new(0.0, 1.0, -0.8);
     let turn = Quat::from_rotation_y(-0.12) * Quat::from_rotation_x(-0.13) * Quat::from_rotation_z(-0.05);
     if p.y < -4.0 {
-        return blend(torso(p, mirrored(p)), foot(p), 0.5);
+        return blend(torso(p), foot(p), 0.5);
     }
     let h = turn * (p - pivot) + pivot;
     let hm = mirrored(h);
-    let body = torso(p, mirrored(p));
     let bare = skull(h, hm);
     if bare > 2.6 {
-        return body.min(bare - 1.2);
+        return torso(p).min(bare - 1.2);
     }
     // Each feature only where it can change anything.
     let mut face = bare;
@@ -139,11 +165,11 @@ fn figure(p: Vec3) -> f32 {
         face = blend(face, nose(h, hm), 0.35);
         face = if h.y > 3.2 { eyes(face, hm) } else { lips(face, h, hm) };
     }
-    let mut head = blend(face, hair(h, hm), 0.12);
+    let mut head = hair(face, h, hm);
     if hm.x > 1.8 && h.z.abs() < 2.0 {
         head = blend(head, ear(hm), 0.2);
     }
-    blend(head, body, 0.9)
+    if is_beyond(least_to_torso(p), head, 0.9) { head } else { blend(head, torso(p), 0.9) }
 }
 
 /// Surface albedo of white marble (H. W. Jensen et al., "A practical model for subsurface light transport",

@@ -2,7 +2,9 @@
 
 use glam::{Vec2, Vec3};
 
-use super::distance::{blend, carve, common, ellipsoid, round_cone, rounded_cylinder, smoothstep, stalk};
+use super::distance::{
+    blend, carve, common, ellipsoid, is_beyond, round_cone, rounded_cylinder, smoothstep, stalk,
+};
 use super::lathe::{curve_profile, revolve};
 use super::noise::{fractal_noise, noise};
 use super::parameters::{ShapeParameter, Values};
@@ -42,14 +44,24 @@ pub(super) fn candle(values: &Values) -> Result<Mesh, SceneError> {
         if cylinder > 0.8 || (cylinder < -0.8 && p.y < top - 2.3) {
             return 0.9 * cylinder;
         }
-        // The rim sags here and there.
-        let around = Vec2::new(p.x, p.z).normalize_or_zero();
-        let sag = 0.35 * fractal_noise(Vec3::new(1.3 * around.x, 0.0, 1.3 * around.y) + 7.0, 3, seed);
-        let body = common(cylinder, 0.9 * (p.y - top + 0.3 - sag), 0.3);
+        // The rim sags here and there, by at most 0.35.
+        let body = if is_beyond(-0.9 * (p.y - top + 0.65), -cylinder, 0.3) {
+            cylinder
+        } else {
+            let around = Vec2::new(p.x, p.z).normalize_or_zero();
+            let sag = 0.35 * fractal_noise(Vec3::new(1.3 * around.x, 0.0, 1.3 * around.y) + 7.0, 3, seed);
+            common(cylinder, 0.9 * (p.y - top + 0.3 - sag), 0.3)
+        };
         let pool =
             ellipsoid(p - Vec3::new(0.0, top + 0.05, 0.0), Vec3::new(0.86 * RADIUS, 1.35, 0.86 * RADIUS));
         let body = carve(body, pool, 0.35) + 0.012 * noise(1.2 * p, seed + 8);
         let runs = drips.iter().fold(f32::MAX, |nearest, &(side, length, width)| {
+            // The ellipsoid's distance falls short, at most by the ratio of its radii; the blend takes 0.04.
+            let away = Vec2::new(p.x, p.z).distance(RADIUS * side) - 0.14;
+            let least = (away - 1.15 * width).min((away - 2.2 * width) * (1.4 / 2.2)) - 0.04;
+            if is_beyond(least, body, 0.3) {
+                return nearest;
+            }
             let at = |y: f32, out: f32| Vec3::new(side.x, 0.0, side.y) * (RADIUS + out) + Vec3::Y * y;
             let end = (top - length).max(0.6);
             let run = round_cone(p, [at(top - 0.5, -0.14), at(end, -0.04)], [0.95 * width, 1.15 * width]);

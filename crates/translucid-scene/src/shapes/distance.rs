@@ -17,7 +17,15 @@ pub(super) fn ellipsoid(p: Vec3, radii: Vec3) -> f32 {
     if k1 < 1e-6 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
 }
 
+/// Length of a vector in the plane, rounded once.
+fn length(x: f32, y: f32) -> f32 {
+    let (x, y) = (f64::from(x), f64::from(y));
+    (x * x + y * y).sqrt() as f32
+}
+
 /// Convex hull of two balls (exact); the one at `a` must not contain the other.
+// Inlined, what depends on nothing but the balls is computed once, mostly by the compiler.
+#[inline(always)]
 pub(super) fn round_cone(p: Vec3, [a, b]: [Vec3; 2], [radius_a, radius_b]: [f32; 2]) -> f32 {
     let axis = b - a;
     let length = axis.length();
@@ -28,21 +36,61 @@ pub(super) fn round_cone(p: Vec3, [a, b]: [Vec3; 2], [radius_a, radius_b]: [f32;
     let cosine = (1.0 - sine * sine).max(0.0).sqrt();
     let foot = along * cosine - across * sine;
     if foot < 0.0 {
-        across.hypot(along) - radius_a
+        self::length(across, along) - radius_a
     } else if foot > length * cosine {
-        across.hypot(along - length) - radius_b
+        self::length(across, along - length) - radius_b
     } else {
         across * cosine + along * sine - radius_a
     }
 }
 
 /// A stalk through points, its radius going evenly from the first to the last.
-pub(super) fn stalk(p: Vec3, points: &[Vec3], radii: [f32; 2]) -> f32 {
-    let pieces = (points.len() - 1).max(1) as f32;
+#[inline(always)]
+pub(super) fn stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radii: [f32; 2]) -> f32 {
+    let pieces = (N - 1).max(1) as f32;
     let radius = |i: usize| radii[0] + (radii[1] - radii[0]) * i as f32 / pieces;
     points.windows(2).enumerate().fold(f32::MAX, |nearest, (i, pair)| {
         nearest.min(round_cone(p, [pair[0], pair[1]], [radius(i), radius(i + 1)]))
     })
+}
+
+/// [`blend`] with a stalk, which is left alone where it is too far away to matter.
+#[inline(always)]
+pub(super) fn blend_stalk<const N: usize>(
+    a: f32,
+    p: Vec3,
+    points: &[Vec3; N],
+    radii: [f32; 2],
+    k: f32,
+) -> f32 {
+    if is_beyond(least_to_stalk(p, points, radii), a, k) { a } else { blend(a, stalk(p, points, radii), k) }
+}
+
+/// [`carve`] with a stalk, which is left alone where it is too far away to matter.
+#[inline(always)]
+pub(super) fn carve_stalk<const N: usize>(
+    a: f32,
+    p: Vec3,
+    points: &[Vec3; N],
+    radii: [f32; 2],
+    k: f32,
+) -> f32 {
+    -blend_stalk(-a, p, points, radii, k)
+}
+
+/// Whether `blend(a, b, k)` is `a` to the bit for every b of at least `least`, and as many as rounding adds.
+pub(super) fn is_beyond(least: f32, a: f32, k: f32) -> bool {
+    least > a + k + 1e-3
+}
+
+/// No more than the distance to a stalk: that to a ball around it.
+#[inline(always)]
+fn least_to_stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radii: [f32; 2]) -> f32 {
+    let low = points.iter().fold(points[0], |low, &point| low.min(point));
+    let high = points.iter().fold(points[0], |high, &point| high.max(point));
+    let center = 0.5 * (low + high);
+    let reach = points.iter().fold(0.0_f32, |reach, point| reach.max(point.distance(center)));
+    ball(p - center, reach + radii[0].max(radii[1]))
 }
 
 /// Box about the origin with half-lengths `half`, its edges rounded to `edge` (exact).

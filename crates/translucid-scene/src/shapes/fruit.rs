@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::distance::{ball, blend, carve, common, round_cone, smoothstep, stalk};
+use super::distance::{ball, blend, blend_stalk, carve, common, round_cone, smoothstep, stalk};
 use super::noise::{cell_distance, fractal_noise, noise};
 use super::parameters::{ShapeParameter, Values};
 use super::sculpture::{Sculpture, detail, height, sculpt, srgb};
@@ -42,6 +42,7 @@ const APPLE_STALK: [Vec3; 4] = [
 pub(super) fn apple(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let stem = |p: Vec3| stalk(p, &APPLE_STALK, [0.13, 0.17]);
+    let distance = |p: Vec3| blend_stalk(apple_flesh(p), p, &APPLE_STALK, [0.13, 0.17], 0.12);
     let color = move |p: Vec3, _: Vec3| {
         if stem(p) < 0.03 {
             return srgb(0x5a4326);
@@ -58,7 +59,7 @@ pub(super) fn apple(values: &Values) -> Result<Mesh, SceneError> {
         skin.lerp(srgb(0xf0d890), 0.35 * speckle)
     };
     let bounds = [Vec3::new(-4.2, -3.2, -4.2), Vec3::new(4.2, 4.5, 4.2)];
-    Ok(sculpt(&Sculpture { bounds, distance: |p| blend(apple_flesh(p), stem(p), 0.12), color }, values))
+    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
 }
 
 pub(super) const PEAR: &[ShapeParameter] = &[height(10.5), detail(120.0), SEED];
@@ -82,7 +83,7 @@ pub(super) fn pear(values: &Values) -> Result<Mesh, SceneError> {
         let uneven = 0.07 * noise(0.45 * p, seed);
         let flesh = blend(body, neck, 2.2) + uneven;
         let dimple = ball(p - Vec3::new(0.0, -0.35, 0.0), 0.6);
-        blend(carve(flesh, dimple, 0.5), stem(p), 0.25)
+        blend_stalk(carve(flesh, dimple, 0.5), p, &PEAR_STALK, [0.17, 0.2], 0.25)
     };
     let color = move |p: Vec3, _: Vec3| {
         if stem(p) < 0.04 {
@@ -191,7 +192,8 @@ pub(super) fn orange_half(values: &Values) -> Result<Mesh, SceneError> {
             return body.max(p.y);
         }
         let face = cut_face(p, wedges, seed);
-        let relief = pulp_amount(&face) * (0.05 - 0.05 * sacs(p, &face)) - 0.03;
+        let pulp = pulp_amount(&face);
+        let relief = if pulp == 0.0 { -0.03 } else { pulp * (0.05 - 0.05 * sacs(p, &face)) - 0.03 };
         common(body, p.y - relief, 0.08)
     };
     let color = move |p: Vec3, n: Vec3| {

@@ -5,7 +5,7 @@
 //! pieces told apart as in G. M. Nielson, "Dual marching cubes", 2004, so that thin walls stay manifold.
 //!
 //! ```text
-//! for each block of cells that the surface can reach: evaluate its grid nodes
+//! for each block of cells that the surface can reach: evaluate its grid nodes, or note their side beside it
 //! while a face has inside corners only on one diagonal: fill one of its other corners
 //! for each cell with a change of sign: a vertex per piece, moved onto the surface by Newton steps
 //! for each grid edge with a change of sign: two triangles between the four cells around it
@@ -51,6 +51,14 @@ pub(super) fn mesh_solid(solid: &impl Solid, cells: usize) -> Mesh {
     nets.mesh
 }
 
+/// A block of cells.
+#[derive(Clone, Copy)]
+struct Block {
+    corner: IVec3,
+    /// Infinite with the sign of the distances in all of the block where the surface cannot be in it, else NaN.
+    side: f32,
+}
+
 /// The pieces of surface in a cell: the first vertex, and which piece each of the 12 edges belongs to.
 #[derive(Clone, Copy)]
 struct Pieces {
@@ -80,10 +88,10 @@ struct Nets<'a, S: Solid> {
     cell: f32,
     /// Cells along each axis.
     size: IVec3,
-    /// Distances at the nodes, NaN where none is needed.
+    /// Distances at the nodes; infinite where only the sign is needed, NaN where nothing is.
     nodes: Vec<f32>,
     /// Cells that have been looked at, in blocks.
-    blocks: Vec<IVec3>,
+    blocks: Vec<Block>,
     /// Index into `pieces` of each cell, or `NONE`.
     pieces_of_cell: Vec<u32>,
     pieces: Vec<Pieces>,
@@ -134,12 +142,15 @@ impl<'a, S: Solid> Nets<'a, S> {
         }
         let mut wanted = Vec::new();
         for block in 0..self.blocks.len() {
+            let Block { corner, side } = self.blocks[block];
             for offset in grid(IVec3::splat(BLOCK + 1)) {
-                let node = self.blocks[block] + offset;
+                let node = corner + offset;
                 let index = self.node_index(node);
-                if self.nodes[index].is_nan() {
-                    self.nodes[index] = f32::INFINITY;
+                if side.is_nan() && !self.nodes[index].is_finite() {
+                    self.nodes[index] = 0.0;
                     wanted.push((index, node));
+                } else if self.nodes[index].is_nan() {
+                    self.nodes[index] = side;
                 }
             }
         }
@@ -153,13 +164,16 @@ impl<'a, S: Solid> Nets<'a, S> {
     /// Keeps a block of `edge` cells, down to the least size, if the surface can reach it.
     fn visit_block(&mut self, corner: IVec3, edge: i32) {
         let center = self.position(corner) + 0.5 * edge as f32 * self.cell;
+        let distance = self.solid.distance(center);
+        let half_diagonal = 0.5 * edge as f32 * 3.0_f32.sqrt();
         // One cell more than the block, because a node may be filled.
-        let reach = SLOPE * (0.5 * edge as f32 * 3.0_f32.sqrt() + 1.0) * self.cell;
-        if self.solid.distance(center).abs() > reach {
+        if distance.abs() > SLOPE * (half_diagonal + 1.0) * self.cell {
             return;
         }
         if edge == BLOCK {
-            self.blocks.push(corner);
+            let is_beside = distance.abs() > SLOPE * half_diagonal * self.cell;
+            let side = if is_beside { f32::INFINITY.copysign(distance) } else { f32::NAN };
+            self.blocks.push(Block { corner, side });
             return;
         }
         for offset in grid(IVec3::splat(2)) {
@@ -173,7 +187,7 @@ impl<'a, S: Solid> Nets<'a, S> {
         let mut found = false;
         for block in 0..self.blocks.len() {
             for offset in grid(IVec3::splat(BLOCK)) {
-                let cell = self.blocks[block] + offset;
+                let cell = self.blocks[block].corner + offset;
                 for axis in 0..3 {
                     found |= self.fill_face(cell, IVec3::AXES[(axis + 1) % 3], IVec3::AXES[(axis + 2) % 3]);
                 }
@@ -198,15 +212,23 @@ impl<'a, S: Solid> Nets<'a, S> {
         std::array::from_fn(|i| self.nodes[self.node_index(cell + corner_offset(i))])
     }
 
+    /// The same, where the surface is, with those that only their side was known of.
+    fn finite_corners(&self, cell: IVec3, corners: [f32; 8]) -> [f32; 8] {
+        std::array::from_fn(|i| {
+            let is_known = corners[i].is_finite();
+            if is_known { corners[i] } else { self.solid.distance(self.position(cell + corner_offset(i))) }
+        })
+    }
+
     /// Makes the vertices of every cell that the surface crosses.
     fn place_vertices(&mut self) {
         for block in std::mem::take(&mut self.blocks) {
             for offset in grid(IVec3::splat(BLOCK)) {
-                let cell = block + offset;
+                let cell = block.corner + offset;
                 let corners = self.corners(cell);
                 let inside = (0..8).fold(0u8, |bits, i| bits | (u8::from(corners[i] < 0.0) << i));
                 if inside != 0 && inside != 0xff {
-                    self.place_cell(cell, &corners, inside);
+                    self.place_cell(cell, &self.finite_corners(cell, corners), inside);
                 }
             }
         }

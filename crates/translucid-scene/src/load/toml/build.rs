@@ -3,6 +3,8 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::input::{ImageRequest, TableRequest};
 use super::interval::Interval;
 use super::object::{Geometry, ObjectEntry};
@@ -15,6 +17,10 @@ use crate::{
     Image, Light, Material, Mesh, Object, Place, ProfileTable, Scene, SceneError, Unit, Warning, build_shape,
     repair_mesh,
 };
+
+/// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
+/// goes beyond [`MOST_TRIANGLES`] is noticed in time.
+const SHAPES_AT_ONCE: usize = 32;
 
 /// Most triangles of a scene: 3 GiB of indices.
 const MOST_TRIANGLES: usize = 1 << 28;
@@ -47,8 +53,15 @@ impl SceneFile {
             triangles: 0,
             warnings,
         };
-        for (i, entry) in self.objects.iter().enumerate() {
-            builder.add(i, entry, overrides.get(&i))?;
+        for (chunk, entries) in self.objects.chunks(SHAPES_AT_ONCE).enumerate() {
+            let shapes: Vec<_> = entries.par_iter().map(ReadyMesh::of_shape).collect();
+            for (number, (entry, shape)) in entries.iter().zip(shapes).enumerate() {
+                let index = chunk * SHAPES_AT_ONCE + number;
+                match shape {
+                    Some(shape) => builder.add_shape(index, entry, shape?)?,
+                    None => builder.add_entry_of_file(index, entry, overrides.get(&index))?,
+                }
+            }
         }
         let frame = Frame::of(&builder.objects);
         let film = options.film(self.film);
@@ -156,6 +169,32 @@ enum Group {
     Own(usize, u32),
 }
 
+/// A mesh in its place in the scene, checked and valid.
+struct ReadyMesh {
+    mesh: Mesh,
+    /// Triangles before the repair.
+    triangles: usize,
+    warnings: Vec<Warning>,
+}
+
+impl ReadyMesh {
+    /// The shape of an entry; none if that has a file.
+    fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
+        let Geometry::Shape { name, parameters } = &entry.geometry else { return None };
+        let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
+        Some(build_shape(name, parameters).map_err(at_place).and_then(|mesh| Self::new(entry, mesh)))
+    }
+
+    fn new(entry: &ObjectEntry, mesh: Mesh) -> Result<Self, SceneError> {
+        let triangles = mesh.triangles.len();
+        let mut mesh = mesh.transformed(&entry.world_from_object);
+        check_bounds(&mesh, &entry.place)?;
+        let mut warnings = Vec::new();
+        repair_mesh(&mut mesh, &entry.place, &mut warnings)?;
+        Ok(Self { mesh, triangles, warnings })
+    }
+}
+
 /// A mesh file and the index that its first material has in the scene, once it is there.
 struct LoadedModel {
     model: Model,
@@ -177,26 +216,21 @@ struct Builder<'a> {
 }
 
 impl Builder<'_> {
-    fn add(
+    fn add_shape(&mut self, index: usize, entry: &ObjectEntry, shape: ReadyMesh) -> Result<(), SceneError> {
+        let material = entry.material.unwrap_or_else(|| self.default_material());
+        self.add_mesh(index, entry, shape, (entry.name.clone(), material, 0))
+    }
+
+    fn add_entry_of_file(
         &mut self,
         index: usize,
         entry: &ObjectEntry,
         replacement: Option<&&PathBuf>,
     ) -> Result<(), SceneError> {
-        match &entry.geometry {
-            Geometry::Shape { name, parameters } => {
-                let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
-                let mesh = build_shape(name, parameters).map_err(at_place)?;
-                let material = entry.material.unwrap_or_else(|| self.default_material());
-                self.add_mesh(index, entry, mesh, (entry.name.clone(), material, 0))
-            }
-            Geometry::File { path, unit } => {
-                let path = replacement.map_or(path, |path| *path);
-                check_present(path, &entry.place)
-                    .map_err(|error| error.with_help(override_help(&entry.name)))?;
-                self.add_file(index, entry, path, *unit)
-            }
-        }
+        let Geometry::File { path, unit } = &entry.geometry else { return Ok(()) };
+        let path = replacement.map_or(path, |path| *path);
+        check_present(path, &entry.place).map_err(|error| error.with_help(override_help(&entry.name)))?;
+        self.add_file(index, entry, path, *unit)
     }
 
     fn add_file(
@@ -224,7 +258,8 @@ impl Builder<'_> {
             } else {
                 format!("{}/{}", entry.name, part.name)
             };
-            self.add_mesh(index, entry, part.mesh.clone(), (name, material, part.subsurface_group))?;
+            let mesh = ReadyMesh::new(entry, part.mesh.clone())?;
+            self.add_mesh(index, entry, mesh, (name, material, part.subsurface_group))?;
         }
         for light in &loaded.model.lights {
             self.lights.extend(transformed_light(light, entry));
@@ -258,17 +293,15 @@ impl Builder<'_> {
         &mut self,
         index: usize,
         entry: &ObjectEntry,
-        mesh: Mesh,
+        ReadyMesh { mesh, triangles, mut warnings }: ReadyMesh,
         (name, material, model_group): (String, usize, u32),
     ) -> Result<(), SceneError> {
-        self.triangles += mesh.triangles.len();
+        self.triangles += triangles;
         if self.triangles > MOST_TRIANGLES {
             let message = format!("the scene has more than {MOST_TRIANGLES} triangles up to here");
             return Err(SceneError::at(entry.place.clone(), message));
         }
-        let mut mesh = mesh.transformed(&entry.world_from_object);
-        check_bounds(&mesh, &entry.place)?;
-        repair_mesh(&mut mesh, &entry.place, self.warnings)?;
+        self.warnings.append(&mut warnings);
         let group = match &entry.subsurface_group {
             Some(name) => Group::Named(name.clone()),
             None if self.grouping == Grouping::Material => Group::Material(material),

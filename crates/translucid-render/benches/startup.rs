@@ -1,0 +1,186 @@
+//! Time from nothing to the first pixels, stage by stage.
+//!
+//! ```text
+//! cargo bench -p translucid-render --bench startup [-- still-life head dragon dragon-870k --runs 7 --shapes]
+//! ```
+//!
+//! For the built-in still life and, where `../shared/assets` is there, for the scenes of a head and of a dragon,
+//! prints the wall time and the CPU time of loading, of preparing and of the first sample of each pixel at
+//! 96×54, on all processors, and what the tables of the materials alone take.
+//! Each figure is the least of `--runs` runs, which are in one process; `--shapes` adds each shape of the still life.
+//! A process's own start and the writing of the picture (a few milliseconds) are not in it.
+
+#![allow(clippy::print_stdout, reason = "the table is the bench's output")]
+
+use std::collections::HashSet;
+use std::fs;
+use std::hint::black_box;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use translucid_render::bsdf::MaterialTables;
+use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_scene::{
+    LoadOptions, Scene, ShapeParameters, build_shape, load_scene, shape_names, still_life,
+};
+
+/// A scene by name: its file and the mesh that goes into it; neither for the still life.
+struct Case {
+    name: &'static str,
+    files: Option<[&'static str; 2]>,
+}
+
+const CASES: [Case; 4] = [
+    Case { name: "still-life", files: None },
+    Case { name: "head", files: Some(["scenes/head.toml", "head/head_70k.ply"]) },
+    Case { name: "dragon", files: Some(["scenes/dragon.toml", "dragon/dragon_198k.ply"]) },
+    Case { name: "dragon-870k", files: Some(["scenes/dragon.toml", "dragon/dragon_870k.ply"]) },
+];
+
+/// Wall and CPU seconds.
+#[derive(Clone, Copy)]
+struct Cost {
+    wall: f64,
+    cpu: f64,
+}
+
+impl Cost {
+    const NONE: Self = Self { wall: f64::INFINITY, cpu: f64::INFINITY };
+
+    fn least(self, other: Self) -> Self {
+        Self { wall: self.wall.min(other.wall), cpu: self.cpu.min(other.cpu) }
+    }
+}
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let runs =
+        arguments.iter().position(|a| a == "--runs").and_then(|at| arguments.get(at + 1)?.parse().ok());
+    let runs: usize = runs.unwrap_or(5).max(1);
+    let is_case = |argument: &String| CASES.iter().any(|case| case.name == argument);
+    let any = arguments.iter().any(is_case);
+    println!(
+        "| scene | triangles | load | prepare | first pixels | wall in all | CPU in all | tables of materials |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for case in CASES.iter().filter(|case| !any || arguments.iter().any(|a| a == case.name)) {
+        match options(case) {
+            Some(options) => run(case, &options, runs),
+            None => println!("| {} | its mesh is not there |", case.name),
+        }
+    }
+    if arguments.iter().any(|a| a == "--shapes") {
+        shapes(runs);
+    }
+}
+
+fn root() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
+}
+
+/// How to load a case; none where its mesh is not there.
+fn options(case: &Case) -> Option<LoadOptions> {
+    let mut options = LoadOptions { size: Some([96, 54]), ..LoadOptions::default() };
+    if let Some([_, mesh]) = case.files {
+        let mesh = root().join("../shared/assets").join(mesh);
+        if !mesh.is_file() {
+            return None;
+        }
+        options.mesh_overrides = vec![(None, mesh)];
+    }
+    Some(options)
+}
+
+fn load(case: &Case, options: &LoadOptions) -> Scene {
+    let scene = match case.files {
+        Some([file, _]) => load_scene(&root().join(file), options, &mut Vec::new()),
+        None => still_life(options),
+    };
+    scene.unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn run(case: &Case, options: &LoadOptions, runs: usize) {
+    let [mut loading, mut preparing, mut rendering, mut tables, mut all] = [Cost::NONE; 5];
+    let mut triangles = 0;
+    for _ in 0..runs {
+        let start = now();
+        let scene = load(case, options);
+        let loaded = now();
+        triangles = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        let renderer = Renderer::new(scene);
+        let prepared = now();
+        let film = &renderer.scene().film;
+        let mut film = FilmSums::new(film.width, film.height);
+        renderer.render(&mut film, Goal { samples: 1, deadline: None }, &|_| {}, &AtomicBool::new(false));
+        let rendered = now();
+        loading = loading.least(between(start, loaded));
+        preparing = preparing.least(between(loaded, prepared));
+        rendering = rendering.least(between(prepared, rendered));
+        all = all.least(between(start, rendered));
+        tables = tables.least(cost_of_tables(renderer.scene()));
+        black_box(film);
+    }
+    println!(
+        "| {} | {triangles} | {} | {} | {} | {:.0} ms | {:.0} ms | {} |",
+        case.name,
+        cell(loading),
+        cell(preparing),
+        cell(rendering),
+        1e3 * all.wall,
+        1e3 * all.cpu,
+        cell(tables)
+    );
+}
+
+/// What the directional albedos of all distinct pairs of indices take.
+fn cost_of_tables(scene: &Scene) -> Cost {
+    let mut known = HashSet::new();
+    let start = now();
+    for material in &scene.materials {
+        if known.insert([material.specular_ior, material.coat_ior].map(f32::to_bits)) {
+            black_box(MaterialTables::new(material.specular_ior, material.coat_ior));
+        }
+    }
+    between(start, now())
+}
+
+fn shapes(runs: usize) {
+    println!("\n| shape | triangles | wall | CPU |\n|---|---|---|---|");
+    for name in shape_names() {
+        let mut cost = Cost::NONE;
+        let mut triangles = 0;
+        for _ in 0..runs {
+            let start = now();
+            let mesh = build_shape(name, &ShapeParameters::new()).unwrap_or_else(|error| panic!("{error}"));
+            cost = cost.least(between(start, now()));
+            triangles = mesh.triangles.len();
+        }
+        println!("| {name} | {triangles} | {:.1} ms | {:.1} ms |", 1e3 * cost.wall, 1e3 * cost.cpu);
+    }
+}
+
+/// Wall time, and in brackets CPU time.
+fn cell(cost: Cost) -> String {
+    format!("{:.0} ms ({:.0})", 1e3 * cost.wall, 1e3 * cost.cpu)
+}
+
+/// A moment, and the CPU seconds of all threads up to it.
+fn now() -> (Instant, f64) {
+    (Instant::now(), cpu_seconds())
+}
+
+fn between(start: (Instant, f64), end: (Instant, f64)) -> Cost {
+    Cost { wall: (end.0 - start.0).as_secs_f64(), cpu: end.1 - start.1 }
+}
+
+/// CPU time of all threads there are, up to the last tick of the system (a few milliseconds ago); NaN where it does not
+/// tell.
+fn cpu_seconds() -> f64 {
+    let Ok(threads) = fs::read_dir("/proc/self/task") else { return f64::NAN };
+    let nanoseconds = |thread: fs::DirEntry| -> Option<f64> {
+        let text = fs::read_to_string(thread.path().join("schedstat")).ok()?;
+        text.split_whitespace().next()?.parse().ok()
+    };
+    threads.flatten().filter_map(nanoseconds).sum::<f64>() * 1e-9
+}
