@@ -1,6 +1,6 @@
 //! Why a verb ended without its result.
 
-use translucid_render::OutputError;
+use translucid_render::{DenoiseError, OutputError};
 use translucid_scene::SceneError;
 
 /// What kept a verb from its result.
@@ -69,6 +69,12 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Self::Scene(error)
+    }
+}
+
+impl From<DenoiseError> for Failure {
+    fn from(DenoiseError { message, help }: DenoiseError) -> Self {
+        Self::Input { message, help }
     }
 }
 

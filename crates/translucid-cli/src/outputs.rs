@@ -5,7 +5,10 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use translucid_render::{FilmSums, ImageInfo, OutputError, check_writable, write_exr, write_png};
+use translucid_render::{
+    Denoised, FilmSums, ImageInfo, OutputError, check_writable, write_denoised_png, write_exr,
+    write_exr_with_denoised, write_png,
+};
 use translucid_scene::Film;
 
 use crate::failure::Failure;
@@ -100,6 +103,20 @@ impl Outputs {
             write_exr(exr, film, info)?;
         }
         write_png(&self.png, film, settings, info)
+    }
+
+    /// Writes the images with a denoised picture: beside the layers in the float image, in place of the display image.
+    pub(crate) fn write_denoised(
+        &self,
+        film: &FilmSums,
+        denoised: &Denoised,
+        settings: &Film,
+        info: &ImageInfo,
+    ) -> Result<(), OutputError> {
+        if let Some(exr) = &self.exr {
+            write_exr_with_denoised(exr, film, denoised, info)?;
+        }
+        write_denoised_png(&self.png, film, denoised, settings, info)
     }
 }
 

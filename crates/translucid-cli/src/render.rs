@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
+use translucid_render::Denoiser;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };
@@ -24,10 +25,15 @@ const MAX_SAMPLES: u32 = 1 << 24;
 /// Time between two checkpoints where none is asked for.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
+/// Memory for denoising a pixel: three layers that are read, the picture, and what is written of it.
+const BYTES_PER_DENOISED_PIXEL: u64 = 5 * 12;
+
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
 Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then.
 --resume goes on from there; the result is the same as if nothing had happened.
+--denoise looks for the library by the system's means, or where the variable TRANSLUCID_OIDN says. FILE.exr keeps
+all its layers and gets another, denoised.RGB; FILE.png shows that.
 
 Several models after --subsurface render the scene with each and write to a directory, -o DIR:
   MODEL.exr, MODEL.png   the picture with each MODEL; same seed and samples, --time is for each
@@ -101,6 +107,9 @@ pub(crate) struct Arguments {
     /// Mesh file in place of that of the scene's object NAME, or of its only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh)]
     mesh: Vec<(Option<String>, PathBuf)>,
+    /// Denoise the picture at the end by Intel Open Image Denoise, which must be installed
+    #[arg(long)]
+    denoise: bool,
     /// Print errors and warnings only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
@@ -147,6 +156,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             let message = "--points keeps the points of one model, but --subsurface has several";
             return Err(Failure::input(message).with_help("leave --points out, or name one model"));
         }
+        if arguments.denoise {
+            let message = "--denoise is not for comparisons, but --subsurface has several models";
+            return Err(Failure::input(message).with_help("leave --denoise out, or name one model"));
+        }
         return side_by_side::run(arguments, &models);
     }
     if arguments.against.is_some() {
@@ -160,6 +173,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
+    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?;
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
@@ -174,7 +188,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    require_memory(&scene, session::BYTES_PER_PIXEL)?;
+    let denoising = if arguments.denoise { BYTES_PER_DENOISED_PIXEL } else { 0 };
+    require_memory(&scene, session::BYTES_PER_PIXEL + denoising)?;
     session::render(
         scene,
         &Session {
@@ -185,6 +200,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             resume: arguments.resume,
             checkpoint_interval: arguments.checkpoint_interval(),
             points: arguments.points.clone(),
+            denoiser,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: None,

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use translucid_render::{
-    CheckpointInfo, FilmSums, Goal, ImageInfo, Outcome, Renderer, layer, load_checkpoint, save_checkpoint,
+    CheckpointInfo, Denoiser, FilmSums, Goal, ImageInfo, Outcome, Renderer, layer, load_checkpoint,
+    save_checkpoint,
 };
 use translucid_scene::Scene;
 
@@ -35,6 +36,8 @@ pub(crate) struct Session {
     pub(crate) checkpoint_interval: Duration,
     /// File of the points that the point-based method needs.
     pub(crate) points: Option<PathBuf>,
+    /// What denoises the picture at the end, if that is asked for.
+    pub(crate) denoiser: Option<Denoiser>,
     /// Whether to print errors and warnings only.
     pub(crate) quiet: bool,
     /// Whether to print what takes how long.
@@ -275,7 +278,26 @@ impl<'a> Work<'a> {
             seconds: self.seconds_before + seconds,
             command: command_line(),
         };
-        self.session.outputs.write(&self.film, &scene.film, &info).map_err(Failure::late)
+        let outputs = &self.session.outputs;
+        let Some(denoiser) = &self.session.denoiser else {
+            return outputs.write(&self.film, &scene.film, &info).map_err(Failure::late);
+        };
+        let start = Instant::now();
+        match denoiser.denoise(&self.film, self.session.threads) {
+            Ok(denoised) => {
+                if self.session.verbose {
+                    let seconds = start.elapsed().as_secs_f64();
+                    messages::line(&format!("denoised the picture by {} in {seconds:.2} s", denoised.by));
+                }
+                outputs.write_denoised(&self.film, &denoised, &scene.film, &info).map_err(Failure::late)
+            }
+            Err(error) => {
+                // The noisy picture is what the time went into.
+                outputs.write(&self.film, &scene.film, &info).map_err(Failure::late)?;
+                let help = "the picture was written as it was rendered";
+                Err(Failure::work(error.to_string()).with_help(help))
+            }
+        }
     }
 
     fn pixels(&self) -> u64 {

@@ -343,3 +343,49 @@ fn names_that_are_not_unicode_are_kept() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(path(".exr").exists() && path(".png").exists());
 }
+
+#[test]
+fn render_refuses_to_denoise_without_the_library_before_it_begins() {
+    let (_keep, directory) = directory_with_ball();
+    for path in ["nowhere/libOpenImageDenoise.so", "ball.toml", "."] {
+        let output = translucid(&directory)
+            .args(["render", "ball.toml", "--denoise"])
+            .env("TRANSLUCID_OIDN", path)
+            .output()
+            .unwrap();
+        assert_eq!(output.status.code(), Some(2), "{path}: {}", stderr(&output));
+        let message = stderr(&output);
+        assert!(message.contains(path) && message.contains("set TRANSLUCID_OIDN to the path"), "{message}");
+        assert_eq!(files(&directory), ["ball.toml"], "{path}");
+    }
+}
+
+#[test]
+fn render_denoises_no_comparison() {
+    let (_keep, directory) = directory_with_ball();
+    let output = run(&directory, "render ball.toml --subsurface dipole,none --denoise -o both");
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--denoise is not for comparisons"), "{}", stderr(&output));
+    assert_eq!(files(&directory), ["ball.toml"]);
+}
+
+/// Runs where the library is: the noisy layers stay what they are.
+#[test]
+fn render_with_denoise_keeps_every_layer() {
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q -o plain.exr");
+    let output = run(&directory, "render ball.toml -v --denoise -o clean.exr");
+    if stderr(&output).contains("no library to denoise with") {
+        assert_eq!(files(&directory), ["ball.toml", "plain.exr", "plain.png"]);
+        return;
+    }
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(stderr(&output).contains("denoised the picture by Open Image Denoise"), "{}", stderr(&output));
+    let [plain, clean] = ["plain.exr", "clean.exr"].map(|name| exr_values(&directory.join(name)));
+    for channel in &plain {
+        assert!(clean.contains(channel), "{}", channel.0);
+    }
+    assert_eq!(clean.len(), plain.len() + 3);
+    let [plain, clean] = ["plain.png", "clean.png"].map(|name| fs::read(directory.join(name)).unwrap());
+    assert_ne!(plain, clean);
+}

@@ -35,8 +35,9 @@ pub use frame::Frame;
 pub use geometry::{Geometry, Hit};
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSet};
 pub use output::{
-    CheckpointInfo, ImageInfo, OutputError, check_writable, display_from_linear, load_checkpoint,
-    save_checkpoint, write_atomically, write_exr, write_png,
+    CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
+    check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
+    write_denoised_png, write_exr, write_exr_with_denoised, write_png,
 };
 pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
 pub use renderer::{Goal, Outcome, Progress, Renderer};

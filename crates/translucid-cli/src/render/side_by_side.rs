@@ -131,6 +131,7 @@ fn render_all(
             resume: arguments.resume,
             checkpoint_interval: arguments.checkpoint_interval(),
             points: None,
+            denoiser: None,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: Some(Part {

@@ -9,7 +9,7 @@ use ::exr::prelude::{
     LineOrder, Text, WritableImage, f16,
 };
 
-use super::{OutputError, write_atomically};
+use super::{Denoised, OutputError, write_atomically};
 use crate::film::{FilmSums, layer};
 
 /// What a picture's metadata says about its making.
@@ -72,19 +72,48 @@ impl ImageInfo {
 /// # Errors
 /// The file cannot be written.
 pub fn write_exr(path: &Path, film: &FilmSums, info: &ImageInfo) -> Result<(), OutputError> {
+    write(path, film, None, info)
+}
+
+/// Writes the same and the denoised picture beside it, as 32-bit channels `denoised.RGB`.
+///
+/// The attribute `translucidDenoiser` says what has denoised it; all other channels are those of [`write_exr`].
+/// Pixels that `denoised` does not have are 0.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_exr_with_denoised(
+    path: &Path,
+    film: &FilmSums,
+    denoised: &Denoised,
+    info: &ImageInfo,
+) -> Result<(), OutputError> {
+    write(path, film, Some(denoised), info)
+}
+
+fn write(
+    path: &Path,
+    film: &FilmSums,
+    denoised: Option<&Denoised>,
+    info: &ImageInfo,
+) -> Result<(), OutputError> {
     let size = (film.width as usize, film.height as usize);
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let image = Image::from_layer(Layer::new(size, info.attributes(), encoding, channels(film)));
+    let mut attributes = info.attributes();
+    if let Some(by) = denoised.and_then(|denoised| Text::new_or_none(&denoised.by)) {
+        attributes.other.insert(Text::new_or_panic("translucidDenoiser"), AttributeValue::Text(by));
+    }
+    let image = Image::from_layer(Layer::new(size, attributes, encoding, channels(film, denoised)));
     write_atomically(path, |out| image.write().to_buffered(out).map_err(io::Error::other))
 }
 
 /// All channels of the file, sorted by name as the format demands; in one pass over the film, since a
 /// second copy of its sums would be as large as the first.
-fn channels(film: &FilmSums) -> AnyChannels<FlatSamples> {
+fn channels(film: &FilmSums, denoised: Option<&Denoised>) -> AnyChannels<FlatSamples> {
     let halves = half_channels();
     let count = film.width as usize * film.height as usize;
     let mut single_data = [(); SINGLE_CHANNELS.len()].map(|()| Vec::with_capacity(count));
@@ -104,7 +133,14 @@ fn channels(film: &FilmSums) -> AnyChannels<FlatSamples> {
     let halves = halves.iter().zip(half_data);
     let halves =
         halves.map(|((name, _), data)| AnyChannel::new(Text::new_or_panic(name), FlatSamples::F16(data)));
-    AnyChannels::sort(singles.chain(halves).collect())
+    let denoised = denoised.into_iter().flat_map(|denoised| {
+        let pixel = |i: usize| denoised.radiance.get(i).copied().unwrap_or_default();
+        ["denoised.R", "denoised.G", "denoised.B"].into_iter().enumerate().map(move |(channel, name)| {
+            let data = (0..count).map(|i| finite(f64::from(pixel(i)[channel]), f64::from(f32::MAX)) as f32);
+            AnyChannel::new(Text::new_or_panic(name), FlatSamples::F32(data.collect()))
+        })
+    });
+    AnyChannels::sort(singles.chain(halves).chain(denoised).collect())
 }
 
 /// Channels of 32 bits.
@@ -139,7 +175,7 @@ fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
 }
 
 /// The value within ±limit; NaN is 0.
-fn finite(value: f64, limit: f64) -> f64 {
+pub(super) fn finite(value: f64, limit: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-limit, limit) }
 }
 
@@ -194,6 +230,30 @@ mod tests {
         assert_eq!(text("translucidSeed"), AttributeValue::Text(Text::new_or_panic(u64::MAX.to_string())));
         assert_eq!(text("translucidSamples"), AttributeValue::I32(5));
         assert_eq!(text("translucidSeconds"), AttributeValue::F64(1.25));
+    }
+
+    #[test]
+    fn exr_with_denoised_has_it_beside_what_it_had() {
+        let directory = tempfile::tempdir().unwrap();
+        let [plain, both] = ["plain.exr", "both.exr"].map(|name| directory.path().join(name));
+        let film = test_film(7, 5);
+        let radiance = (0..35).map(|i| [i as f32, f32::INFINITY, f32::NAN]).collect();
+        let denoised = Denoised { radiance, by: String::from("a broom 1.0.0") };
+        write_exr(&plain, &film, &ImageInfo::default()).unwrap();
+        write_exr_with_denoised(&both, &film, &denoised, &ImageInfo::default()).unwrap();
+
+        let (plain, both) = (read_back(&plain), read_back(&both));
+        for channel in &plain.channel_data.list {
+            let same = both.channel_data.list.iter().find(|other| other.name == channel.name).unwrap();
+            assert!(same.sample_data == channel.sample_data, "{}", channel.name);
+        }
+        assert_eq!(both.channel_data.list.len(), plain.channel_data.list.len() + 3);
+        assert_eq!(values(&both, "denoised.R"), (0..35).map(|i| i as f32).collect::<Vec<_>>());
+        assert_eq!(values(&both, "denoised.G"), [f32::MAX; 35]);
+        assert_eq!(values(&both, "denoised.B"), [0.0; 35]);
+        let name = Text::new_or_panic("translucidDenoiser");
+        assert_eq!(both.attributes.other[&name], AttributeValue::Text(Text::new_or_panic("a broom 1.0.0")));
+        assert!(!plain.attributes.other.contains_key(&name));
     }
 
     #[test]

@@ -10,6 +10,7 @@
 
 mod atomic_file;
 mod checkpoint;
+mod denoise;
 mod error;
 mod exr;
 mod png;
@@ -18,7 +19,8 @@ mod tone_mapping;
 pub use atomic_file::{check_writable, write_atomically};
 pub(crate) use checkpoint::Checked;
 pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
+pub use denoise::{DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser};
 pub use error::OutputError;
-pub use exr::{ImageInfo, write_exr};
-pub use png::write_png;
+pub use exr::{ImageInfo, write_exr, write_exr_with_denoised};
+pub use png::{write_denoised_png, write_png};
 pub use tone_mapping::display_from_linear;

@@ -7,7 +7,7 @@ use ::png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 use translucid_scene::Film;
 
 use super::exr::pixels;
-use super::{ImageInfo, OutputError, display_from_linear, write_atomically};
+use super::{Denoised, ImageInfo, OutputError, display_from_linear, write_atomically};
 use crate::film::{FilmSums, layer};
 
 /// Writes a film as an 8-bit sRGB picture, with the exposure and tone mapping of `settings`.
@@ -20,7 +20,50 @@ use crate::film::{FilmSums, layer};
 /// # Errors
 /// The file cannot be written.
 pub fn write_png(path: &Path, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), OutputError> {
-    let mut data: Vec<[u8; 4]> = pixels(film).map(|(x, y)| display_pixel(film, settings, x, y)).collect();
+    write(path, film, &|x, y| film.radiance(x, y), settings, &texts(info))
+}
+
+/// Writes the denoised picture of a film in the same way; the metadata says what has denoised it.
+///
+/// Coverage is the film's. Pixels that `denoised` does not have are black.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write_denoised_png(
+    path: &Path,
+    film: &FilmSums,
+    denoised: &Denoised,
+    settings: &Film,
+    info: &ImageInfo,
+) -> Result<(), OutputError> {
+    let radiance = |x: u32, y: u32| {
+        let index = y as usize * film.width as usize + x as usize;
+        denoised.radiance.get(index).copied().unwrap_or_default().map(f64::from)
+    };
+    let mut texts = texts(info);
+    texts.push(("Denoiser", denoised.by.clone()));
+    write(path, film, &radiance, settings, &texts)
+}
+
+/// The metadata: keywords and texts.
+fn texts(info: &ImageInfo) -> Vec<(&'static str, String)> {
+    vec![
+        ("Software", ImageInfo::software()),
+        ("Scene", info.scene.clone()),
+        ("Seed", info.seed.to_string()),
+        ("Samples", info.samples.to_string()),
+    ]
+}
+
+fn write(
+    path: &Path,
+    film: &FilmSums,
+    radiance: &dyn Fn(u32, u32) -> [f64; 3],
+    settings: &Film,
+    texts: &[(&str, String)],
+) -> Result<(), OutputError> {
+    let pixel = |(x, y): (u32, u32)| display_pixel(film, radiance(x, y), settings, x, y);
+    let mut data: Vec<[u8; 4]> = pixels(film).map(pixel).collect();
     let opaque = data.iter().all(|pixel| pixel[3] == 255);
     let bytes: Vec<u8> = if opaque {
         data.drain(..).flat_map(|[r, g, b, _]| [r, g, b]).collect()
@@ -33,13 +76,10 @@ pub fn write_png(path: &Path, film: &FilmSums, settings: &Film, info: &ImageInfo
         encoder.set_color(color);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-        for (keyword, text) in [
-            ("Software", ImageInfo::software()),
-            ("Scene", info.scene.clone()),
-            ("Seed", info.seed.to_string()),
-            ("Samples", info.samples.to_string()),
-        ] {
-            encoder.add_itxt_chunk(keyword.to_owned(), text.replace('\0', "?")).map_err(io::Error::other)?;
+        for (keyword, text) in texts {
+            encoder
+                .add_itxt_chunk((*keyword).to_owned(), text.replace('\0', "?"))
+                .map_err(io::Error::other)?;
         }
         let mut writer = encoder.write_header().map_err(io::Error::other)?;
         writer.write_image_data(&bytes).map_err(io::Error::other)?;
@@ -48,14 +88,14 @@ pub fn write_png(path: &Path, film: &FilmSums, settings: &Film, info: &ImageInfo
 }
 
 /// The pixel's color and straight alpha as 8-bit codes.
-fn display_pixel(film: &FilmSums, settings: &Film, x: u32, y: u32) -> [u8; 4] {
+fn display_pixel(film: &FilmSums, radiance: [f64; 3], settings: &Film, x: u32, y: u32) -> [u8; 4] {
     let alpha = film.mean(x, y)[layer::ALPHA].max(0.0).min(1.0);
     let alpha_code = (alpha * 255.0).round() as u8;
     if alpha_code == 0 {
         return [0; 4];
     }
     let exposure = f64::from(settings.exposure).exp2();
-    let linear = film.radiance(x, y).map(|value| (value / alpha * exposure) as f32);
+    let linear = radiance.map(|value| (value / alpha * exposure) as f32);
     let [r, g, b] = display_from_linear(settings.tone_mapping, linear).map(|value| quantize(value, x, y));
     [r, g, b, alpha_code]
 }
