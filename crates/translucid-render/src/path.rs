@@ -31,7 +31,8 @@ use crate::point_based::{Gatherer, Leaving, Scratch};
 use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
-use crate::subsurface::{Exit, Prober};
+use crate::sharing::{Arrival, EntryLight, Pool, Waiting};
+use crate::subsurface::{Exit, Found, Prober, Shareable};
 use crate::subsurface_profile::Truncation;
 use crate::triangle::Ray;
 
@@ -73,6 +74,7 @@ pub(crate) struct PathTracer<'a> {
     pub(crate) world: &'a World,
     prober: Prober,
     scratch: Scratch,
+    pool: Pool<'a>,
 }
 
 /// Which layer of the image a path brings light to: the first scattering event decides.
@@ -82,6 +84,19 @@ pub(crate) enum Layer {
     /// Reflected or transmitted by the surface; the share that is matte, per channel.
     Surface(Vec3),
     Subsurface,
+}
+
+impl Layer {
+    fn add(self, sample: &mut PixelSample, light: Vec3) {
+        match self {
+            Self::Emission => sample.emission += light,
+            Self::Surface(diffuse_share) => {
+                sample.diffuse += light * diffuse_share;
+                sample.specular += light * (1.0 - diffuse_share);
+            }
+            Self::Subsurface => sample.subsurface += light,
+        }
+    }
 }
 
 /// The last point at which the path was scattered, for MIS.
@@ -109,6 +124,8 @@ pub(crate) struct Path {
     /// Absorption coefficient of the clear medium around the ray [1/L].
     pub(crate) absorption: Vec3,
     sample: PixelSample,
+    /// Number of the sample in its block, until its light under a surface is left to the pool.
+    in_block: Option<usize>,
 }
 
 impl Path {
@@ -125,6 +142,7 @@ impl Path {
             vertex: 0,
             absorption: Vec3::ZERO,
             sample: PixelSample::default(),
+            in_block: None,
         }
     }
 
@@ -135,14 +153,7 @@ impl Path {
     }
 
     pub(crate) fn add_to(&mut self, layer: Layer, light: Vec3) {
-        match layer {
-            Layer::Emission => self.sample.emission += light,
-            Layer::Surface(diffuse_share) => {
-                self.sample.diffuse += light * diffuse_share;
-                self.sample.specular += light * (1.0 - diffuse_share);
-            }
-            Layer::Subsurface => self.sample.subsurface += light,
-        }
+        layer.add(&mut self.sample, light);
     }
 
     /// The layer, given the kind of the event at hand.
@@ -173,7 +184,7 @@ impl<'a> PathTracer<'a> {
     pub(crate) fn new(world: &'a World) -> Self {
         let truncation = Truncation::new(world.scene.integrator.subsurface_tail);
         let prober = Prober::new(truncation, world.axis_probes);
-        Self { world, prober, scratch: Scratch::default() }
+        Self { world, prober, scratch: Scratch::default(), pool: Pool::new() }
     }
 
     /// Light that arrives at the ray's origin along the ray.
@@ -181,6 +192,23 @@ impl<'a> PathTracer<'a> {
         let mut path = Path::new(ray);
         while self.step(&mut path, sampler) {}
         path.sample
+    }
+
+    /// The same for the rays of a block of pixels, whose samples go to `samples`: light that has entered below one
+    /// serves the others, too.
+    pub(crate) fn trace_block(
+        &mut self,
+        rays: impl Iterator<Item = (Ray, Sampler)>,
+        samples: &mut Vec<PixelSample>,
+    ) {
+        for (number, (ray, mut sampler)) in rays.enumerate() {
+            let mut path = Path::new(ray);
+            path.in_block = Some(number);
+            while self.step(&mut path, &mut sampler) {}
+            samples.push(path.sample);
+        }
+        let tables = self.world.materials.profile_tables();
+        self.pool.resolve(tables, |number, layer, light| layer.add(&mut samples[number], light));
     }
 
     /// Follows the ray to its end and draws the next one; false when the path is over.
@@ -374,6 +402,12 @@ impl<'a> PathTracer<'a> {
             importance: path.throughput,
         };
         let tables = world.materials.profile_tables();
+        if let Some(number) = path.in_block.take()
+            && world.materials.pairing(exit.material).is_none()
+        {
+            self.share_below(path, vertex, &exit, side, number, sampler);
+            return false;
+        }
         let Some(found) = self.prober.sample(world, &exit, sampler) else { return false };
         path.throughput *= found.weight;
         if let Some(normalizer) = &world.normalizer {
@@ -396,22 +430,107 @@ impl<'a> PathTracer<'a> {
         self.enter(path, &entrance, sampler)
     }
 
+    /// Leaves the light of an exit to the pool, and what enters where its own probe has hit to all exits there.
+    fn share_below(
+        &mut self,
+        path: &Path,
+        vertex: &Vertex<'_>,
+        exit: &Exit<'_>,
+        side: f32,
+        sample: usize,
+        sampler: &mut Sampler,
+    ) {
+        let world = self.world;
+        let random = (sampler.fork() >> 40) as f32 * (1.0 / (1 << 24) as f32);
+        let Some(Shareable { profiles, nearness, found }) = self.prober.sample_to_share(world, exit, sampler)
+        else {
+            return;
+        };
+        let mut throughput = path.throughput;
+        if let Some(normalizer) = &world.normalizer {
+            let tables = world.materials.profile_tables();
+            throughput *= normalizer.factor(tables, vertex.material, &vertex.leaving(), &mut self.scratch);
+        }
+        let entry = found.map(|found| self.light_of(path, &found, side, sampler));
+        self.pool.push(Waiting {
+            sample,
+            kind: (vertex.point.group, side > 0.0),
+            position: vertex.point.position,
+            normal: vertex.normal * side,
+            throughput,
+            layer: path.layer_after(Layer::Subsurface),
+            subsurface: vertex.subsurface,
+            profiles,
+            nearness,
+            random,
+            entry,
+        });
+    }
+
+    /// The light that enters where a probe has hit.
+    fn light_of(&mut self, path: &Path, found: &Found, side: f32, sampler: &mut Sampler) -> EntryLight {
+        let world = self.world;
+        let point = world.geometry.surface_point(&world.scene, &found.hit);
+        let (_, material) = world.material(&point);
+        let normal = material::shading_normal_at(&world.scene, material, &point) * side;
+        let geometric = point.geometric_normal * side;
+        let entry = self.entry(&point);
+        let entrance =
+            Entrance { point: &point, normal, geometric, entry, directionality: Directionality::Radial };
+        let direct = self.entering_sample(path.absorption, &entrance, sampler.next_4d());
+        // What the light is worth to the path that has found it decides how far it is followed. Others may see more of
+        // a color: none is followed as if it were worth nothing.
+        let worth = path.throughput * found.weight;
+        let most = worth.max_element();
+        let worth = worth.max(Vec3::splat(0.1 * most)) * (most.clamp(0.05, 1.0) / most);
+        let mut onward = Path {
+            throughput: worth,
+            layer: Layer::Subsurface,
+            sample: PixelSample::default(),
+            in_block: None,
+            ..*path
+        };
+        let mut indirect = Arrival::NONE;
+        if let Some((direction, weight)) = self.head_off(&mut onward, &entrance, sampler.next_4d()) {
+            onward.throughput *= weight;
+            while self.step(&mut onward, sampler) {}
+            indirect = Arrival { direction, light: onward.sample.radiance() / worth };
+        }
+        EntryLight {
+            position: point.position,
+            normal,
+            contribution: found.contribution,
+            arrivals: [direct.unwrap_or(Arrival::NONE), indirect],
+        }
+    }
+
     /// Goes on where light enters the volume: light from one sampled light, a cosine direction.
     fn enter(&self, path: &mut Path, entrance: &Entrance<'_>, sampler: &mut Sampler) -> bool {
-        let Entrance { point, normal, geometric, .. } = *entrance;
-        self.add_entering_light(path, entrance, sampler.next_4d());
-        let v = sampler.next_4d();
-        let (wi, weight) = entrance.entry.sample([v[0], v[1]]);
+        let directionality = &entrance.directionality;
+        if let Some(arrival) = self.entering_sample(path.absorption, entrance, sampler.next_4d()) {
+            let light = arrival.light * directionality.weight(arrival.direction) * path.throughput;
+            path.add_to(path.layer_after(Layer::Subsurface), light);
+        }
+        let Some((direction, weight)) = self.head_off(path, entrance, sampler.next_4d()) else { return false };
+        path.throughput *= weight * directionality.weight(direction);
+        path.throughput != Vec3::ZERO
+    }
+
+    /// Sets the path on its way in a cosine direction that light enters from; returns it and its weight, which the path
+    /// does not have yet.
+    fn head_off(&self, path: &mut Path, entrance: &Entrance<'_>, v: [f32; 4]) -> Option<(Vec3, Vec3)> {
+        let Entrance { point, normal, geometric, ref entry, .. } = *entrance;
+        let (wi, weight) = entry.sample([v[0], v[1]]);
         let direction = Frame::from_normal(normal).to_world(wi).normalize();
-        let weight = weight * entrance.directionality.weight(direction);
         if direction.dot(geometric) <= 0.0 {
-            return false;
+            return None;
         }
         let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
         path.diffuse_depth += 1;
         path.soft |= !self.world.scene.integrator.caustics;
-        path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
-        path.throughput != Vec3::ZERO
+        let ray = Ray::new(point.ray_origin(direction), direction);
+        path.scatter(Layer::Subsurface, ray, Vec3::ONE, origin);
+        (weight != Vec3::ZERO).then_some((direction, weight))
     }
 
     /// Light from one sampled light, reflected or transmitted by a surface.
@@ -443,21 +562,19 @@ impl<'a> PathTracer<'a> {
         }
     }
 
-    /// Light from one sampled light that enters the volume at a point.
-    fn add_entering_light(&self, path: &mut Path, entrance: &Entrance<'_>, u: [f32; 4]) {
-        let Entrance { point, normal, geometric, ref entry, ref directionality } = *entrance;
-        let Some(light) = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]]) else {
-            return;
-        };
-        let cosine = light.direction.dot(normal);
-        if cosine <= 0.0 || light.direction.dot(geometric) <= 0.0 {
-            return;
+    /// Light from one sampled light that enters the volume at a point, whatever its direction changes.
+    fn entering_sample(&self, absorption: Vec3, entrance: &Entrance<'_>, u: [f32; 4]) -> Option<Arrival> {
+        let Entrance { point, normal, geometric, ref entry, .. } = *entrance;
+        let light = self.world.lights.sample(point.position, normal, u[0], [u[1], u[2]])?;
+        let direction = light.direction;
+        let cosine = direction.dot(normal);
+        if cosine <= 0.0 || direction.dot(geometric) <= 0.0 {
+            return None;
         }
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
-        let value = entry.eval(cosine) * directionality.weight(light.direction);
-        let medium = Medium { absorption: path.absorption, soft: !self.world.scene.integrator.caustics };
-        let light = weighed(self.unoccluded(point, &light, medium), mis / light.pdf);
-        path.add_to(path.layer_after(Layer::Subsurface), light * value * path.throughput);
+        let medium = Medium { absorption, soft: !self.world.scene.integrator.caustics };
+        let light = weighed(self.unoccluded(point, &light, medium), mis / light.pdf) * entry.eval(cosine);
+        Some(Arrival { direction, light })
     }
 
     /// Radiance of a light sample that reaches the point.

@@ -1,6 +1,7 @@
-//! The renderer: a scene made ready, and the loop over tiles and samples.
+//! The renderer: a scene made ready, and the loop over samples and blocks of pixels.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use glam::Vec3;
@@ -8,17 +9,21 @@ use rayon::prelude::*;
 use translucid_scene::{Scene, SubsurfaceMethod};
 
 use crate::camera::CameraRays;
-use crate::film::{FilmSums, PixelSample, TileSums, layer};
+use crate::film::{FilmSums, PixelSample, layer};
 use crate::fingerprint::{fingerprint, fingerprint_of_points};
 use crate::geometry::Geometry;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::material::{self, Materials};
 use crate::normalization::Normalizer;
 use crate::path::{PathTracer, World};
+use crate::pixel_blocks::{BlockGrid, PixelRect, tiles_of};
 use crate::point_based::{PointCloud, PointProgress, PointsError};
 use crate::sampler::Sampler;
 use crate::subsurface::AXIS_PROBES;
 use crate::triangle::Ray;
+
+/// Samples that may wait until all before them are done, in pixels: 84 MB, or one sample of each pixel if that is more.
+const MOST_PENDING: u64 = 1 << 20;
 
 /// A scene made ready to render: the hierarchy built, lights and materials tabulated.
 pub struct Renderer {
@@ -138,8 +143,8 @@ impl Renderer {
 
     /// Adds samples to the film until the goal is reached, on the current rayon pool.
     ///
-    /// Every pixel's samples are added in the order of their numbers, so the sums depend neither on the
-    /// number of threads nor on where the work was interrupted.
+    /// Every pixel's samples are added in the order of their numbers, and who shares light with whom depends on their
+    /// numbers alone, so the sums depend neither on the number of threads nor on where the work was interrupted.
     pub fn render(
         &self,
         film: &mut FilmSums,
@@ -147,7 +152,8 @@ impl Renderer {
         progress: &(dyn Fn(Progress) + Sync),
         stop: &AtomicBool,
     ) -> Outcome {
-        let total = u64::from(film.width) * u64::from(film.height) * u64::from(goal.samples);
+        let pixels = u64::from(film.width) * u64::from(film.height);
+        let total = pixels * u64::from(goal.samples);
         let done = AtomicU64::new(
             film.tiles
                 .iter()
@@ -155,24 +161,46 @@ impl Renderer {
                 .sum(),
         );
         let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        let mut pass = film.samples();
+        let has_to_stop = || stop.load(Ordering::Relaxed) || late();
+        let tracers = Mutex::new(Vec::new());
+        let most = (MOST_PENDING / pixels.max(1)).max(1);
         while film.samples() < goal.samples {
-            // Passes grow: a first picture comes soon, and later the threads seldom wait for each other.
-            pass = (pass + (pass / 2).clamp(1, 16)).min(goal.samples);
-            let rects: Vec<_> = (0..film.tiles.len()).map(|index| film.tile_rect(index)).collect();
-            film.tiles.par_iter_mut().zip(rects).for_each_init(
-                || PathTracer::new(&self.world),
-                |tracer, (tile, rect)| {
-                    if tile.samples >= pass || stop.load(Ordering::Relaxed) || late() {
-                        return;
+            let first = film.samples();
+            // A first picture comes soon, and later the threads seldom wait for each other.
+            let count = most.min(u64::from(first / 2).clamp(1, 16)) as u32;
+            let numbers = first..first.saturating_add(count).min(goal.samples);
+            let grids: Vec<BlockGrid> =
+                numbers.clone().map(|number| BlockGrid::new((film.width, film.height), number)).collect();
+            let blocks: Vec<(usize, u32, usize)> = numbers
+                .clone()
+                .zip(&grids)
+                .enumerate()
+                .flat_map(|(place, (number, grid))| (0..grid.len()).map(move |block| (place, number, block)))
+                .collect();
+            let samples: Vec<Option<Vec<PixelSample>>> = blocks
+                .par_iter()
+                .map(|&(place, number, block)| {
+                    let rect = grids[place].rect(block);
+                    let is_wanted = tiles_of(rect, film.width).any(|tile| film.tiles[tile].samples <= number);
+                    if !is_wanted || has_to_stop() {
+                        return None;
                     }
-                    let before = tile.samples;
-                    self.render_tile(tracer, tile, rect, pass);
-                    let added = u64::from(tile.samples - before) * tile.pixels.len() as u64;
-                    let samples_done = done.fetch_add(added, Ordering::Relaxed) + added;
+                    let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
+                    let mut tracer = tracer.unwrap_or_else(|| PathTracer::new(&self.world));
+                    let samples = self.trace_block(&mut tracer, rect, number);
+                    tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
+                    let added = samples.len() as u64;
+                    let samples_done = (done.fetch_add(added, Ordering::Relaxed) + added).min(total);
                     progress(Progress { samples_done, samples_total: total });
-                },
-            );
+                    Some(samples)
+                })
+                .collect();
+            let mut samples = samples.as_slice();
+            for (number, grid) in numbers.zip(&grids) {
+                let (own, others) = samples.split_at(grid.len());
+                add_samples(film, number, grid, own);
+                samples = others;
+            }
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Interrupted;
             }
@@ -183,23 +211,25 @@ impl Renderer {
         Outcome::Finished
     }
 
-    /// Brings every pixel of a tile to `samples` samples.
-    fn render_tile(
+    /// Traces sample `number` of every pixel of a rectangle, row by row.
+    fn trace_block(
         &self,
         tracer: &mut PathTracer<'_>,
-        tile: &mut TileSums,
-        (left, top, width, _): (u32, u32, u32, u32),
-        samples: u32,
-    ) {
-        for (index, sums) in tile.pixels.iter_mut().enumerate() {
-            let (x, y) = (left + index as u32 % width, top + index as u32 / width);
-            for number in tile.samples..samples {
-                let mut sampler = Sampler::new(self.world.scene.integrator.seed, x, y, number);
-                let ray = self.camera.ray(x, y, sampler.next_4d());
-                add(sums, &tracer.trace(ray, &mut sampler));
-            }
+        (left, top, width, height): PixelRect,
+        number: u32,
+    ) -> Vec<PixelSample> {
+        let pixels = (top..top + height).flat_map(|y| (left..left + width).map(move |x| (x, y)));
+        let rays = pixels.map(|(x, y)| {
+            let mut sampler = Sampler::new(self.world.scene.integrator.seed, x, y, number);
+            (self.camera.ray(x, y, sampler.next_4d()), sampler)
+        });
+        let mut samples = Vec::with_capacity((width * height) as usize);
+        if self.world.scene.integrator.subsurface_sharing {
+            tracer.trace_block(rays, &mut samples);
+        } else {
+            samples.extend(rays.map(|(ray, mut sampler)| tracer.trace(ray, &mut sampler)));
         }
-        tile.samples = samples;
+        samples
     }
 
     /// Traces one path into the scene: sample `index` of the pixel (0, 0) of the given seed, but along
@@ -244,6 +274,27 @@ fn emissive_triangles(scene: &Scene, geometry: &Geometry) -> Vec<EmissiveTriangl
         }
     }
     found
+}
+
+/// Adds sample `number` to the tiles that have all before it, where every block that a tile has a part in was traced.
+fn add_samples(film: &mut FilmSums, number: u32, grid: &BlockGrid, blocks: &[Option<Vec<PixelSample>>]) {
+    let rects: Vec<PixelRect> = (0..film.tiles.len()).map(|index| film.tile_rect(index)).collect();
+    film.tiles.par_iter_mut().zip(rects).for_each(|(tile, (left, top, width, height))| {
+        let corners = [left, left + width - 1].map(|x| [top, top + height - 1].map(|y| grid.block_of(x, y)));
+        if tile.samples != number || corners.iter().flatten().any(|&block| blocks[block].is_none()) {
+            return;
+        }
+        for (index, sums) in tile.pixels.iter_mut().enumerate() {
+            let (x, y) = (left + index as u32 % width, top + index as u32 / width);
+            let block = grid.block_of(x, y);
+            let (block_left, block_top, block_width, _) = grid.rect(block);
+            let place = (y - block_top) * block_width + (x - block_left);
+            if let Some(samples) = &blocks[block] {
+                add(sums, &samples[place as usize]);
+            }
+        }
+        tile.samples = number + 1;
+    });
 }
 
 /// Adds a sample to a pixel's sums. A sample that is not finite would spoil the pixel for good; it counts

@@ -19,6 +19,8 @@
 //! the texture has, so that every R is covered.
 //! All hits count: one of them is drawn in proportion to its weight and stands for their sum.
 
+use std::f32::consts::TAU;
+
 use glam::Vec3;
 
 use crate::Frame;
@@ -27,6 +29,7 @@ use crate::material::Subsurface;
 use crate::path::World;
 use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
+use crate::sharing::{ExitProfiles, Nearness};
 use crate::subsurface_pair::Pairing;
 use crate::subsurface_profile::{CutNormalizedDiffusion, CutProfile, CutTable, Truncation};
 use crate::triangle::Ray;
@@ -70,7 +73,39 @@ pub(crate) struct Prober {
     axis_probes: [f32; 3],
     hits: Vec<Hit>,
     /// Weight of each hit, and the sum of importances up to it.
-    weights: Vec<(Vec3, f32)>,
+    weights: Vec<(HitWeight, f32)>,
+}
+
+/// What a hit counts for.
+#[derive(Clone, Copy, Debug, Default)]
+struct HitWeight {
+    /// R / p.
+    value: Vec3,
+    /// 1 / p \[L²\].
+    inverse_density: f32,
+}
+
+impl HitWeight {
+    fn scaled(self, factor: f32) -> Self {
+        Self { value: self.value * factor, inverse_density: self.inverse_density * factor }
+    }
+}
+
+/// What an exit has to share with others.
+pub(crate) struct Shareable<'w> {
+    pub(crate) profiles: ExitProfiles<'w>,
+    pub(crate) nearness: Nearness,
+    /// The hit that probes have found, if any.
+    pub(crate) found: Option<Found>,
+}
+
+/// A hit that can serve other exits, too.
+pub(crate) struct Found {
+    pub(crate) hit: Hit,
+    /// R(|x − P|) over the density of finding it, per channel of the exit that found it.
+    pub(crate) weight: Vec3,
+    /// Unbiased estimate of 1 over that density \[L²\].
+    pub(crate) contribution: f32,
 }
 
 impl Prober {
@@ -98,6 +133,56 @@ impl Prober {
         }
     }
 
+    /// Draws an entry point for all exits nearby, for an exit whose own parameters are all that counts; `None` if no
+    /// channel scatters.
+    pub(crate) fn sample_to_share<'w>(
+        &mut self,
+        world: &'w World,
+        exit: &Exit<'_>,
+        sampler: &mut Sampler,
+    ) -> Option<Shareable<'w>> {
+        let truncation = self.truncation;
+        match exit.subsurface.source {
+            ProfileSource::NormalizedDiffusion => {
+                let profile = |_, length| CutNormalizedDiffusion::new(length, &truncation);
+                self.share_by(world, exit, sampler, profile, ExitProfiles::NormalizedDiffusion)
+            }
+            ProfileSource::Table(table)
+            | ProfileSource::Directional { table, .. }
+            | ProfileSource::Oblique { table, .. } => {
+                let table = world.materials.profile_tables().table(table);
+                let profile = |albedo, length| CutTable::new(table.at(albedo, length), truncation.tail);
+                self.share_by(world, exit, sampler, profile, ExitProfiles::Table)
+            }
+            ProfileSource::RandomWalk(_) => None,
+        }
+    }
+
+    fn share_by<'w, P: CutProfile>(
+        &mut self,
+        world: &World,
+        exit: &Exit<'_>,
+        sampler: &mut Sampler,
+        profile: impl Fn(f32, f32) -> P,
+        all: impl Fn([P; 3]) -> ExitProfiles<'w>,
+    ) -> Option<Shareable<'w>> {
+        let channels = Channels::new(exit, profile)?;
+        let axis_probes = self.axis_probes;
+        let proposals = &channels.proposals;
+        let found = self.sample_from(proposals, world, exit, sampler, |_, offset, normal| {
+            channels.weight(offset, normal, axis_probes)
+        });
+        let found = found.map(|(hit, weight)| Found {
+            hit,
+            weight: weight.value,
+            contribution: weight.inverse_density,
+        });
+        let profiles = all(proposals.profiles);
+        let is_probed = |c: usize| if proposals.shares[c] > 0.0 { channels.albedo[c] } else { 0.0 };
+        let nearness = Nearness::new([0, 1, 2].map(is_probed), profiles.reaches(), self.truncation.tail);
+        Some(Shareable { profiles, nearness, found })
+    }
+
     /// The same with the profile of a surface albedo and a length.
     fn sample_by<P: CutProfile>(
         &mut self,
@@ -115,6 +200,7 @@ impl Prober {
             self.sample_from(&channels.proposals, world, exit, sampler, |_, offset, normal| {
                 channels.weight(offset, normal, axis_probes)
             })?;
+        let weight = weight.value;
         Some(Entry { hit, weight, subsurface: exit.subsurface })
     }
 
@@ -145,7 +231,7 @@ impl Prober {
         let (hit, weight) = self.sample_from(&proposals, world, exit, sampler, |hit, offset, normal| {
             let (density, distance) = proposals.density(offset, normal, axis_probes);
             if density <= 0.0 {
-                return Vec3::ZERO;
+                return HitWeight::default();
             }
             let pair = pairing.pair(world, exit, hit);
             let value = |c: usize| {
@@ -155,8 +241,10 @@ impl Prober {
                 let profile = profile(pair.albedo[c], pair.length[c]);
                 if distance <= profile.longest() { pair.albedo[c] * profile.pdf(distance) } else { 0.0 }
             };
-            Vec3::new(value(0), value(1), value(2)) / density
+            let value = Vec3::new(value(0), value(1), value(2)) / density;
+            HitWeight { value, inverse_density: TAU * distance / density }
         })?;
+        let weight = weight.value;
         Some(Entry { hit, weight, subsurface: pairing.pair(world, exit, &hit) })
     }
 
@@ -168,8 +256,8 @@ impl Prober {
         world: &World,
         exit: &Exit<'_>,
         sampler: &mut Sampler,
-        weight: impl Fn(&Hit, Vec3, Vec3) -> Vec3,
-    ) -> Option<(Hit, Vec3)> {
+        weight: impl Fn(&Hit, Vec3, Vec3) -> HitWeight,
+    ) -> Option<(Hit, HitWeight)> {
         let geometry = &world.geometry;
         let frame = Frame::from_normal(exit.point.geometric_normal);
         self.hits.clear();
@@ -200,12 +288,12 @@ impl Prober {
                 let is_copy = hit.t - before.0 <= SAME_PLACE * ray.t_max && normal.dot(before.1) > 0.999;
                 before = (hit.t, normal);
                 let weight = if is_copy || frame.axis(axis).dot(normal).abs() < GRAZING {
-                    Vec3::ZERO
+                    HitWeight::default()
                 } else {
                     let offset = geometry.position(hit) - exit.point.position;
                     weight(hit, frame.to_local(offset), frame.to_local(normal))
                 };
-                sum += (weight * exit.importance).element_sum();
+                sum += (weight.value * exit.importance).element_sum();
                 self.weights.push((weight, sum));
             }
         }
@@ -213,14 +301,14 @@ impl Prober {
     }
 
     /// The hit at which the running sum of importances passes `goal` stands for all of them.
-    fn pick(&self, goal: f32, importance: Vec3, sum: f32) -> Option<(Hit, Vec3)> {
+    fn pick(&self, goal: f32, importance: Vec3, sum: f32) -> Option<(Hit, HitWeight)> {
         if !(sum > 0.0 && sum.is_finite()) {
             return None;
         }
         let index = self.weights.partition_point(|&(_, cumulative)| cumulative <= goal);
         let (weight, _) = *self.weights.get(index)?;
-        let own = (weight * importance).element_sum();
-        (own > 0.0).then(|| (self.hits[index], weight * (sum / own)))
+        let own = (weight.value * importance).element_sum();
+        (own > 0.0).then(|| (self.hits[index], weight.scaled(sum / own)))
     }
 }
 
@@ -298,18 +386,20 @@ impl<P: CutProfile> Channels<P> {
         })
     }
 
-    /// R / p for a point at `offset` from the exit with normal `normal`, both in the exit's frame.
+    /// R / p and 1 / p for a point at `offset` from the exit with normal `normal`, both in the exit's frame.
     #[inline]
-    fn weight(&self, offset: Vec3, normal: Vec3, axis_probes: [f32; 3]) -> Vec3 {
+    fn weight(&self, offset: Vec3, normal: Vec3, axis_probes: [f32; 3]) -> HitWeight {
         let (density, distance) = self.proposals.density(offset, normal, axis_probes);
         if density <= 0.0 {
-            return Vec3::ZERO;
+            return HitWeight::default();
         }
         let value = |c: usize| {
             let profile = &self.proposals.profiles[c];
             if distance <= profile.longest() { self.albedo[c] * profile.pdf(distance) } else { 0.0 }
         };
-        Vec3::new(value(0), value(1), value(2)) / density
+        let value = Vec3::new(value(0), value(1), value(2)) / density;
+        // Density and profile are those times 2πr
+        HitWeight { value, inverse_density: TAU * distance / density }
     }
 }
 
@@ -325,7 +415,7 @@ fn probe_segment(
 ) -> Option<Ray> {
     let longest = profile.longest();
     let radius = profile.sample(u[0]);
-    let (sin, cos) = (std::f32::consts::TAU * u[1]).sin_cos();
+    let (sin, cos) = (TAU * u[1]).sin_cos();
     let (first, second) = (frame.axis((axis + 1) % 3), frame.axis((axis + 2) % 3));
     // √(R_m² − r²), whose squares might overflow
     let half = (longest - radius).max(0.0).sqrt() * (longest + radius).sqrt();

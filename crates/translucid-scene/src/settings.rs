@@ -99,6 +99,9 @@ pub struct Integrator {
     pub subsurface_tail: f32,
     /// How light under surfaces is found.
     pub subsurface_method: SubsurfaceMethod,
+    /// Whether light that has entered below one pixel serves the pixels around it. The mean of a picture is the same
+    /// with less noise; what is left of it varies less from pixel to pixel.
+    pub subsurface_sharing: bool,
     /// Relative error that the point-based method may make, in [0.001, 1]: it decides how close the points lie, how
     /// exact their light is, and how far sums over distant points are refined.
     pub point_tolerance: f32,
@@ -117,6 +120,7 @@ impl Default for Integrator {
             caustics: false,
             subsurface_tail: 1e-3,
             subsurface_method: SubsurfaceMethod::RayTraced,
+            subsurface_sharing: true,
             point_tolerance: 0.05,
             point_memory: 2048,
             seed: 0,

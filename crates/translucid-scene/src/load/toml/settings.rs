@@ -12,6 +12,7 @@ pub(super) const INTEGRATOR_KEYS: &[&str] = &[
     "caustics",
     "subsurface_tail",
     "subsurface_method",
+    "subsurface_sharing",
     "point_tolerance",
     "point_memory",
     "seed",
@@ -73,6 +74,7 @@ pub(super) fn read_integrator(table: &Table<'_>) -> Result<Integrator, SceneErro
         subsurface_method: table.read("subsurface_method", default.subsurface_method, |item| {
             item.word(&SubsurfaceMethod::WORDS)
         })?,
+        subsurface_sharing: table.read("subsurface_sharing", default.subsurface_sharing, Item::boolean)?,
         point_tolerance: table.read("point_tolerance", default.point_tolerance, |item| {
             item.number(Interval::closed(0.001, 1.0))
         })?,

@@ -1,0 +1,26 @@
+//! Light that has entered below one pixel's surface point, shared with the pixels around it.
+//!
+//! Exits x_1 … x_n of a block of pixels each find an entry point y_i by probes of their own, with an unbiased estimate
+//! W_i of 1/p_i(y_i), and the light E_i that arrives there: a shadow ray and a path, which is what costs.
+//! Where exits lie closer together than light travels below the surface, all of them could have found all entries, so
+//! each takes light from every entry:
+//!
+//! ```text
+//! L_j = Σ_i w_i(y_i) R_j(|x_j − y_i|) W_i E_i,     w_i(y) = g_i(y) / Σ_k g_k(y)
+//! ```
+//!
+//! This is multiple importance sampling with one sample of each of n strategies [Veach & Guibas 1995] and strategies
+//! that are known by their contribution weights only [Lin et al. 2022, "Generalized Resampled Importance Sampling"].
+//! It is unbiased for any g_i that is positive only where p_i is: g_i is a rational stand-in for exit i's profile (see
+//! [`Nearness`]), cut at the same radius as its probes.
+//! Near x_j its own g_j grows like R_j, so no weight is larger than without sharing.
+//!
+//! The sum over i is itself drawn from: [`PICKS`] of its terms, in proportion to g_j W_i w_i E_i and evenly spaced along
+//! the running sum, stand for all. What R_j is need be evaluated for these only, so all models and their directions
+//! are alike to it.
+
+mod nearness;
+mod pool;
+
+pub(crate) use nearness::Nearness;
+pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Pool, Waiting};

@@ -1,0 +1,114 @@
+//! How near exits are to entries, in the measure of their profiles.
+
+/// Entries that are worked on together.
+pub(super) const LANES: usize = 8;
+
+/// Distances below this part of the longest count as this.
+const LEAST_DISTANCE: f32 = 1e-7;
+
+/// A stand-in for the sum of an exit's profiles over its channels,
+///
+/// ```text
+/// g(r) = 1/r Σ_c s_c / (1 + r/a_c)⁴,      0 beyond the longest probe
+/// ```
+///
+/// For a_c = 6d the shape is within a third of normalized diffusion over the radii that hold 90 % of its energy, with
+/// the same 1/r near 0 and, up to the cut, more in the tail.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Nearness {
+    /// 1/a_c \[L⁻¹\].
+    inverse_scale: [f32; 3],
+    /// s_c, 0 in channels that are not probed.
+    share: [f32; 3],
+    longest: f32,
+}
+
+impl Nearness {
+    /// The stand-in for channels of these weights whose profiles, cut where the energy `tail` is outside, reach so far
+    /// \[L\]. Channels without weight or length are left out.
+    pub(crate) fn new(weights: [f32; 3], reaches: [f32; 3], tail: f32) -> Self {
+        // Of normalized diffusion: R_m = 3d ln(¾ / tail)
+        let scale_of_reach = 2.0 / (0.75 / tail).ln();
+        let mut new = Self { inverse_scale: [0.0; 3], share: [0.0; 3], longest: 0.0 };
+        for c in 0..3 {
+            if weights[c] > 0.0 && reaches[c] > 0.0 {
+                new.inverse_scale[c] = 1.0 / (scale_of_reach * reaches[c]);
+                new.share[c] = weights[c] * new.inverse_scale[c];
+                new.longest = new.longest.max(reaches[c]);
+            }
+        }
+        new
+    }
+
+    /// Distance that a point counts as having, never 0.
+    #[inline(always)]
+    pub(crate) fn distance(&self, squared: f32) -> f32 {
+        squared.sqrt().max(LEAST_DISTANCE * self.longest)
+    }
+
+    /// g at points with these coordinates, whose number is a multiple of [`LANES`]; adds it to the sums, too.
+    ///
+    /// Without fused operations, so that every processor has the same bits.
+    #[inline(always)]
+    fn row(&self, [x, y, z]: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
+        let n = row.len();
+        let [px, py, pz] = points.map(|p| &p[..n]);
+        let sums = &mut sums[..n];
+        let least = LEAST_DISTANCE * self.longest;
+        let [a, b, c] = self.inverse_scale;
+        let [sa, sb, sc] = self.share;
+        let longest_squared = self.longest * self.longest;
+        for i in 0..n {
+            let (dx, dy, dz) = (px[i] - x, py[i] - y, pz[i] - z);
+            let squared = dx * dx + dy * dy + dz * dz;
+            let r = squared.sqrt().max(least);
+            let fourth = |inverse: f32| {
+                let q = 1.0 + r * inverse;
+                let q2 = q * q;
+                q2 * q2
+            };
+            let g = (sa / fourth(a) + sb / fourth(b) + sc / fourth(c)) / r;
+            let g = if squared <= longest_squared { g } else { 0.0 };
+            row[i] = g;
+            sums[i] += g;
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn row_avx2(&self, exit: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
+        self.row(exit, points, row, sums);
+    }
+
+    /// [`row`](Self::row) with the widest vectors that the processor has.
+    #[inline]
+    pub(super) fn fill(
+        &self,
+        exit: [f32; 3],
+        points: [&[f32]; 3],
+        row: &mut [f32],
+        sums: &mut [f32],
+        avx2: bool,
+    ) {
+        #[cfg(target_arch = "x86_64")]
+        if avx2 {
+            // SAFETY: `avx2` is true only if the processor was found to have AVX2.
+            unsafe { self.row_avx2(exit, points, row, sums) };
+            return;
+        }
+        let _ = avx2;
+        self.row(exit, points, row, sums);
+    }
+}
+
+/// Whether the processor has AVX2.
+pub(super) fn avx2_is_available() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        false
+    }
+}

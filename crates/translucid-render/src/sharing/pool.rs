@@ -1,0 +1,273 @@
+//! The exits of a block of pixels and the light that has entered near them.
+
+use std::f32::consts::TAU;
+
+use glam::Vec3;
+
+use super::nearness::{LANES, Nearness, avx2_is_available};
+use crate::directionality::{Directionality, Passage};
+use crate::material::Subsurface;
+use crate::path::Layer;
+use crate::profile_tables::ProfileTables;
+use crate::subsurface_profile::{CutNormalizedDiffusion, CutProfile, CutTable};
+
+/// Terms that stand for an exit's sum over all entries.
+///
+/// Measured on the head at 256², 4 samples: variance 1.04 times that of the whole sum, at 4, 1.02 at 16.
+const PICKS: usize = 8;
+
+/// Light from one direction at an entry.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival {
+    /// Unit direction toward where it comes from.
+    pub(crate) direction: Vec3,
+    /// What it adds to E/π below the surface.
+    pub(crate) light: Vec3,
+}
+
+impl Arrival {
+    pub(crate) const NONE: Self = Self { direction: Vec3::Z, light: Vec3::ZERO };
+}
+
+/// A point where light has entered.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EntryLight {
+    pub(crate) position: Vec3,
+    /// Shading normal on the side that is seen.
+    pub(crate) normal: Vec3,
+    /// Unbiased estimate of 1/p for the exit that found it \[L²\].
+    pub(crate) contribution: f32,
+    /// From a sampled light and from a path.
+    pub(crate) arrivals: [Arrival; 2],
+}
+
+/// The profiles that an exit's probes were drawn from.
+#[derive(Clone, Copy)]
+pub(crate) enum ExitProfiles<'a> {
+    NormalizedDiffusion([CutNormalizedDiffusion; 3]),
+    Table([CutTable<'a>; 3]),
+}
+
+impl ExitProfiles<'_> {
+    /// R at a distance; `albedo` is 0 in channels that do not scatter.
+    #[inline]
+    fn reflectance(&self, albedo: Vec3, distance: f32) -> Vec3 {
+        #[inline(always)]
+        fn of<P: CutProfile>(profiles: &[P; 3], albedo: Vec3, distance: f32) -> Vec3 {
+            let value = |c: usize| {
+                let within = albedo[c] > 0.0 && distance <= profiles[c].longest();
+                if within { albedo[c] * profiles[c].pdf(distance) } else { 0.0 }
+            };
+            Vec3::new(value(0), value(1), value(2)) / (TAU * distance)
+        }
+        match self {
+            Self::NormalizedDiffusion(profiles) => of(profiles, albedo, distance),
+            Self::Table(profiles) => of(profiles, albedo, distance),
+        }
+    }
+
+    /// How far each channel's profile reaches.
+    pub(crate) fn reaches(&self) -> [f32; 3] {
+        match self {
+            Self::NormalizedDiffusion(profiles) => profiles.map(|p| p.longest()),
+            Self::Table(profiles) => profiles.map(|p| p.longest()),
+        }
+    }
+}
+
+/// An exit that waits for light.
+pub(crate) struct Waiting<'a> {
+    /// Number of its sample in the block.
+    pub(crate) sample: usize,
+    /// Subsurface group, and whether it is seen from outside: others have other entries.
+    pub(crate) kind: (u32, bool),
+    pub(crate) position: Vec3,
+    /// Shading normal on the side that is seen.
+    pub(crate) normal: Vec3,
+    /// Factor on the light that leaves.
+    pub(crate) throughput: Vec3,
+    pub(crate) layer: Layer,
+    pub(crate) subsurface: Subsurface,
+    pub(crate) profiles: ExitProfiles<'a>,
+    pub(crate) nearness: Nearness,
+    /// Uniform in [0, 1).
+    pub(crate) random: f32,
+    pub(crate) entry: Option<EntryLight>,
+}
+
+/// The exits of a block; keeps its memory from block to block.
+pub(crate) struct Pool<'a> {
+    waiting: Vec<Waiting<'a>>,
+    order: Vec<usize>,
+    sums: Sums,
+}
+
+/// Work space for exits of one kind.
+#[derive(Default)]
+struct Sums {
+    avx2: bool,
+    /// Entries: number of the exit, position by axis (filled up to whole [`LANES`]), Σ g.
+    owners: Vec<usize>,
+    points: [Vec<f32>; 3],
+    sums: Vec<f32>,
+    /// w_i W_i, and that times a number for the light.
+    coefficients: Vec<f32>,
+    bright: Vec<f32>,
+    /// g of each exit (row) at each entry.
+    nearness: Vec<f32>,
+    /// An exit's terms, those of [`LANES`] entries together.
+    partial: Vec<f32>,
+}
+
+impl<'a> Pool<'a> {
+    pub(crate) fn new() -> Self {
+        let sums = Sums { avx2: avx2_is_available(), ..Sums::default() };
+        Self { waiting: Vec::new(), order: Vec::new(), sums }
+    }
+
+    pub(crate) fn push(&mut self, exit: Waiting<'a>) {
+        self.waiting.push(exit);
+    }
+
+    /// Calls `add` with the number of the sample, the layer and the light for every exit that gets some, and forgets
+    /// all exits.
+    pub(crate) fn resolve(&mut self, tables: &ProfileTables, mut add: impl FnMut(usize, Layer, Vec3)) {
+        self.order.clear();
+        self.order.extend(0..self.waiting.len());
+        self.order.sort_by_key(|&i| self.waiting[i].kind);
+        let waiting = &self.waiting;
+        for alike in self.order.chunk_by(|&a, &b| waiting[a].kind == waiting[b].kind) {
+            self.sums.prepare(alike, waiting);
+            for (row, &index) in alike.iter().enumerate() {
+                let exit = &waiting[index];
+                let light = self.sums.gather(row, exit, alike, waiting, tables);
+                if light != Vec3::ZERO {
+                    add(exit.sample, exit.layer, exit.throughput * light);
+                }
+            }
+        }
+        self.waiting.clear();
+    }
+}
+
+impl Sums {
+    /// Number of entries, filled up.
+    fn width(&self) -> usize {
+        self.sums.len()
+    }
+
+    /// Everything that all exits share.
+    fn prepare(&mut self, alike: &[usize], waiting: &[Waiting<'_>]) {
+        self.owners.clear();
+        self.points.iter_mut().for_each(Vec::clear);
+        for (number, &index) in alike.iter().enumerate() {
+            if let Some(entry) = &waiting[index].entry {
+                self.owners.push(number);
+                for (axis, points) in self.points.iter_mut().enumerate() {
+                    points.push(entry.position[axis]);
+                }
+            }
+        }
+        let width = self.owners.len().next_multiple_of(LANES);
+        // Points that no exit is near
+        self.points.iter_mut().for_each(|points| points.resize(width, f32::INFINITY));
+        self.sums.clear();
+        self.sums.resize(width, 0.0);
+        self.nearness.resize(width * alike.len(), 0.0);
+        if width == 0 {
+            return;
+        }
+        let points = self.points.each_ref().map(Vec::as_slice);
+        for (row, &index) in self.nearness.chunks_exact_mut(width).zip(alike) {
+            let exit = &waiting[index];
+            exit.nearness.fill(exit.position.to_array(), points, row, &mut self.sums, self.avx2);
+        }
+        self.coefficients.clear();
+        self.bright.clear();
+        for (i, &owner) in self.owners.iter().enumerate() {
+            let entry = waiting[alike[owner]].entry.as_ref().expect("owners have entries");
+            let share = self.nearness[owner * width + i] / self.sums[i];
+            let coefficient = share * entry.contribution;
+            let light = entry.arrivals[0].light + entry.arrivals[1].light;
+            let bright = coefficient * light.element_sum();
+            let is_usable = coefficient > 0.0 && bright > 0.0 && bright.is_finite();
+            self.coefficients.push(if is_usable { coefficient } else { 0.0 });
+            self.bright.push(if is_usable { bright } else { 0.0 });
+        }
+        self.bright.resize(width, 0.0);
+    }
+
+    /// Light that leaves at the exit of a row.
+    fn gather(
+        &mut self,
+        row: usize,
+        exit: &Waiting<'_>,
+        alike: &[usize],
+        waiting: &[Waiting<'_>],
+        tables: &ProfileTables,
+    ) -> Vec3 {
+        let width = self.width();
+        let near = &self.nearness[row * width..(row + 1) * width];
+        self.partial.clear();
+        for (near, bright) in near.chunks_exact(LANES).zip(self.bright.chunks_exact(LANES)) {
+            let products: [f32; LANES] = std::array::from_fn(|lane| near[lane] * bright[lane]);
+            self.partial.push(products.iter().sum());
+        }
+        let sum: f32 = self.partial.iter().sum();
+        if !(sum > 0.0 && sum.is_finite()) {
+            return Vec3::ZERO;
+        }
+        let step = sum / PICKS as f32;
+        let mut light = Vec3::ZERO;
+        // Picks are where the running sum passes (random + k) steps
+        let mut passed = 0.0;
+        let mut picked = 0;
+        let goal = |picked: usize| (exit.random + picked as f32) * step;
+        for (chunk, &partial) in self.partial.iter().enumerate() {
+            if passed + partial <= goal(picked) {
+                passed += partial;
+                continue;
+            }
+            let end = passed + partial;
+            for i in chunk * LANES..(chunk + 1) * LANES {
+                let term = near[i] * self.bright[i];
+                if term <= 0.0 {
+                    continue;
+                }
+                passed += term;
+                let before = picked;
+                while picked < PICKS && goal(picked) < passed {
+                    picked += 1;
+                }
+                if picked > before {
+                    let stands_for = (picked - before) as f32 * step / term;
+                    let entry = waiting[alike[self.owners[i]]].entry.as_ref().expect("owners have entries");
+                    light += exit.light_from(entry, tables) * (stands_for * self.coefficients[i]);
+                }
+            }
+            passed = end;
+        }
+        light
+    }
+}
+
+impl Waiting<'_> {
+    /// R_j E_i.
+    fn light_from(&self, entry: &EntryLight, tables: &ProfileTables) -> Vec3 {
+        let offset = self.position - entry.position;
+        let distance = self.nearness.distance(offset.length_squared());
+        let albedo = self.subsurface.albedo;
+        let length = self.subsurface.length;
+        let scattering = |c: usize| if length[c] > 0.0 { albedo[c] } else { 0.0 };
+        let scattering = Vec3::new(scattering(0), scattering(1), scattering(2));
+        let reflectance = self.profiles.reflectance(scattering, distance);
+        let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
+        let directionality = Directionality::new(tables, &self.subsurface, passage);
+        let light: Vec3 = entry
+            .arrivals
+            .iter()
+            .map(|arrival| arrival.light * directionality.weight(arrival.direction))
+            .sum();
+        reflectance * light
+    }
+}
