@@ -95,6 +95,9 @@ pub(crate) struct Arguments {
     /// How light under surfaces is found: ray-traced or point-based [default: the scene's]
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     subsurface_method: Option<SubsurfaceMethod>,
+    /// Whether light that has entered below one pixel serves those around it: true or false [default: the scene's]
+    #[arg(long, value_name = "BOOL")]
+    subsurface_sharing: Option<bool>,
     /// File of the point-based method's points: made and kept there, or taken from there for another view
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
@@ -224,6 +227,9 @@ fn scene(arguments: &Arguments, model: Option<SubsurfaceModel>) -> Result<(Scene
     }
     if let Some(method) = arguments.subsurface_method {
         scene.integrator.subsurface_method = method;
+    }
+    if let Some(is_shared) = arguments.subsurface_sharing {
+        scene.integrator.subsurface_sharing = is_shared;
     }
     scene.integrator.samples_per_pixel = match (arguments.spp, arguments.time) {
         (Some(spp), _) => spp,

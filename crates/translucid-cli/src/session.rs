@@ -16,8 +16,8 @@ use crate::points::{self, PointOptions};
 use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
 
-/// Memory that a pixel takes: its sums, and while it is written its values in all channels.
-pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 64;
+/// Memory that a pixel takes: its sums, and a sample that waits, or while it is written its values in all channels.
+pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 84;
 
 /// How a scene is to be rendered, besides its own settings.
 #[derive(Debug)]

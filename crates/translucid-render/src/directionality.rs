@@ -6,7 +6,7 @@
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
-use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32};
+use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
 use crate::material::Subsurface;
 use crate::profile_tables::{ProfileSource, ProfileTables};
@@ -46,38 +46,81 @@ pub(crate) enum Directionality {
     },
 }
 
-impl Directionality {
-    /// What the exit's subsurface parameters say.
-    pub(crate) fn new(tables: &ProfileTables, subsurface: &Subsurface, passage: Passage) -> Self {
+/// What the subsurface parameters of an exit say about directions.
+#[derive(Clone, Copy)]
+pub(crate) enum Directions<'a> {
+    /// All directions alike.
+    Radial,
+    /// The directional dipole.
+    Dipole([DirectionalDipoleF32; 3], RadialMean<'a>),
+    /// Normalized diffusion of oblique light.
+    Oblique([ObliqueDiffusionF32; 3], RadialMean<'a>),
+}
+
+/// The profiles that entries are found by, of the shape that their table has.
+#[derive(Clone, Copy)]
+pub(crate) struct RadialMean<'a> {
+    views: [ProfileViewF32<'a>; 3],
+    /// Surface albedo of the shape, 0 in channels that do not scatter.
+    albedo: [f32; 3],
+}
+
+impl RadialMean<'_> {
+    /// 1 over a density of the profiles times A; 0 where that is 0.
+    fn inverse(&self, density: impl Fn(&ProfileViewF32<'_>) -> f32) -> Vec3 {
+        let of = |c: usize| {
+            let radial = if self.albedo[c] > 0.0 { self.albedo[c] * density(&self.views[c]) } else { 0.0 };
+            if radial > 0.0 { radial.recip() } else { 0.0 }
+        };
+        Vec3::new(of(0), of(1), of(2))
+    }
+}
+
+impl<'a> Directions<'a> {
+    /// Those of an exit's parameters.
+    pub(crate) fn new(tables: &'a ProfileTables, subsurface: &Subsurface) -> Self {
         let Subsurface { albedo, length, source } = *subsurface;
-        let distance = passage.offset.length();
         // Of the shape that the table has
         let shape = |table: usize, c: usize| albedo[c].min(tables.brightest(table));
-        let view = |table: usize, c: usize| tables.table(table).at(shape(table, c), length[c]);
-        let inverse = |radial: &[f32; 3], table: usize| {
-            let of = |c: usize| {
-                let radial = shape(table, c) * radial[c];
-                if length[c] > 0.0 && radial > 0.0 { radial.recip() } else { 0.0 }
-            };
-            Vec3::new(of(0), of(1), of(2))
+        let mean = |table: usize| RadialMean {
+            views: [0, 1, 2].map(|c| tables.table(table).at(shape(table, c), length[c])),
+            albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(table, c) } else { 0.0 }),
         };
         match source {
             ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) | ProfileSource::RandomWalk(_) => {
                 Self::Radial
             }
-            ProfileSource::Directional { table, dipole } => Self::Dipole {
-                passage,
-                dipoles: [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
-                inverse: inverse(&[0, 1, 2].map(|c| view(table, c).pdf_area(distance)), table),
-            },
-            ProfileSource::Oblique { table, oblique } => Self::Oblique {
-                passage,
-                profiles: [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
-                inverse: inverse(&[0, 1, 2].map(|c| view(table, c).pdf(distance) * (0.5 * FRAC_1_PI)), table),
-            },
+            ProfileSource::Directional { table, dipole } => Self::Dipole(
+                [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
+                mean(table),
+            ),
+            ProfileSource::Oblique { table, oblique } => Self::Oblique(
+                [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
+                mean(table),
+            ),
         }
     }
 
+    /// The weights of light that goes a way below the surface.
+    pub(crate) fn along(&self, passage: Passage) -> Directionality {
+        let distance = passage.offset.length();
+        match self {
+            Self::Radial => Directionality::Radial,
+            Self::Dipole(dipoles, mean) => Directionality::Dipole {
+                passage,
+                dipoles: *dipoles,
+                inverse: mean.inverse(|view| view.pdf_area(distance)),
+            },
+            Self::Oblique(profiles, mean) => Directionality::Oblique {
+                passage,
+                profiles: *profiles,
+                inverse: mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+            },
+        }
+    }
+}
+
+impl Directionality {
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {

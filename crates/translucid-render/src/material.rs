@@ -41,6 +41,14 @@ pub(crate) struct Subsurface {
     pub(crate) source: ProfileSource,
 }
 
+impl Subsurface {
+    /// Surface albedo, 0 in channels that do not scatter below the surface.
+    pub(crate) fn scattering(&self) -> Vec3 {
+        let of = |c: usize| if self.length[c] > 0.0 { self.albedo[c] } else { 0.0 };
+        Vec3::new(of(0), of(1), of(2))
+    }
+}
+
 impl Materials {
     pub(crate) fn new(scene: &Scene) -> Self {
         let mut keys: Vec<(f32, f32)> = Vec::new();

@@ -21,7 +21,7 @@ use translucid_scene::{Material, Scene};
 
 use crate::Frame;
 use crate::bsdf::{Bsdf, BsdfSample, EntryBsdf, Lobe, SurfaceParameters};
-use crate::directionality::{Directionality, Passage};
+use crate::directionality::{Directionality, Directions, Passage};
 use crate::film::PixelSample;
 use crate::geometry::{Geometry, Hit, SurfacePoint};
 use crate::light::{LightSample, LightSet};
@@ -31,7 +31,7 @@ use crate::point_based::{Gatherer, Leaving, Scratch};
 use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
-use crate::sharing::{Arrival, EntryLight, Pool, Waiting};
+use crate::sharing::{self, Arrival, EntryLight, Pool, Waiting};
 use crate::subsurface::{Exit, Found, Prober, Shareable};
 use crate::subsurface_profile::Truncation;
 use crate::triangle::Ray;
@@ -207,8 +207,7 @@ impl<'a> PathTracer<'a> {
             while self.step(&mut path, &mut sampler) {}
             samples.push(path.sample);
         }
-        let tables = self.world.materials.profile_tables();
-        self.pool.resolve(tables, |number, layer, light| layer.add(&mut samples[number], light));
+        self.pool.resolve(|number, layer, light| layer.add(&mut samples[number], light));
     }
 
     /// Follows the ray to its end and draws the next one; false when the path is over.
@@ -404,6 +403,7 @@ impl<'a> PathTracer<'a> {
         let tables = world.materials.profile_tables();
         if let Some(number) = path.in_block.take()
             && world.materials.pairing(exit.material).is_none()
+            && sharing::can_share(vertex.subsurface.length)
         {
             self.share_below(path, vertex, &exit, side, number, sampler);
             return false;
@@ -425,7 +425,7 @@ impl<'a> PathTracer<'a> {
             entry_normal: normal,
             exit_normal: vertex.normal * side,
         };
-        let directionality = Directionality::new(tables, &found.subsurface, passage);
+        let directionality = Directions::new(tables, &found.subsurface).along(passage);
         let entrance = Entrance { point: &point, normal, geometric, entry, directionality };
         self.enter(path, &entrance, sampler)
     }
@@ -459,7 +459,8 @@ impl<'a> PathTracer<'a> {
             normal: vertex.normal * side,
             throughput,
             layer: path.layer_after(Layer::Subsurface),
-            subsurface: vertex.subsurface,
+            albedo: vertex.subsurface.scattering(),
+            directions: Directions::new(world.materials.profile_tables(), &vertex.subsurface),
             profiles,
             nearness,
             random,
@@ -511,7 +512,9 @@ impl<'a> PathTracer<'a> {
             let light = arrival.light * directionality.weight(arrival.direction) * path.throughput;
             path.add_to(path.layer_after(Layer::Subsurface), light);
         }
-        let Some((direction, weight)) = self.head_off(path, entrance, sampler.next_4d()) else { return false };
+        let Some((direction, weight)) = self.head_off(path, entrance, sampler.next_4d()) else {
+            return false;
+        };
         path.throughput *= weight * directionality.weight(direction);
         path.throughput != Vec3::ZERO
     }

@@ -24,3 +24,8 @@ mod pool;
 
 pub(crate) use nearness::Nearness;
 pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Pool, Waiting};
+
+/// Whether numbers like the inverse square of these lengths, per channel \[L\], and their products stay finite.
+pub(crate) fn can_share(length: glam::Vec3) -> bool {
+    (0..3).all(|c| length[c] <= 0.0 || (1e-8..1e8).contains(&length[c]))
+}

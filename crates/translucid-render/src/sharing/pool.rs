@@ -5,10 +5,8 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::nearness::{LANES, Nearness, avx2_is_available};
-use crate::directionality::{Directionality, Passage};
-use crate::material::Subsurface;
+use crate::directionality::{Directions, Passage};
 use crate::path::Layer;
-use crate::profile_tables::ProfileTables;
 use crate::subsurface_profile::{CutNormalizedDiffusion, CutProfile, CutTable};
 
 /// Terms that stand for an exit's sum over all entries.
@@ -87,7 +85,9 @@ pub(crate) struct Waiting<'a> {
     /// Factor on the light that leaves.
     pub(crate) throughput: Vec3,
     pub(crate) layer: Layer,
-    pub(crate) subsurface: Subsurface,
+    /// Surface albedo, 0 in channels that do not scatter.
+    pub(crate) albedo: Vec3,
+    pub(crate) directions: Directions<'a>,
     pub(crate) profiles: ExitProfiles<'a>,
     pub(crate) nearness: Nearness,
     /// Uniform in [0, 1).
@@ -131,7 +131,7 @@ impl<'a> Pool<'a> {
 
     /// Calls `add` with the number of the sample, the layer and the light for every exit that gets some, and forgets
     /// all exits.
-    pub(crate) fn resolve(&mut self, tables: &ProfileTables, mut add: impl FnMut(usize, Layer, Vec3)) {
+    pub(crate) fn resolve(&mut self, mut add: impl FnMut(usize, Layer, Vec3)) {
         self.order.clear();
         self.order.extend(0..self.waiting.len());
         self.order.sort_by_key(|&i| self.waiting[i].kind);
@@ -140,7 +140,7 @@ impl<'a> Pool<'a> {
             self.sums.prepare(alike, waiting);
             for (row, &index) in alike.iter().enumerate() {
                 let exit = &waiting[index];
-                let light = self.sums.gather(row, exit, alike, waiting, tables);
+                let light = self.sums.gather(row, exit, alike, waiting);
                 if light != Vec3::ZERO {
                     add(exit.sample, exit.layer, exit.throughput * light);
                 }
@@ -198,14 +198,7 @@ impl Sums {
     }
 
     /// Light that leaves at the exit of a row.
-    fn gather(
-        &mut self,
-        row: usize,
-        exit: &Waiting<'_>,
-        alike: &[usize],
-        waiting: &[Waiting<'_>],
-        tables: &ProfileTables,
-    ) -> Vec3 {
+    fn gather(&mut self, row: usize, exit: &Waiting<'_>, alike: &[usize], waiting: &[Waiting<'_>]) -> Vec3 {
         let width = self.width();
         let near = &self.nearness[row * width..(row + 1) * width];
         self.partial.clear();
@@ -242,7 +235,7 @@ impl Sums {
                 if picked > before {
                     let stands_for = (picked - before) as f32 * step / term;
                     let entry = waiting[alike[self.owners[i]]].entry.as_ref().expect("owners have entries");
-                    light += exit.light_from(entry, tables) * (stands_for * self.coefficients[i]);
+                    light += exit.light_from(entry, stands_for * self.coefficients[i]);
                 }
             }
             passed = end;
@@ -252,22 +245,20 @@ impl Sums {
 }
 
 impl Waiting<'_> {
-    /// R_j E_i.
-    fn light_from(&self, entry: &EntryLight, tables: &ProfileTables) -> Vec3 {
+    /// R_j E_i times a factor.
+    fn light_from(&self, entry: &EntryLight, factor: f32) -> Vec3 {
         let offset = self.position - entry.position;
         let distance = self.nearness.distance(offset.length_squared());
-        let albedo = self.subsurface.albedo;
-        let length = self.subsurface.length;
-        let scattering = |c: usize| if length[c] > 0.0 { albedo[c] } else { 0.0 };
-        let scattering = Vec3::new(scattering(0), scattering(1), scattering(2));
-        let reflectance = self.profiles.reflectance(scattering, distance);
+        let reflectance = self.profiles.reflectance(self.albedo, distance);
         let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
-        let directionality = Directionality::new(tables, &self.subsurface, passage);
-        let light: Vec3 = entry
-            .arrivals
-            .iter()
-            .map(|arrival| arrival.light * directionality.weight(arrival.direction))
-            .sum();
-        reflectance * light
+        let directionality = self.directions.along(passage);
+        let light = |arrival: &Arrival| {
+            if arrival.light == Vec3::ZERO {
+                return Vec3::ZERO;
+            }
+            arrival.light * directionality.weight(arrival.direction)
+        };
+        // The brightest light is that of extreme scenes: what it is multiplied with is about 1
+        reflectance * factor * entry.arrivals.iter().map(light).sum::<Vec3>()
     }
 }

@@ -133,6 +133,8 @@ fn broken_integrator_is_refused() {
     let must = "must be one of \"ray-traced\", \"point-based\"";
     let message = format!("integrator.subsurface_method is \"points\", but {must}");
     refuse("[integrator]\nsubsurface_method = \"points\"", &message, "\"points\"", "");
+    let message = "integrator.subsurface_sharing is a string, but must be true or false";
+    refuse("[integrator]\nsubsurface_sharing = \"on\"", message, "\"on\"", "");
     let message = "integrator.point_tolerance is 0, but must be in [0.001, 1]";
     refuse("[integrator]\npoint_tolerance = 0", message, "0", "");
     let message = "integrator.point_memory is 0, but must be a whole number in [1, 1048576]";

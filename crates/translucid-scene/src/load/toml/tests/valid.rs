@@ -56,7 +56,7 @@ fn camera_reads_every_key() {
 fn film_and_integrator_read_every_key() {
     let text = "[film]\nsize = [640, 0x1e0]\nfilter = \"gaussian\"\nfilter_radius = 2\nexposure = -1.5\ntone_mapping = \"agx\"\n\
                 [integrator]\nsamples_per_pixel = 1_024\nmax_depth = 7\nmax_diffuse_depth = 3\ncaustics = true\nsubsurface_tail = 1e-4\n\
-                subsurface_method = \"point-based\"\npoint_tolerance = 0.125\npoint_memory = 77\nseed = 18446744073709551615";
+                subsurface_method = \"point-based\"\nsubsurface_sharing = false\npoint_tolerance = 0.125\npoint_memory = 77\nseed = 18446744073709551615";
     let file = parse(&with_ball(text)).unwrap();
     let film = Film {
         width: 640,
@@ -73,6 +73,7 @@ fn film_and_integrator_read_every_key() {
         caustics: true,
         subsurface_tail: 1e-4,
         subsurface_method: SubsurfaceMethod::PointBased,
+        subsurface_sharing: false,
         point_tolerance: 0.125,
         point_memory: 77,
         seed: u64::MAX,
