@@ -35,7 +35,7 @@ mod wide_tree;
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
 pub use geometry::{Geometry, Hit};
-pub use light::{EmissiveTriangle, LightHit, LightSample, LightSet};
+pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
 pub use output::{
     CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
     check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,

@@ -12,7 +12,7 @@ use crate::camera::CameraRays;
 use crate::film::{FilmSums, PixelSample, layer};
 use crate::fingerprint::{fingerprint, fingerprint_of_points};
 use crate::geometry::Geometry;
-use crate::light::{EmissiveTriangle, LightSet};
+use crate::light::{EmissiveTriangle, LightSelection, LightSet};
 use crate::material::{self, Materials};
 use crate::normalization::Normalizer;
 use crate::path::{PathTracer, World};
@@ -238,6 +238,14 @@ impl Renderer {
     pub fn sample_ray(&self, origin: Vec3, direction: Vec3, seed: u64, index: u32) -> PixelSample {
         let mut sampler = Sampler::new(seed, 0, 0, index);
         PathTracer::new(&self.world).trace(Ray::new(origin, direction), &mut sampler)
+    }
+
+    /// Selects lights in another way than what suits their number. For measuring: the picture stays the same but for
+    /// its noise.
+    #[must_use]
+    pub fn with_light_selection(mut self, way: LightSelection) -> Self {
+        self.world.lights = self.world.lights.with_selection(way);
+        self
     }
 
     /// Sets the probabilities, in [0, 1], of probing along (tangent, tangent, normal) at an exit point.

@@ -10,9 +10,11 @@
 //! them is asked for, radiance and density are those of all of them together.
 
 mod beam;
+mod bounds;
 mod directions;
 mod distant;
 mod distribution;
+mod emitters;
 mod environment;
 mod environment_map;
 mod receiver;
@@ -20,21 +22,21 @@ mod rectangle;
 mod selection;
 mod sphere;
 mod spot;
+mod surfaces;
+mod tree;
+mod tree_builder;
 mod triangle;
 
 use glam::Vec3;
-use translucid_scene::{Light, Scene};
+use translucid_scene::Scene;
 
-use beam::Beam;
-use distant::Distant;
-use environment::Environment;
+use emitters::{Emitters, Source};
 use receiver::Receiver;
-use rectangle::Rectangle;
-use selection::{Odds, Selection};
-use sphere::Sphere;
-use spot::Spot;
-use triangle::Mesh;
+use selection::Selection;
+use surfaces::Surfaces;
 
+pub(crate) use emitters::kind_without_size;
+pub use selection::LightSelection;
 pub use triangle::EmissiveTriangle;
 
 /// A direction to try for light.
@@ -81,7 +83,7 @@ pub struct LightHit {
     /// Whether the camera sees the light directly.
     pub visible: bool,
     position: Vec3,
-    source: usize,
+    light: usize,
 }
 
 impl LightHit {
@@ -89,102 +91,27 @@ impl LightHit {
     /// this hit, selection included.
     #[must_use]
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
-        let density = match lights.sources.get(self.source) {
+        let density = match lights.emitters.sources.get(self.light) {
             Some(Source::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
             Some(Source::Sphere(sphere)) => sphere.pdf(point),
             _ => 0.0,
         };
-        let receiver = Receiver { point, normal };
-        finite_product(lights.odds(&receiver).probability(self.source), density)
-    }
-}
-
-/// Any light.
-#[derive(Clone, Debug)]
-enum Source {
-    Rectangle(Rectangle),
-    Sphere(Sphere),
-    Distant(Distant),
-    Spot(Spot),
-    Beam(Beam),
-    Mesh(Mesh),
-    Environment(Environment),
-}
-
-impl Source {
-    /// None if the light can shed no light.
-    fn new(light: &Light) -> Option<Self> {
-        match *light {
-            Light::Rectangle { center, edge_x, edge_y, radiance, visible } => {
-                Rectangle::new(center, edge_x, edge_y, radiance, visible).map(Self::Rectangle)
-            }
-            Light::Sphere { center, radius, radiance, visible } => {
-                Sphere::new(center, radius, radiance, visible).map(Self::Sphere)
-            }
-            Light::Distant { direction, angular_radius, irradiance } => {
-                Distant::new(direction, angular_radius, irradiance).map(Self::Distant)
-            }
-            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-                Spot::new(position, direction, intensity, inner_angle, outer_angle).map(Self::Spot)
-            }
-            Light::Beam { origin, direction, radius, power } => {
-                Beam::new(origin, direction, radius, power).map(Self::Beam)
-            }
-        }
-    }
-
-    /// Estimate of the irradiance (luminance) at a point; 0 only if the light cannot contribute.
-    fn importance(&self, receiver: &Receiver) -> f32 {
-        match self {
-            Self::Rectangle(light) => light.importance(receiver),
-            Self::Sphere(light) => light.importance(receiver),
-            Self::Distant(light) => light.importance(receiver),
-            Self::Spot(light) => light.importance(receiver),
-            Self::Beam(light) => light.importance(receiver),
-            Self::Mesh(light) => light.importance(receiver),
-            Self::Environment(light) => light.importance(receiver),
-        }
-    }
-
-    /// Power (luminance) that a scene of this cross section [L²] receives at most.
-    fn power(&self, cross_section: f32) -> f32 {
-        match self {
-            Self::Rectangle(light) => light.power(),
-            Self::Sphere(light) => light.power(),
-            Self::Distant(light) => light.greatest_irradiance() * cross_section,
-            Self::Spot(light) => light.power(),
-            Self::Beam(light) => light.power(),
-            Self::Mesh(light) => light.power(),
-            Self::Environment(light) => {
-                let everywhere = Receiver { point: Vec3::ZERO, normal: Vec3::ZERO };
-                4.0 * light.importance(&everywhere) * cross_section
-            }
-        }
-    }
-}
-
-/// What kind of light it is, if no ray can meet it.
-pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
-    match Source::new(light)? {
-        Source::Spot(_) => Some("spot"),
-        Source::Beam(_) => Some("beam"),
-        Source::Distant(light) if !light.is_disc() => Some("distant"),
-        _ => None,
+        finite_product(lights.probability(&Receiver { point, normal }, self.light), density)
     }
 }
 
 /// All lights of a scene, ready to be sampled from any thread.
 #[derive(Clone, Debug)]
 pub struct LightSet {
-    sources: Vec<Source>,
+    emitters: Emitters,
     selection: Selection,
-    /// Rectangles and spheres among the sources.
-    surfaces: Vec<usize>,
+    surfaces: Surfaces,
     /// The environment and the discs among the sources.
     infinite: Vec<usize>,
-    mesh: Option<usize>,
     environment: Option<usize>,
     environment_visible: bool,
+    /// Of the scene \[L²\].
+    cross_section: f32,
 }
 
 impl LightSet {
@@ -193,32 +120,34 @@ impl LightSet {
     /// Lights that are black or have no size are left out.
     #[must_use]
     pub fn new(scene: &Scene, emissive: Vec<EmissiveTriangle>, scene_bounds: (Vec3, Vec3)) -> Self {
-        let mut sources: Vec<Source> = scene.lights.iter().filter_map(Source::new).collect();
-        sources.extend(Mesh::new(emissive).map(Source::Mesh));
-        sources.extend(Environment::new(scene).map(Source::Environment));
+        let emitters = Emitters::new(scene, emissive);
         let cross_section = (scene_bounds.1 - scene_bounds.0).length_squared().max(f32::MIN_POSITIVE);
-        let powers: Vec<f32> = sources.iter().map(|source| source.power(cross_section)).collect();
         let indices = |is_wanted: fn(&Source) -> bool| {
-            (0..sources.len()).filter(|&index| is_wanted(&sources[index])).collect::<Vec<_>>()
+            let all = emitters.sources.iter().enumerate();
+            all.filter(|(_, source)| is_wanted(source)).map(|(index, _)| index).collect::<Vec<_>>()
         };
         Self {
-            selection: Selection::new(&powers),
-            surfaces: indices(|source| matches!(source, Source::Rectangle(_) | Source::Sphere(_))),
-            infinite: indices(|source| match source {
-                Source::Distant(light) => light.is_disc(),
-                _ => matches!(source, Source::Environment(_)),
-            }),
-            mesh: indices(|source| matches!(source, Source::Mesh(_))).pop(),
+            selection: Selection::new(&emitters, cross_section, LightSelection::Automatic),
+            surfaces: Surfaces::new(&emitters.sources),
+            infinite: indices(Source::is_infinite),
             environment: indices(|source| matches!(source, Source::Environment(_))).pop(),
             environment_visible: scene.environment.is_some_and(|environment| environment.visible),
-            sources,
+            cross_section,
+            emitters,
         }
+    }
+
+    /// Selects lights in another way than what suits their number. For measuring.
+    #[must_use]
+    pub fn with_selection(mut self, way: LightSelection) -> Self {
+        self.selection = Selection::new(&self.emitters, self.cross_section, way);
+        self
     }
 
     /// Whether nothing sheds light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.sources.is_empty()
+        self.emitters.len() == 0
     }
 
     /// Selects a light by `u` and draws a direction toward it by `v`, all in [0, 1).
@@ -229,32 +158,24 @@ impl LightSet {
     #[must_use]
     pub fn sample(&self, point: Vec3, normal: Vec3, u: f32, v: [f32; 2]) -> Option<LightSample> {
         let receiver = Receiver { point, normal };
-        let odds = self.odds(&receiver);
-        let (index, probability, rest) = odds.choose(u)?;
-        let sample = match &self.sources[index] {
-            Source::Rectangle(light) => light.sample(point, v),
-            Source::Sphere(light) => light.sample(point, v),
-            Source::Spot(light) => light.sample(point),
-            Source::Beam(light) => light.sample(point),
-            Source::Mesh(light) => light.sample(point, rest, v),
-            Source::Distant(light) if !light.is_disc() => Some(light.sample_direction()),
-            Source::Distant(light) => {
-                return self.infinite_sample(&receiver, &odds, light.sample_disc(v)?);
+        let (light, probability) = self.selection.choose(&self.emitters, &receiver, f64::from(u))?;
+        let direction = match self.emitters.sources.get(light) {
+            Some(Source::Environment(light)) => Some(light.sample(&receiver, v)),
+            Some(Source::Distant(light)) => light.sample_disc(v),
+            _ => None,
+        };
+        let sample = match direction {
+            Some(direction) => {
+                let radiance = self.environment_radiance(direction);
+                let pdf = self.infinite_pdf(&receiver, (light, probability), direction);
+                LightSample::new(direction, f32::INFINITY, radiance, pdf)
             }
-            Source::Environment(light) => {
-                return self.infinite_sample(&receiver, &odds, light.sample(&receiver, v));
+            None => {
+                let mut sample = self.emitters.sample(light, point, v)?;
+                sample.pdf *= probability;
+                sample
             }
         };
-        let mut sample = sample?;
-        sample.pdf *= probability;
-        sample.is_usable().then_some(sample)
-    }
-
-    /// Completes a direction that was drawn from one of the lights at infinity.
-    fn infinite_sample(&self, receiver: &Receiver, odds: &Odds<'_>, direction: Vec3) -> Option<LightSample> {
-        let radiance = self.environment_radiance(direction);
-        let pdf = self.infinite_pdf(receiver, odds, direction);
-        let sample = LightSample::new(direction, f32::INFINITY, radiance, pdf);
         sample.is_usable().then_some(sample)
     }
 
@@ -270,28 +191,17 @@ impl LightSet {
         self.nearest(origin, direction, t_max, |is_visible| is_visible)
     }
 
+    #[inline]
     fn nearest(
         &self,
         origin: Vec3,
         direction: Vec3,
         t_max: f32,
-        counts: fn(bool) -> bool,
+        counts: impl Fn(bool) -> bool,
     ) -> Option<LightHit> {
-        let mut nearest: Option<LightHit> = None;
-        for &source in &self.surfaces {
-            let (t, radiance, visible) = match &self.sources[source] {
-                Source::Rectangle(light) => {
-                    (light.intersect(origin, direction), light.radiance, light.visible)
-                }
-                Source::Sphere(light) => (light.intersect(origin, direction), light.radiance, light.visible),
-                _ => continue,
-            };
-            let limit = nearest.map_or(t_max, |hit| hit.t);
-            if let Some(t) = t.filter(|&t| t < limit && counts(visible)) {
-                nearest = Some(LightHit { t, radiance, visible, position: origin + direction * t, source });
-            }
-        }
-        nearest
+        let hit = self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, counts)?;
+        let position = origin + direction * hit.t;
+        Some(LightHit { t: hit.t, radiance: hit.radiance, visible: hit.visible, position, light: hit.light })
     }
 
     /// Density with which `sample` at a point with a normal makes the direction toward `hit` on an emissive
@@ -305,17 +215,16 @@ impl LightSet {
         hit: Vec3,
         hit_normal: Vec3,
     ) -> f32 {
-        let Some(index) = self.mesh else { return 0.0 };
-        let Source::Mesh(mesh) = &self.sources[index] else { return 0.0 };
-        let density = mesh.pdf(primitive, hit - point, hit_normal);
-        finite_product(self.odds(&Receiver { point, normal }).probability(index), density)
+        let Some((light, triangle)) = self.emitters.of_primitive(primitive) else { return 0.0 };
+        let density = triangle.pdf(hit - point, hit_normal);
+        finite_product(self.probability(&Receiver { point, normal }, light), density)
     }
 
     /// Radiance that arrives from infinity: environment and discs of distant lights. This is what a path sees
     /// that was scattered.
     #[must_use]
     pub fn environment_radiance(&self, direction: Vec3) -> Vec3 {
-        let radiance = |&index: &usize| match &self.sources[index] {
+        let radiance = |&index: &usize| match &self.emitters.sources[index] {
             Source::Environment(light) => light.radiance(direction),
             Source::Distant(light) => light.radiance(direction),
             _ => Vec3::ZERO,
@@ -326,7 +235,7 @@ impl LightSet {
     /// Radiance of the environment alone: what the camera sees behind everything.
     #[must_use]
     pub fn background_radiance(&self, direction: Vec3) -> Vec3 {
-        match self.environment.map(|index| &self.sources[index]) {
+        match self.environment.map(|index| &self.emitters.sources[index]) {
             Some(Source::Environment(light)) => light.radiance(direction),
             _ => Vec3::ZERO,
         }
@@ -336,11 +245,9 @@ impl LightSet {
     /// \[1/sr\].
     #[must_use]
     pub fn environment_pdf(&self, point: Vec3, normal: Vec3, direction: Vec3) -> f32 {
-        if self.infinite.is_empty() {
-            return 0.0;
-        }
+        let Some(&first) = self.infinite.first() else { return 0.0 };
         let receiver = Receiver { point, normal };
-        self.infinite_pdf(&receiver, &self.odds(&receiver), direction)
+        self.infinite_pdf(&receiver, (first, self.probability(&receiver, first)), direction)
     }
 
     /// Whether the camera sees the environment.
@@ -349,20 +256,25 @@ impl LightSet {
         self.environment_visible
     }
 
-    fn infinite_pdf(&self, receiver: &Receiver, odds: &Odds<'_>, direction: Vec3) -> f32 {
+    /// The density of all lights at infinity together, given the probability of one of them.
+    fn infinite_pdf(&self, receiver: &Receiver, known: (usize, f32), direction: Vec3) -> f32 {
         let density = |&index: &usize| {
-            let density = match &self.sources[index] {
+            let density = match &self.emitters.sources[index] {
                 Source::Environment(light) => light.pdf(receiver, direction),
                 Source::Distant(light) => light.pdf(direction),
                 _ => 0.0,
             };
-            odds.probability(index) * density
+            if density == 0.0 {
+                return 0.0;
+            }
+            let probability = if index == known.0 { known.1 } else { self.probability(receiver, index) };
+            probability * density
         };
         self.infinite.iter().map(density).sum()
     }
 
-    fn odds(&self, receiver: &Receiver) -> Odds<'_> {
-        self.selection.odds(&self.sources, |source| source.importance(receiver))
+    fn probability(&self, receiver: &Receiver, light: usize) -> f32 {
+        self.selection.probability(&self.emitters, receiver, light)
     }
 }
 

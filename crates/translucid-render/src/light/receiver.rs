@@ -21,13 +21,8 @@ impl Receiver {
         if self.has_normal() { self.normal.dot(direction).clamp(0.0, 1.0) } else { 1.0 }
     }
 
-    /// Bound from above, in [0, 1], on the cosine of any direction to a ball; 0 only if the ball is below the
-    /// horizon.
-    pub(crate) fn cosine_to_ball(&self, center: Vec3, radius: f32) -> f32 {
-        self.cosine_to_cone(center - self.point, radius)
-    }
-
-    /// The same for the ball of a radius whose center is at `to_center` from the point.
+    /// Bound from above, in [0, 1], on the cosine of any direction to the ball of a radius whose center is at
+    /// `to_center` from the point; 0 only if the ball is below the horizon.
     pub(crate) fn cosine_to_cone(&self, to_center: Vec3, radius: f32) -> f32 {
         if !self.has_normal() {
             return 1.0;

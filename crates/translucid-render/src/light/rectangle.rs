@@ -7,11 +7,13 @@ use std::f64::consts::TAU;
 use glam::{DVec3, Vec3};
 
 use super::LightSample;
+use super::bounds::LightBounds;
 use super::receiver::{Receiver, luminance};
 
-/// Below this solid angle [sr] points are drawn uniformly in area: there the cosine and the distance hardly
-/// vary, and the spherical excess, a difference of angles, loses its digits.
-const LEAST_SOLID_ANGLE: f64 = 1e-5;
+/// Rectangles that look smaller than about this solid angle \[sr\] are drawn from uniformly in area: the density
+/// then varies by a tenth over the rectangle, which is little beside what the cosine at the receiver does, and no
+/// angle need be computed.
+const LEAST_SOLID_ANGLE: f64 = 3e-3;
 
 /// See [`translucid_scene::Light::Rectangle`].
 #[derive(Clone, Copy, Debug)]
@@ -23,6 +25,7 @@ pub(crate) struct Rectangle {
     normal: Vec3,
     size: [f32; 2],
     pub(crate) radiance: Vec3,
+    luminance: f32,
     pub(crate) visible: bool,
 }
 
@@ -42,7 +45,8 @@ impl Rectangle {
         let corner = center - x * (0.5 * size[0]) - y * (0.5 * size[1]);
         let area = size[0] * size[1];
         let valid = area > 0.0 && area.is_finite() && corner.is_finite() && luminance(radiance) > 0.0;
-        valid.then_some(Self { corner, x, y, normal, size, radiance, visible })
+        let luminance = luminance(radiance);
+        valid.then_some(Self { corner, x, y, normal, size, radiance, luminance, visible })
     }
 
     fn area(&self) -> f32 {
@@ -51,59 +55,69 @@ impl Rectangle {
 
     /// Emitted power (luminance).
     pub(crate) fn power(&self) -> f32 {
-        std::f32::consts::PI * self.area() * luminance(self.radiance)
+        std::f32::consts::PI * self.area() * self.luminance
+    }
+
+    pub(crate) fn bounds(&self) -> LightBounds {
+        let (a, x, y) = (self.corner, self.x * self.size[0], self.y * self.size[1]);
+        let corners = [a, a + x, a + y, a + x + y];
+        let low = corners.into_iter().fold(a, Vec3::min);
+        let high = corners.into_iter().fold(a, Vec3::max);
+        LightBounds::one_sided(low, high, self.normal, self.area() * self.luminance)
     }
 
     /// Estimate of the irradiance; 0 only if the point is behind the rectangle or the rectangle below the
     /// horizon.
+    #[inline]
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
-        let local = self.local_corner(receiver.point);
-        let [width, height] = self.size;
-        let elevation = -local.z;
-        if elevation <= 0.0 {
+        let corner = self.local_corner(receiver.point);
+        let highest = if receiver.has_normal() { self.highest(receiver) } else { f32::INFINITY };
+        // A NaN passes: what overflows is not forgotten.
+        if corner.z >= 0.0 || highest <= 0.0 {
             return 0.0;
         }
-        let outside = |begin: f32, size: f32| (begin.max(0.0)).max(-(begin + size));
-        let nearest = Vec3::new(outside(local.x, width), outside(local.y, height), elevation).length();
-        let middle = Vec3::new(local.x + 0.5 * width, local.y + 0.5 * height, elevation).length();
-        // Solid angle, seen from afar A cos/d², from near up to 2π.
-        let far = self.area() * (elevation / nearest) / (nearest * middle);
-        let solid_angle = 1.0 / (1.0 / far + 1.0 / std::f32::consts::TAU);
-        luminance(self.radiance) * solid_angle * self.cosine_bound(receiver, middle)
+        // In double precision cubes of distances neither overflow nor vanish.
+        let [x, y, z] = corner.as_dvec3().to_array();
+        let [width, height] = self.size.map(f64::from);
+        let outside = |begin: f64, size: f64| begin.max(0.0).max(-(begin + size));
+        let (to_x, to_y) = (outside(x, width), outside(y, height));
+        let nearest2 = to_x * to_x + to_y * to_y + z * z;
+        let (middle_x, middle_y) = (x + 0.5 * width, y + 0.5 * height);
+        let middle = (middle_x * middle_x + middle_y * middle_y + z * z).sqrt();
+        // Solid angle, seen from afar A cos/d², from near up to 2π; and the height of the highest corner above the
+        // horizon over the distance of the middle, at most 1.
+        let flux = width * height * -z;
+        let cosine_distance = f64::from(highest).min(middle);
+        let solid_angle_cosine = flux * cosine_distance / (middle * (nearest2 * middle + flux * (1.0 / TAU)));
+        (self.luminance * solid_angle_cosine as f32).max(f32::MIN_POSITIVE)
     }
 
-    /// Height of the highest corner above the horizon over the distance of the middle, at most 1.
-    fn cosine_bound(&self, receiver: &Receiver, distance: f32) -> f32 {
-        if !receiver.has_normal() {
-            return 1.0;
-        }
+    /// Height of the highest corner above the horizon.
+    fn highest(&self, receiver: &Receiver) -> f32 {
         let rise = |edge: Vec3, size: f32| (receiver.normal.dot(edge) * size).max(0.0);
-        let highest = receiver.normal.dot(self.corner - receiver.point)
+        receiver.normal.dot(self.corner - receiver.point)
             + rise(self.x, self.size[0])
-            + rise(self.y, self.size[1]);
-        (highest / distance).clamp(0.0, 1.0)
+            + rise(self.y, self.size[1])
     }
 
     /// Draws a direction; the selection is not in its density.
     pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
-        let view = SphericalRectangle::new(self.local_corner(point), self.size)?;
-        let (offset, pdf) = if view.solid_angle >= LEAST_SOLID_ANGLE {
-            (view.sample(v), 1.0 / view.solid_angle as f32)
-        } else {
-            let offset = view.sample_area(v);
-            (offset, view.area_pdf(offset))
+        let view = View::new(self.local_corner(point), self.size)?;
+        let (offset, pdf) = match view.spherical() {
+            Some(spherical) => (spherical.sample(&view, v), 1.0 / spherical.solid_angle as f32),
+            None => view.sample_area(v),
         };
         let distance = offset.length();
         let local = (offset / distance).as_vec3();
-        let direction = (self.x * local.x + self.y * local.y + self.normal * local.z).try_normalize()?;
+        let direction = self.x * local.x + self.y * local.y + self.normal * local.z;
         Some(LightSample::new(direction, distance as f32, self.radiance, pdf))
     }
 
     /// Solid-angle density with which `sample` makes the direction from `point` to `hit`.
     pub(crate) fn pdf(&self, point: Vec3, hit: Vec3) -> f32 {
-        let Some(view) = SphericalRectangle::new(self.local_corner(point), self.size) else { return 0.0 };
-        if view.solid_angle >= LEAST_SOLID_ANGLE {
-            return 1.0 / view.solid_angle as f32;
+        let Some(view) = View::new(self.local_corner(point), self.size) else { return 0.0 };
+        if let Some(spherical) = view.spherical() {
+            return 1.0 / spherical.solid_angle as f32;
         }
         let offset = hit - point;
         let local = Vec3::new(offset.dot(self.x), offset.dot(self.y), offset.dot(self.normal));
@@ -113,10 +127,13 @@ impl Rectangle {
     /// Distance at which a ray meets the emitting side.
     pub(crate) fn intersect(&self, origin: Vec3, direction: Vec3) -> Option<f32> {
         let approach = direction.dot(self.normal);
+        if approach >= 0.0 {
+            return None;
+        }
         let to_corner = self.corner - origin;
         let t = to_corner.dot(self.normal) / approach;
         // A NaN fails the comparison.
-        if !(approach < 0.0 && t > 0.0 && t.is_finite()) {
+        if !(t > 0.0 && t.is_finite()) {
             return None;
         }
         let on_plane = direction * t - to_corner;
@@ -132,66 +149,109 @@ impl Rectangle {
     }
 }
 
-/// A rectangle projected on the unit sphere, in the names of the paper; double precision because the
-/// angles nearly cancel.
-struct SphericalRectangle {
+/// A rectangle as it is seen from a point, in the rectangle's frame; double precision because angles nearly cancel.
+struct View {
     x0: f64,
     x1: f64,
     y0: f64,
     y1: f64,
     /// Height of the rectangle's plane, < 0.
     z0: f64,
-    /// z of the normals of the planes through the edges y0 and y1.
-    b0: f64,
-    b1: f64,
-    k: f64,
-    solid_angle: f64,
 }
 
-impl SphericalRectangle {
-    /// `corner` relative to the point in the rectangle's frame; none if the point is not in front.
+impl View {
+    /// `corner` relative to the point; none if the point is not in front.
+    #[inline]
     fn new(corner: Vec3, size: [f32; 2]) -> Option<Self> {
         let corner = corner.as_dvec3();
         let (x0, y0, z0) = (corner.x, corner.y, corner.z);
-        if !(z0 < 0.0 && corner.is_finite()) {
-            return None;
-        }
         let (x1, y1) = (x0 + f64::from(size[0]), y0 + f64::from(size[1]));
-        let normal_z = |edge: f64| edge / z0.hypot(edge);
-        let (n0, n1, n2, n3) = (-normal_z(y0), normal_z(x1), normal_z(y1), -normal_z(x0));
-        let angle = |a: f64, b: f64| (-a * b).acos();
-        let k = TAU - angle(n2, n3) - angle(n3, n0);
-        let solid_angle = angle(n0, n1) + angle(n1, n2) - k;
-        Some(Self { x0, x1, y0, y1, z0, b0: n0, b1: n2, k, solid_angle })
+        (z0 < 0.0 && corner.is_finite()).then_some(Self { x0, x1, y0, y1, z0 })
     }
 
-    /// Offset from the point to a point of the rectangle, uniform in solid angle.
-    fn sample(&self, v: [f32; 2]) -> DVec3 {
-        // Find x: the area left of it is the share v[0] of the solid angle.
-        let au = f64::from(v[0]) * self.solid_angle + self.k;
-        let (sin, cos) = au.sin_cos();
-        let fu = (cos * self.b0 - self.b1) / sin;
-        let cu = (1.0_f64.copysign(fu) / fu.hypot(self.b0)).clamp(-1.0, 1.0);
-        let x = (-(cu * self.z0) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(self.x0, self.x1);
-        // Find y: uniform in the sine of the elevation along that line.
-        let d = x.hypot(self.z0);
-        let (h0, h1) = (self.y0 / d.hypot(self.y0), self.y1 / d.hypot(self.y1));
-        let h = h0 + f64::from(v[1]) * (h1 - h0);
-        let y = (h * d / (1.0 - h * h).max(1e-300).sqrt()).clamp(self.y0, self.y1);
-        DVec3::new(x, y, self.z0)
+    fn area(&self) -> f64 {
+        (self.x1 - self.x0) * (self.y1 - self.y0)
     }
 
-    /// Offset from the point to a point of the rectangle, uniform in area.
-    fn sample_area(&self, v: [f32; 2]) -> DVec3 {
+    /// The projection on the unit sphere, unless it is small.
+    #[inline]
+    fn spherical(&self) -> Option<SphericalRectangle> {
+        // Area × cosine / distance² at the nearest point is no less than the solid angle.
+        let outside = |begin: f64, end: f64| begin.max(0.0).max(-end);
+        let (x, y) = (outside(self.x0, self.x1), outside(self.y0, self.y1));
+        let nearest2 = x * x + y * y + self.z0 * self.z0;
+        let looks_large = self.area() * -self.z0 > LEAST_SOLID_ANGLE * nearest2 * nearest2.sqrt();
+        let spherical = looks_large.then(|| SphericalRectangle::new(self));
+        // What still looks small, a strip seen end on, is lost in rounding.
+        spherical.filter(|spherical| spherical.solid_angle >= 1e-3 * LEAST_SOLID_ANGLE)
+    }
+
+    /// Offset from the point to a point of the rectangle, uniform in area, and its solid-angle density.
+    fn sample_area(&self, v: [f32; 2]) -> (DVec3, f32) {
         let x = self.x0 + f64::from(v[0]) * (self.x1 - self.x0);
         let y = self.y0 + f64::from(v[1]) * (self.y1 - self.y0);
-        DVec3::new(x, y, self.z0)
+        let offset = DVec3::new(x, y, self.z0);
+        (offset, self.area_pdf(offset))
     }
 
     /// Solid-angle density of `sample_area`.
     fn area_pdf(&self, offset: DVec3) -> f32 {
-        let area = (self.x1 - self.x0) * (self.y1 - self.y0);
-        let distance = offset.length();
-        (distance.powi(3) / (-self.z0 * area)) as f32
+        let distance2 = offset.length_squared();
+        (distance2 * distance2.sqrt() / (-self.z0 * self.area())) as f32
     }
+}
+
+/// A rectangle projected on the unit sphere, in the names of the paper.
+///
+/// Where the paper adds angles, here numbers e^iγ are multiplied: one arc tangent does for four arc cosines.
+struct SphericalRectangle {
+    /// z of the normals of the planes through the edges y0 and y1.
+    b0: f64,
+    b1: f64,
+    /// Cosine and sine of k = 2π − γ₂ − γ₃.
+    k: [f64; 2],
+    solid_angle: f64,
+}
+
+impl SphericalRectangle {
+    #[inline]
+    fn new(view: &View) -> Self {
+        let z2 = view.z0 * view.z0;
+        let normal_z = |edge: f64| edge / (z2 + edge * edge).sqrt();
+        let (n0, n1, n2, n3) = (-normal_z(view.y0), normal_z(view.x1), normal_z(view.y1), -normal_z(view.x0));
+        // e^iγ of γ = acos(−a b), an inner angle of the spherical rectangle.
+        let corner = |a: f64, b: f64| [-a * b, (1.0 - (a * b) * (a * b)).max(0.0).sqrt()];
+        let first = times(corner(n0, n1), corner(n1, n2));
+        let second = times(corner(n2, n3), corner(n3, n0));
+        // The sum of the angles is 2π more than the solid angle, which lies in (0, 2π).
+        let [cos, sin] = times(first, second);
+        let angle = sin.atan2(cos);
+        // Just below 0 it is rounding, and so small that it counts as none.
+        let solid_angle = if angle < -1e-9 { angle + TAU } else { angle };
+        Self { b0: n0, b1: n2, k: [second[0], -second[1]], solid_angle }
+    }
+
+    /// Offset from the point to a point of the rectangle, uniform in solid angle.
+    #[inline]
+    fn sample(&self, view: &View, v: [f32; 2]) -> DVec3 {
+        // Find x: the area left of it is the share v[0] of the solid angle.
+        let (sin, cos) = (f64::from(v[0]) * self.solid_angle).sin_cos();
+        let [cos_au, sin_au] = times([cos, sin], self.k);
+        let fu = (cos_au * self.b0 - self.b1) / sin_au;
+        let cu = (1.0_f64.copysign(fu) / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
+        let x = (-(cu * view.z0) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(view.x0, view.x1);
+        // Find y: uniform in the sine of the elevation along that line.
+        let d2 = x * x + view.z0 * view.z0;
+        let sine = |y: f64| y / (d2 + y * y).sqrt();
+        let (h0, h1) = (sine(view.y0), sine(view.y1));
+        let h = h0 + f64::from(v[1]) * (h1 - h0);
+        let y = (h * (d2 / (1.0 - h * h).max(1e-300)).sqrt()).clamp(view.y0, view.y1);
+        DVec3::new(x, y, view.z0)
+    }
+}
+
+/// Product of two complex numbers.
+#[inline]
+fn times([a, b]: [f64; 2], [c, d]: [f64; 2]) -> [f64; 2] {
+    [a * c - b * d, a * d + b * c]
 }

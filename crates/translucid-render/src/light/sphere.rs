@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::LightSample;
+use super::bounds::LightBounds;
 use super::directions::{uniform_cone, uniform_cone_pdf};
 use super::receiver::{Receiver, luminance};
 
@@ -14,6 +15,7 @@ pub(crate) struct Sphere {
     center: Vec3,
     radius: f32,
     pub(crate) radiance: Vec3,
+    luminance: f32,
     pub(crate) visible: bool,
 }
 
@@ -21,7 +23,7 @@ impl Sphere {
     /// None if it has no size or emits nothing.
     pub(crate) fn new(center: Vec3, radius: f32, radiance: Vec3, visible: bool) -> Option<Self> {
         let valid = radius > 0.0 && radius.is_finite() && luminance(radiance) > 0.0;
-        valid.then_some(Self { center, radius, radiance, visible })
+        valid.then_some(Self { center, radius, radiance, luminance: luminance(radiance), visible })
     }
 
     /// Emitted power (luminance).
@@ -29,10 +31,22 @@ impl Sphere {
         4.0 * PI * PI * self.radius * self.radius * luminance(self.radiance)
     }
 
+    pub(crate) fn bounds(&self) -> LightBounds {
+        let (low, high) = (self.center - self.radius, self.center + self.radius);
+        LightBounds::everywhere(low, high, PI * self.radius * self.radius * luminance(self.radiance))
+    }
+
     /// Estimate of the irradiance; 0 only from inside and below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
-        let Some(sin2) = self.sin2(receiver.point) else { return 0.0 };
-        PI * luminance(self.radiance) * sin2 * receiver.cosine_to_ball(self.center, self.radius)
+        let to_center = self.center - receiver.point;
+        let per_distance = 1.0 / to_center.length();
+        let sin = self.radius * per_distance;
+        let highest = receiver.normal.dot(to_center) + self.radius;
+        let cosine = if receiver.has_normal() { highest * per_distance } else { 1.0 };
+        if sin >= 1.0 || cosine <= 0.0 {
+            return 0.0;
+        }
+        (PI * self.luminance * sin * sin * cosine.min(1.0)).max(f32::MIN_POSITIVE)
     }
 
     /// Draws a direction; the selection is not in its density.

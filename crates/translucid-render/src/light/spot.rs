@@ -5,6 +5,7 @@ use std::f32::consts::PI;
 use glam::Vec3;
 
 use super::LightSample;
+use super::bounds::LightBounds;
 use super::receiver::{Receiver, luminance};
 
 /// See [`translucid_scene::Light::Spot`].
@@ -15,6 +16,7 @@ pub(crate) struct Spot {
     position: Vec3,
     direction: Vec3,
     intensity: Vec3,
+    luminance: f32,
     cos_inner: f32,
     cos_outer: f32,
 }
@@ -35,7 +37,8 @@ impl Spot {
         let (cos_inner, cos_outer) =
             if is_point { (-1.0, -2.0) } else { (cos(inner_angle), cos(outer_angle)) };
         let valid = luminance(intensity) > 0.0 && outer_angle > 0.0;
-        valid.then_some(Self { position, direction, intensity, cos_inner, cos_outer })
+        let luminance = luminance(intensity);
+        valid.then_some(Self { position, direction, intensity, luminance, cos_inner, cos_outer })
     }
 
     /// Emitted power (luminance), not less than the true one.
@@ -43,10 +46,26 @@ impl Spot {
         2.0 * PI * (1.0 - self.cos_outer.max(-1.0)) * luminance(self.intensity)
     }
 
-    /// The irradiance.
+    pub(crate) fn bounds(&self) -> LightBounds {
+        let (place, strength) = (self.position, luminance(self.intensity));
+        if self.cos_outer <= -1.0 {
+            return LightBounds::everywhere(place, place, strength);
+        }
+        let theta_o = self.cos_inner.acos();
+        let theta_e = (self.cos_outer.acos() - theta_o).max(0.0);
+        LightBounds::cone(place, self.direction, theta_o, theta_e, strength)
+    }
+
+    /// The irradiance; 0 only outside the cone and below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
-        self.sample(receiver.point)
-            .map_or(0.0, |light| luminance(light.radiance) * receiver.cosine(light.direction))
+        let offset = self.position - receiver.point;
+        let per_distance = 1.0 / offset.length();
+        let falloff = self.falloff(-offset.dot(self.direction) * per_distance);
+        let cosine = if receiver.has_normal() { receiver.normal.dot(offset) * per_distance } else { 1.0 };
+        if falloff <= 0.0 || cosine <= 0.0 {
+            return 0.0;
+        }
+        (self.luminance * falloff * per_distance * per_distance * cosine.min(1.0)).max(f32::MIN_POSITIVE)
     }
 
     /// The one direction that the light comes from.

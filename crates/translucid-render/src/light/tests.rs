@@ -7,11 +7,13 @@ use std::f32::consts::PI;
 
 use glam::{DVec3, Mat3, Quat};
 use translucid_scene::{
-    Camera, ColorSpace, Environment as SceneEnvironment, Film, Image, Integrator, Pixels, Unit,
+    Camera, ColorSpace, Environment as SceneEnvironment, Film, Image, Integrator, Light, Pixels, Unit,
 };
 
 use super::*;
 use crate::sampler::Sampler;
+
+mod many;
 
 const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 
@@ -360,6 +362,11 @@ fn queried(
 #[test]
 fn sample_states_the_density_of_the_queries() {
     let (lights, triangles) = all_kinds();
+    assert_queries(&lights, &triangles);
+    assert_queries(&lights.clone().with_selection(LightSelection::Tree), &triangles);
+}
+
+fn assert_queries(lights: &LightSet, triangles: &[EmissiveTriangle]) {
     let (mut compared, mut missed) = (0, 0);
     for at in [(Vec3::ZERO, Vec3::Z), (Vec3::ZERO, Vec3::ZERO), (Vec3::new(0.1, 0.1, 0.2), Vec3::X)] {
         for index in 0..20_000 {
@@ -367,7 +374,7 @@ fn sample_states_the_density_of_the_queries() {
             let Some(sample) = lights.sample(at.0, at.1, a, [b, c]).filter(|sample| !sample.is_delta) else {
                 continue;
             };
-            let Some(pdf) = queried(&lights, &triangles, at, &sample) else {
+            let Some(pdf) = queried(lights, triangles, at, &sample) else {
                 missed += 1;
                 continue;
             };
@@ -382,7 +389,12 @@ fn sample_states_the_density_of_the_queries() {
 #[test]
 fn irradiance_of_all_lights_is_the_sum_over_lights() {
     let (lights, _) = all_kinds();
-    let (mean, error) = irradiance(&lights, Vec3::ZERO, Vec3::Z, Vec3::Z, 200_000);
+    assert_sum_of_all(&lights);
+    assert_sum_of_all(&lights.with_selection(LightSelection::Tree));
+}
+
+fn assert_sum_of_all(lights: &LightSet) {
+    let (mean, error) = irradiance(lights, Vec3::ZERO, Vec3::Z, Vec3::Z, 200_000);
     let sky = |(d, w): (Vec3, f64)| w * f64::from(lights.background_radiance(d).x * d.z.max(0.0));
     let mut expected: f64 = directions(800).map(sky).sum();
     let near = corners(Vec3::Z * 2.0, Vec3::X, Vec3::NEG_Y);

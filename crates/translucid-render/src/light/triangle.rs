@@ -1,9 +1,11 @@
-//! The emissive triangles of a scene as one light, sampled uniformly in emitted light over their area.
+//! A triangle that emits, sampled uniformly in area.
+
+use std::f32::consts::PI;
 
 use glam::Vec3;
 
 use super::LightSample;
-use super::distribution::Discrete;
+use super::bounds::LightBounds;
 use super::receiver::{Receiver, luminance};
 
 /// A triangle that emits on the side from which its vertices are seen counter-clockwise.
@@ -17,6 +19,17 @@ pub struct EmissiveTriangle {
     pub primitive: u32,
 }
 
+/// Those that emit, by their primitive's number.
+pub(crate) fn emitting(mut triangles: Vec<EmissiveTriangle>) -> Vec<EmissiveTriangle> {
+    triangles.retain(|triangle| {
+        // The product may be too small for single precision.
+        let power = f64::from(triangle.area()) * f64::from(luminance(triangle.radiance));
+        power > 0.0 && triangle.power().is_finite()
+    });
+    triangles.sort_by_key(|triangle| triangle.primitive);
+    triangles
+}
+
 impl EmissiveTriangle {
     /// Twice the area times the unit normal.
     fn cross(&self) -> Vec3 {
@@ -28,83 +41,61 @@ impl EmissiveTriangle {
         0.5 * self.cross().length()
     }
 
-    /// Area × luminance.
-    fn weight(&self) -> f64 {
-        f64::from(self.area()) * f64::from(luminance(self.radiance))
-    }
-}
-
-/// All emissive triangles.
-#[derive(Clone, Debug)]
-pub(crate) struct Mesh {
-    /// Those that emit, by their primitive's number.
-    triangles: Vec<EmissiveTriangle>,
-    distribution: Discrete,
-    /// Sum of area × luminance.
-    weight: f32,
-    /// Ball around all of them.
-    center: Vec3,
-    radius: f32,
-}
-
-impl Mesh {
-    /// None if no triangle emits.
-    pub(crate) fn new(mut triangles: Vec<EmissiveTriangle>) -> Option<Self> {
-        triangles.retain(|triangle| {
-            let weight = triangle.weight();
-            weight > 0.0 && weight.is_finite()
-        });
-        triangles.sort_by_key(|triangle| triangle.primitive);
-        let distribution = Discrete::new(triangles.iter().map(EmissiveTriangle::weight))?;
-        let weight = triangles.iter().map(EmissiveTriangle::weight).sum::<f64>() as f32;
-        let vertices = || triangles.iter().flat_map(|triangle| triangle.vertices);
-        let low = vertices().reduce(Vec3::min)?;
-        let high = vertices().reduce(Vec3::max)?;
-        let center = low.midpoint(high);
-        let radius = vertices().map(|v| v.distance(center)).fold(0.0, f32::max);
-        Some(Self { triangles, distribution, weight, center, radius })
-    }
-
     /// Emitted power (luminance).
     pub(crate) fn power(&self) -> f32 {
-        std::f32::consts::PI * self.weight
+        PI * self.area() * luminance(self.radiance)
     }
 
-    /// Estimate of the irradiance; 0 only if all of them are below the horizon.
+    pub(crate) fn bounds(&self) -> LightBounds {
+        let [a, b, c] = self.vertices;
+        let normal = self.cross().normalize_or(Vec3::Z);
+        let strength = self.area() * luminance(self.radiance);
+        LightBounds::one_sided(a.min(b).min(c), a.max(b).max(c), normal, strength)
+    }
+
+    /// Estimate of the irradiance; 0 only from behind and if the triangle is below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
-        let distance = receiver.point.distance(self.center).max(0.5 * self.radius);
-        // Half: the mean cosine at the triangles.
-        0.5 * self.weight / distance / distance * receiver.cosine_to_ball(self.center, self.radius)
+        let corners = self.vertices.map(|corner| corner - receiver.point);
+        let cross = self.cross();
+        // Twice the area times the height above the triangle.
+        let elevation = -corners[0].dot(cross);
+        let highest = corners.map(|corner| receiver.normal.dot(corner)).into_iter().fold(f32::MIN, f32::max);
+        if elevation <= 0.0 || (receiver.has_normal() && highest <= 0.0) {
+            return 0.0;
+        }
+        let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        let radius2 = corners.map(|corner| corner.distance_squared(middle)).into_iter().fold(0.0, f32::max);
+        let distance = middle.length_squared().max(radius2).sqrt();
+        let cosine = if receiver.has_normal() { (highest / distance).min(1.0) } else { 1.0 };
+        let intensity = 0.5 * luminance(self.radiance) * (elevation / distance);
+        (intensity / distance / distance * cosine).max(f32::MIN_POSITIVE)
     }
 
-    /// Draws a point of a triangle; the selection is not in its density.
-    pub(crate) fn sample(&self, point: Vec3, u: f64, v: [f32; 2]) -> Option<LightSample> {
-        let choice = self.distribution.sample(u);
-        let triangle = &self.triangles[choice.index];
-        let [a, b, c] = triangle.vertices;
+    /// Draws a point; the selection is not in its density.
+    pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
+        let [a, b, c] = self.vertices;
         // From the corner a, so that far from the origin the offsets keep their digits.
         let [s, t] = uniform_barycentric(v);
         let offset = (a - point) + (b - a) * s + (c - a) * t;
         let direction = offset.try_normalize()?;
-        let pdf = self.solid_angle_pdf(choice.index, offset, triangle.cross().normalize_or_zero());
-        let mut sample = LightSample::new(direction, offset.length(), triangle.radiance, pdf);
-        sample.primitive = Some(triangle.primitive);
+        let pdf = self.pdf(offset, self.cross().normalize_or_zero());
+        let mut sample = LightSample::new(direction, offset.length(), self.radiance, pdf);
+        sample.primitive = Some(self.primitive);
         Some(sample)
     }
 
-    /// Solid-angle density with which `sample` makes the direction from `point` to `hit` on a triangle.
-    pub(crate) fn pdf(&self, primitive: u32, offset: Vec3, normal: Vec3) -> f32 {
-        let found = self.triangles.binary_search_by_key(&primitive, |triangle| triangle.primitive);
-        found.map_or(0.0, |index| self.solid_angle_pdf(index, offset, normal))
-    }
-
-    /// Probability of the triangle / area × distance² / cosine; 0 from behind.
-    fn solid_angle_pdf(&self, index: usize, offset: Vec3, normal: Vec3) -> f32 {
-        let per_area = self.distribution.probability(index) / f64::from(self.triangles[index].area());
+    /// Solid-angle density with which `sample` makes the direction to a point of the triangle at this offset, the
+    /// unit normal there given: distance² / (area × cosine); 0 from behind.
+    pub(crate) fn pdf(&self, offset: Vec3, normal: Vec3) -> f32 {
         let offset = offset.as_dvec3();
         // −offset·normal = distance × cosine.
         let facing = -offset.dot(normal.as_dvec3());
-        if facing > 0.0 { (per_area * offset.length().powi(3) / facing) as f32 } else { 0.0 }
+        let distance2 = offset.length_squared();
+        if facing > 0.0 {
+            (distance2 * distance2.sqrt() / (f64::from(self.area()) * facing)) as f32
+        } else {
+            0.0
+        }
     }
 }
 

@@ -1,0 +1,175 @@
+//! All lights of a scene, by number: first those that are placed as lights, then the triangles that emit.
+
+use glam::Vec3;
+use translucid_scene::{Light, Scene};
+
+use super::LightSample;
+use super::beam::Beam;
+use super::bounds::LightBounds;
+use super::distant::Distant;
+use super::environment::Environment;
+use super::receiver::Receiver;
+use super::rectangle::Rectangle;
+use super::sphere::Sphere;
+use super::spot::Spot;
+use super::triangle::{EmissiveTriangle, emitting};
+
+/// Any light but a triangle.
+#[derive(Clone, Debug)]
+pub(crate) enum Source {
+    Rectangle(Rectangle),
+    Sphere(Sphere),
+    Distant(Distant),
+    Spot(Spot),
+    Beam(Beam),
+    Environment(Environment),
+}
+
+impl Source {
+    /// None if the light can shed no light.
+    pub(crate) fn new(light: &Light) -> Option<Self> {
+        match *light {
+            Light::Rectangle { center, edge_x, edge_y, radiance, visible } => {
+                Rectangle::new(center, edge_x, edge_y, radiance, visible).map(Self::Rectangle)
+            }
+            Light::Sphere { center, radius, radiance, visible } => {
+                Sphere::new(center, radius, radiance, visible).map(Self::Sphere)
+            }
+            Light::Distant { direction, angular_radius, irradiance } => {
+                Distant::new(direction, angular_radius, irradiance).map(Self::Distant)
+            }
+            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                Spot::new(position, direction, intensity, inner_angle, outer_angle).map(Self::Spot)
+            }
+            Light::Beam { origin, direction, radius, power } => {
+                Beam::new(origin, direction, radius, power).map(Self::Beam)
+            }
+        }
+    }
+
+    /// Whether light comes from infinity in directions that can be met by chance.
+    pub(crate) fn is_infinite(&self) -> bool {
+        match self {
+            Self::Distant(light) => light.is_disc(),
+            _ => matches!(self, Self::Environment(_)),
+        }
+    }
+
+    /// Whether it is a surface at some place.
+    pub(crate) fn is_surface(&self) -> bool {
+        matches!(self, Self::Rectangle(_) | Self::Sphere(_))
+    }
+
+    /// Estimate of the irradiance (luminance) at a point; 0 only if the light cannot contribute.
+    #[inline]
+    fn importance(&self, receiver: &Receiver) -> f32 {
+        match self {
+            Self::Rectangle(light) => light.importance(receiver),
+            Self::Sphere(light) => light.importance(receiver),
+            Self::Distant(light) => light.importance(receiver),
+            Self::Spot(light) => light.importance(receiver),
+            Self::Beam(light) => light.importance(receiver),
+            Self::Environment(light) => light.importance(receiver),
+        }
+    }
+
+    /// See [`Emitters::power`].
+    fn power(&self, cross_section: f32) -> f32 {
+        match self {
+            Self::Rectangle(light) => light.power(),
+            Self::Sphere(light) => light.power(),
+            Self::Distant(light) => light.greatest_irradiance() * cross_section,
+            Self::Spot(light) => light.power(),
+            Self::Beam(light) => light.power(),
+            Self::Environment(light) => {
+                let everywhere = Receiver { point: Vec3::ZERO, normal: Vec3::ZERO };
+                4.0 * light.importance(&everywhere) * cross_section
+            }
+        }
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        match self {
+            Self::Rectangle(light) => Some(light.bounds()),
+            Self::Sphere(light) => Some(light.bounds()),
+            Self::Spot(light) => Some(light.bounds()),
+            Self::Distant(_) | Self::Beam(_) | Self::Environment(_) => None,
+        }
+    }
+}
+
+/// What kind of light it is, if no ray can meet it.
+pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
+    match Source::new(light)? {
+        Source::Spot(_) => Some("spot"),
+        Source::Beam(_) => Some("beam"),
+        Source::Distant(light) if !light.is_disc() => Some("distant"),
+        _ => None,
+    }
+}
+
+/// All lights that shine.
+#[derive(Clone, Debug)]
+pub(crate) struct Emitters {
+    pub(crate) sources: Vec<Source>,
+    /// By their primitive's number.
+    pub(crate) triangles: Vec<EmissiveTriangle>,
+}
+
+impl Emitters {
+    pub(crate) fn new(scene: &Scene, triangles: Vec<EmissiveTriangle>) -> Self {
+        let mut sources: Vec<Source> = scene.lights.iter().filter_map(Source::new).collect();
+        sources.extend(Environment::new(scene).map(Source::Environment));
+        Self { sources, triangles: emitting(triangles) }
+    }
+
+    pub(crate) fn len(&self) -> usize {
+        self.sources.len() + self.triangles.len()
+    }
+
+    /// Number of the light that a primitive is, and the triangle.
+    pub(crate) fn of_primitive(&self, primitive: u32) -> Option<(usize, &EmissiveTriangle)> {
+        let found = self.triangles.binary_search_by_key(&primitive, |triangle| triangle.primitive);
+        found.ok().map(|index| (self.sources.len() + index, &self.triangles[index]))
+    }
+
+    /// Estimate of the irradiance (luminance) that a light brings; 0 only if it cannot contribute.
+    #[inline]
+    pub(crate) fn importance(&self, light: usize, receiver: &Receiver) -> f32 {
+        match self.sources.get(light) {
+            Some(source) => source.importance(receiver),
+            None => self.triangles[light - self.sources.len()].importance(receiver),
+        }
+    }
+
+    /// Power (luminance) that a scene of this cross section \[L²\] receives from a light at most.
+    pub(crate) fn power(&self, light: usize, cross_section: f32) -> f32 {
+        match self.sources.get(light) {
+            Some(source) => source.power(cross_section),
+            None => self.triangles[light - self.sources.len()].power(),
+        }
+    }
+
+    /// Where a light is and whither it shines; none of lights at infinity and beams.
+    pub(crate) fn bounds(&self, light: usize) -> Option<LightBounds> {
+        let bounds = match self.sources.get(light) {
+            Some(source) => source.bounds(),
+            None => Some(self.triangles[light - self.sources.len()].bounds()),
+        };
+        bounds.filter(LightBounds::is_finite)
+    }
+
+    /// Draws a direction toward a light that is not infinite; the selection is not in its density.
+    #[inline]
+    pub(crate) fn sample(&self, light: usize, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
+        match self.sources.get(light) {
+            Some(Source::Rectangle(light)) => light.sample(point, v),
+            Some(Source::Sphere(light)) => light.sample(point, v),
+            Some(Source::Spot(light)) => light.sample(point),
+            Some(Source::Beam(light)) => light.sample(point),
+            Some(Source::Distant(light)) if !light.is_disc() => Some(light.sample_direction()),
+            Some(Source::Distant(_) | Source::Environment(_)) => None,
+            None => self.triangles[light - self.sources.len()].sample(point, v),
+        }
+    }
+}
