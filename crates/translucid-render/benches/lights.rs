@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! cargo bench -p translucid-render --bench lights
-//!     [-- --lights 1,10,100 --samples 16 --seeds 4 --reference-samples 1024 --write]
+//!     [-- --lights 1,10,100 --samples 16 --seeds 4 --reference-samples 512 --write]
 //! ```
 //!
 //! The scene is made here: three translucid balls on the floor of a hall with two walls, and lamps of four kinds
@@ -58,7 +58,7 @@ impl Options {
             lights: list.unwrap_or_else(|| vec![1, 10, 100, 1000, 10_000]),
             samples: number("--samples", 16),
             seeds: u64::from(number("--seeds", 4)),
-            reference_samples: number("--reference-samples", 1024),
+            reference_samples: number("--reference-samples", 512),
             write: arguments.iter().any(|a| a == "--write"),
         }
     }
