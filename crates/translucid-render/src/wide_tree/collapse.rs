@@ -11,7 +11,7 @@
 //! S(n, i) = min { C(left, k) + C(right, i − k) : 0 < k < i }
 //! ```
 //!
-//! On the dragon this leaves 6.9 children in a node, where dividing the largest box again and again leaves 4.4.
+//! On the dragon of 870,026 triangles nodes have 5.8 children each, and 4.4 where the largest box is divided again and again.
 
 use obvhs::bvh2::node::Bvh2Node;
 
