@@ -114,6 +114,13 @@ impl Geometry {
         block.object(lane)
     }
 
+    /// The object that a hit belongs to, and its triangle's number there: whatever the tree, the same.
+    #[must_use]
+    pub fn object_and_triangle_of(&self, hit: &Hit) -> (u32, u32) {
+        let Primitive { object, triangle, .. } = self.triangle(hit);
+        (object, triangle)
+    }
+
     /// The nearest surface along a ray.
     #[must_use]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {

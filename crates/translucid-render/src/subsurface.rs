@@ -280,7 +280,9 @@ impl Prober {
             };
             geometry.all_in_group(&ray, exit.point.group, |hit| self.hits.push(hit));
             // The tree's order must not show in the picture.
-            self.hits[first..].sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.leaf.cmp(&b.leaf)));
+            let number = |hit: &Hit| geometry.object_and_triangle_of(hit);
+            self.hits[first..]
+                .sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then_with(|| number(a).cmp(&number(b))));
             let mut before = (f32::NEG_INFINITY, Vec3::ZERO);
             for hit in &self.hits[first..] {
                 let normal = geometry.normal(hit);

@@ -1,5 +1,6 @@
 //! Triangles as the traversal sees them, with a watertight intersection.
 
+use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
 use crate::wide_tree::Primitive;
@@ -90,7 +91,7 @@ pub(crate) struct TriangleHit {
 pub(crate) const LANES: usize = 4;
 
 /// Four triangles side by side: a vertex coordinate of all four is one vector.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
     /// By vertex, axis, lane. Empty lanes are NaN: no ray meets them.

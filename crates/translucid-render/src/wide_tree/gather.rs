@@ -4,6 +4,7 @@ use obvhs::bvh2::Bvh2;
 
 use super::Source;
 use super::collapse::Costs;
+use super::lines::Lines;
 use super::node::{LEAF, Node};
 use crate::triangle::TriangleBlock;
 
@@ -12,8 +13,7 @@ pub(super) struct Gather<'a, T> {
     binary: &'a Bvh2,
     primitives: &'a [T],
     costs: Costs<'a>,
-    pub(super) nodes: Vec<Node>,
-    pub(super) blocks: Vec<TriangleBlock>,
+    pub(super) lines: Lines,
     /// Most children that a ray has yet to visit at any time.
     pub(super) most_waiting: usize,
 }
@@ -21,35 +21,40 @@ pub(super) struct Gather<'a, T> {
 impl<'a, T: Source> Gather<'a, T> {
     pub(super) fn new(binary: &'a Bvh2, primitives: &'a [T]) -> Self {
         let costs = Costs::new(&binary.nodes);
-        Self { binary, primitives, costs, nodes: Vec::new(), blocks: Vec::new(), most_waiting: 0 }
+        Self { binary, primitives, costs, lines: Lines::default(), most_waiting: 0 }
     }
 
+    /// Lays out each node, its blocks, and then what is below each of its other children, one after the other.
+    ///
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
     pub(super) fn run(&mut self) {
-        self.nodes.push(Node::EMPTY);
-        let mut open = vec![(0_u32, 0_u32, 0)];
-        while let Some((source, target, waiting)) = open.pop() {
+        let mut open = vec![Open { source: 0, parent: None, waiting: 0 }];
+        while let Some(Open { source, parent, waiting }) = open.pop() {
             let mut node = Node::EMPTY;
             let children = self.costs.children(source);
             // All but the one that is visited first.
             let waiting = waiting + children.len() - 1;
             self.most_waiting = self.most_waiting.max(waiting);
+            let line = self.lines.push_node(&node);
             for (lane, &child) in children.iter().enumerate() {
                 let bounds = self.binary.nodes[child as usize].aabb();
                 for axis in 0..3 {
                     node.bounds[axis][lane] = bounds.min[axis];
                     node.bounds[axis + 3][lane] = bounds.max[axis];
                 }
-                node.children[lane] = if self.costs.is_block(child) {
-                    LEAF | self.add_block(child)
-                } else {
-                    let index = self.nodes.len() as u32;
-                    self.nodes.push(Node::EMPTY);
-                    open.push((child, index, waiting));
-                    index
-                };
+                if self.costs.is_block(child) {
+                    node.children[lane] = LEAF | self.add_block(child);
+                }
             }
-            self.nodes[target as usize] = node;
+            *self.lines.node_mut(line) = node;
+            if let Some((parent, lane)) = parent {
+                self.lines.node_mut(parent).children[lane] = line;
+            }
+            for (lane, &child) in children.iter().enumerate().rev() {
+                if !self.costs.is_block(child) {
+                    open.push(Open { source: child, parent: Some((line, lane)), waiting });
+                }
+            }
         }
     }
 
@@ -70,7 +75,15 @@ impl<'a, T: Source> Gather<'a, T> {
                 open.extend(self.costs.below(index));
             }
         }
-        self.blocks.push(block);
-        self.blocks.len() as u32 - 1
+        self.lines.push_block(&block)
     }
+}
+
+/// A binary node that has yet to become a wide one.
+struct Open {
+    source: u32,
+    /// Line and lane of the node that it is a child of.
+    parent: Option<(u32, usize)>,
+    /// Children that wait where a ray comes to this one.
+    waiting: usize,
 }

@@ -7,12 +7,13 @@
 
 mod collapse;
 mod gather;
+mod lines;
 mod node;
 mod traversal;
 
 use gather::Gather;
 use glam::{Vec3, Vec3A};
-use node::Node;
+use lines::Lines;
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
@@ -24,8 +25,7 @@ use crate::triangle::{BlockRay, LANES, Ray, TriangleBlock, TriangleHit};
 /// The tree over a scene's triangles.
 #[derive(Debug, PartialEq)]
 pub(crate) struct WideTree {
-    nodes: Vec<Node>,
-    blocks: Vec<TriangleBlock>,
+    lines: Lines,
     /// Most children that a ray has yet to visit at any time.
     most_waiting: usize,
     bounds: (Vec3, Vec3),
@@ -63,13 +63,7 @@ impl WideTree {
     pub(crate) fn new(primitives: &[impl Source]) -> Self {
         let avx2 = avx2_is_available();
         if primitives.is_empty() {
-            return Self {
-                nodes: Vec::new(),
-                blocks: Vec::new(),
-                most_waiting: 0,
-                bounds: (Vec3::ZERO, Vec3::ZERO),
-                avx2,
-            };
+            return Self { lines: Lines::default(), most_waiting: 0, bounds: (Vec3::ZERO, Vec3::ZERO), avx2 };
         }
         let mut binary = PlocBuilder::with_capacity(primitives.len()).build(
             PlocSearchDistance::Medium,
@@ -84,13 +78,7 @@ impl WideTree {
         let mut gathered = Gather::new(&binary, primitives);
         gathered.run();
         let bounds = (root.min.into(), root.max.into());
-        Self {
-            nodes: gathered.nodes,
-            blocks: gathered.blocks,
-            most_waiting: gathered.most_waiting,
-            bounds,
-            avx2,
-        }
+        Self { lines: gathered.lines, most_waiting: gathered.most_waiting, bounds, avx2 }
     }
 
     /// Corners of the box around everything.
@@ -100,12 +88,12 @@ impl WideTree {
 
     /// Size of nodes and blocks in bytes.
     pub(crate) fn memory(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+        self.lines.size()
     }
 
     /// The triangle block that a leaf number belongs to, and its lane.
     pub(crate) fn leaf(&self, leaf: u32) -> (&TriangleBlock, usize) {
-        (&self.blocks[leaf as usize / LANES], leaf as usize % LANES)
+        (self.lines.block(leaf / LANES as u32), leaf as usize % LANES)
     }
 
     /// The nearest hit along a ray with the number of its leaf.

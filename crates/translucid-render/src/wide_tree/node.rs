@@ -1,5 +1,6 @@
 //! A node of the tree: eight boxes, tested together.
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::triangle::Ray;
@@ -14,13 +15,15 @@ pub(super) const LEAF: u32 = 1 << 31;
 const EMPTY: u32 = u32::MAX;
 
 /// Eight boxes with what is in them. An empty child's box is inside out, so no ray meets it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
     /// Lower x, y, z, then upper x, y, z.
     pub(super) bounds: [[f32; WIDTH]; 6],
-    /// Index of a node, or `LEAF` and the index of a block.
+    /// Line at which a node starts, or `LEAF` and the line at which a block starts.
     pub(super) children: [u32; WIDTH],
+    /// Fills the last cache line.
+    pub(super) unused: [u32; WIDTH],
 }
 
 impl Node {
@@ -35,6 +38,7 @@ impl Node {
             [f32::NEG_INFINITY; WIDTH],
         ],
         children: [EMPTY; WIDTH],
+        unused: [0; WIDTH],
     };
 }
 

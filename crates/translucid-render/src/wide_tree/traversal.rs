@@ -53,7 +53,7 @@ impl WideTree {
     /// Leads a visitor to the blocks whose boxes a ray meets; whether it has ended the way.
     #[inline(always)]
     pub(super) fn traverse<V: Visitor>(&self, ray: &Ray, visitor: &mut V) -> bool {
-        if self.nodes.is_empty() {
+        if self.lines.is_empty() {
             return false;
         }
         let mut array = [Visit(0); STACK];
@@ -96,7 +96,7 @@ impl WideTree {
             // Go down to a block.
             let mut is_met = true;
             while current.child() & LEAF == 0 {
-                let node = &self.nodes[current.child() as usize];
+                let node = self.lines.node(current.child());
                 let met = meet(&slab_ray, node, block_ray.t_max);
                 if met.mask == 0 {
                     is_met = false;
@@ -105,8 +105,8 @@ impl WideTree {
                 current = self.choose::<V>(node, &met, stack, &mut used);
             }
             if is_met {
-                let block = (current.child() & !LEAF) as usize;
-                if visitor.visit(&mut block_ray, &self.blocks[block], (block * LANES) as u32) {
+                let line = current.child() & !LEAF;
+                if visitor.visit(&mut block_ray, self.lines.block(line), line * LANES as u32) {
                     return true;
                 }
             }
@@ -164,12 +164,7 @@ impl WideTree {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-            let index = (child & !LEAF) as usize;
-            let start: *const i8 = if child & LEAF == 0 {
-                self.nodes.as_ptr().wrapping_add(index).cast()
-            } else {
-                self.blocks.as_ptr().wrapping_add(index).cast()
-            };
+            let start = self.lines.address(child & !LEAF);
             // Bounds and children of a node lie in four cache lines, a block in three.
             let last = if child & LEAF == 0 { 192 } else { 128 };
             for offset in [0, 64, 128, last] {
