@@ -6,6 +6,7 @@
 //! beside the noisy layers, never in their place, and into no comparison.
 
 use std::env;
+use std::error::Error;
 use std::ffi::{CStr, OsString, c_char, c_int, c_void};
 use std::fmt;
 use std::fs;
@@ -69,7 +70,7 @@ impl fmt::Display for DenoiseError {
     }
 }
 
-impl std::error::Error for DenoiseError {}
+impl Error for DenoiseError {}
 
 /// A denoised picture of a film.
 #[derive(Clone, Debug, PartialEq)]
@@ -125,7 +126,7 @@ impl Denoiser {
                 for name in NAMES {
                     match open(Path::new(name)) {
                         Ok(library) => return Self::from_library(library, name),
-                        Err(error) => failures.push(format!("{name}: {error}")),
+                        Err(error) => failures.push(format!("{name}: {}", reason(&error))),
                     }
                 }
                 let tried = failures.join("; ");
@@ -155,7 +156,7 @@ impl Denoiser {
         {
             std::mem::forget(library);
         }
-        let library = open(&file).map_err(|error| wrong(&error.to_string()))?;
+        let library = open(&file).map_err(|error| wrong(&reason(&error)))?;
         Self::from_library(library, &file.display().to_string())
     }
 
@@ -213,6 +214,11 @@ fn open(path: &Path) -> Result<Library, libloading::Error> {
     // SAFETY: initializers are code that the user has chosen to run, by name or by installing it, as any
     // library that a program links to; those of Open Image Denoise and TBB have no preconditions.
     unsafe { Library::new(path) }
+}
+
+/// The system's words on a library that cannot be opened, such as another one that it needs.
+fn reason(error: &libloading::Error) -> String {
+    error.source().map_or_else(|| error.to_string(), ToString::to_string)
 }
 
 /// The first library in a folder, in the order of names, whose name begins so.
