@@ -2,7 +2,7 @@
 """Equal-error CPU time of translucid and Blender Cycles on the head and the dragon.
 
     python3 benches/peers/peers.py [--scenes head,dragon] [--spp 1,4,16,64,256] [--size 512]
-                                   [--reference-samples 4096] [--ours "--subsurface-method point-based"]
+                                   [--reference-samples 1024,2048] [--ours "--subsurface-method point-based"]
 
 README.md says what is measured and how. The first run installs bpy from PyPI into target/peers; where that or the
 meshes of ../shared can't be had, it says so and ends well.
@@ -125,8 +125,8 @@ def compare(scene, arguments, systems):
     """Prints the tables of a scene."""
     size, spps = arguments.size, arguments.spp
     references, start = {}, {}
-    for system in systems:
-        key = [system.name, scene, size, arguments.reference_samples]
+    for system, samples in zip(systems, arguments.reference_samples):
+        key = [system.name, scene, size, samples]
         if system.name == "Cycles":
             key.append(system.version)
         else:
@@ -134,7 +134,7 @@ def compare(scene, arguments, systems):
         # The judge of translucid is its own ray-traced picture, whatever method is on trial.
         options = {} if system.name == "Cycles" else {"options": []}
         references[system.name] = cached(
-            key, lambda: system.image(scene, size, arguments.reference_samples, 77, **options)[0]
+            key, lambda: system.image(scene, size, samples, 77, **options)[0]
         )
         # What a picture of four pixels takes: the scene's preparation.
         start[system.name] = float(np.median([system.image(scene, 2, 1, seed)[1] for seed in range(3)]))
@@ -235,7 +235,8 @@ def main():
     parser.add_argument("--scenes", default="head,dragon")
     parser.add_argument("--spp", default="1,4,16,64,256", type=lambda text: [int(n) for n in text.split(",")])
     parser.add_argument("--size", default=512, type=int)
-    parser.add_argument("--reference-samples", default=4096, type=int)
+    pair = lambda text: [int(n) for n in text.split(",")]
+    parser.add_argument("--reference-samples", default="1024,2048", type=pair, help="ours, Cycles'")
     parser.add_argument("--ours", default="", help="further options of translucid render")
     arguments = parser.parse_args()
     cycles = Cycles()
