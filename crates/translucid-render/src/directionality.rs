@@ -47,6 +47,10 @@ pub(crate) enum Directionality {
 }
 
 /// What the subsurface parameters of an exit say about directions.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
+)]
 #[derive(Clone, Copy)]
 pub(crate) enum Directions<'a> {
     /// All directions alike.

@@ -12,8 +12,8 @@ const LEAST_DISTANCE: f32 = 1e-7;
 /// g(r) = 1/r Σ_c s_c / (1 + r/a_c)⁴,      0 beyond the longest probe
 /// ```
 ///
-/// For a_c = 6d the shape is within a third of normalized diffusion over the radii that hold 90 % of its energy, with
-/// the same 1/r near 0 and, up to the cut, more in the tail.
+/// With s_c = 3/a_c and a_c = 6d it is within 11 % of normalized diffusion for r ≤ 10 d, which has 97 % of the energy,
+/// and greater beyond.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Nearness {
     /// 1/a_c \[L⁻¹\].
@@ -110,5 +110,53 @@ pub(super) fn avx2_is_available() -> bool {
     #[cfg(not(target_arch = "x86_64"))]
     {
         false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::TAU;
+
+    use translucid_profile::NormalizedDiffusionF32;
+
+    use super::*;
+
+    const TAIL: f32 = 1e-3;
+
+    fn values(nearness: &Nearness, radii: &[f32], avx2: bool) -> Vec<f32> {
+        let zeros = vec![0.0; radii.len()];
+        let (mut row, mut sums) = (zeros.clone(), zeros.clone());
+        nearness.fill([0.0; 3], [radii, &zeros, &zeros], &mut row, &mut sums, avx2);
+        assert_eq!(row, sums);
+        row
+    }
+
+    #[test]
+    fn nearness_is_like_normalized_diffusion() {
+        let d = 0.7;
+        let profile = NormalizedDiffusionF32::from_d(d);
+        let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(TAIL), 5.0, 0.0], TAIL);
+        let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
+        for (r, value) in radii.iter().zip(values(&nearness, &radii, false)) {
+            let ratio = value / (TAU * profile.pdf_area(*r));
+            assert!((0.89..1.12).contains(&ratio), "{ratio} at {} d", r / d);
+        }
+    }
+
+    /// Every processor has to make the same picture.
+    #[test]
+    fn nearness_is_the_same_in_vectors() {
+        let nearness = Nearness::new([0.9, 0.2, 0.4], [3.0, 0.1, 70.0], TAIL);
+        let radii: Vec<f32> = (0..4096).map(|i| (i as f32 * 0.005).exp() * 1e-7 - 1e-7).collect();
+        let bits = |avx2| values(&nearness, &radii, avx2).into_iter().map(f32::to_bits).collect::<Vec<_>>();
+        assert_eq!(bits(false), bits(avx2_is_available()));
+    }
+
+    #[test]
+    fn nearness_ends_where_probes_do() {
+        let nearness = Nearness::new([0.5, 0.0, 0.5], [1.0, 9.0, 2.0], TAIL);
+        let near = values(&nearness, &[0.0, 1.0, 1.999, 2.001, 5.0, f32::INFINITY, 1e30, 3.0], false);
+        assert!(near[..3].iter().all(|g| *g > 0.0 && g.is_finite()), "{near:?}");
+        assert!(near[3..].iter().all(|g| *g == 0.0), "{near:?}");
     }
 }

@@ -1,0 +1,258 @@
+//! How the cost of a picture grows: with its triangles, with the mean free path, with the threads.
+//!
+//! ```text
+//! cargo bench -p translucid-render --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
+//! ```
+//!
+//! Prints the tables of `docs/scaling.md`, which says what their columns are; `--write` puts them there.
+//! The scene is made here: a ball with bumps, 2 across and seen whole, in normalized diffusion under a lamp and a sky.
+//! What lights cost is the business of the bench `lights`.
+
+#![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
+
+use std::f32::consts::{PI, TAU};
+use std::fmt::Write;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+use glam::{Mat3, Vec3};
+use translucid_profile::Model;
+use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_scene::{
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
+    SubsurfaceModel, Unit,
+};
+
+/// Edge of the pictures in pixels.
+const SIZE: u32 = 256;
+/// Samples of a pixel in a measured picture.
+const SAMPLES: u32 = 4;
+/// Pictures of which the fastest counts.
+const RUNS: u64 = 3;
+/// Mean free path over the ball's diameter, where it is not what changes.
+const USUAL_LENGTH: f32 = 0.01;
+/// Triangles, where they are not what changes.
+const USUAL_TRIANGLES: u64 = 100_000;
+
+const BEGIN: &str = "<!-- begin: cargo bench -p translucid-render --bench scaling -- --write -->";
+const END: &str = "<!-- end -->";
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
+    let numbers = value("--triangles").map_or("1e4,1e5,1e6,1e7", String::as_str);
+    let numbers = numbers.split(',').map(|text| text.parse::<f64>().expect("numbers of triangles") as u64);
+    let tables = [by_triangles(numbers.collect()), by_length(), by_threads()].concat();
+    println!("{tables}");
+    if arguments.iter().any(|argument| argument == "--write") {
+        write(&tables);
+    }
+}
+
+/// Puts the tables between the marks of the document.
+fn write(tables: &str) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scaling.md");
+    let document =
+        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
+    let (head, tail) = marks.unwrap_or_else(|| panic!("{} has no marks", path.display()));
+    std::fs::write(&path, format!("{head}{BEGIN}\n\n{tables}{END}{tail}"))
+        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+}
+
+fn by_triangles(numbers: Vec<u64>) -> String {
+    let mut text = String::from(
+        "| triangles | prepare, CPU s | µs a triangle | render, CPU µs a sample | over the first |\n|---|---|---|---|---|\n",
+    );
+    let mut first = None;
+    for triangles in numbers {
+        let scene = scene(triangles, USUAL_LENGTH);
+        let number = scene.objects[0].mesh.triangles.len();
+        let start = cpu_seconds();
+        let renderer = Renderer::new(scene);
+        let prepare = cpu_seconds() - start;
+        let sample = Measured::of(&renderer).micros;
+        let first = *first.get_or_insert(sample);
+        let _ = writeln!(
+            text,
+            "| {number} | {prepare:.2} | {:.2} | {sample:.2} | {:.2} |",
+            prepare * 1e6 / number as f64,
+            sample / first
+        );
+    }
+    text + "\n"
+}
+
+fn by_length() -> String {
+    let mut text = String::from(
+        "| mean free path over diameter | CPU µs a sample | … without sharing | relative variance of a sample | … without sharing | time to the same error over that without |\n|---|---|---|---|---|---|\n",
+    );
+    for length in [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0] {
+        let shared = Measured::of(&Renderer::new(scene(USUAL_TRIANGLES, length)));
+        let mut alone = scene(USUAL_TRIANGLES, length);
+        alone.integrator.subsurface_sharing = false;
+        let alone = Measured::of(&Renderer::new(alone));
+        let _ = writeln!(
+            text,
+            "| {length:e} | {:.2} | {:.2} | {:.4} | {:.4} | {:.3} |",
+            shared.micros,
+            alone.micros,
+            shared.variance,
+            alone.variance,
+            shared.micros * shared.variance / (alone.micros * alone.variance)
+        );
+    }
+    text + "\n"
+}
+
+fn by_threads() -> String {
+    let mut text =
+        String::from("| threads | wall s | CPU s | faster by | of the threads |\n|---|---|---|---|---|\n");
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    let renderer = Renderer::new(scene(USUAL_TRIANGLES, USUAL_LENGTH));
+    let mut first = None;
+    let mut threads = 1;
+    while threads <= processors {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+        let once = || {
+            let (wall, cpu) = (Instant::now(), cpu_seconds());
+            pool.install(|| picture(&renderer, 4 * SAMPLES));
+            (wall.elapsed().as_secs_f64(), cpu_seconds() - cpu)
+        };
+        let (wall, cpu) = (0..RUNS).map(|_| once()).min_by(|a, b| a.0.total_cmp(&b.0)).expect("some runs");
+        let first = *first.get_or_insert(wall);
+        let faster = first / wall;
+        let _ = writeln!(
+            text,
+            "| {threads} | {wall:.2} | {cpu:.2} | {faster:.2} | {:.0} % |",
+            100.0 * faster / threads as f64
+        );
+        threads *= 2;
+    }
+    text + "\n"
+}
+
+/// What a scene's picture costs and is worth.
+struct Measured {
+    /// CPU µs of a sample of a pixel of the frame.
+    micros: f64,
+    /// Mean over the ball's pixels of the variance of a sample over the mean squared.
+    variance: f64,
+}
+
+impl Measured {
+    fn of(renderer: &Renderer) -> Self {
+        let once = || {
+            let start = cpu_seconds();
+            picture(renderer, SAMPLES);
+            cpu_seconds() - start
+        };
+        let seconds = (0..RUNS).map(|_| once()).fold(f64::INFINITY, f64::min);
+        let samples = f64::from(SIZE * SIZE * SAMPLES);
+        // Twice as many samples, of which the first half is known: two pictures that are independent but for the even
+        // spread of samples within each
+        let (half, whole) = (picture(renderer, SAMPLES), picture(renderer, 2 * SAMPLES));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
+            let light = |film: &FilmSums| film.radiance(x, y).iter().sum::<f64>();
+            let (first, mean) = (light(&half), light(&whole));
+            if mean > 0.0 {
+                let second = 2.0 * mean - first;
+                sum += 0.5 * (first - second).powi(2) / (mean * mean);
+                count += 1.0;
+            }
+        }
+        Self { micros: seconds * 1e6 / samples, variance: sum / count * f64::from(SAMPLES) }
+    }
+}
+
+fn picture(renderer: &Renderer, samples: u32) -> FilmSums {
+    let mut film = FilmSums::new(SIZE, SIZE);
+    renderer.render(&mut film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    film
+}
+
+/// The ball with bumps, of about so many triangles, and a mean free path over its diameter.
+fn scene(triangles: u64, length: f32) -> Scene {
+    let material = Material {
+        name: "wax".into(),
+        specular_weight: ScalarInput::constant(0.0),
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_color: ColorInput::constant(Vec3::new(0.8, 0.6, 0.4)),
+        subsurface_radius: ScalarInput::constant(2.0 * length),
+        subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.6, 0.4)),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusion),
+        ..Material::default()
+    };
+    Scene {
+        unit: Unit::Centimeter,
+        camera: Camera {
+            position: Vec3::new(0.0, -6.0, 1.0),
+            target: Vec3::ZERO,
+            up: Vec3::Z,
+            horizontal_fov: 22.0,
+            lens_radius: 0.0,
+            focus_distance: 6.0,
+        },
+        film: Film { width: SIZE, height: SIZE, ..Film::default() },
+        integrator: Integrator::default(),
+        objects: vec![Object {
+            name: "ball".into(),
+            mesh: bumpy_ball(triangles),
+            material: 0,
+            subsurface_group: 0,
+        }],
+        materials: vec![material],
+        images: Vec::new(),
+        profile_tables: Vec::new(),
+        lights: vec![Light::Rectangle {
+            center: Vec3::new(4.0, -2.0, 4.0),
+            edge_x: Vec3::new(-0.5, 0.7, 0.8),
+            edge_y: Vec3::new(0.9, 0.7, 0.0),
+            radiance: Vec3::splat(20.0),
+            visible: false,
+        }],
+        environment: Some(Environment {
+            radiance: Vec3::splat(0.2),
+            image: None,
+            world_from_environment: Mat3::IDENTITY,
+            visible: false,
+        }),
+    }
+}
+
+fn bumpy_ball(triangles: u64) -> Mesh {
+    let rows = ((triangles as f64 / 4.0).sqrt().round() as u32).max(4);
+    let columns = 2 * rows;
+    let mut mesh = Mesh::default();
+    for (i, j) in (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+        let (theta, phi) = (PI * i as f32 / rows as f32, TAU * j as f32 / columns as f32);
+        let bump = 0.04 * (11.0 * theta).sin() * (9.0 * phi).sin() * theta.sin();
+        let direction = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+        mesh.positions.push(direction * (0.96 + bump));
+    }
+    for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
+        let (a, b) = (i * columns + j, i * columns + (j + 1) % columns);
+        if i > 0 {
+            mesh.triangles.push([a, a + columns, b]);
+        }
+        if i + 1 < rows {
+            mesh.triangles.push([b, a + columns, b + columns]);
+        }
+    }
+    mesh
+}
+
+/// CPU time of the process in all its threads; wall time where the system does not tell.
+fn cpu_seconds() -> f64 {
+    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
+    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
+    // which Linux has 100 a second for user space.
+    let ticks = |text: String| -> Option<f64> {
+        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
+        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
+    };
+    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or_else(wall, |t| t / 100.0)
+}
