@@ -233,9 +233,9 @@ impl<'a> PathTracer<'a> {
     fn interact(&mut self, path: &mut Path, point: &SurfacePoint, hit: &Hit, sampler: &mut Sampler) -> bool {
         let world = self.world;
         let (index, material) = world.material(point);
-        let u = sampler.next_4d();
+        let u = sampler.reserve();
         let opacity = material::opacity_at(&world.scene, material, point);
-        if opacity < 1.0 && u[3] >= opacity {
+        if opacity < 1.0 && u.numbers()[3] >= opacity {
             return path.pass(point, Vec3::ONE);
         }
         // Before a clear surface is passed: light samples of it bring all of its emission, too.
@@ -244,7 +244,7 @@ impl<'a> PathTracer<'a> {
         let mut surface = material::surface_at(&world.scene, material, point, &subsurface);
         if path.soft {
             let clear = surface.transmission_weight * (1.0 - surface.metalness);
-            if clear > 0.0 && u[2] < clear {
+            if clear > 0.0 && u.numbers()[2] < clear {
                 return self.pass_clear(path, point, material, &surface);
             }
             surface.transmission_weight = 0.0;
@@ -274,7 +274,7 @@ impl<'a> PathTracer<'a> {
             // From the lens, also if surfaces that are partly opaque were passed.
             path.sample.depth = point.position.distance(path.origin.point);
         }
-        if path.depth >= world.scene.integrator.max_depth || !survives(path, u[1]) {
+        if path.depth >= world.scene.integrator.max_depth || !survives(path, || u.numbers()[1]) {
             return false;
         }
         let vertex = Vertex { point, frame, normal, subsurface, material, soft };
@@ -740,12 +740,12 @@ impl Vertex<'_> {
 }
 
 /// Russian roulette on the throughput: true if the path goes on.
-fn survives(path: &mut Path, u: f32) -> bool {
+fn survives(path: &mut Path, u: impl Fn() -> f32) -> bool {
     if path.depth < ROULETTE_AFTER {
         return true;
     }
     let survival = path.throughput.max_element().min(0.95);
-    if u >= survival {
+    if u() >= survival {
         return false;
     }
     path.throughput /= survival;

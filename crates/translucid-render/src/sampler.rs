@@ -14,6 +14,20 @@ pub(crate) struct Sampler {
     set: u32,
 }
 
+/// Four numbers that have their place, but are not computed yet.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reserved {
+    index: u32,
+    scramble: u32,
+}
+
+impl Reserved {
+    /// The numbers in [0, 1), the same every time.
+    pub(crate) fn numbers(self) -> [f32; 4] {
+        sobol_burley::sample_4d(self.index, 0, self.scramble)
+    }
+}
+
 /// Sets that a path vertex may use.
 const SETS_PER_VERTEX: u32 = 8;
 
@@ -29,9 +43,14 @@ impl Sampler {
 
     /// The next four numbers in [0, 1).
     pub(crate) fn next_4d(&mut self) -> [f32; 4] {
-        let scramble = hash_combine(self.seed, self.set);
+        self.reserve().numbers()
+    }
+
+    /// The next four numbers for those who seldom need them: made when `numbers` is called.
+    pub(crate) fn reserve(&mut self) -> Reserved {
+        let reserved = Reserved { index: self.index, scramble: hash_combine(self.seed, self.set) };
         self.set += 1;
-        sobol_burley::sample_4d(self.index, 0, scramble)
+        reserved
     }
 
     /// A number of its own for the sets yet to come, of which other generators may be made.
