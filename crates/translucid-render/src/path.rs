@@ -31,7 +31,7 @@ use crate::point_based::{Gatherer, Leaving, Scratch};
 use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
-use crate::sharing::{self, Arrival, EntryLight, Pool, Waiting};
+use crate::sharing::{self, Arrival, EntryLight, Kind, Pool, Waiting};
 use crate::subsurface::{Exit, Found, Prober, Shareable};
 use crate::subsurface_profile::Truncation;
 use crate::triangle::Ray;
@@ -403,7 +403,7 @@ impl<'a> PathTracer<'a> {
         let tables = world.materials.profile_tables();
         if let Some(number) = path.in_block.take()
             && world.materials.pairing(exit.material).is_none()
-            && sharing::can_share(vertex.subsurface.length)
+            && sharing::can_share(tables, &vertex.subsurface, path.throughput)
         {
             self.share_below(path, vertex, &exit, side, number, sampler);
             return false;
@@ -454,7 +454,14 @@ impl<'a> PathTracer<'a> {
         let entry = found.map(|found| self.light_of(path, &found, side, sampler));
         self.pool.push(Waiting {
             sample,
-            kind: (vertex.point.group, side > 0.0),
+            kind: Kind {
+                group: vertex.point.group,
+                outside: side > 0.0,
+                depth: path.depth,
+                diffuse_depth: path.diffuse_depth,
+                soft: path.soft,
+                absorption: path.absorption.to_array().map(f32::to_bits),
+            },
             position: vertex.point.position,
             normal: vertex.normal * side,
             throughput,
@@ -483,7 +490,11 @@ impl<'a> PathTracer<'a> {
         // a color: none is followed as if it were worth nothing.
         let worth = path.throughput * found.weight;
         let most = worth.max_element();
-        let worth = worth.max(Vec3::splat(0.1 * most)) * (most.clamp(0.05, 1.0) / most);
+        let worth = if most > 1e-30 {
+            worth.max(Vec3::splat(0.1 * most)) * (most.clamp(0.05, 1.0) / most)
+        } else {
+            Vec3::ONE
+        };
         let mut onward = Path {
             throughput: worth,
             layer: Layer::Subsurface,

@@ -60,6 +60,8 @@ pub(crate) struct ProfileTables {
     tables: Vec<AlbedoTableF32>,
     /// For each table the surface albedo whose shape stands in above it.
     brightest: Vec<f32>,
+    /// For each table whether a user has made it.
+    is_from_file: Vec<bool>,
     dipoles: Vec<DirectionalDipoleTable>,
     obliques: Vec<ObliqueDiffusionTable>,
     media: WalkMedia,
@@ -102,6 +104,11 @@ impl ProfileTables {
     /// shape, too, or most of its light would leave where probes hardly look.
     pub(crate) fn brightest(&self, table: usize) -> f32 {
         self.brightest[table]
+    }
+
+    /// Whether a user has made the table of a profile: it may have any shape, holes included.
+    pub(crate) fn is_from_file(&self, source: ProfileSource) -> bool {
+        source.table().is_some_and(|table| self.is_from_file[table])
     }
 
     pub(crate) fn dipole(&self, index: usize) -> &DirectionalDipoleTable {
@@ -154,7 +161,7 @@ impl ProfileTables {
         let made = match recipe {
             Recipe::Model(recipe) => self.source_of_model(&recipe, material).map_err(|e| e.to_string()),
             Recipe::File(index) => {
-                files[index].table().map_err(|e| e.to_string()).map(|table| self.add(&table, 1.0))
+                files[index].table().map_err(|e| e.to_string()).map(|table| self.add(&table, 1.0, true))
             }
         };
         match made {
@@ -191,9 +198,10 @@ impl ProfileTables {
         }
     }
 
-    fn add(&mut self, table: &AlbedoTable, brightest: f64) -> ProfileSource {
+    fn add(&mut self, table: &AlbedoTable, brightest: f64, is_from_file: bool) -> ProfileSource {
         self.tables.push(AlbedoTableF32::from(table));
         self.brightest.push(brightest as f32);
+        self.is_from_file.push(is_from_file);
         ProfileSource::Table(self.tables.len() - 1)
     }
 
@@ -216,7 +224,7 @@ impl ProfileTables {
                 material.name, recipe.eta
             ));
         }
-        let source = self.add(&table, recipe.brightest());
+        let source = self.add(&table, recipe.brightest(), false);
         match source {
             ProfileSource::Table(table) if recipe.model == Model::DirectionalDipole => {
                 let dipole = DirectionalDipoleTable::new(recipe.eta, recipe.g, recipe.parameterization)?;

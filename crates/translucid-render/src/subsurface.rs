@@ -81,13 +81,15 @@ pub(crate) struct Prober {
 struct HitWeight {
     /// R / p.
     value: Vec3,
-    /// 1 / p \[L²\].
+    /// 1 / (2πr p) for the distance r \[L\].
     inverse_density: f32,
+    /// r \[L\].
+    distance: f32,
 }
 
 impl HitWeight {
     fn scaled(self, factor: f32) -> Self {
-        Self { value: self.value * factor, inverse_density: self.inverse_density * factor }
+        Self { value: self.value * factor, inverse_density: self.inverse_density * factor, ..self }
     }
 }
 
@@ -172,14 +174,13 @@ impl Prober {
         let found = self.sample_from(proposals, world, exit, sampler, |_, offset, normal| {
             channels.weight(offset, normal, axis_probes)
         });
+        let profiles = all(proposals.profiles);
+        let nearness = Nearness::new(proposals.shares, profiles.reaches(), self.truncation.tail);
         let found = found.map(|(hit, weight)| Found {
             hit,
             weight: weight.value,
-            contribution: weight.inverse_density,
+            contribution: TAU * nearness.distance(weight.distance) * weight.inverse_density,
         });
-        let profiles = all(proposals.profiles);
-        let is_probed = |c: usize| if proposals.shares[c] > 0.0 { channels.albedo[c] } else { 0.0 };
-        let nearness = Nearness::new([0, 1, 2].map(is_probed), profiles.reaches(), self.truncation.tail);
         Some(Shareable { profiles, nearness, found })
     }
 
@@ -242,7 +243,7 @@ impl Prober {
                 if distance <= profile.longest() { pair.albedo[c] * profile.pdf(distance) } else { 0.0 }
             };
             let value = Vec3::new(value(0), value(1), value(2)) / density;
-            HitWeight { value, inverse_density: TAU * distance / density }
+            HitWeight { value, inverse_density: 1.0 / density, distance }
         })?;
         let weight = weight.value;
         Some(Entry { hit, weight, subsurface: pairing.pair(world, exit, &hit) })
@@ -401,7 +402,7 @@ impl<P: CutProfile> Channels<P> {
         };
         let value = Vec3::new(value(0), value(1), value(2)) / density;
         // Density and profile are those times 2πr
-        HitWeight { value, inverse_density: TAU * distance / density }
+        HitWeight { value, inverse_density: 1.0 / density, distance }
     }
 }
 

@@ -15,17 +15,29 @@
 //! [`Nearness`]), cut at the same radius as its probes.
 //! Near x_j its own g_j grows like R_j, so no weight is larger than without sharing.
 //!
-//! The sum over i is itself drawn from: [`PICKS`] of its terms, in proportion to g_j W_i w_i E_i and evenly spaced along
-//! the running sum, stand for all. What R_j is need be evaluated for these only, so all models and their directions
+//! The sum over i is itself drawn from: a few of its terms, in proportion to g_j W_i w_i E_i and evenly spaced along the
+//! running sum, stand for all. What R_j is need be evaluated for these only, so all models and their directions
 //! are alike to it.
+//!
+//! Only exits whose light would have the same bounds share: see [`Kind`].
+
+use glam::Vec3;
+
+use crate::material::Subsurface;
+use crate::profile_tables::ProfileTables;
 
 mod nearness;
 mod pool;
 
 pub(crate) use nearness::Nearness;
-pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Pool, Waiting};
+pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Kind, Pool, Waiting};
 
-/// Whether numbers like the inverse square of these lengths, per channel \[L\], and their products stay finite.
-pub(crate) fn can_share(length: glam::Vec3) -> bool {
-    (0..3).all(|c| length[c] <= 0.0 || (1e-8..1e8).contains(&length[c]))
+/// Whether an exit of these parameters, which the light that leaves is multiplied with a throughput, may share.
+///
+/// Numbers like the inverse square of its lengths \[L\] and their products have to stay finite, and no profile may be 0
+/// where its stand-in is not, as one from a file might.
+pub(crate) fn can_share(tables: &ProfileTables, subsurface: &Subsurface, throughput: Vec3) -> bool {
+    let Subsurface { length, source, .. } = *subsurface;
+    let usual = |c: usize| length[c] <= 0.0 || (1e-8..1e8).contains(&length[c]);
+    (0..3).all(usual) && throughput.max_element() > 1e-15 && !tables.is_from_file(source)
 }

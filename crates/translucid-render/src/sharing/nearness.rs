@@ -3,8 +3,8 @@
 /// Entries that are worked on together.
 pub(super) const LANES: usize = 8;
 
-/// Distances below this part of the longest count as this.
-const LEAST_DISTANCE: f32 = 1e-7;
+/// Distances below this part of the longest count as this: far below what can be told apart, but not 0.
+const LEAST_DISTANCE: f32 = 1e-12;
 
 /// A stand-in for the sum of an exit's profiles over its channels,
 ///
@@ -40,10 +40,10 @@ impl Nearness {
         new
     }
 
-    /// Distance that a point counts as having, never 0.
+    /// Distance at which profiles are evaluated, never 0.
     #[inline(always)]
-    pub(crate) fn distance(&self, squared: f32) -> f32 {
-        squared.sqrt().max(LEAST_DISTANCE * self.longest)
+    pub(crate) fn distance(&self, distance: f32) -> f32 {
+        distance.max(LEAST_DISTANCE * self.longest)
     }
 
     /// g at points with these coordinates, whose number is a multiple of [`LANES`]; adds it to the sums, too.
@@ -57,7 +57,8 @@ impl Nearness {
         let least = LEAST_DISTANCE * self.longest;
         let [a, b, c] = self.inverse_scale;
         let [sa, sb, sc] = self.share;
-        let longest_squared = self.longest * self.longest;
+        // Infinity is beyond, however long it is
+        let longest_squared = (self.longest * self.longest).min(f32::MAX);
         for i in 0..n {
             let (dx, dy, dz) = (px[i] - x, py[i] - y, pz[i] - z);
             let squared = dx * dx + dy * dy + dz * dz;

@@ -73,12 +73,26 @@ impl ExitProfiles<'_> {
     }
 }
 
+/// What exits have to have in common to share: entries are then the same to all of them, and so is how far the light
+/// that arrives there has been followed, and through what.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Kind {
+    /// Subsurface group.
+    pub(crate) group: u32,
+    /// Whether it is seen from outside.
+    pub(crate) outside: bool,
+    pub(crate) depth: u32,
+    pub(crate) diffuse_depth: u32,
+    pub(crate) soft: bool,
+    /// Bits of the absorption coefficients of the clear medium around.
+    pub(crate) absorption: [u32; 3],
+}
+
 /// An exit that waits for light.
 pub(crate) struct Waiting<'a> {
     /// Number of its sample in the block.
     pub(crate) sample: usize,
-    /// Subsurface group, and whether it is seen from outside: others have other entries.
-    pub(crate) kind: (u32, bool),
+    pub(crate) kind: Kind,
     pub(crate) position: Vec3,
     /// Shading normal on the side that is seen.
     pub(crate) normal: Vec3,
@@ -110,9 +124,11 @@ struct Sums {
     owners: Vec<usize>,
     points: [Vec<f32>; 3],
     sums: Vec<f32>,
-    /// w_i W_i, and that times a number for the light.
+    /// w_i W_i, and that times the light, by channel.
     coefficients: Vec<f32>,
-    bright: Vec<f32>,
+    bright: [Vec<f32>; 3],
+    /// That times g and the exit's color, of one exit.
+    terms: Vec<f32>,
     /// g of each exit (row) at each entry.
     nearness: Vec<f32>,
     /// An exit's terms, those of [`LANES`] entries together.
@@ -183,28 +199,39 @@ impl Sums {
             exit.nearness.fill(exit.position.to_array(), points, row, &mut self.sums, self.avx2);
         }
         self.coefficients.clear();
-        self.bright.clear();
+        self.bright.iter_mut().for_each(Vec::clear);
         for (i, &owner) in self.owners.iter().enumerate() {
             let entry = waiting[alike[owner]].entry.as_ref().expect("owners have entries");
             let share = self.nearness[owner * width + i] / self.sums[i];
             let coefficient = share * entry.contribution;
             let light = entry.arrivals[0].light + entry.arrivals[1].light;
-            let bright = coefficient * light.element_sum();
-            let is_usable = coefficient > 0.0 && bright > 0.0 && bright.is_finite();
+            let bright = coefficient * light;
+            let is_usable = coefficient > 0.0 && bright.max_element() > 0.0 && bright.is_finite();
             self.coefficients.push(if is_usable { coefficient } else { 0.0 });
-            self.bright.push(if is_usable { bright } else { 0.0 });
+            for (c, channel) in self.bright.iter_mut().enumerate() {
+                channel.push(if is_usable { bright[c] } else { 0.0 });
+            }
         }
-        self.bright.resize(width, 0.0);
+        self.bright.iter_mut().for_each(|channel| channel.resize(width, 0.0));
+        self.terms.resize(width, 0.0);
     }
 
     /// Light that leaves at the exit of a row.
     fn gather(&mut self, row: usize, exit: &Waiting<'_>, alike: &[usize], waiting: &[Waiting<'_>]) -> Vec3 {
         let width = self.width();
         let near = &self.nearness[row * width..(row + 1) * width];
+        let color = exit.throughput * exit.albedo;
+        let most = color.max_element();
+        // What has none of this exit's color is worth nothing to it
+        let color = if most > 0.0 { color / most } else { Vec3::ONE };
+        let [red, green, blue] = self.bright.each_ref().map(|channel| &channel[..width]);
+        let terms = &mut self.terms[..width];
+        for i in 0..width {
+            terms[i] = near[i] * (red[i] * color.x + green[i] * color.y + blue[i] * color.z);
+        }
         self.partial.clear();
-        for (near, bright) in near.chunks_exact(LANES).zip(self.bright.chunks_exact(LANES)) {
-            let products: [f32; LANES] = std::array::from_fn(|lane| near[lane] * bright[lane]);
-            self.partial.push(products.iter().sum());
+        for chunk in terms.chunks_exact(LANES) {
+            self.partial.push(chunk.iter().sum());
         }
         let sum: f32 = self.partial.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
@@ -223,7 +250,7 @@ impl Sums {
             }
             let end = passed + partial;
             for i in chunk * LANES..(chunk + 1) * LANES {
-                let term = near[i] * self.bright[i];
+                let term = self.terms[i];
                 if term <= 0.0 {
                     continue;
                 }
@@ -248,7 +275,7 @@ impl Waiting<'_> {
     /// R_j E_i times a factor.
     fn light_from(&self, entry: &EntryLight, factor: f32) -> Vec3 {
         let offset = self.position - entry.position;
-        let distance = self.nearness.distance(offset.length_squared());
+        let distance = self.nearness.distance(offset.length());
         let reflectance = self.profiles.reflectance(self.albedo, distance);
         let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
         let directionality = self.directions.along(passage);
