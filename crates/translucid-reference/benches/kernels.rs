@@ -37,8 +37,8 @@ const RUNS: usize = 9;
 /// Numbers in a slice: arguments and results stay in the first cache.
 const COUNT: usize = 1024;
 
-const BEGIN: &str = "<!-- begin: cargo bench -p translucid-reference --bench kernels -- --write -->";
-const END: &str = "<!-- end -->";
+const BEGIN: &str = "<!-- measured: cargo bench -p translucid-reference --bench kernels -- --write -->";
+const END: &str = "<!-- end of what was measured -->";
 
 fn main() {
     let rates = Rates::measure();

@@ -35,8 +35,8 @@ const USUAL_LENGTH: f32 = 0.01;
 /// Triangles, where they are not what changes.
 const USUAL_TRIANGLES: u64 = 100_000;
 
-const BEGIN: &str = "<!-- begin: cargo bench -p translucid-render --bench scaling -- --write -->";
-const END: &str = "<!-- end -->";
+const BEGIN: &str = "<!-- measured: cargo bench -p translucid-render --bench scaling -- --write -->";
+const END: &str = "<!-- end of what was measured -->";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();

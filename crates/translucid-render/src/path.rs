@@ -32,7 +32,7 @@ use crate::profile_tables::ProfileSource;
 use crate::sampler::Sampler;
 use crate::shadow::{self, Medium};
 use crate::sharing::{self, Arrival, EntryLight, Kind, Pool, Waiting};
-use crate::subsurface::{Exit, Found, Prober, Shareable};
+use crate::subsurface::{Entry, Exit, Found, Prober, Shareable};
 use crate::subsurface_profile::Truncation;
 use crate::triangle::Ray;
 
@@ -75,6 +75,8 @@ pub(crate) struct PathTracer<'a> {
     prober: Prober,
     scratch: Scratch,
     pool: Pool<'a>,
+    /// Width of a pixel over the distance of what it shows.
+    pixel_angle: f32,
 }
 
 /// Which layer of the image a path brings light to: the first scattering event decides.
@@ -184,7 +186,9 @@ impl<'a> PathTracer<'a> {
     pub(crate) fn new(world: &'a World) -> Self {
         let truncation = Truncation::new(world.scene.integrator.subsurface_tail);
         let prober = Prober::new(truncation, world.axis_probes);
-        Self { world, prober, scratch: Scratch::default(), pool: Pool::new() }
+        let half = 0.5 * world.scene.camera.horizontal_fov.to_radians();
+        let pixel_angle = 2.0 * half.tan() / world.scene.film.width as f32;
+        Self { world, prober, scratch: Scratch::default(), pool: Pool::new(), pixel_angle }
     }
 
     /// Light that arrives at the ray's origin along the ray.
@@ -401,14 +405,23 @@ impl<'a> PathTracer<'a> {
             importance: path.throughput,
         };
         let tables = world.materials.profile_tables();
-        if let Some(number) = path.in_block.take()
+        let entry = if let Some(number) = path.in_block.take()
             && world.materials.pairing(exit.material).is_none()
             && sharing::can_share(tables, &vertex.subsurface, path.throughput)
         {
-            self.share_below(path, vertex, &exit, side, number, sampler);
-            return false;
-        }
-        let Some(found) = self.prober.sample(world, &exit, sampler) else { return false };
+            let Some(shareable) = self.prober.sample_to_share(world, &exit, sampler) else { return false };
+            if shareable.nearness.mean_radius()
+                >= sharing::LEAST_PIXELS * self.pixel_angle * path.sample.depth
+            {
+                self.share_below(path, vertex, shareable, side, number, sampler);
+                return false;
+            }
+            let subsurface = vertex.subsurface;
+            shareable.found.map(|found| Entry { hit: found.hit, weight: found.weight, subsurface })
+        } else {
+            self.prober.sample(world, &exit, sampler)
+        };
+        let Some(found) = entry else { return false };
         path.throughput *= found.weight;
         if let Some(normalizer) = &world.normalizer {
             let scratch = &mut self.scratch;
@@ -435,17 +448,13 @@ impl<'a> PathTracer<'a> {
         &mut self,
         path: &Path,
         vertex: &Vertex<'_>,
-        exit: &Exit<'_>,
+        Shareable { profiles, nearness, found }: Shareable<'a>,
         side: f32,
         sample: usize,
         sampler: &mut Sampler,
     ) {
         let world = self.world;
         let random = (sampler.fork() >> 40) as f32 * (1.0 / (1 << 24) as f32);
-        let Some(Shareable { profiles, nearness, found }) = self.prober.sample_to_share(world, exit, sampler)
-        else {
-            return;
-        };
         let mut throughput = path.throughput;
         if let Some(normalizer) = &world.normalizer {
             let tables = world.materials.profile_tables();

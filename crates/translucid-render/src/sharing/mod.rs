@@ -32,6 +32,12 @@ mod pool;
 pub(crate) use nearness::Nearness;
 pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Kind, Pool, Waiting};
 
+/// Mean radius of the widest profile, in pixels, from which on an exit shares.
+///
+/// Below, an entry is of little use to the neighbors, and which of them lies how near is noise of its own. What counts as
+/// a pixel is known before any entry is, so the choice changes no mean.
+pub(crate) const LEAST_PIXELS: f32 = 1.5;
+
 /// Whether an exit of these parameters, which the light that leaves is multiplied with a throughput, may share.
 ///
 /// Numbers like the inverse square of its lengths \[L\] and their products have to stay finite, and no profile may be 0

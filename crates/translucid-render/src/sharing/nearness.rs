@@ -40,6 +40,12 @@ impl Nearness {
         new
     }
 
+    /// Mean radius of the widest channel's stand-in: 5/12 a, as of normalized diffusion \[L\].
+    pub(crate) fn mean_radius(&self) -> f32 {
+        let least = (0..3).filter(|&c| self.share[c] > 0.0).map(|c| self.inverse_scale[c]);
+        (5.0 / 12.0) / least.fold(f32::INFINITY, f32::min)
+    }
+
     /// Distance at which profiles are evaluated, never 0.
     #[inline(always)]
     pub(crate) fn distance(&self, distance: f32) -> f32 {
