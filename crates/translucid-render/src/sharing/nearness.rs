@@ -145,7 +145,8 @@ mod tests {
         let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(TAIL), 5.0, 0.0], TAIL);
         let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
         for (r, value) in radii.iter().zip(values(&nearness, &radii, false)) {
-            let ratio = value / (TAU * profile.pdf_area(*r));
+            // Weights are relative: 3/a is the height of a density
+            let ratio = 3.0 * value / (TAU * profile.pdf_area(*r));
             assert!((0.89..1.12).contains(&ratio), "{ratio} at {} d", r / d);
         }
     }
