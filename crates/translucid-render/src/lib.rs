@@ -7,6 +7,8 @@
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
 mod light;
+#[doc(hidden)]
+pub mod measure;
 mod output;
 mod path;
 mod ray;
@@ -15,16 +17,18 @@ mod sampling;
 mod subsurface;
 mod surface;
 mod world;
+mod shim;
 
-pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
 pub use output::{
     CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
     check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
     write_denoised_png, write_exr, write_exr_with_denoised, write_png,
 };
 pub use ray::{Geometry, Hit, Ray};
-pub use render::film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
-pub use render::renderer::{Goal, Outcome, Progress, Renderer};
-pub use sampling::Frame;
+pub use render::{
+    Edit, FilmLayer, FilmSums, Fraction, Goal, LayerSizeError, LiveFilm, Outcome, PixelRect, PreparedScene,
+    Progress, Renewed, TILE_SIZE, TileSums, View,
+};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
-pub use surface::bsdf;
+pub use subsurface::{KernelNote, MaterialNote, NearestParameter, Note, SubsurfaceProfileError};
+pub use world::{PixelSample, layer};

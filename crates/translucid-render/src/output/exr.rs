@@ -10,7 +10,8 @@ use ::exr::prelude::{
 };
 
 use super::{Denoised, OutputError, write_atomically};
-use crate::render::film::{FilmSums, layer};
+use crate::render::FilmSums;
+use crate::world::layer;
 
 /// What a picture's metadata says about its making.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -184,7 +185,7 @@ mod tests {
     use ::exr::prelude::{ReadChannels, ReadLayers, read};
 
     use super::*;
-    use crate::render::film::tests::test_film;
+    use crate::render::tests::test_film;
 
     fn read_back(path: &Path) -> Layer<AnyChannels<FlatSamples>> {
         let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
