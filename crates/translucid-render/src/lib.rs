@@ -14,10 +14,11 @@ mod path;
 mod ray;
 mod render;
 mod sampling;
+mod session;
+mod shim;
 mod subsurface;
 mod surface;
 mod world;
-mod shim;
 
 pub use output::{
     CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
@@ -29,6 +30,7 @@ pub use render::{
     Edit, FilmLayer, FilmSums, Fraction, Goal, LayerSizeError, LiveFilm, Outcome, PixelRect, PreparedScene,
     Progress, Renewed, TILE_SIZE, TileSums, View,
 };
+pub use session::{CheckpointPlan, Event, Observer, Plan, Rendering, RunningSession, Session, SessionError};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
 pub use subsurface::{KernelNote, MaterialNote, NearestParameter, Note, SubsurfaceProfileError};
 pub use world::{PixelSample, layer};

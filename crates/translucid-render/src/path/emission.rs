@@ -7,7 +7,13 @@ use crate::surface;
 use crate::world::{Origin, PathState, World, absorbed, power_heuristic};
 
 /// Emission of the surface that the path has met.
-pub(super) fn add_emission(world: &World, path: &mut PathState, point: &SurfacePoint, material: &Material, hit: &Hit) {
+pub(super) fn add_emission(
+    world: &World,
+    path: &mut PathState,
+    point: &SurfacePoint,
+    material: &Material,
+    hit: &Hit,
+) {
     if material.emission_luminance <= 0.0 || path.ray.direction.dot(point.geometric_normal) >= 0.0 {
         return;
     }
@@ -16,8 +22,7 @@ pub(super) fn add_emission(world: &World, path: &mut PathState, point: &SurfaceP
         let primitive = world.geometry.primitive(point.object, point.triangle);
         let Origin { point: from, normal, pdf } = path.origin;
         let position = world.geometry.position(hit);
-        let light =
-            world.lights.triangle_pdf(primitive, from, normal, position, point.geometric_normal);
+        let light = world.lights.triangle_pdf(primitive, from, normal, position, point.geometric_normal);
         power_heuristic(pdf, light)
     } else {
         1.0
@@ -36,8 +41,7 @@ pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f
         lights.intersect(ray.origin, ray.direction, t_max)
     };
     let Some(light) = light else { return false };
-    let weight =
-        if pdf.is_finite() { power_heuristic(pdf, light.pdf(lights, point, normal)) } else { 1.0 };
+    let weight = if pdf.is_finite() { power_heuristic(pdf, light.pdf(lights, point, normal)) } else { 1.0 };
     let absorbed = absorbed(path.absorption, light.t);
     if path.depth == 0 {
         path.sample.alpha = 1.0;

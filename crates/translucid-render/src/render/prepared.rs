@@ -11,8 +11,8 @@ use super::fingerprint::{fingerprint, fingerprint_of_points};
 use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
-use crate::shim::V as _;
 use crate::ray::Geometry;
+use crate::shim::V as _;
 use crate::subsurface::transport::points::{Making, PointCloud, PointProgress, PointsError};
 use crate::subsurface::{Note, SubsurfaceSet};
 use crate::surface::{self, SurfaceTables};
@@ -110,7 +110,8 @@ impl PreparedScene {
             Edit::Material(index, material) => self.edit_material(index, *material)?,
             Edit::Object(index, object) => self.edit_object(index, *object)?,
             Edit::Lights(lights) => {
-                let validate = |scene: &Scene| (0..scene.lights.len()).try_for_each(|index| scene.validate_light(index));
+                let validate =
+                    |scene: &Scene| (0..scene.lights.len()).try_for_each(|index| scene.validate_light(index));
                 self.swap_checked(lights, |scene| &mut scene.lights, validate)?;
                 Renewed { lights: true, ..Renewed::default() }
             }
@@ -119,7 +120,11 @@ impl PreparedScene {
                 Renewed { lights: true, ..Renewed::default() }
             }
             Edit::Integrator(integrator) => {
-                self.swap_checked(integrator, |scene| &mut scene.integrator, |scene| scene.integrator.validate())?;
+                self.swap_checked(
+                    integrator,
+                    |scene| &mut scene.integrator,
+                    |scene| scene.integrator.validate(),
+                )?;
                 let scene = &self.world.scene;
                 for index in 0..scene.materials.len() {
                     self.world.surfaces.update(index, &scene.materials[index], &scene.integrator);

@@ -6,9 +6,9 @@ use glam::{DVec3, Vec3};
 use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
 
 use super::pixel_rect::PixelRect;
-use crate::shim::V as _;
 use crate::ray::Ray;
 use crate::sampling::{Frame, concentric_disk};
+use crate::shim::V as _;
 
 /// Entries of the inverse filter table.
 const FILTER_TABLE: usize = 2048;
@@ -148,8 +148,7 @@ impl View {
         new.fraction = fraction;
         new.step = to as f32;
         let [most_x, most_y] = new.whole_size();
-        new.region =
-            PixelRect { left: x0, top: y0, width: x1.min(most_x) - x0, height: y1.min(most_y) - y0 };
+        new.region = PixelRect { left: x0, top: y0, width: x1.min(most_x) - x0, height: y1.min(most_y) - y0 };
         new
     }
 

@@ -130,7 +130,8 @@ impl SubsurfaceSet {
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
                 let nearest = recipe.nearest(material);
-                let notes = if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
+                let notes =
+                    if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
                 (SubsurfaceTransport::Walk(medium), notes)
             }
             Err(error) => self.stand_in(scene, index, KernelError::Model(error)),
@@ -221,7 +222,11 @@ impl SubsurfaceSet {
     pub(crate) fn notes(&self, scene: &Scene) -> Vec<Note> {
         let of_materials = self.notes.iter().zip(&scene.materials).flat_map(|(notes, material)| {
             let Material { name, subsurface_model: model, .. } = material;
-            notes.iter().map(|note| Note::Material { material: name.clone(), model: *model, note: note.clone() })
+            notes.iter().map(|note| Note::Material {
+                material: name.clone(),
+                model: *model,
+                note: note.clone(),
+            })
         });
         of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()
     }

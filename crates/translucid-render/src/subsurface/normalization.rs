@@ -34,7 +34,10 @@ impl Normalizer {
     ///
     /// # Errors
     /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
-    pub(crate) fn new(world: &World, transports: &[SubsurfaceTransport]) -> Result<Option<Self>, PointsError> {
+    pub(crate) fn new(
+        world: &World,
+        transports: &[SubsurfaceTransport],
+    ) -> Result<Option<Self>, PointsError> {
         let is_asked_for = |material: &Material| {
             material.subsurface_normalization == SubsurfaceNormalization::Energy
                 && material.subsurface_weight.factor > 0.0

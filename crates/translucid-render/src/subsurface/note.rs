@@ -87,7 +87,8 @@ impl Note {
             scene.lights.iter().filter_map(|light: &Light| light::kind_without_size(light)).collect();
         lights.sort_unstable();
         lights.dedup();
-        let materials: Vec<String> = scene.materials.iter().filter(refracts).map(|m| m.name.clone()).collect();
+        let materials: Vec<String> =
+            scene.materials.iter().filter(refracts).map(|m| m.name.clone()).collect();
         (!lights.is_empty() && !materials.is_empty()).then_some(Self::LightsWithoutSize { materials, lights })
     }
 }

@@ -33,8 +33,9 @@ impl SurfaceTables {
     /// The tables of a material's indices of refraction, which are made if no material has had them.
     fn tables_of(&self, material: &Material) -> Arc<MaterialTables> {
         let (specular_ior, coat_ior) = (material.specular_ior, material.coat_ior);
-        let is_alike =
-            |tables: &&Arc<MaterialTables>| tables.specular_ior() == specular_ior && tables.coat_ior() == coat_ior;
+        let is_alike = |tables: &&Arc<MaterialTables>| {
+            tables.specular_ior() == specular_ior && tables.coat_ior() == coat_ior
+        };
         let known = self.tables.iter().find(is_alike).cloned();
         known.unwrap_or_else(|| Arc::new(MaterialTables::new(specular_ior, coat_ior)))
     }

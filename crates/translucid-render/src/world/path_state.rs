@@ -80,13 +80,7 @@ impl PathState {
 
     /// A path that goes on from here under a surface and is worth `throughput`; its light is counted by itself.
     pub(crate) fn branch(&self, throughput: Vec3) -> Self {
-        Self {
-            throughput,
-            layer: Layer::Subsurface,
-            sample: PixelSample::default(),
-            in_block: None,
-            ..*self
-        }
+        Self { throughput, layer: Layer::Subsurface, sample: PixelSample::default(), in_block: None, ..*self }
     }
 
     /// Adds light of the given radiance at the path's end to its layer.

@@ -33,7 +33,11 @@ pub(crate) fn transmittance(world: &World, ray: &Ray, medium: ShadowMedium) -> V
 }
 
 /// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
-fn through_surfaces(world: &World, mut ray: Ray, ShadowMedium { mut absorption, soft }: ShadowMedium) -> Vec3 {
+fn through_surfaces(
+    world: &World,
+    mut ray: Ray,
+    ShadowMedium { mut absorption, soft }: ShadowMedium,
+) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
     for _ in 0..MOST_SURFACES {

@@ -8,7 +8,6 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
-
 /// The way of light below the surface, with normals on the side that is seen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passage {
@@ -71,7 +70,11 @@ impl RadialMean<'_> {
     /// 1 over a density of the profiles times A; 0 where that is 0.
     fn inverse(&self, density: impl Fn(&ProfileViewF32<'_>) -> f32) -> Vec3 {
         let of = |c: usize| {
-            let radial = if self.surface_albedo[c] > 0.0 { self.surface_albedo[c] * density(&self.views[c]) } else { 0.0 };
+            let radial = if self.surface_albedo[c] > 0.0 {
+                self.surface_albedo[c] * density(&self.views[c])
+            } else {
+                0.0
+            };
             if radial > 0.0 { radial.recip() } else { 0.0 }
         };
         Vec3::new(of(0), of(1), of(2))

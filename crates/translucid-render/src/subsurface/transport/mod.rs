@@ -24,7 +24,7 @@ use crate::ray::SurfacePoint;
 use crate::sampling::Sampler;
 use crate::surface;
 use crate::world::{Layer, PathState, World};
-use points::{Gatherer, GatherScratch, Leaving};
+use points::{GatherScratch, Gatherer, Leaving};
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
 use walk::WalkMedium;

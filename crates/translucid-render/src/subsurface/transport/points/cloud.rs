@@ -4,12 +4,12 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
+use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
 use super::irradiance::irradiance;
 use super::plan::{Plan, PointsError};
 use super::surfels::{Surfel, Unfinished, cover};
-use super::super::{SubsurfaceTransport, Tracing};
 use crate::world::World;
 
 /// Points over all surfaces that light travels under, with their transmitted irradiance.
@@ -92,7 +92,9 @@ impl PointCloud {
         let Making { progress, stop, .. } = *making;
         let counts: Vec<usize> = cloud.groups.iter().map(|group| group.count as usize).collect();
         let report = |done, total| progress(PointProgress { pass: PointPass::Irradiance, done, total });
-        let Some(light) = irradiance(world, tracer, &counts, &cloud.surfels, &report, stop) else { return Ok(None) };
+        let Some(light) = irradiance(world, tracer, &counts, &cloud.surfels, &report, stop) else {
+            return Ok(None);
+        };
         cloud.irradiance = light;
         Ok(Some(cloud))
     }

@@ -32,10 +32,10 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use translucid_scene::Scene;
 
+use super::super::{ExitPoint, SubsurfaceTransport, Tracing};
 use super::hierarchy::{Hierarchy, Node, Point};
 use super::smooth_profile::SmoothProfile;
 use super::surfels::Surfel;
-use super::super::{ExitPoint, SubsurfaceTransport, Tracing};
 use crate::subsurface::kernel::SubsurfaceKernel;
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{Layer, PathState};

@@ -10,8 +10,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::surfels::Surfel;
 use super::super::Tracing;
+use super::surfels::Surfel;
 use crate::ray::Ray;
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::EntryPoint;
@@ -49,23 +49,19 @@ pub(super) fn irradiance<'a, T: Tracing<'a>>(
     };
     // Nobody knows yet how many samples it takes: as many again
     let guess = samples(2 * LEAST_SAMPLES);
-    clusters.par_iter_mut().for_each_init(
-        &tracer,
-        |tracer, cluster| {
-            if !stop.load(Ordering::Relaxed) {
-                cluster.sample(world, tracer, LEAST_SAMPLES);
-                report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
-            }
-        },
-    );
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        if !stop.load(Ordering::Relaxed) {
+            cluster.sample(world, tracer, LEAST_SAMPLES);
+            report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
+        }
+    });
     let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
     let dark = means(groups.len(), &clusters);
     let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
     let total: u64 =
         clusters.iter().map(|c| c.surfels.len() as u64 * 2 * u64::from(wanted(c).max(LEAST_SAMPLES))).sum();
-    clusters.par_iter_mut().for_each_init(
-        &tracer,
-        |tracer, cluster| loop {
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        loop {
             let count = cluster.count;
             // The first estimates are rough: not too far at once
             let next = wanted(cluster).min(4 * count);
@@ -74,8 +70,8 @@ pub(super) fn irradiance<'a, T: Tracing<'a>>(
             }
             cluster.sample(world, tracer, next);
             report(cluster.surfels.len() as u64 * 2 * u64::from(next - count), total);
-        },
-    );
+        }
+    });
     if stop.load(Ordering::Relaxed) {
         return None;
     }

@@ -4,8 +4,8 @@ use std::fmt;
 
 use translucid_scene::Scene;
 
-use super::patches::Patch;
 use super::super::SubsurfaceTransport;
+use super::patches::Patch;
 use crate::ray::SurfacePoint;
 use crate::surface;
 use crate::world::World;

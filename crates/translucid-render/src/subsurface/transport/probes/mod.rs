@@ -176,26 +176,27 @@ impl Probes {
         let profiles: [CutProfile<'_>; 6] = std::array::from_fn(proposal);
         let both = ProbeStrategy::new(exit.point, self.axes, profiles, std::array::from_fn(share))?;
         let pair = |hit: &Hit| pairing.pair(&self.kernel, world, exit, hit);
-        let (hit, weight) = scratch.find(&both, world, exit, importance, sampler, |hit, offset, normal| {
-            let (density, distance) = both.density(offset, normal);
-            if density <= 0.0 {
-                return HitWeight::default();
-            }
-            let pair = pair(hit);
-            let value = |c: usize| {
-                if length[c] <= 0.0 || pair.length[c] <= 0.0 {
-                    return 0.0;
+        let (hit, weight) =
+            scratch.find(&both, world, exit, importance, sampler, |hit, offset, normal| {
+                let (density, distance) = both.density(offset, normal);
+                if density <= 0.0 {
+                    return HitWeight::default();
                 }
-                let profile = self.profile(pair.surface_albedo[c], pair.length[c]);
-                if distance <= profile.longest() {
-                    pair.surface_albedo[c] * profile.pdf(distance)
-                } else {
-                    0.0
-                }
-            };
-            let value = Vec3::new(value(0), value(1), value(2)) / density;
-            HitWeight { value, inverse_density: 1.0 / density, distance }
-        })?;
+                let pair = pair(hit);
+                let value = |c: usize| {
+                    if length[c] <= 0.0 || pair.length[c] <= 0.0 {
+                        return 0.0;
+                    }
+                    let profile = self.profile(pair.surface_albedo[c], pair.length[c]);
+                    if distance <= profile.longest() {
+                        pair.surface_albedo[c] * profile.pdf(distance)
+                    } else {
+                        0.0
+                    }
+                };
+                let value = Vec3::new(value(0), value(1), value(2)) / density;
+                HitWeight { value, inverse_density: 1.0 / density, distance }
+            })?;
         Some(EntryHit { hit, weight: weight.value, subsurface: pair(&hit) })
     }
 

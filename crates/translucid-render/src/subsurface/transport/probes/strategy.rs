@@ -204,7 +204,8 @@ mod tests {
         let geometry = ball();
         let exit = Vec3::new(0.6, 0.8, 0.0);
         let frame = Frame::from_normal(Vec3::new(0.48, 0.64, 0.6));
-        for (axis, longest) in [10.0, 1e7].into_iter().flat_map(|length| (0..3).map(move |axis| (axis, length)))
+        for (axis, longest) in
+            [10.0, 1e7].into_iter().flat_map(|length| (0..3).map(move |axis| (axis, length)))
         {
             let ray = segment(exit, &frame, axis, (0.5, longest), 0.7, geometry.bounds());
             let mut hits = 0;

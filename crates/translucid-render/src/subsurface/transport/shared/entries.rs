@@ -4,8 +4,8 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::nearness::{LANES, Nearness, avx2_is_available};
 use super::super::ExitPoint;
+use super::nearness::{LANES, Nearness, avx2_is_available};
 use crate::subsurface::entry_point::Arrival;
 use crate::subsurface::kernel::{CutProfile, Directions, Passage};
 use crate::world::{Layer, PathState};
