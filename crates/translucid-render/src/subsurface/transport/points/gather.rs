@@ -457,7 +457,10 @@ mod tests {
 
     use super::*;
     use crate::subsurface::transport::points::hierarchy;
-    use crate::{PointCloud, Renderer};
+    use crate::ray::Geometry;
+    use crate::subsurface::SubsurfaceSet;
+    use crate::subsurface::transport::points::{Making, PointCloud};
+    use crate::PreparedScene;
 
     /// Points at random in a ball of radius 3 with random light in half of it.
     fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
@@ -500,17 +503,14 @@ mod tests {
 
     /// The sum over all points one by one, by the profile itself.
     fn brute_force(
-        tables: &ProfileTables,
+        kernel: &SubsurfaceKernel,
         leaving: &Leaving,
         spacing: f32,
         surfels: &[Surfel],
         irradiance: &[Vec3],
     ) -> Vec3 {
-        let Subsurface { albedo, length, source } = leaving.subsurface;
-        let density = |c: usize, r: f32| match source.table() {
-            None => NormalizedDiffusionF32::from_d(length[c]).pdf_area(r),
-            Some(table) => tables.table(table).at(albedo[c], length[c]).pdf_area(r),
-        };
+        let Subsurface { surface_albedo, length } = leaving.subsurface;
+        let density = |c: usize, r: f32| kernel.radial(surface_albedo[c], length[c]).pdf_area(r);
         let (mut sum, mut near, mut weights) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (surfel, light) in surfels.iter().zip(irradiance) {
             let squared = surfel.position().distance_squared(leaving.position);
@@ -524,8 +524,8 @@ mod tests {
             weights += f64::from(weight);
         }
         let mean = if weights > 0.0 { near / weights } else { DVec3::ZERO };
-        let share = within(tables, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
-        (sum + mean * share).as_vec3() * albedo
+        let share = within(kernel, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
+        (sum + mean * share).as_vec3() * surface_albedo
     }
 
     /// For every model: the error is within the tolerance, and far below it on average.
@@ -535,24 +535,24 @@ mod tests {
         let spacing = 0.05;
         for model in Model::ALL {
             let scene = scene(SubsurfaceModel::Profile(model));
-            let materials = Materials::new(&scene);
-            let tables = materials.profile_tables();
-            let geometry = crate::ray::Geometry::new(&scene.objects);
+            let set = SubsurfaceSet::new(&scene);
+            let kernel = &set.transports()[0].probes().expect("a profile").kernel;
+            let geometry = Geometry::new(&scene.objects);
             let point = geometry.point_on(&scene, 0, Vec3::new(0.2, 0.2, 0.0));
-            let subsurface = crate::surface::material::subsurface_at(&scene, &materials, 0, &point);
+            let subsurface = set.at(&scene, 0, &point);
             let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
             for tolerance in [0.3, 0.05, 0.0] {
                 let mut scene = scene.clone();
                 scene.integrator.point_tolerance = tolerance;
-                let gatherer = Gatherer::new(&scene, &materials, &[group], &irradiance);
-                let mut scratch = Scratch::default();
+                let gatherer = Gatherer::new(&scene, set.transports(), &[group], &irradiance);
+                let mut scratch = GatherScratch::default();
                 for i in 0..20 {
                     let at = |salt: u32| 8.0 * sobol_burley::sample(i, salt, 9) - 4.0;
                     let position = Vec3::new(at(0), at(1), at(2));
-                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, subsurface };
-                    let gathered = gatherer.gather(tables, &leaving, &mut scratch).expect("points");
-                    let exact = brute_force(tables, &leaving, spacing as f32, &surfels, &irradiance);
-                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.albedo;
+                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, material: 0, subsurface };
+                    let gathered = gatherer.gather(&leaving, &mut scratch).expect("points");
+                    let exact = brute_force(kernel, &leaving, spacing as f32, &surfels, &irradiance);
+                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.surface_albedo;
                     for c in 0..3 {
                         // And what the smooth table differs from the profile by
                         let allowed = (tolerance + 1e-3) * exact[c].max(dark[c]);
@@ -561,20 +561,20 @@ mod tests {
                     }
                 }
             }
-            assert!(gatherer_of_other_group_is_silent(&scene, &materials, &point, subsurface));
+            assert!(gatherer_of_other_group_is_silent(&scene, &set, &point, subsurface));
         }
     }
 
     fn gatherer_of_other_group_is_silent(
         scene: &Scene,
-        materials: &Materials,
+        set: &SubsurfaceSet,
         point: &crate::ray::SurfacePoint,
         subsurface: Subsurface,
     ) -> bool {
-        let gatherer = Gatherer::new(scene, materials, &[], &[]);
+        let gatherer = Gatherer::new(scene, set.transports(), &[], &[]);
         let (position, normal) = (point.position, point.geometric_normal);
-        let leaving = Leaving { position, normal, group: 5, subsurface };
-        gatherer.gather(materials.profile_tables(), &leaving, &mut GatherScratch::default()).is_none()
+        let leaving = Leaving { position, normal, group: 5, material: 0, subsurface };
+        gatherer.gather(&leaving, &mut GatherScratch::default()).is_none()
     }
 
     /// Without light the energy is that of the profile, and so is the light of irradiance 1.
@@ -590,19 +590,19 @@ mod tests {
             ..Mesh::default()
         };
         scene.integrator.point_tolerance = 0.2;
-        let renderer = Renderer::new(scene);
-        let world = renderer.world();
-        let stop = AtomicBool::new(false);
-        let cloud = PointCloud::without_light(world, 0, 1 << 30, &|_| {}, &stop);
-        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world);
-        let point = world.geometry.point_on(&world.scene, 0, Vec3::new(0.3, 0.1, 0.0));
-        let subsurface = crate::surface::material::subsurface_at(&world.scene, &world.materials, 0, &point);
+        let prepared = PreparedScene::new(scene).expect("a valid scene");
+        let (world, set) = prepared.parts();
+        let never = AtomicBool::new(false);
+        let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let cloud = PointCloud::without_light(world, set.transports(), &making);
+        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world, set.transports());
+        let point = world.point_on(0, Vec3::new(0.3, 0.1, 0.0));
+        let subsurface = set.at(&world.scene, 0, &point);
         let (position, normal) = (point.position, point.geometric_normal);
-        let leaving = Leaving { position, normal, group: 5, subsurface };
-        let tables = world.materials.profile_tables();
-        let gathered = gatherer.gather(tables, &leaving, &mut GatherScratch::default()).expect("points");
+        let leaving = Leaving { position, normal, group: 5, material: 0, subsurface };
+        let gathered = gatherer.gather(&leaving, &mut GatherScratch::default()).expect("points");
         assert!((gathered.energy - 1.0).abs().max_element() < 0.03, "{gathered:?}");
-        let ratio = gathered.light / (gathered.energy * subsurface.albedo);
+        let ratio = gathered.light / (gathered.energy * subsurface.surface_albedo);
         assert!((ratio - 1.0).abs().max_element() < 1e-4, "{gathered:?}");
     }
 }
