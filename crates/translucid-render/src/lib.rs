@@ -8,6 +8,7 @@
 
 pub mod bsdf;
 mod camera;
+mod checkpoint;
 mod directionality;
 mod film;
 mod fingerprint;
@@ -16,8 +17,8 @@ mod geometry;
 mod light;
 mod material;
 mod normalization;
-mod output;
 mod path;
+mod picture;
 mod pixel_blocks;
 mod point_based;
 mod profile_tables;
@@ -32,15 +33,12 @@ mod subsurface_profile;
 mod triangle;
 mod wide_tree;
 
+pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
 pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
 pub use frame::Frame;
 pub use geometry::{Geometry, Hit};
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
-pub use output::{
-    CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
-    check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
-    write_denoised_png, write_exr, write_exr_with_denoised, write_png,
-};
+pub use picture::ImageInfo;
 pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
 pub use renderer::{Goal, Outcome, Progress, Renderer};
 pub use triangle::Ray;

@@ -16,10 +16,11 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use glam::Vec3;
+use translucid_image::{OutputError, write_atomically};
 
 use super::cloud::{CloudGroup, PointCloud};
 use super::surfels::Surfel;
-use crate::output::{Checked, OutputError, write_atomically};
+use crate::checkpoint::Checked;
 
 const MAGIC: [u8; 8] = *b"TRLPNTS\n";
 const VERSION: u32 = 1;

@@ -16,7 +16,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
-use super::{OutputError, write_atomically};
+use translucid_image::{OutputError, write_atomically};
+
 use crate::film::{FilmSums, TILE_SIZE, layer};
 
 const MAGIC: [u8; 8] = *b"TRLCKPT\n";
