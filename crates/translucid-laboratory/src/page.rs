@@ -2,11 +2,13 @@
 
 use std::collections::HashSet;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use crate::chart::Chart;
+use crate::chart::{Shade, Theme};
 use crate::data_table::DataTable;
 use crate::markup::{escape, identifier, link};
-use crate::plate::Plate;
-use crate::theme::{Shade, Theme};
 
 /// A piece of a section.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +21,21 @@ pub enum Block {
     Table(DataTable),
     /// Pictures beside each other.
     Plates(Vec<Plate>),
+}
+
+/// A picture on a page, inside the page's text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// Name of its file beside the page, with its ending.
+    pub file: String,
+    /// What it shows, for those who cannot see it.
+    pub alternative: String,
+    /// What stands below it.
+    pub caption: String,
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// The picture as a PNG.
+    pub png: Vec<u8>,
 }
 
 /// A part of a page under one title.
@@ -105,6 +122,22 @@ impl Page {
              </head>\n<body>\n<header>\n<h1>{title}</h1>\n{introduction}</header>\n\
              <nav aria-labelledby=\"contents\">\n<h2 id=\"contents\">Contents</h2>\n<ol>\n{contents}</ol>\n</nav>\n\
              <main>\n{body}</main>\n</body>\n</html>\n"
+        )
+    }
+}
+
+impl Plate {
+    /// The picture with its caption and a link to its file.
+    pub(crate) fn html(&self) -> String {
+        let [width, height] = self.size;
+        let [alternative, caption, file] =
+            [&self.alternative, &self.caption, &self.file].map(|text| escape(text));
+        format!(
+            "<figure>\n<img src=\"data:image/png;base64,{}\" alt=\"{alternative}\" width=\"{width}\" \
+             height=\"{height}\" />\n<figcaption>{caption} <span class=\"files\"><a href=\"{}\">{file}</a></span>\
+             </figcaption>\n</figure>\n",
+            STANDARD.encode(&self.png),
+            link(&self.file),
         )
     }
 }

@@ -4,8 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::blocks::{blocks, is_same, replaced};
-use crate::generated::Generated;
+use super::blocks::{blocks, is_same, replaced};
+use super::generated::Generated;
 
 /// Where figures are, below the root.
 const FIGURES: &str = "docs/figures";

@@ -40,5 +40,5 @@ pub use reflectance::{Curve, Reflectance};
 pub use run::{Comparison, Settings};
 pub use sampling::{SampleTest, Sampling};
 pub use scaling::ScalingCase;
-pub use timing::{Quantity, Timing, time_contenders};
+pub use timing::{Quantity, Timing};
 pub use watch::{Stopped, Watch};

@@ -28,6 +28,8 @@ pub struct Settings {
     pub seed: u64,
     /// Radii that are drawn from each model.
     pub samples: u64,
+    /// Rounds in which calls are timed, some 80 for figures that hold; 0 for no times.
+    pub timing_rounds: usize,
 }
 
 impl Default for Settings {
@@ -42,6 +44,7 @@ impl Default for Settings {
             photons: 4_000_000,
             seed: 0,
             samples: 200_000,
+            timing_rounds: 80,
         }
     }
 }
@@ -102,7 +105,7 @@ impl Comparison {
         // Times first: the machine is coolest and quietest before the rest
         let middle = Reference::new(middle_albedo, sampling::CONFIGURATION).ok();
         let timings = match &middle {
-            Some(reference) => timing::timed(contenders, reference, &progress)?,
+            Some(reference) => timing::timed(contenders, reference, settings.timing_rounds, &progress)?,
             None => Vec::new(),
         };
         let errors = settings.asked().judge(&progress)?;
@@ -174,7 +177,7 @@ fn reflectances_of(
 fn work(settings: &Settings) -> u64 {
     let Settings { contenders, configurations, .. } = settings;
     let models = contenders.iter().filter(|one| one.is_model()).count() as u64;
-    timing::work(contenders)
+    timing::work(contenders, settings.timing_rounds)
         + settings.asked().work()
         + SCALING_COST * settings.scaling_cases().len() as u64
         + HISTOGRAM_COST * models

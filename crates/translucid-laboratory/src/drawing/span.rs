@@ -1,6 +1,6 @@
 //! From numbers to places along an axis.
 
-use crate::axis::{Axis, Scale};
+use crate::chart::{Axis, Scale};
 
 /// A range of an axis and the pixels that it is drawn over.
 #[derive(Clone, Copy, Debug)]

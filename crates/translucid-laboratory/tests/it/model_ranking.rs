@@ -1,31 +1,20 @@
 //! Which model is closest to the exact solution, where the talk says so: A = 0.2, 0.5 and 0.8, searchlight.
-//!
-//! The whole table is the bench `model_errors`.
 
 use translucid_fit::{Exponential, Gaussian, Judge, Target, l1_error};
-use translucid_laboratory::comparison::{Contender, Inversion, Reference};
+use translucid_laboratory::comparison::{Contender, Inversion};
 use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
 use translucid_reference::exact::HalfSpaceProfile;
 
+use crate::whole::WHOLE;
+
 const ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
 
-/// L1 errors over all radii of every contender at the three albedos, with its own inversion and of the exact medium.
-fn errors() -> Vec<(Contender, [f64; 3], Option<[f64; 3]>)> {
-    let references = ALBEDOS.map(|a| Reference::new(a, Configuration::Searchlight).expect("an albedo"));
-    let of = |contender: Contender| {
-        let errors = |inversion: Inversion| -> Option<[f64; 3]> {
-            contender.profile_by(&references[0], inversion)?.ok()?;
-            Some(std::array::from_fn(|i| {
-                let profile = contender.profile_by(&references[i], inversion).expect("it is known");
-                let profile = profile.expect("an albedo in reach");
-                references[i].judge.l1_error(&*profile, f64::INFINITY)
-            }))
-        };
-        let own = errors(Inversion::Own).expect("an albedo in reach");
-        let exact = errors(Inversion::Exact);
-        (contender, own, exact)
-    };
-    Contender::all().into_iter().map(of).collect()
+/// L1 error over all radii of a contender at each of the three albedos.
+fn errors(name: &str, inversion: Inversion) -> [f64; 3] {
+    ALBEDOS.map(|a| {
+        let error = WHOLE.0.errors.at(name, Configuration::Searchlight, inversion, a);
+        error.unwrap_or_else(|| panic!("{name} has no error at {a}"))
+    })
 }
 
 /// P. H. Christensen and B. Burley 2015: normalized diffusion is closer than dipole, better dipole and beam diffusion.
@@ -34,27 +23,25 @@ fn errors() -> Vec<(Contender, [f64; 3], Option<[f64; 3]>)> {
 /// closer at A = 0.2.
 #[test]
 fn normalized_diffusion_is_closer_than_models_of_media() {
-    let errors = errors();
-    let (first, normalized, _) = &errors[0];
-    assert_eq!(first.name, "normalized-diffusion");
-    let others: Vec<_> = errors.iter().filter(|(_, _, of_medium)| of_medium.is_some()).collect();
+    let normalized = errors("normalized-diffusion", Inversion::Own);
+    let others: Vec<&Contender> =
+        WHOLE.0.settings.contenders.iter().filter(|one| one.knows_media()).collect();
     assert!(others.len() >= 8);
-    for (contender, from_albedo, of_medium) in others {
-        let name = contender.name;
+    for name in others.iter().map(|one| one.name) {
+        let [own, of_exact_medium] = [Inversion::Own, Inversion::Exact].map(|way| errors(name, way));
         for i in 0..3 {
             let exception = name == "photon-beam-diffusion" && i == 0;
-            let closer = normalized[i] < from_albedo[i];
-            assert_eq!(closer, !exception, "{name}: {} {}", normalized[i], from_albedo[i]);
-            let of_medium = of_medium.expect("a model of media")[i];
-            assert!(normalized[i] < of_medium, "{name}: {} {of_medium}", normalized[i]);
+            let closer = normalized[i] < own[i];
+            assert_eq!(closer, !exception, "{name}: {} {}", normalized[i], own[i]);
+            let of_exact_medium = of_exact_medium[i];
+            assert!(normalized[i] < of_exact_medium, "{name}: {} {of_exact_medium}", normalized[i]);
         }
     }
 }
 
-/// In percent, as the bench prints them.
+/// In percent.
 #[test]
 fn errors_are_as_large_as_said() {
-    let errors = errors();
     for (name, expected) in [
         ("normalized-diffusion", [4.57, 3.20, 8.86]),
         ("dipole", [65.02, 42.81, 29.77]),
@@ -67,8 +54,7 @@ fn errors_are_as_large_as_said() {
         ("gaussians", [4.03, 3.99, 5.05]),
         ("exponentials-2", [1.58, 1.67, 4.08]),
     ] {
-        let (_, found, _) = errors.iter().find(|(one, ..)| one.name == name).expect("a model of the list");
-        for (found, expected) in found.iter().zip(expected) {
+        for (found, expected) in errors(name, Inversion::Own).iter().zip(expected) {
             assert!((100.0 * found - expected).abs() < 0.02, "{name}: {found} {expected}");
         }
     }

@@ -1,4 +1,4 @@
-//! Lines through points: cut off at the edges of the plot, and in dashes.
+//! Rectangles, and the parts of lines and polygons that are inside of them.
 
 /// A rectangle \[px\].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -83,54 +83,6 @@ impl Area {
     }
 }
 
-/// The dashes of a line, for lines with round ends of a width: those reach half of it further.
-///
-/// kuva's bitmaps begin the pattern anew in each segment, so that a curve of short ones would be solid.
-pub(crate) fn dashes(line: &[[f64; 2]], pattern: &[f64], width: f64) -> Vec<Vec<[f64; 2]>> {
-    let period: f64 = pattern.iter().sum();
-    if period < 0.5 || line.len() < 2 {
-        return vec![line.to_vec()];
-    }
-    let lengths: Vec<f64> = (0..pattern.len())
-        .map(|i| {
-            if i % 2 == 0 {
-                (pattern[i] - width).max(0.05)
-            } else {
-                pattern[i] + width.min(pattern[i - 1] - 0.05)
-            }
-        })
-        .collect();
-    let mut dashes = Vec::new();
-    let (mut part, mut left) = (0, lengths[0]);
-    let mut dash = vec![line[0]];
-    for ends in line.windows(2) {
-        let [a, b] = [ends[0], ends[1]];
-        let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-        let mut walked = 0.0;
-        while length - walked > left {
-            walked += left;
-            let t = walked / length;
-            let point = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
-            if part % 2 == 0 {
-                dash.push(point);
-                dashes.push(std::mem::take(&mut dash));
-            } else {
-                dash = vec![point];
-            }
-            part = (part + 1) % lengths.len();
-            left = lengths[part];
-        }
-        left -= length - walked;
-        if part % 2 == 0 {
-            dash.push(b);
-        }
-    }
-    if dash.len() > 1 {
-        dashes.push(dash);
-    }
-    dashes
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -155,18 +107,5 @@ mod tests {
             })
             .sum();
         assert!((0.5 * area.abs() - 50.0).abs() < 1e-9);
-    }
-
-    #[test]
-    fn dashes_do_not_depend_on_segments() {
-        let straight = dashes(&[[0.0, 0.0], [100.0, 0.0]], &[7.0, 4.0], 2.0);
-        let fine: Vec<[f64; 2]> = (0..=1000).map(|i| [f64::from(i) * 0.1, 0.0]).collect();
-        let of_segments = dashes(&fine, &[7.0, 4.0], 2.0);
-        assert_eq!(straight.len(), of_segments.len());
-        for (a, b) in straight.iter().zip(&of_segments) {
-            assert!((a[0][0] - b[0][0]).abs() < 1e-9);
-            assert!((a.last().unwrap()[0] - b.last().unwrap()[0]).abs() < 1e-9);
-        }
-        assert!((straight[0][1][0] - 5.0).abs() < 1e-9 && (straight[1][0][0] - 11.0).abs() < 1e-9);
     }
 }

@@ -2,7 +2,7 @@
 
 use translucid_profile::Model;
 
-use crate::theme::Shade;
+use super::Shade;
 
 /// What a series stands for.
 ///

@@ -1,8 +1,8 @@
 //! What fits to a table leave over.
 
-use crate::axis::Axis;
-use crate::chart::{Chart, Mark, Series};
-use crate::ink::Ink;
+use super::Axis;
+use super::Ink;
+use super::{Chart, Mark, Series};
 
 /// Most samples that get a marker each; more are joined by lines.
 const MOST_MARKERS: usize = 300;

@@ -1,12 +1,18 @@
-//! A chart: series over two axes.
+//! Charts: series over two axes, each in an ink that says what it stands for.
 
-use std::fmt;
+mod axis;
+mod ink;
+mod residuals;
+mod theme;
 
-use crate::axis::Axis;
+pub use axis::{Axis, Scale};
+pub use ink::Ink;
+pub(crate) use ink::{Marker, Style};
+pub use residuals::{ResidualScale, Residuals, residual_chart};
+pub(crate) use theme::Shade;
+pub use theme::Theme;
+
 use crate::data_table::{Cell, DataTable};
-use crate::drawing;
-use crate::ink::Ink;
-use crate::theme::Theme;
 
 /// How a series is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,21 +69,6 @@ pub struct Chart {
     pub series: Vec<Series>,
 }
 
-/// Why a chart has no PNG.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChartError {
-    chart: String,
-    reason: String,
-}
-
-impl fmt::Display for ChartError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot draw the chart \"{}\": {}", self.chart, self.reason)
-    }
-}
-
-impl std::error::Error for ChartError {}
-
 impl Chart {
     /// A chart without series and caption.
     pub fn new(name: &str, title: &str, x: Axis, y: Axis) -> Self {
@@ -96,19 +87,6 @@ impl Chart {
     pub fn with(mut self, series: Series) -> Self {
         self.series.push(series);
         self
-    }
-
-    /// The chart as an SVG document that needs no font of its own.
-    pub fn svg(&self, theme: Theme) -> String {
-        drawing::svg(self, theme)
-    }
-
-    /// The chart as a PNG on white, with twice the pixels that the SVG is wide and high, for print.
-    ///
-    /// # Errors
-    /// The picture cannot be encoded.
-    pub fn png(&self) -> Result<Vec<u8>, ChartError> {
-        drawing::png(self).map_err(|reason| ChartError { chart: self.name.clone(), reason })
     }
 
     /// The numbers of all series, one row a point: series, x, y, and where a series has them the standard error, the

@@ -61,6 +61,12 @@ impl Shade {
             Theme::Dark => self.dark,
         }
     }
+
+    /// Red, green and blue as a display shows them, in \[0, 1\].
+    pub(crate) fn components(self, theme: Theme) -> [f32; 3] {
+        let code = |at: usize| u8::from_str_radix(&self.color(theme)[at..at + 2], 16);
+        [1, 3, 5].map(|at| f32::from(code(at).unwrap_or(0)) / 255.0)
+    }
 }
 
 #[cfg(test)]
