@@ -34,7 +34,7 @@ impl From<String> for Cell {
 pub struct DataTable {
     /// Stem of its file's name.
     pub name: String,
-    /// What it shows, in a sentence.
+    /// Content in a sentence.
     pub caption: String,
     /// Names of the columns, with units where they have one.
     pub columns: Vec<String>,

@@ -28,9 +28,9 @@ pub enum Block {
 pub struct Plate {
     /// Name of its file beside the page, with its ending.
     pub file: String,
-    /// What it shows, for those who cannot see it.
+    /// Content in words, for those who cannot see it.
     pub alternative: String,
-    /// What stands below it.
+    /// Words below it.
     pub caption: String,
     /// Width and height in pixels.
     pub size: [usize; 2],
@@ -43,7 +43,7 @@ pub struct Plate {
 pub struct Section {
     /// Its title.
     pub title: String,
-    /// What it consists of, from top to bottom.
+    /// Pieces from top to bottom.
     pub blocks: Vec<Block>,
 }
 
@@ -262,7 +262,7 @@ tbody th{font-weight:400}
 .number{text-align:right;white-space:nowrap}
 ";
 
-/// What is different on paper.
+/// Style of paper, where it differs.
 const PRINT: &str = "body{max-width:none;padding:0;font-size:10pt}nav,.files{display:none}\
 figure,tr{break-inside:avoid}.scroll{overflow:visible}table{font-size:8pt}td,th{padding-right:.5rem}h2{break-after:avoid}figure svg{max-width:17cm}a{color:inherit;text-decoration:none}\
 @page{margin:18mm}";

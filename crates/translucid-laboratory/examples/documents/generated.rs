@@ -25,7 +25,7 @@ pub(crate) fn settings(has_times: bool) -> Settings {
 /// Tables and figures by the names of their blocks: those of figures begin with `figure/`, those of times have
 /// "time" in them.
 pub(crate) struct Generated {
-    /// What stands in the pages: a table, or a figure's image and caption; links are from the root.
+    /// Contents of the blocks: a table, or a figure's image and caption; links are from the root.
     pub(crate) blocks: BTreeMap<String, String>,
     /// SVG documents.
     pub(crate) figures: BTreeMap<String, String>,
@@ -77,17 +77,17 @@ impl Generated {
         Ok(generated)
     }
 
-    /// Whether a block may have this name: that of something generated, or of times that are left alone.
+    /// Tells whether a block may have this name: that of something generated, or of times that are left alone.
     pub(crate) fn knows(&self, name: &str) -> bool {
         self.blocks.contains_key(name) || Self::is_time(name)
     }
 
-    /// Whether this is the name of a table or figure that shows times.
+    /// Tells whether this is the name of a table or figure that shows times.
     fn is_time(name: &str) -> bool {
         name.contains("time")
     }
 
-    /// Whether this is the name of a figure.
+    /// Tells whether this is the name of a figure.
     pub(crate) fn is_figure(name: &str) -> bool {
         name.starts_with("figure/")
     }

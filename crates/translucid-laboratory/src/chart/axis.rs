@@ -1,6 +1,6 @@
 //! An axis of a chart.
 
-/// How numbers are spread along an axis.
+/// Spacing of numbers along an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scale {
     /// Equal differences have equal lengths.
@@ -16,7 +16,7 @@ pub struct Axis {
     pub label: String,
     /// Its unit, as "ℓ", or empty for a pure number.
     pub unit: String,
-    /// How numbers are spread.
+    /// Spacing of numbers.
     pub scale: Scale,
     /// The least and greatest number shown; the range of the data if there is none.
     ///
@@ -53,7 +53,7 @@ impl Axis {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} / {}", self.label, self.unit) }
     }
 
-    /// Whether a number has a place on the axis.
+    /// Tells whether a number has a place on the axis.
     ///
     /// Numbers beyond [`Self::GREATEST`] have none: differences of them are not finite.
     pub(crate) fn has(&self, value: f64) -> bool {

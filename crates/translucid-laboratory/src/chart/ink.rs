@@ -1,10 +1,10 @@
-//! What a series stands for, and how that looks.
+//! Inks of series: what they stand for, and their look.
 
 use translucid_profile::Model;
 
 use super::Shade;
 
-/// What a series stands for.
+/// Meaning of a series, which decides its look.
 ///
 /// It has the same color, dash pattern and marker in every chart, so that a reader who has learned it once knows it
 /// everywhere.
@@ -17,9 +17,9 @@ pub enum Ink {
     /// The truth that others are measured against: the exact solution, or a walk of photons. Its line is wide and lies
     /// below all others, so that those which follow it are seen.
     Reference,
-    /// What the seed talk published \[Christensen & Burley 2015\].
+    /// Numbers that the seed talk published \[Christensen & Burley 2015\].
     Talk,
-    /// What was fitted here.
+    /// Fits made here.
     Fit,
     /// The n-th of series that need nothing but to be told apart; they repeat after [`Ink::NUMBERED`].
     Numbered(usize),
@@ -27,7 +27,7 @@ pub enum Ink {
     Guide,
 }
 
-/// How an ink looks.
+/// Look of an ink.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Style {
     pub(crate) shade: Shade,

@@ -14,7 +14,7 @@ pub use theme::Theme;
 
 use crate::data_table::{Cell, DataTable};
 
-/// How a series is drawn.
+/// Form of a series.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Mark {
     /// A line from point to point, with a gap where a point has no place on the axes.
@@ -35,11 +35,11 @@ pub enum Mark {
 /// Points, what they stand for and how they are drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
-    /// What the legend says; a series without a label is not in the legend.
+    /// Words in the legend; a series without a label is not in it.
     pub label: String,
-    /// What it stands for: color, dash pattern and marker.
+    /// Meaning: color, dash pattern and marker.
     pub ink: Ink,
-    /// How it is drawn.
+    /// Form in which it is drawn.
     pub mark: Mark,
     /// x and y; a point without a place on the axes is left out.
     pub points: Vec<[f64; 2]>,
@@ -57,15 +57,15 @@ impl Series {
 pub struct Chart {
     /// Stem of its files' names, in letters, digits, "-" and "_".
     pub name: String,
-    /// What is seen, in a few words.
+    /// Title: what is seen, in a few words.
     pub title: String,
-    /// What it shows and what to see in it, in one to three sentences; it stands below the chart on a page.
+    /// Caption: what it shows and what to see in it, in one to three sentences; it stands below the chart on a page.
     pub caption: String,
     /// The axis from left to right.
     pub x: Axis,
     /// The axis from bottom to top.
     pub y: Axis,
-    /// What is drawn, the last on top; bands and lines of [`Ink::Reference`] are below all others.
+    /// Everything that is drawn, the last on top; bands and lines of [`Ink::Reference`] are below all others.
     pub series: Vec<Series>,
 }
 

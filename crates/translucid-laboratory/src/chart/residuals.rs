@@ -1,4 +1,4 @@
-//! What fits to a table leave over.
+//! Residuals of fits to a table.
 
 use super::Axis;
 use super::Ink;
@@ -7,18 +7,18 @@ use super::{Chart, Mark, Series};
 /// Most samples that get a marker each; more are joined by lines.
 const MOST_MARKERS: usize = 300;
 
-/// What a fit leaves over.
+/// Residuals of one fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Residuals<'a> {
     /// Name of the fit.
     pub label: &'a str,
-    /// What it stands for.
+    /// Ink that it is drawn in.
     pub ink: Ink,
     /// R_fit − R of each sample, in parts of what [`ResidualScale`] says.
     pub values: &'a [f64],
 }
 
-/// What residuals are measured by.
+/// Unit of residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ResidualScale {
     /// By the standard error of each sample: a fit that holds stays within ±1 for two samples of three.

@@ -1,4 +1,4 @@
-//! How far contenders are from the exact solution.
+//! Distances of contenders from the exact solution.
 
 use rayon::prelude::*;
 use translucid_fit::ErrorSummary;
@@ -20,9 +20,9 @@ pub fn talk_albedos() -> Vec<f64> {
 pub struct ErrorRow {
     /// [`Contender::name`].
     pub contender: &'static str,
-    /// How light enters.
+    /// Way in which light enters.
     pub configuration: Configuration,
-    /// How the model found its medium; `Own` for one that has none.
+    /// Way in which the model found its medium; `Own` for one that has none.
     pub inversion: Inversion,
     /// Surface albedo A.
     pub surface_albedo: f64,
@@ -45,7 +45,7 @@ pub struct ErrorTable {
 pub struct Summary {
     /// Mean and worst up to each of [`R_MAX`].
     pub errors: [ErrorSummary; 3],
-    /// How many of the albedos the contender reaches.
+    /// Number of the albedos that the contender reaches.
     pub reached: usize,
 }
 
@@ -128,7 +128,7 @@ impl ErrorTable {
     }
 }
 
-/// What is to be judged.
+/// Contenders and albedos that are to be judged.
 pub(super) struct Asked<'a> {
     pub(super) contenders: &'a [Contender],
     pub(super) configurations: &'a [Configuration],
@@ -142,7 +142,7 @@ impl Asked<'_> {
     /// Milliseconds that all contenders take at one albedo.
     const COST: u64 = 56;
 
-    /// What judging costs, in the units of progress.
+    /// Cost of judging, in the units of progress.
     pub(super) fn work(&self) -> u64 {
         Self::COST * self.half_spaces().len() as u64
     }

@@ -1,4 +1,4 @@
-//! What is compared, and the numbers that come out.
+//! Contenders that are compared, and the numbers that come out.
 //!
 //! The medium is the talk's: a half space of isotropic scatterers (g = 0) with the refractive index of its
 //! surroundings (η = 1), by its surface albedo A and a mean free path of 1.

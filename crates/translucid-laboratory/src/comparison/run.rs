@@ -10,7 +10,7 @@ use super::{
     ScalingCase, Timing, Walk, Watch, claims, fresnel_curves, sampling, talk_albedos, timing,
 };
 
-/// What a [`Comparison`] is of.
+/// Everything that a [`Comparison`] is asked for.
 pub struct Settings {
     /// The contenders.
     pub contenders: Vec<Contender>,
@@ -18,7 +18,7 @@ pub struct Settings {
     pub surface_albedos: Vec<f64>,
     /// Surface albedos that mean errors are over.
     pub averaged: Vec<f64>,
-    /// How light enters.
+    /// Ways in which light enters.
     pub configurations: Vec<Configuration>,
     /// Greatest radius of the figures in mean free paths, at least 0.2.
     pub max_radius: f64,
@@ -66,13 +66,13 @@ impl Settings {
 ///
 /// But for the times they are functions of the settings, whatever the threads.
 pub struct Comparison {
-    /// What was asked for.
+    /// Settings that it was made with.
     pub settings: Settings,
     /// By configuration and albedo.
     pub reflectances: Vec<Reflectance>,
     /// L1 errors.
     pub errors: ErrorTable,
-    /// What the talk says of these errors.
+    /// Claims of the talk about these errors.
     pub claims: Vec<Claim>,
     /// s(A).
     pub scaling: Vec<ScalingCase>,
@@ -149,7 +149,7 @@ impl Comparison {
         self.settings.contenders.iter().find(|one| one.name == name)
     }
 
-    /// Whether a model was asked for.
+    /// Tells whether a model was asked for.
     pub fn has(&self, model: Model) -> bool {
         self.contender(model.name()).is_some()
     }

@@ -63,7 +63,7 @@ impl Quantity {
 pub struct Timing {
     /// [`Contender::name`].
     pub contender: &'static str,
-    /// What was called.
+    /// Quantity that was called for.
     pub quantity: Quantity,
     /// Nanoseconds a call: the lower decile over the rounds.
     pub nanoseconds: f64,
@@ -142,7 +142,7 @@ impl Task<'_> {
     }
 }
 
-/// What is timed of a model; nothing where it does not reach the surface albedo.
+/// Tasks of a model; none where it does not reach the surface albedo.
 fn tasks_of<'a>(contender: &'a Contender, reference: &'a Reference) -> Vec<Task<'a>> {
     let make = move || contender.profile(black_box(reference)).ok();
     let (Some(profile), Some(for_eval), Some(for_enclosed)) = (make(), make(), make()) else {
@@ -212,7 +212,7 @@ fn nanoseconds(call: &dyn Fn(usize) -> f64, calls: usize) -> f64 {
     start.elapsed().as_nanos() as f64
 }
 
-/// How many calls fill a turn.
+/// Number of calls that fill a turn.
 fn calls_in_a_turn(call: &dyn Fn(usize) -> f64) -> usize {
     let turn = TURN.as_nanos() as f64;
     let mut calls = 1;

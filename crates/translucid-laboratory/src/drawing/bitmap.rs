@@ -149,7 +149,7 @@ fn path(points: &[[f64; 2]]) -> PathBuilder {
 /// Outlines of glyphs beside each other, in units of the font with y upwards.
 struct Glyphs {
     path: PathBuilder,
-    /// Where the next glyph begins.
+    /// Left end of the next glyph.
     x: f32,
 }
 
@@ -179,7 +179,7 @@ impl OutlineBuilder for Glyphs {
 mod tests {
     use super::*;
 
-    /// Whether any pixel of a rectangle is dark.
+    /// Tells whether any pixel of a rectangle is dark.
     fn is_dark(bitmap: &Bitmap, [left, top, right, bottom]: [usize; 4]) -> bool {
         let (codes, width) = (bitmap.codes(), bitmap.size()[0] as usize);
         (top..bottom).any(|y| (left..right).any(|x| codes[3 * (y * width + x)] < 100))

@@ -22,7 +22,7 @@ pub(super) enum Shape {
     Words { text: String, label: Label<'static> },
 }
 
-/// How an area is filled.
+/// Filling of an area.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fill {
     pub(super) shade: Shade,
@@ -51,7 +51,7 @@ pub(crate) struct Label<'a> {
     pub(crate) upwards: bool,
 }
 
-/// How a line is drawn.
+/// Look of a line.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pen {
     pub(crate) shade: Shade,

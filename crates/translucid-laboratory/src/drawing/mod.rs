@@ -40,7 +40,7 @@ const TITLE: Font = Font::bold(16.0);
 /// From line to line of the title \[px\].
 const TITLE_LINE: f64 = 22.0;
 
-/// Why a chart has no PNG.
+/// Reason why a chart has no PNG.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ChartError {
     chart: String,

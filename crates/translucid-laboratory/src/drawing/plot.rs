@@ -20,7 +20,7 @@ const MINOR: f64 = 3.0;
 const FOOT: f64 = 46.0;
 const SIDE: f64 = 22.0;
 
-/// Where series are drawn.
+/// Rectangle with axes that series are drawn in.
 pub(crate) struct Plot<'a> {
     pub(crate) axes: [&'a Axis; 2],
     pub(crate) spans: [Span; 2],
@@ -53,7 +53,7 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// Where a point is \[px\], if it has a place on the axes.
+    /// Place of a point \[px\], if it has one on the axes.
     pub(crate) fn place(&self, point: [f64; 2]) -> Option<[f64; 2]> {
         let has_place = self.axes[0].has(point[0]) && self.axes[1].has(point[1]);
         has_place.then(|| [self.spans[0].place(point[0]), self.spans[1].place(point[1])])

@@ -1,4 +1,4 @@
-//! How much room text takes, by the glyphs of DejaVu Sans, the widest of the usual fonts.
+//! Fonts, and the room that text takes: by the glyphs of DejaVu Sans, the widest of the usual ones.
 
 use std::sync::LazyLock;
 
@@ -12,7 +12,7 @@ pub(crate) struct Font {
     pub(crate) weight: Weight,
 }
 
-/// How thick letters are.
+/// Thickness of letters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Weight {
     Regular,

@@ -12,7 +12,7 @@ use crate::chart::{Mark, Series};
 const FONT: Font = Font::regular(12.0);
 /// Most words of a chart; more could not be read.
 const MOST: usize = 300;
-/// How often each word looks for a better place, given the places of all others.
+/// Number of times that each word looks for a better place, given the places of all others.
 const SWEEPS: usize = 4;
 /// From a point to its words, at the nearest and for those that have to go further off \[px\].
 const NEAR: f64 = 8.0;
@@ -39,7 +39,7 @@ struct Word {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     area: Area,
-    /// How much further off than the nearest.
+    /// Distance beyond the nearest places \[px\].
     off: f64,
 }
 
@@ -120,7 +120,7 @@ fn words(plot: &Plot<'_>, all: &[Series]) -> Vec<Word> {
     words
 }
 
-/// Where words may stand, the best first.
+/// Places that words may have, the best first.
 fn places(word: &Word) -> impl Iterator<Item = Place> {
     FURTHER.into_iter().flat_map(move |off| {
         DIRECTIONS.into_iter().map(move |turn| {

@@ -28,7 +28,7 @@ const HEADING: f64 = 30.0;
 const BAR: [f64; 2] = [260.0, 14.0];
 const LEGEND: f64 = 74.0;
 
-/// What stands in a column of a sheet.
+/// Column of a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SheetColumn {
     /// Its name.
@@ -85,7 +85,7 @@ impl Sheet {
         canvas.text(Label { text: &self.subtitle, at: [MARGIN, MARGIN + 44.0], ..PLAIN });
     }
 
-    /// What the rows of maps show.
+    /// Writes above each row of maps what it shows.
     fn draw_headings(&self, canvas: &mut Canvas, layout: &Layout, band: usize) {
         let judge = &self.judge;
         let words = [
@@ -102,7 +102,7 @@ impl Sheet {
 /// Small text that begins at its place.
 const PLAIN: Label<'_> = Label { text: "", at: [0.0; 2], font: SMALL, anchor: Anchor::Start, upwards: false };
 
-/// Where things go \[px of the layout\].
+/// Places of everything \[px of the layout\].
 struct Layout {
     /// Columns beside each other.
     abreast: usize,

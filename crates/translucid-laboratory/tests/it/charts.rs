@@ -1,4 +1,4 @@
-//! What holds for every chart: it is well-formed, shows what it was given, and never fails on its numbers.
+//! Every chart is well-formed, shows what it was given, and never fails on its numbers.
 
 use translucid_laboratory::{Axis, Chart, Ink, Mark, Series, Theme};
 use translucid_profile::Model;

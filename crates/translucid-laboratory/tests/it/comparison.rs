@@ -37,7 +37,7 @@ fn errors_of_the_talks_polynomials_are_known() {
     assert_eq!(table.summary(names[0], SEARCHLIGHT, Inversion::Exact), None);
 }
 
-/// The same figures by another way: fits of s(A), judged by the table of the exact solution.
+/// Figures of the talk by another way: fits of s(A), judged by the table of the exact solution.
 #[test]
 fn scaling_cases_reach_what_the_talk_states() {
     assert_eq!(WHOLE.0.scaling.len(), ScalingCase::TALK.len());
@@ -75,7 +75,7 @@ fn photons_bear_out_the_exact_solution() {
     }
 }
 
-/// Of 9 models, each with a false-alarm rate of 1e-4 on either side.
+/// Each of 9 models has a false-alarm rate of 1e-4 on either side.
 #[test]
 fn samples_are_as_the_density_promises() {
     for test in &WHOLE.0.samples {

@@ -16,7 +16,7 @@ mod tables;
 
 use crate::whole::WHOLE;
 
-/// What a change to a model or a number leaves to do shows here.
+/// Shows what a change to a model or a number leaves to do.
 #[test]
 fn documentation_is_what_is_generated() {
     let mut documents =
