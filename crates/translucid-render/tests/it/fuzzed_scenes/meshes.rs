@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use glam::Vec3;
 
-use crate::random::Random;
+use super::random::Random;
 
 /// Vertices and triangles.
 #[derive(Default)]

@@ -3,19 +3,19 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors, which come from 32 blocks of samples:
 //! by Student's t a false alarm in 2,700 per comparison, and below 3 % over the 75 comparisons of this file.
 
-mod common;
-
-use std::sync::atomic::AtomicBool;
-
-use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albedo};
 use translucid_reference::Entry;
 use translucid_reference::body::{Body, Light as BodyLight, Medium, SPHERE_RINGS, Shape};
 use translucid_reference::exact::HalfSpace;
-use translucid_render::{FilmSums, Frame, Goal, Renderer};
+use translucid_render::Frame;
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceParameter,
+};
+
+use crate::common::{
+    Renderer, assert_within, distant, mean_of, measure, on_threads, picture, prepare, quad, sample_ray,
+    scene, sphere, uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.05);
@@ -52,27 +52,6 @@ fn per_channel(f: impl Fn(usize) -> f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| f(c) as f32))
 }
 
-/// Mean and standard error over 32 blocks of samples, each a function of (seed, number).
-fn mean_of(samples: u32, sample: impl Fn(u64, u32) -> Vec3) -> (Vec3, Vec3) {
-    let blocks = 32;
-    let per_block = samples / blocks;
-    let mean = |block: u32| {
-        let sum = (0..per_block).fold([0.0_f64; 3], |sum, index| {
-            let light = sample(u64::from(block) + 1000, index);
-            std::array::from_fn(|c| sum[c] + f64::from(light[c]))
-        });
-        sum.map(|s| s / f64::from(per_block))
-    };
-    let means: Vec<[f64; 3]> = (0..blocks).map(mean).collect();
-    let n = f64::from(blocks);
-    let mean: [f64; 3] = std::array::from_fn(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
-    let error: [f64; 3] = std::array::from_fn(|c| {
-        let variance = means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
-        (variance / n).sqrt()
-    });
-    (Vec3::from_array(mean.map(|x| x as f32)), Vec3::from_array(error.map(|x| x as f32)))
-}
-
 /// Number `index` of a sequence that fills the unit cube evenly [R. Roberts 2018], shifted by the seed.
 fn even(seed: u64, index: u32) -> [f64; 4] {
     let steps = [0.856_674_883_854_503, 0.733_891_856_627_126, 0.628_706_721_232_846, 0.538_596_797_867_173];
@@ -91,7 +70,7 @@ fn flux(renderer: &Renderer, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Ve
         let (r, phi) = (u.sqrt(), std::f64::consts::TAU * v);
         let local = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, (1.0 - u).sqrt() as f32);
         let out = Frame::from_normal(normal).to_world(local).normalize();
-        renderer.sample_ray(point + out, -out, seed, index).radiance()
+        sample_ray(renderer, point + out, -out, seed, index).radiance()
     })
 }
 
@@ -126,7 +105,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
         material.subsurface_parameter = parameter;
         let mut scene = plane(material);
         scene.environment = uniform_environment(Vec3::ONE);
-        let renderer = Renderer::new(scene);
+        let renderer = prepare(scene);
         assert!(renderer.notes().is_empty(), "{:?}", renderer.notes());
         let result = flux(&renderer, 1 << 14, on_plane);
         assert_within(&format!("g {g} eta {eta} {parameter:?}"), result, ALBEDO);
@@ -140,7 +119,7 @@ fn plane_seen_along_the_normal_returns_the_albedo_of_a_pencil() {
     scene.environment = uniform_environment(Vec3::ONE);
     let alphas = single_scattering_albedos();
     let expected = per_channel(|c| half_space_surface_albedo(alphas[c], Configuration::Searchlight));
-    let result = measure(&Renderer::new(scene), Vec3::new(3.3, 1.1, 1.0), Vec3::NEG_Z, 1 << 15);
+    let result = measure(&prepare(scene), Vec3::new(3.3, 1.1, 1.0), Vec3::NEG_Z, 1 << 15);
     assert_within("normal", result, expected);
 }
 
@@ -157,7 +136,7 @@ fn beam_returns_the_enclosed_energy_of_the_exact_profile() {
             let half_space = HalfSpace::new(alphas[c], Entry::NORMAL).unwrap();
             half_space.enclosed(f64::from(radius / LENGTH[c])).value
         });
-        let result = flux(&Renderer::new(scene), 1 << 16, on_plane);
+        let result = flux(&prepare(scene), 1 << 16, on_plane);
         let result = scaled(result, std::f32::consts::PI / irradiance);
         assert_within(&format!("radius {radius}"), result, expected);
     }
@@ -174,7 +153,7 @@ fn white_body_in_uniform_light_cannot_be_seen() {
         scene.integrator.max_depth = 64;
         scene.integrator.max_diffuse_depth = 64;
         scene.environment = seen(Vec3::new(1.0, 0.7, 0.2));
-        let renderer = Renderer::new(scene);
+        let renderer = prepare(scene);
         for (origin, toward) in
             [(Vec3::X * 9.0, Vec3::ZERO), (Vec3::new(9.0, 1.0, 2.0), Vec3::new(0.0, 2.5, 0.5))]
         {
@@ -199,10 +178,10 @@ fn slab_agrees_with_an_independent_walk() {
         Body::new(shape, medium, BodyLight::Uniform).unwrap().walk(4_000_000, 1)
     });
     scene.environment = uniform_environment(Vec3::ONE);
-    let result = flux(&Renderer::new(scene.clone()), 1 << 15, on_plane);
+    let result = flux(&prepare(scene.clone()), 1 << 15, on_plane);
     assert_within("scattered", result, per_channel(|c| tallies[c].scattered().value));
     scene.environment = seen(Vec3::ONE);
-    let result = flux(&Renderer::new(scene), 1 << 15, on_plane);
+    let result = flux(&prepare(scene), 1 << 15, on_plane);
     assert_within("all", result, per_channel(|c| tallies[c].leaving().value));
 }
 
@@ -213,7 +192,7 @@ fn sphere_agrees_with_an_independent_walk() {
     let radius = 2.0_f32;
     let mut scene = scene(vec![sphere(radius, 96)], material());
     scene.lights.push(distant(Vec3::Z));
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     let tallies = [0, 1, 2].map(|c: usize| {
         let shape = Shape::Sphere { radius: f64::from(radius / LENGTH[c]) };
         let medium = Medium { single_scattering_albedo: alphas[c], g: 0.0, eta: 1.0 };
@@ -244,7 +223,7 @@ fn overlapping_meshes_of_a_group_are_one_body() {
     let measured = |meshes: Vec<Mesh>| {
         let mut scene = scene(meshes, material());
         scene.environment = uniform_environment(Vec3::ONE);
-        measure(&Renderer::new(scene), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, 1 << 15)
+        measure(&prepare(scene), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, 1 << 15)
     };
     let once = measured(vec![shifted(Vec3::ZERO)]);
     // Within the first one all the way
@@ -260,7 +239,7 @@ fn overlapping_meshes_of_a_group_are_one_body() {
     pair.environment = seen(Vec3::ONE);
     pair.integrator.max_depth = 64;
     pair.integrator.max_diffuse_depth = 64;
-    let result = measure(&Renderer::new(pair), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, 1 << 13);
+    let result = measure(&prepare(pair), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, 1 << 13);
     assert_within("pair", result, Vec3::ONE);
 }
 
@@ -270,15 +249,8 @@ fn picture_does_not_depend_on_threads() {
     scene.environment = uniform_environment(Vec3::splat(0.3));
     scene.lights.push(distant(Vec3::ONE));
     scene.materials[0].subsurface_radius = ScalarInput::constant(0.1);
-    let renderer = Renderer::new(scene);
-    let render = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let mut film = FilmSums::new(40, 40);
-        let goal = Goal { samples: 3, deadline: None };
-        pool.install(|| renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false)));
-        film
-    };
-    let (one, three) = (render(1), render(3));
+    (scene.film.width, scene.film.height) = (40, 40);
+    let [one, three] = [1, 3].map(|threads| on_threads(threads, || picture(&scene, 3)));
     let mut lit = 0;
     for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {
         assert_eq!(one.radiance(x, y), three.radiance(x, y));
@@ -294,7 +266,7 @@ fn notes_tell_what_a_walk_cannot_do() {
         (material.subsurface_scatter_anisotropy, material.subsurface_eta) = (g, eta);
         let mut scene = plane(material);
         scene.lights.push(distant(Vec3::Z));
-        Renderer::new(scene).notes().to_vec()
+        prepare(scene).notes().to_vec()
     };
     assert!(notes(0.5, 1.0).is_empty());
     assert_eq!(

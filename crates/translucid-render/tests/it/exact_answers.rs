@@ -3,13 +3,13 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5
 //! per comparison, about 0.2 % over all comparisons of this file).
 
-mod common;
-
-use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
-use translucid_render::Renderer;
 use translucid_scene::{ColorInput, Light, Material, ScalarInput, SubsurfaceModel};
+
+use crate::common::{
+    assert_within, distant, measure, prepare, quad, sample_ray, scene, sphere, uniform_environment,
+};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.4, 0.05);
@@ -43,7 +43,7 @@ fn widths() -> [f64; 3] {
 fn plane_under_uniform_light_returns_surface_albedo() {
     let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], translucent());
     scene.environment = uniform_environment(Vec3::ONE);
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     // The origin lies on the diagonal: a probe that counted both triangles of an edge it passes within
     // rounding would return too much there.
     for point in [Vec3::ZERO, Vec3::new(3.3, 1.1, 0.0)] {
@@ -73,7 +73,7 @@ fn slab_transmits_what_the_profile_says() {
         let mut scene = scene(vec![top, bottom], material);
         scene.lights.push(distant(Vec3::NEG_Z));
         let tail = f64::from(scene.integrator.subsurface_tail);
-        let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 18);
+        let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 18);
         let expected = Vec3::from_array(std::array::from_fn(|c| {
             let albedo = f64::from(ALBEDO[c]);
             let d = d_from_surface_albedo(
@@ -112,7 +112,7 @@ fn step_edge_of_light_follows_bessel_integral() {
         scene.objects[1].subsurface_group = 1;
         scene.integrator.subsurface_tail = 1e-6;
         scene.lights.push(distant(Vec3::Z));
-        let result = measure(&Renderer::new(scene), Vec3::new(x, 0.3, 1.0), Vec3::NEG_Z, 1 << 18);
+        let result = measure(&prepare(scene), Vec3::new(x, 0.3, 1.0), Vec3::NEG_Z, 1 << 18);
         let expected = Vec3::from_array(std::array::from_fn(|c| {
             let far = half_plane(f64::from(x.abs()), widths()[c]);
             let lit = if x > 0.0 { far } else { 1.0 - far };
@@ -147,7 +147,7 @@ fn collimated_spot_reproduces_the_profile_in_rings() {
         radius: spot,
         power: Vec3::ONE,
     });
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     let d = d_from_surface_albedo(0.8, 1.0, Parameterization::Mfp, Configuration::Diffuse);
     let profile = translucid_profile::NormalizedDiffusion::from_d(0.8, d).expect("valid parameters");
     for (inner, outer) in [(0.3_f32, 0.6_f32), (0.6, 1.0), (1.0, 1.5), (1.5, 2.0), (2.0, 3.0), (3.0, 5.0)] {
@@ -163,7 +163,7 @@ fn collimated_spot_reproduces_the_profile_in_rings() {
                         let r = (a + (b - a) * u).sqrt() as f32;
                         let origin = Vec3::new(r, 0.0, 1.0);
                         let seed = u64::from(block) + 77;
-                        f64::from(renderer.sample_ray(origin, Vec3::NEG_Z, seed, index).radiance().y)
+                        f64::from(sample_ray(&renderer, origin, Vec3::NEG_Z, seed, index).radiance().y)
                     })
                     .sum();
                 sum / f64::from(per_block) * std::f64::consts::PI
@@ -221,7 +221,7 @@ fn each_probe_axis_alone_has_the_same_mean() {
         let mut scene = scene(vec![face.clone(), inclined.clone()], translucent());
         scene.lights.push(distant(normal));
         let tail = f64::from(scene.integrator.subsurface_tail);
-        let renderer = Renderer::new(scene).with_probe_axes(shares);
+        let renderer = prepare(scene).with_probe_axes(shares);
         let exit = Vec3::new(2e-4, 1e-4, 0.0);
         let distance = f64::from(h - exit.dot(normal));
         let (mean, error) = measure(&renderer, exit + Vec3::Z * 0.1, Vec3::NEG_Z, 1 << 19);
@@ -241,7 +241,7 @@ fn zero_length_is_a_lambertian_sphere() {
     let mut scene = scene(vec![sphere(1.0, 256)], material);
     scene.lights.push(distant(Vec3::new(0.3, 0.5, 0.8)));
     let toward = Vec3::new(0.3, 0.5, 0.8).normalize();
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     for point in [Vec3::new(0.1, 0.2, 0.97), Vec3::new(0.5, 0.1, 0.8), Vec3::new(-0.4, 0.6, 0.6)] {
         let normal = point.normalize();
         let (mean, _) = measure(&renderer, normal * 3.0, -normal, 64);
@@ -264,7 +264,7 @@ fn furnace_returns_all_light() {
         };
         let mut scene = scene(vec![sphere(1.0, 64)], material);
         scene.environment = uniform_environment(Vec3::ONE);
-        let renderer = Renderer::new(scene);
+        let renderer = prepare(scene);
         for x in [0.0, 0.5, 0.9] {
             let (mean, error) = measure(&renderer, Vec3::new(x, 0.0, 3.0), Vec3::NEG_Z, 1 << 15);
             let z = (mean.x - 1.0) / error.x;
@@ -286,7 +286,7 @@ fn groups_keep_light_apart() {
         let mut scene = scene(vec![top, bottom], translucent());
         scene.objects[1].subsurface_group = group;
         scene.lights.push(distant(Vec3::NEG_Z));
-        let (mean, _) = measure(&Renderer::new(scene), Vec3::Z, Vec3::NEG_Z, 1 << 12);
+        let (mean, _) = measure(&prepare(scene), Vec3::Z, Vec3::NEG_Z, 1 << 12);
         assert_eq!(mean.x > 0.0, expects_light, "{mean}");
     }
 }

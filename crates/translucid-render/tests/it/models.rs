@@ -3,20 +3,18 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per
 //! comparison, below 1 % over all comparisons of this file).
 
-mod common;
-
-use common::{assert_within, distant, measure, quad, scene, uniform_environment};
 use glam::Vec3;
 use translucid_profile::{
     Appearance, Configuration, DirectionalDipole, Model, ObliqueDiffusion, Parameterization,
     half_space_single_scattering_albedo,
 };
 use translucid_reference::exact::ObliqueHalfSpace;
-use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene,
     SubsurfaceModel, TextureRef,
 };
+
+use crate::common::{assert_within, distant, measure, prepare, quad, scene, uniform_environment};
 
 const DIRECTIONAL: SubsurfaceModel = SubsurfaceModel::Profile(Model::DirectionalDipole);
 const OBLIQUE: SubsurfaceModel = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
@@ -91,7 +89,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
         plain.environment = uniform_environment(Vec3::ONE);
         for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
             let point = Vec3::new(3.3, 1.1, 0.0);
-            let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
+            let result = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
             assert_within(&format!("{} {name}", model.name()), result, ALBEDO);
         }
     }
@@ -114,7 +112,7 @@ fn white_with_a_dmfp_is_no_noisier_than_nearly_white() {
                 scene.images[0].pixels = Pixels::Float(vec![[a, a, a, 1.0]]);
             }
             let point = Vec3::new(3.3, 1.1, 0.0);
-            let (mean, error) = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
+            let (mean, error) = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
             assert_within(&format!("texture {texture} A {a}"), (mean, error), Vec3::splat(a));
             error.max_element()
         });
@@ -130,7 +128,7 @@ fn slab_transmits_what_every_profile_says() {
             let plain = slab(material(SubsurfaceModel::Profile(model)), thickness);
             let expected = beyond(model, thickness) / std::f32::consts::PI;
             for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
-                let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
+                let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
                 assert_within(&format!("{model} {name} {thickness}"), result, expected);
             }
         }
@@ -152,7 +150,7 @@ fn normalized_diffusion_knows_phase_function_and_boundary() {
             let plain = slab(material, thickness);
             let expected = beyond_with(model, thickness, used[0], used[1]) / std::f32::consts::PI;
             for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
-                let renderer = Renderer::new(scene);
+                let renderer = prepare(scene);
                 assert_eq!(renderer.notes().len(), notes, "{:?}", renderer.notes());
                 let result = measure(&renderer, Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 16);
                 assert_within(&format!("{model} {name} {g} {eta}"), result, expected);
@@ -167,7 +165,7 @@ fn directional_dipole_returns_surface_albedo_along_the_normal() {
     plain.lights.push(distant(Vec3::Z));
     for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
         let point = Vec3::new(3.3, 1.1, 0.0);
-        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
+        let result = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);
         assert_within(name, result, ALBEDO / std::f32::consts::PI);
     }
 }
@@ -180,7 +178,7 @@ fn oblique_diffusion_returns_surface_albedo_under_a_boundary() {
     plain.environment = uniform_environment(Vec3::ONE);
     for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
         let point = Vec3::new(3.3, 1.1, 0.0);
-        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 15);
+        let result = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 15);
         assert_within(name, result, ALBEDO);
     }
 }
@@ -194,7 +192,7 @@ fn oblique_diffusion_returns_surface_albedo_along_the_normal() {
     plain.lights.push(distant(Vec3::Z));
     for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
         let point = Vec3::new(3.3, 1.1, 0.0);
-        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 15);
+        let result = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 15);
         assert_within(name, result, ALBEDO / std::f32::consts::PI);
     }
 }
@@ -244,7 +242,7 @@ const EXITS: [Vec3; 3] = [Vec3::new(0.8, 0.0, 0.0), Vec3::new(-0.8, 0.0, 0.0), V
 #[test]
 fn directional_dipole_leaves_where_it_says() {
     let beam = SlantingBeam::new(DIRECTIONAL, 1.3);
-    let renderer = Renderer::new(beam.scene.clone());
+    let renderer = prepare(beam.scene.clone());
     let appearance =
         Appearance { surface_albedo: 0.7, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
     let dipole = DirectionalDipole::new(&appearance, 1.3).unwrap();
@@ -267,7 +265,7 @@ fn oblique_diffusion_leaves_where_the_exact_solution_says() {
     let alpha = half_space_single_scattering_albedo(0.7, configuration);
     for eta in [1.0, 1.3] {
         let beam = SlantingBeam::new(OBLIQUE, eta);
-        let renderer = Renderer::new(beam.scene.clone());
+        let renderer = prepare(beam.scene.clone());
         let cos_theta = (1.0 - (0.8 / f64::from(eta)).powi(2)).sqrt();
         let model = ObliqueDiffusion::new(0.7, 1.0, Parameterization::Mfp, configuration, cos_theta).unwrap();
         let exact = ObliqueHalfSpace::new(alpha, 1.0, cos_theta).unwrap();
@@ -296,7 +294,7 @@ fn table_from_a_file_gives_the_picture_of_its_model() {
     let mut scene = slab(material(SubsurfaceModel::Tabulated(0)), 0.7);
     let rows = [0.2, 0.5, 0.9].map(row).to_vec();
     scene.profile_tables.push(ProfileTable { path: "dipole.csv".into(), rows });
-    let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
+    let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
     assert_within("table", result, beyond(Model::Dipole, 0.7) / std::f32::consts::PI);
 }
 
@@ -315,7 +313,7 @@ fn narrow_table_is_the_lambertian_limit() {
         scene.profile_tables = vec![ProfileTable { path: "narrow.csv".into(), rows: vec![row] }];
         scene.environment = uniform_environment(Vec3::ONE);
         let point = Vec3::new(3.3, 1.1, 0.0);
-        let result = measure(&Renderer::new(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 12);
+        let result = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 12);
         assert_within(&format!("unit {unit:e}"), result, ALBEDO);
     }
 }

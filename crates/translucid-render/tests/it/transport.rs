@@ -3,13 +3,14 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5
 //! per comparison, below 0.5 % over all comparisons of this file).
 
-mod common;
-
-use common::{GRAY, assert_within, distant, matte, measure, quad, scene, sphere, uniform_environment};
 use glam::{Vec2, Vec3};
-use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, NormalMap, Object, Pixels, ScalarInput, TextureRef,
+};
+
+use crate::common::{
+    GRAY, assert_within, distant, matte, measure, prepare, quad, sample_ray, scene, sphere,
+    uniform_environment,
 };
 
 fn clear(ior: f32) -> Material {
@@ -33,7 +34,7 @@ fn closed_furnace_sums_all_bounces() {
         scene(vec![inside_out], Material { emission_luminance: 1.0, ..matte(Vec3::new(0.5, 0.8, 0.0)) });
     scene.integrator.max_depth = 200;
     scene.integrator.max_diffuse_depth = 200;
-    let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 0.3), Vec3::X, 1 << 15);
+    let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 0.3), Vec3::X, 1 << 15);
     assert_within("closed furnace", result, Vec3::new(2.0, 5.0, 1.0));
 }
 
@@ -45,7 +46,7 @@ fn clear_sphere_vanishes_in_uniform_light() {
         let mut scene = scene(vec![sphere(1.0, 128)], material);
         scene.environment = uniform_environment(Vec3::ONE);
         scene.integrator.max_depth = 100;
-        let renderer = Renderer::new(scene);
+        let renderer = prepare(scene);
         for x in [0.0, 0.4, 0.8] {
             let (mean, error) = measure(&renderer, Vec3::new(x, 0.1, 3.0), Vec3::NEG_Z, 1 << 14);
             let tolerance = 4.0 * error.x + loss + 2e-3;
@@ -69,7 +70,7 @@ fn clear_slab_absorbs_by_its_depth() {
     slab.environment = uniform_environment(Vec3::ONE);
     slab.integrator.max_depth = 10;
     let expected = color.powf(1.5);
-    let (mean, _) = measure(&Renderer::new(slab), Vec3::Z, Vec3::NEG_Z, 256);
+    let (mean, _) = measure(&prepare(slab), Vec3::Z, Vec3::NEG_Z, 256);
     // Rays start a rounding error off the surface: 2e-3 of a slab 3 thick between quads 2,000 wide.
     assert!(((mean - expected) / expected).abs().max_element() < 3e-3, "seen through: {mean}, {expected}");
 
@@ -78,13 +79,13 @@ fn clear_slab_absorbs_by_its_depth() {
     lit.materials.push(matte(GRAY));
     lit.objects[2].material = 1;
     lit.lights.push(distant(Vec3::Z));
-    let (mean, _) = measure(&Renderer::new(lit.clone()), Vec3::NEG_Z * 8.0, Vec3::NEG_Z, 256);
+    let (mean, _) = measure(&prepare(lit.clone()), Vec3::NEG_Z * 8.0, Vec3::NEG_Z, 256);
     let expected = GRAY / std::f32::consts::PI * expected;
     assert!(((mean - expected) / expected).abs().max_element() < 3e-3, "shadow: {mean}, {expected}");
 
     // With caustics on, a clear body casts a shadow: only paths that find the light bring it.
     lit.integrator.caustics = true;
-    let (mean, _) = measure(&Renderer::new(lit), Vec3::NEG_Z * 8.0, Vec3::NEG_Z, 256);
+    let (mean, _) = measure(&prepare(lit), Vec3::NEG_Z * 8.0, Vec3::NEG_Z, 256);
     assert_eq!(mean, Vec3::ZERO);
 }
 
@@ -103,7 +104,7 @@ fn opacity_shows_what_is_behind_in_proportion() {
     scene.lights.push(distant(Vec3::Z));
     // The veil takes its share of the light on the way down and of the view on the way up.
     let expected = GRAY / std::f32::consts::PI * 0.7 * 0.7;
-    let result = measure(&Renderer::new(scene), Vec3::Z, Vec3::NEG_Z, 1 << 16);
+    let result = measure(&prepare(scene), Vec3::Z, Vec3::NEG_Z, 1 << 16);
     assert_within("veil", result, expected);
 }
 
@@ -129,20 +130,20 @@ fn emitting_mesh_lights_like_a_rectangle() {
         radiance: Vec3::splat(3.0),
         visible: true,
     });
-    let result = measure(&Renderer::new(by_rectangle), origin, direction, 1 << 15);
+    let result = measure(&prepare(by_rectangle), origin, direction, 1 << 15);
     assert_within("rectangle", result, expected);
 
     let lamp = quad(Vec3::Z * height, Vec3::Y * (edge / 2.0), Vec3::X * (edge / 2.0));
     let mut by_mesh = scene(vec![floor(), lamp], matte(GRAY));
     by_mesh.materials.push(Material { emission_luminance: 3.0, ..matte(Vec3::ZERO) });
     by_mesh.objects[1].material = 1;
-    let result = measure(&Renderer::new(by_mesh.clone()), origin, direction, 1 << 15);
+    let result = measure(&prepare(by_mesh.clone()), origin, direction, 1 << 15);
     assert_within("emitting mesh", result, expected);
 
     // Direct view of the emitter: its radiance, and nothing from its back.
-    let renderer = Renderer::new(by_mesh);
-    assert_eq!(renderer.sample_ray(Vec3::Z * 0.5, Vec3::Z, 1, 0).emission, Vec3::splat(3.0));
-    assert_eq!(renderer.sample_ray(Vec3::Z * 9.0, Vec3::NEG_Z, 1, 0).emission, Vec3::ZERO);
+    let renderer = prepare(by_mesh);
+    assert_eq!(sample_ray(&renderer, Vec3::Z * 0.5, Vec3::Z, 1, 0).emission, Vec3::splat(3.0));
+    assert_eq!(sample_ray(&renderer, Vec3::Z * 9.0, Vec3::NEG_Z, 1, 0).emission, Vec3::ZERO);
 }
 
 /// A normal map that tilts by an angle turns a Lambertian plane's brightness into that of a tilted one.
@@ -163,7 +164,7 @@ fn normal_map_tilts_the_shading_normal() {
     });
     scene.materials[0].geometry_normal = Some(NormalMap { texture: TextureRef::new(0), scale: 1.0 });
     scene.lights.push(distant(Vec3::new(tilt.sin(), 0.0, tilt.cos())));
-    let (mean, _) = measure(&Renderer::new(scene), Vec3::Z, Vec3::NEG_Z, 64);
+    let (mean, _) = measure(&prepare(scene), Vec3::Z, Vec3::NEG_Z, 64);
     assert!((mean.x * std::f32::consts::PI - 1.0).abs() < 1e-3, "{mean}");
 }
 
@@ -173,7 +174,7 @@ fn background_is_black_and_transparent_unless_visible() {
     for visible in [false, true] {
         let mut scene = scene(Vec::<Mesh>::new(), matte(GRAY));
         scene.environment = uniform_environment(GRAY).map(|e| translucid_scene::Environment { visible, ..e });
-        let sample = Renderer::new(scene).sample_ray(Vec3::ZERO, Vec3::X, 0, 0);
+        let sample = sample_ray(&prepare(scene), Vec3::ZERO, Vec3::X, 0, 0);
         let expected = if visible { (GRAY, 1.0) } else { (Vec3::ZERO, 0.0) };
         assert_eq!((sample.radiance(), sample.alpha), expected);
     }
@@ -195,11 +196,11 @@ fn layers_hold_what_their_names_say() {
         subsurface_group: 1,
     });
     scene.materials.push(Material { emission_luminance: 5.0, ..matte(Vec3::ZERO) });
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     let (mut diffuse, mut specular, mut subsurface) = (0.0, 0.0, 0.0);
     for index in 0..2000 {
         let sample =
-            renderer.sample_ray(Vec3::new(0.0, -2.0, 2.0), Vec3::new(0.0, 1.0, -1.0).normalize(), 3, index);
+            sample_ray(&renderer, Vec3::new(0.0, -2.0, 2.0), Vec3::new(0.0, 1.0, -1.0).normalize(), 3, index);
         diffuse += sample.diffuse.y;
         specular += sample.specular.y;
         subsurface += sample.subsurface.y;

@@ -2,9 +2,9 @@
 //! panic, and every sum of the film is finite.
 //!
 //! ```text
-//! cargo test -p translucid-render --test fuzzed_scenes                                   the 1,000 of every run
-//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-render --test fuzzed_scenes          one; its files are kept
-//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-render --test fuzzed_scenes  others
+//! cargo test -p translucid-render --test it fuzzed_scenes                                   the 1,000 of every run
+//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-render --test it fuzzed_scenes          one; its files are kept
+//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-render --test it fuzzed_scenes  others
 //! ```
 
 #![allow(clippy::print_stdout, reason = "the harness shows what a failed or watched run has printed")]
@@ -21,15 +21,17 @@ use std::fs;
 use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use translucid_render::{FilmSums, Goal, Outcome, PointsError, Renderer, layer};
+use translucid_render::{FilmSums, Outcome, PointsError, layer};
 use translucid_scene::{Light, LoadOptions, Object, Scene, load_scene};
+
+use crate::common::{Renderer, make_points, prepare, render, with_points};
 
 /// Scenes of every test run; of some the loader refuses a mesh.
 const SEEDS: Range<u64> = 0..1195;
@@ -142,7 +144,7 @@ impl Totals {
 
 fn reproduction(totals: &Totals) -> String {
     let seed = totals.failed.first().unwrap_or(&0);
-    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-render --test fuzzed_scenes")
+    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-render --test it fuzzed_scenes")
 }
 
 /// Gathers verdicts until all are there, or a scene hangs.
@@ -235,13 +237,12 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         Err(error) => return Verdict::Refused(error.message),
     };
     let dark = is_dark(&scene);
-    let renderer = match with_points(Renderer::new(scene)) {
+    let renderer = match gathering(prepare(scene)) {
         Ok(renderer) => renderer,
         Err(error) => return Verdict::Refused(error.message),
     };
     let mut film = FilmSums::new(64, 64);
-    let goal = Goal { samples: 4, deadline: None };
-    let outcome = renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+    let outcome = render(&renderer, &mut film, 4);
     if outcome != Outcome::Finished {
         return Verdict::Bad(format!("ends as {outcome:?}"));
     }
@@ -252,12 +253,12 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
 }
 
 /// The renderer with the points that it wants, unless they are too many.
-fn with_points(renderer: Renderer) -> Result<Renderer, PointsError> {
+fn gathering(renderer: Renderer) -> Result<Renderer, PointsError> {
     if !renderer.wants_points() {
         return Ok(renderer);
     }
-    let points = renderer.make_points(MOST_POINT_BYTES, &|_| {}, &AtomicBool::new(false))?;
-    Ok(renderer.with_points(&points.expect("nobody stops it")))
+    let points = make_points(&renderer, MOST_POINT_BYTES)?;
+    Ok(with_points(renderer, &points))
 }
 
 /// Whether nothing in the scene shines.

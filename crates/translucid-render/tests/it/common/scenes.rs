@@ -1,9 +1,6 @@
-//! Small scenes and measurements that the integration tests share.
-
-#![allow(dead_code, reason = "each test file uses its own part of this module")]
+//! Small scenes.
 
 use glam::{Mat3, Vec3};
-use translucid_render::Renderer;
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     Unit,
@@ -60,41 +57,6 @@ pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
 /// The same light from everywhere.
 pub(crate) fn uniform_environment(radiance: Vec3) -> Option<Environment> {
     Some(Environment { radiance, image: None, world_from_environment: Mat3::IDENTITY, visible: false })
-}
-
-/// Mean radiance along a ray with its standard error per channel.
-///
-/// Sobol samples within one block are not independent: the error comes from 32 independent scrambles.
-pub(crate) fn measure(renderer: &Renderer, origin: Vec3, direction: Vec3, samples: u32) -> (Vec3, Vec3) {
-    let blocks = 32;
-    let mut means = Vec::new();
-    for block in 0..blocks {
-        let mut sum = [0.0_f64; 3];
-        for index in 0..samples / blocks {
-            let light = renderer.sample_ray(origin, direction, u64::from(block) + 1000, index).radiance();
-            for (s, l) in sum.iter_mut().zip(light.to_array()) {
-                *s += f64::from(l);
-            }
-        }
-        let scale = f64::from(samples / blocks).recip();
-        means.push(sum.map(|s| s * scale));
-    }
-    let n = f64::from(blocks);
-    let mean: [f64; 3] = std::array::from_fn(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
-    let error: [f64; 3] = std::array::from_fn(|c| {
-        let variance = means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
-        (variance / n).sqrt()
-    });
-    (Vec3::from_array(mean.map(|x| x as f32)), Vec3::from_array(error.map(|x| x as f32)))
-}
-
-/// Asserts that a measured mean is within four standard errors of the truth, and precise to 5 %.
-pub(crate) fn assert_within(name: &str, (mean, error): (Vec3, Vec3), expected: Vec3) {
-    for c in 0..3 {
-        let z = (mean[c] - expected[c]) / error[c].max(1e-6 * expected[c]);
-        assert!(z.abs() < 4.0, "{name}, channel {c}: {mean} ± {error}, expected {expected}, z = {z}");
-        assert!(error[c] <= 0.05 * expected[c].max(1e-3), "{name}, channel {c}: too noisy to tell, {error}");
-    }
 }
 
 /// A distant delta light of irradiance 1 on a surface that faces it.

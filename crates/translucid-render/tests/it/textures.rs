@@ -3,18 +3,16 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per
 //! comparison, below 1 % over all comparisons of this file).
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{assert_within, distant, measure, quad, scene, uniform_environment};
 use glam::{Vec2, Vec3};
 use translucid_profile::{Appearance, Configuration, Model, Parameterization};
-use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, Object, Pixels, ScalarInput, Scene,
     SubsurfaceModel, SubsurfaceTextureAt, TextureRef,
 };
+
+use crate::common::{assert_within, distant, measure, prepare, quad, scene, uniform_environment};
 
 const POLICIES: [SubsurfaceTextureAt; 3] =
     [SubsurfaceTextureAt::Exit, SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both];
@@ -131,7 +129,7 @@ fn step_follows_the_line_integrals_of_its_policy() {
         for policy in POLICIES {
             let mut scene = step_scene(material(model, policy), &STEP);
             scene.lights.push(distant(Vec3::Z));
-            let renderer = Renderer::new(scene);
+            let renderer = prepare(scene);
             for x in [-0.6_f32, -0.1, 0.1, 0.6] {
                 let result = measure(&renderer, Vec3::new(x, 0.3, 1.0), Vec3::NEG_Z, 1 << 15);
                 let expected = expected(shape, policy, &STEP, x) / std::f32::consts::PI;
@@ -149,7 +147,7 @@ fn black_exit_shows_light_of_a_bright_entry() {
         let model = Model::NormalizedDiffusion;
         let mut scene = step_scene(material(model, policy), &step);
         scene.lights.push(distant(Vec3::Z));
-        let (mean, error) = measure(&Renderer::new(scene), Vec3::new(0.3, 0.3, 1.0), Vec3::NEG_Z, 1 << 15);
+        let (mean, error) = measure(&prepare(scene), Vec3::new(0.3, 0.3, 1.0), Vec3::NEG_Z, 1 << 15);
         if policy == SubsurfaceTextureAt::Entry {
             let expected = expected(model, policy, &step, 0.3) / std::f32::consts::PI;
             assert_within("black", (mean, error), expected);
@@ -172,7 +170,7 @@ fn both_is_reciprocal_and_the_others_are_not() {
                 radius: 0.15,
                 power: Vec3::ONE,
             });
-            let renderer = Renderer::new(scene);
+            let renderer = prepare(scene);
             measure(&renderer, Vec3::new(seen, 0.0, 1.0), Vec3::NEG_Z, 1 << 17)
         });
         let z = (there.0 - back.0) / (there.1 * there.1 + back.1 * back.1).map(f32::sqrt);
@@ -202,11 +200,11 @@ fn even_textures_are_the_same_by_every_policy() {
             };
             let mut plain = scene(plane(), constant);
             plain.lights.push(distant(Vec3::Z));
-            let renderer = Renderer::new(plain);
+            let renderer = prepare(plain);
             constants.push(measure(&renderer, point, Vec3::NEG_Z, 1 << 10));
             let mut even = textured(material(model, policy), plane(), &[albedo], &[length]);
             even.lights.push(distant(Vec3::Z));
-            let result = measure(&Renderer::new(even), point, Vec3::NEG_Z, 1 << 14);
+            let result = measure(&prepare(even), point, Vec3::NEG_Z, 1 << 14);
             assert_within(&format!("{model} {policy:?}"), result, albedo / std::f32::consts::PI);
         }
         assert_eq!([constants[1], constants[2]], [constants[0]; 2], "{model}: no texture, no difference");
@@ -242,7 +240,7 @@ fn every_kind_of_texture_is_covered() {
         } else {
             Step { albedo: [Vec3::splat(0.6); 2], length: [bright, dim] }
         };
-        let result = measure(&Renderer::new(scene), Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z, 1 << 16);
+        let result = measure(&prepare(scene), Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z, 1 << 16);
         let expected = expected(Model::NormalizedDiffusion, SubsurfaceTextureAt::Entry, &step, 0.2);
         assert_within(name, result, expected / std::f32::consts::PI);
     }
@@ -260,6 +258,6 @@ fn across_materials_the_exit_counts() {
     scene.materials[1].specular_weight = ScalarInput::constant(0.0);
     scene.objects.push(Object { name: "other".into(), mesh: other, material: 1, subsurface_group: 0 });
     scene.environment = uniform_environment(Vec3::ONE);
-    let result = measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 15);
+    let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 15);
     assert_within("two materials", result, albedo);
 }

@@ -3,13 +3,11 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per
 //! comparison).
 
-mod common;
-
-use common::{assert_within, distant, measure, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
 use translucid_profile::Model;
-use translucid_render::Renderer;
 use translucid_scene::{ColorInput, Material, Mesh, ScalarInput, Scene, SubsurfaceModel};
+
+use crate::common::{assert_within, distant, measure, prepare, quad, scene, sphere, uniform_environment};
 
 const A: f32 = 0.8;
 const SAMPLES: u32 = 1 << 15;
@@ -35,7 +33,7 @@ fn in_even_light(meshes: Vec<Mesh>) -> Scene {
 
 /// Radiance of the surface below a point on the outside.
 fn seen(scene: Scene, origin: Vec3, direction: Vec3) -> (Vec3, Vec3) {
-    measure(&Renderer::new(scene), origin, direction, SAMPLES)
+    measure(&prepare(scene), origin, direction, SAMPLES)
 }
 
 fn moved(mut mesh: Mesh, by: Vec3) -> Mesh {

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use crate::images::SKIES;
-use crate::random::Random;
-use crate::text::{Text, number};
+use super::images::SKIES;
+use super::random::Random;
+use super::text::{Text, number};
 
 /// Writes a light; `places` are points of objects, whose size is about `size`.
 pub(crate) fn write(text: &mut Text, random: &mut Random, places: &[Vec3], size: f64) {

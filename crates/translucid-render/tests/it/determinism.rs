@@ -4,11 +4,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::{Mat3, Vec3};
-use translucid_render::{FilmSums, Goal, Outcome, Renderer};
+use translucid_render::{FilmSums, Goal, Outcome};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     Unit,
 };
+
+use crate::common::{on_threads, prepare, render, render_until};
 
 /// A bumpy translucent sheet with a glossy interface, lit by a rectangle and the sky.
 fn scene() -> Scene {
@@ -64,14 +66,12 @@ fn scene() -> Scene {
     }
 }
 
-fn render(threads: usize, steps: &[u32]) -> FilmSums {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
-    pool.install(|| {
-        let renderer = Renderer::new(scene());
+fn rendered(threads: usize, steps: &[u32]) -> FilmSums {
+    on_threads(threads, || {
+        let renderer = prepare(scene());
         let mut film = FilmSums::new(50, 34);
         for &samples in steps {
-            let goal = Goal { samples, deadline: None };
-            assert_eq!(renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::Finished);
+            assert_eq!(render(&renderer, &mut film, samples), Outcome::Finished);
         }
         film
     })
@@ -79,15 +79,15 @@ fn render(threads: usize, steps: &[u32]) -> FilmSums {
 
 #[test]
 fn threads_and_interruptions_leave_no_trace() {
-    let reference = render(1, &[24]);
+    let reference = rendered(1, &[24]);
     assert!(reference.radiance(25, 20).iter().sum::<f64>() > 0.0);
-    assert!(reference == render(2, &[24]), "two threads");
-    assert!(reference == render(5, &[1, 2, 9, 24]), "five threads in steps");
+    assert!(reference == rendered(2, &[24]), "two threads");
+    assert!(reference == rendered(5, &[1, 2, 9, 24]), "five threads in steps");
 }
 
 #[test]
 fn stop_keeps_a_film_that_can_be_continued() {
-    let renderer = Renderer::new(scene());
+    let renderer = prepare(scene());
     let mut film = FilmSums::new(50, 34);
     let stop = AtomicBool::new(false);
     let goal = Goal { samples: 24, deadline: None };
@@ -96,19 +96,19 @@ fn stop_keeps_a_film_that_can_be_continued() {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    assert_eq!(renderer.render(&mut film, goal, &stop_soon, &stop), Outcome::Interrupted);
+    assert_eq!(render_until(&renderer, &mut film, goal, &stop_soon, &stop), Outcome::Interrupted);
     assert!(film.samples() < 24);
-    assert_eq!(renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::Finished);
-    assert!(film == render(1, &[24]));
+    assert_eq!(render(&renderer, &mut film, 24), Outcome::Finished);
+    assert!(film == rendered(1, &[24]));
 }
 
 #[test]
 fn deadline_ends_the_rendering_in_time() {
-    let renderer = Renderer::new(scene());
+    let renderer = prepare(scene());
     let mut film = FilmSums::new(50, 34);
     let start = Instant::now();
     let goal = Goal { samples: 1 << 22, deadline: Some(start + Duration::from_millis(200)) };
-    assert_eq!(renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
+    assert_eq!(render_until(&renderer, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
     assert!(start.elapsed() < Duration::from_secs(20));
     assert!(film.samples() > 0);
 }

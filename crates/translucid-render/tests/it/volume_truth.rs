@@ -1,21 +1,22 @@
 //! The random walk against images of an independent volumetric path tracer, region by region.
 //!
-//! The images and meshes are not part of the project: where `../shared/assets` is absent, the tests say so and pass.
+//! The images and meshes are not part of the project: where `shared/assets` is absent, the tests are ignored.
 //! Each region's mean is that of sixteen renderings with seeds of their own, which tell its standard error; it counts as
 //! right within five of them (by Student's t a false alarm in 6,000, and 1.5 % over all comparisons) and 1.5 % of the
 //! truth, whose own noise is in that; pixels of the truth that outshine all their neighbors are left out of both.
 
-#![allow(clippy::print_stdout, reason = "a skipped test must say that it is, and the others what they found")]
+#![allow(clippy::print_stdout, reason = "--nocapture shows what was found")]
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
+use std::path::Path;
 
 use exr::prelude::*;
 use glam::Vec3;
 use translucid_profile::roots::falling_root;
 use translucid_profile::{Configuration, half_space_surface_albedo};
-use translucid_render::{FilmSums, Goal, Renderer};
 use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_scene};
+use translucid_testing::{asset, with_shared_assets};
+
+use crate::common::picture;
 
 /// Pixels of the picture here, and of the truth's for each of them.
 const SIZE: usize = 128;
@@ -23,10 +24,6 @@ const BLOCK: usize = 4;
 /// Pixels of a region.
 const REGION: usize = 32;
 const SEEDS: u64 = 16;
-
-fn root() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")
-}
 
 /// The truth's relation of A and α, H. C. van de Hulst, *Multiple Light Scattering*, 1980:
 /// A = (1 − s)(1 − 0.139 s)/(1 + 1.17 s), s = √(1 − α); the surface albedo here of the same α.
@@ -37,19 +34,20 @@ fn same_medium(surface_albedo: f32) -> f32 {
     half_space_surface_albedo(1.0 - s * s, Configuration::Diffuse) as f32
 }
 
-/// The scene walked through, in the truth's medium; `None` where its mesh is not there.
-fn walked(scene: &str, mesh: &str) -> Option<Scene> {
-    let mesh = root().join("../shared/assets").join(mesh);
-    if !mesh.is_file() {
-        return None;
-    }
+/// A scene walked through, in the truth's medium.
+fn walked(scene: &str, mesh: &str) -> Scene {
     let options = LoadOptions {
-        mesh_overrides: vec![(None, mesh)],
+        mesh_overrides: vec![(None, asset(mesh))],
         size: Some([SIZE as u32; 2]),
         subsurface_model: Some(SubsurfaceModel::RandomWalk),
         ..LoadOptions::default()
     };
-    let mut scene = load_scene(&root().join(scene), &options, &mut Vec::new()).unwrap();
+    let mut scene = load_scene(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(scene),
+        &options,
+        &mut Vec::new(),
+    )
+    .unwrap();
     for material in &mut scene.materials {
         let color = &mut material.subsurface_color;
         *color = ColorInput::constant(Vec3::from_array(color.factor.to_array().map(same_medium)));
@@ -57,14 +55,13 @@ fn walked(scene: &str, mesh: &str) -> Option<Scene> {
     // The truth has no such limits
     scene.integrator.max_depth = 64;
     scene.integrator.max_diffuse_depth = 32;
-    Some(scene)
+    scene
 }
 
 /// The truth's pixels, averaged to those of the picture here.
 fn truth(file: &str) -> Vec<Vec3> {
-    let path = root().join("../shared/assets/truth").join(file);
     let image = read_first_rgba_layer_from_file(
-        path,
+        asset("truth").join(file),
         |size, _| vec![vec![Vec3::ZERO; size.width()]; size.height()],
         |rows: &mut Vec<Vec<Vec3>>, at, (r, g, b, _): (f32, f32, f32, f32)| {
             rows[at.y()][at.x()] = Vec3::new(r, g, b);
@@ -104,9 +101,7 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
         .map(|seed| {
             let mut scene = scene.clone();
             scene.integrator.seed = seed;
-            let mut film = FilmSums::new(SIZE as u32, SIZE as u32);
-            let goal = Goal { samples, deadline: None };
-            Renderer::new(scene).render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+            let film = picture(&scene, samples);
             regions(|x, y| {
                 let radiance = film.radiance(x as u32, y as u32).map(|value| value as f32);
                 if is_speck(truth, x, y) { Vec3::ZERO } else { Vec3::from_array(radiance) }
@@ -136,18 +131,12 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
     assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 0.02, "{sums:?}");
 }
 
-#[test]
-fn head_agrees_with_an_independent_renderer() {
-    let Some(scene) = walked("scenes/head.toml", "head/head_70k.ply") else {
-        return println!("skipped: ../shared/assets is not there");
-    };
-    compare(&scene, &truth("head_volume.exr"), 4);
-}
+with_shared_assets! {
+    fn head_agrees_with_an_independent_renderer() {
+        compare(&walked("scenes/head.toml", "head/head_70k.ply"), &truth("head_volume.exr"), 4);
+    }
 
-#[test]
-fn dragon_agrees_with_an_independent_renderer() {
-    let Some(scene) = walked("scenes/dragon.toml", "dragon/dragon_198k.ply") else {
-        return println!("skipped: ../shared/assets is not there");
-    };
-    compare(&scene, &truth("dragon_volume.exr"), 4);
+    fn dragon_agrees_with_an_independent_renderer() {
+        compare(&walked("scenes/dragon.toml", "dragon/dragon_198k.ply"), &truth("dragon_volume.exr"), 4);
+    }
 }

@@ -3,15 +3,13 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per comparison)
 //! and what a sum over points is allowed to be off by.
 
-mod common;
-
-use common::{distant, measure, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
 use translucid_profile::{Appearance, Configuration, Model, Parameterization};
-use translucid_render::Renderer;
 use translucid_scene::{
     ColorInput, Integrator, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceNormalization,
 };
+
+use crate::common::{distant, measure, prepare, quad, scene, sphere, uniform_environment};
 
 const A: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.6, 0.8);
@@ -61,7 +59,7 @@ fn even_light_returns_the_surface_albedo_from_any_shape() {
     for model in [Model::NormalizedDiffusionOblique, Model::NormalizedDiffusion, Model::Dipole] {
         for (name, meshes, height) in bodies.clone() {
             let scene = even(meshes, material(model, SubsurfaceNormalization::Energy));
-            let renderer = Renderer::new(scene);
+            let renderer = prepare(scene);
             assert!(renderer.notes().is_empty(), "{:?}", renderer.notes());
             let result = measure(&renderer, Vec3::new(0.11, 0.07, height), Vec3::NEG_Z, 1 << 13);
             assert_near(&format!("{model} {name}"), result, A, POINTS);
@@ -87,11 +85,11 @@ fn thin_things_return_what_the_profile_says() {
     };
     let origin = Vec3::new(0.11, 0.07, 3.0);
     let ball = even(vec![sphere(1.0, 128)], material(model, SubsurfaceNormalization::None));
-    let result = measure(&Renderer::new(ball), origin, Vec3::NEG_Z, 1 << 15);
+    let result = measure(&prepare(ball), origin, Vec3::NEG_Z, 1 << 15);
     // The sphere is one of flat faces
     assert_near("sphere", result, energies(|profile| profile.enclosed(2.0)), 0.005);
     let sheet = even(slab(0.5, 1e3), material(model, SubsurfaceNormalization::None));
-    let result = measure(&Renderer::new(sheet), origin, Vec3::NEG_Z, 1 << 15);
+    let result = measure(&prepare(sheet), origin, Vec3::NEG_Z, 1 << 15);
     assert_near("slab", result, energies(|profile| profile.total() + profile.beyond(0.5)), 0.002);
 }
 
@@ -102,7 +100,7 @@ fn normalization_is_a_factor_of_the_exit() {
         [Vec3::Z, Vec3::NEG_Z].map(|toward| {
             let mut scene = scene(slab(0.5, 4.0), material(Model::NormalizedDiffusionRefined, normalization));
             scene.lights.push(distant(toward));
-            measure(&Renderer::new(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 14).0
+            measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 14).0
         })
     });
     let ratios = means.map(|[front, back]| back / front);
@@ -120,7 +118,7 @@ fn points_without_room_are_noted() {
     };
     let mut scene = even(slab(0.5, 20.0), narrow);
     scene.integrator = Integrator { point_memory: 1, ..scene.integrator };
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     assert!(
         renderer.notes()[0].starts_with("subsurface_normalization is left out: "),
         "{:?}",

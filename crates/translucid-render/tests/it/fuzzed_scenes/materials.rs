@@ -2,9 +2,9 @@
 
 use translucid_scene::SubsurfaceModel;
 
-use crate::images::{PROFILE, TEXTURES};
-use crate::random::Random;
-use crate::text::{Text, number, triple};
+use super::images::{PROFILE, TEXTURES};
+use super::random::Random;
+use super::text::{Text, number, triple};
 
 /// Writes the material of a number for objects about as large as `size`.
 pub(crate) fn write(text: &mut Text, random: &mut Random, index: usize, size: f64) {

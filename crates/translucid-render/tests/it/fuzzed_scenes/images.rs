@@ -3,7 +3,7 @@
 use std::fs::File;
 use std::path::Path;
 
-use crate::random::Random;
+use super::random::Random;
 
 /// For colors, scalars and normals.
 pub(crate) const TEXTURES: [&str; 5] = ["extremes.exr", "spoilt.exr", "noise.png", "dot.png", "line.exr"];

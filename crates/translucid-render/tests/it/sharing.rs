@@ -2,18 +2,15 @@
 //!
 //! Seeds are fixed. Pictures of different seeds are independent, so means of regions go with Student's t.
 
-mod common;
-
-use std::sync::atomic::AtomicBool;
-
-use common::{matte, quad, scene, sphere, uniform_environment};
 use glam::Vec3;
 use translucid_profile::Model;
-use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_render::FilmSums;
 use translucid_scene::{
     Camera, ColorInput, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel,
     SubsurfaceNormalization,
 };
+
+use crate::common::{matte, picture, quad, scene, sphere, uniform_environment};
 
 const SIZE: u32 = 48;
 /// Edge of a region in pixels: some lie in one block, some across two.
@@ -70,15 +67,12 @@ fn bodies(model: Model) -> Scene {
 }
 
 fn pictures(scene: &Scene, samples: u32) -> Vec<FilmSums> {
-    let picture = |seed| {
+    let seeded = |seed| {
         let mut scene = scene.clone();
         scene.integrator.seed = seed;
-        let mut film = FilmSums::new(scene.film.width, scene.film.height);
-        let goal = Goal { samples, deadline: None };
-        Renderer::new(scene).render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
-        film
+        picture(&scene, samples)
     };
-    (0..SEEDS).map(picture).collect()
+    (0..SEEDS).map(seeded).collect()
 }
 
 /// Mean radiance of a channel in a region.

@@ -4,14 +4,12 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5
 //! per comparison).
 
-mod common;
-
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
-use common::{GRAY, assert_within, distant, matte, measure, quad, scene};
 use glam::{Vec3, Vec4};
-use translucid_render::Renderer;
 use translucid_scene::{ColorInput, Light, Material, Mesh, ScalarInput, Scene};
+
+use crate::common::{GRAY, assert_within, distant, matte, measure, prepare, quad, sample_ray, scene};
 
 /// Clear, without a step of the index.
 fn straight() -> Material {
@@ -45,7 +43,7 @@ fn lamp() -> Mesh {
 /// Looks at the floor's middle from below the lamp.
 fn look(scene: Scene) -> (Vec3, Vec3) {
     let origin = Vec3::new(0.0, 0.3, 0.3);
-    measure(&Renderer::new(scene), origin, -origin.normalize(), 1 << 15)
+    measure(&prepare(scene), origin, -origin.normalize(), 1 << 15)
 }
 
 #[test]
@@ -100,7 +98,7 @@ fn light_inside_a_clear_body_is_absorbed() {
         inner_angle: 10.0,
         outer_angle: 20.0,
     });
-    let (mean, _) = measure(&Renderer::new(by_spot), Vec3::Z * 0.2, Vec3::NEG_Z, 256);
+    let (mean, _) = measure(&prepare(by_spot), Vec3::Z * 0.2, Vec3::NEG_Z, 256);
     let expected = GRAY * FRAC_1_PI / (2.25 * 2.25) * color * color;
     assert!(((mean - expected) / expected).abs().max_element() < 2e-3, "{mean}, expected {expected}");
 
@@ -125,7 +123,7 @@ fn light_inside_a_clear_body_is_absorbed() {
 }
 
 fn look_at_floor(scene: Scene) -> (Vec3, Vec3) {
-    measure(&Renderer::new(scene), Vec3::Z * 0.2, Vec3::NEG_Z, 1 << 15)
+    measure(&prepare(scene), Vec3::Z * 0.2, Vec3::NEG_Z, 1 << 15)
 }
 
 /// 2 E₃(τ) = 2 ∫₀¹ exp(−τ/μ) μ dμ by midpoints.
@@ -142,7 +140,7 @@ fn distant_light_shines_far_from_the_origin() {
         let center = Vec3::new(far, -far, far);
         let mut scene = scene(vec![quad(center, Vec3::X * far * 0.1, Vec3::Y * far * 0.1)], matte(GRAY));
         scene.lights.push(distant(Vec3::new(0.6, 0.0, 0.8)));
-        let (mean, _) = measure(&Renderer::new(scene), center + Vec3::Z * far * 0.01, Vec3::NEG_Z, 64);
+        let (mean, _) = measure(&prepare(scene), center + Vec3::Z * far * 0.01, Vec3::NEG_Z, 64);
         let expected = 0.5 * 0.8 * FRAC_1_PI;
         assert!((mean.x / expected - 1.0).abs() < 1e-4, "{far}: {mean}, expected {expected}");
     }
@@ -160,7 +158,7 @@ fn camera_looks_through_invisible_lights_to_visible_ones() {
             visible,
         });
     }
-    let sample = Renderer::new(scene).sample_ray(Vec3::Z * 3.0, Vec3::NEG_Z, 0, 0);
+    let sample = sample_ray(&prepare(scene), Vec3::Z * 3.0, Vec3::NEG_Z, 0, 0);
     assert_eq!((sample.emission, sample.alpha), (Vec3::splat(2.0), 1.0));
 }
 
@@ -169,14 +167,14 @@ fn camera_looks_through_invisible_lights_to_visible_ones() {
 fn depth_counts_from_the_camera() {
     let veil = Material { geometry_opacity: ScalarInput::constant(0.0), ..matte(GRAY) };
     let scene = floor_and(quad(Vec3::Z, Vec3::X, Vec3::Y), veil);
-    let sample = Renderer::new(scene).sample_ray(Vec3::Z * 3.0, Vec3::NEG_Z, 0, 0);
+    let sample = sample_ray(&prepare(scene), Vec3::Z * 3.0, Vec3::NEG_Z, 0, 0);
     assert!((sample.depth - 3.0).abs() < 1e-5, "{}", sample.depth);
 }
 
 #[test]
 fn fingerprint_sees_tangents() {
     let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X, Vec3::Y)], matte(GRAY));
-    let before = Renderer::new(scene.clone()).fingerprint();
+    let before = prepare(scene.clone()).fingerprint();
     scene.objects[0].mesh.tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
-    assert_ne!(Renderer::new(scene).fingerprint(), before);
+    assert_ne!(prepare(scene).fingerprint(), before);
 }

@@ -1,13 +1,10 @@
 //! Pictures lit by hundreds of lights: the same at any number of threads and by any way of selection.
 
-mod common;
-
-use std::sync::atomic::AtomicBool;
-
-use common::{matte, quad, scene};
 use glam::Vec3;
-use translucid_render::{FilmSums, Goal, LightSelection, Renderer};
+use translucid_render::{FilmSums, LightSelection};
 use translucid_scene::{Camera, Light, Material, Object, ScalarInput, Scene};
+
+use crate::common::{Renderer, matte, on_threads, prepare, quad, render, scene};
 
 /// A matte floor under 300 lamps of three kinds and 200 emissive triangles of all powers, behind a wall in part.
 fn hall() -> Scene {
@@ -63,18 +60,16 @@ fn hall() -> Scene {
     hall
 }
 
-fn render(renderer: &Renderer, threads: usize, samples: u32) -> FilmSums {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+fn rendered(renderer: &Renderer, threads: usize, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(24, 16);
-    let goal = Goal { samples, deadline: None };
-    pool.install(|| renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false)));
+    on_threads(threads, || render(renderer, &mut film, samples));
     film
 }
 
 #[test]
 fn picture_is_the_same_at_any_number_of_threads() {
-    let renderer = Renderer::new(hall());
-    let [one, three] = [1, 3].map(|threads| render(&renderer, threads, 8));
+    let renderer = prepare(hall());
+    let [one, three] = [1, 3].map(|threads| rendered(&renderer, threads, 8));
     for y in 0..16 {
         for x in 0..24 {
             assert_eq!(one.radiance(x, y), three.radiance(x, y), "pixel {x}, {y}");
@@ -91,7 +86,7 @@ fn picture_is_the_same_by_any_selection() {
             .map(|seed| {
                 let mut scene = hall();
                 scene.integrator.seed = seed + if way == LightSelection::Tree { 0 } else { 100 };
-                let film = render(&Renderer::new(scene).with_light_selection(way), 2, 32);
+                let film = rendered(&prepare(scene).with_light_selection(way), 2, 32);
                 let pixels = (0..16).flat_map(|y| (0..24).map(move |x| (x, y)));
                 pixels.map(|(x, y)| film.radiance(x, y)[0]).sum::<f64>() / 384.0
             })

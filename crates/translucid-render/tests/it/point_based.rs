@@ -3,17 +3,19 @@
 //! The light on the test scenes is such that the points' irradiance has no noise, or hardly any: what is measured is
 //! the sum over points.
 
-mod common;
-
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use common::{distant, quad, scene, uniform_environment};
 use glam::Vec3;
 use translucid_profile::{
     Configuration, Model, NormalizedDiffusion, Parameterization, d_from_surface_albedo,
 };
-use translucid_render::{PointPass, PointProgress, Renderer};
+use translucid_render::{PointPass, PointProgress};
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel};
+
+use crate::common::{
+    Renderer, distant, make_points, measure, on_threads, prepare, quad, sample_ray, scene, sphere,
+    uniform_environment, with_points,
+};
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.8, 0.6);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.6, 0.4);
@@ -34,10 +36,9 @@ fn translucent(model: Model) -> Material {
 fn point_based(mut scene: Scene, tolerance: f32) -> Renderer {
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = tolerance;
-    let renderer = Renderer::new(scene);
-    let points = renderer.make_points(MEMORY, &|_| {}, &AtomicBool::new(false));
-    let points = points.expect("enough memory").expect("nobody stops it");
-    renderer.with_points(&points)
+    let renderer = prepare(scene);
+    let points = make_points(&renderer, MEMORY).expect("enough memory");
+    with_points(renderer, &points)
 }
 
 fn profile(channel: usize) -> NormalizedDiffusion {
@@ -65,7 +66,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     let expected: [f64; 3] = std::array::from_fn(|c| within_square(c, 8.0));
     for i in 0..n {
         let place = |salt: u32| sobol_burley::sample(i, salt, 7) - 0.5;
-        let light = renderer.sample_ray(Vec3::new(place(0), place(1), 1.0), Vec3::NEG_Z, 1, i).radiance();
+        let light = sample_ray(&renderer, Vec3::new(place(0), place(1), 1.0), Vec3::NEG_Z, 1, i).radiance();
         for c in 0..3 {
             let relative = f64::from(light[c]) / expected[c];
             sum[c] += relative;
@@ -89,7 +90,7 @@ fn points_without_light_are_soon_black() {
     let square = quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0);
     let mut scene = scene(vec![square], translucent(Model::NormalizedDiffusion));
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     let most = std::sync::atomic::AtomicU64::new(0);
     let hear = |progress: PointProgress| {
         if progress.pass == PointPass::Irradiance {
@@ -99,8 +100,8 @@ fn points_without_light_are_soon_black() {
     let points = renderer.make_points(MEMORY, &hear, &AtomicBool::new(false));
     let points = points.expect("enough memory").expect("nobody stops it");
     assert!(most.into_inner() <= 16 * points.len() as u64);
-    let light =
-        renderer.with_points(&points).sample_ray(Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1, 0).radiance();
+    let renderer = with_points(renderer, &points);
+    let light = sample_ray(&renderer, Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1, 0).radiance();
     assert_eq!(light, Vec3::ZERO);
 }
 
@@ -131,7 +132,7 @@ fn step_edge_of_light_follows_bessel_integral() {
     for x in [-2.0_f32, -1.0, -0.3, 0.3, 1.0, 2.0] {
         // Along the edge, where the truth is the same
         let places = (0..32).map(|i| Vec3::new(x, i as f32 / 16.0 - 1.0, 1.0));
-        let light = places.map(|place| renderer.sample_ray(place, Vec3::NEG_Z, 1, 0).radiance());
+        let light = places.map(|place| sample_ray(&renderer, place, Vec3::NEG_Z, 1, 0).radiance());
         let mean = light.sum::<Vec3>() / 32.0 * std::f32::consts::PI / ALBEDO;
         for c in 0..3 {
             let far = half_plane(f64::from(x.abs()), profile(c).d());
@@ -153,7 +154,7 @@ fn slab_transmits_what_the_profile_says() {
         scene.lights.push(distant(Vec3::NEG_Z));
         let renderer = point_based(scene, 0.05);
         let places = (0..64).map(|i| Vec3::new((i % 8) as f32 / 8.0, (i / 8) as f32 / 8.0, 1.0));
-        let light = places.map(|place| renderer.sample_ray(place, Vec3::NEG_Z, 1, 0).radiance());
+        let light = places.map(|place| sample_ray(&renderer, place, Vec3::NEG_Z, 1, 0).radiance());
         let mean = light.sum::<Vec3>() / 64.0 * std::f32::consts::PI;
         for c in 0..3 {
             let whole = f64::from(ALBEDO[c]);
@@ -172,12 +173,12 @@ fn points_agree_with_probes_for_every_model() {
         if [Model::DirectionalDipole, Model::NormalizedDiffusionOblique].contains(&model) {
             continue;
         }
-        let ball = common::sphere(2.0, 24);
+        let ball = sphere(2.0, 24);
         let mut scene = scene(vec![ball], translucent(model));
         scene.lights.push(distant(Vec3::new(1.0, 0.0, 1.0)));
         let (origin, direction) = (Vec3::new(0.5, 0.6, 5.0), Vec3::NEG_Z);
-        let (probes, error) = common::measure(&Renderer::new(scene.clone()), origin, direction, 1 << 13);
-        let points = point_based(scene, 0.1).sample_ray(origin, direction, 0, 0).radiance();
+        let (probes, error) = measure(&prepare(scene.clone()), origin, direction, 1 << 13);
+        let points = sample_ray(&point_based(scene, 0.1), origin, direction, 0, 0).radiance();
         for c in 0..3 {
             let difference = (points[c] - probes[c]).abs();
             // Five standard errors of the probes (45 comparisons: 3e-5), and 3 % for the points
@@ -193,7 +194,7 @@ fn points_agree_with_probes_for_every_model() {
 #[test]
 #[allow(clippy::print_stdout, reason = "--nocapture shows how fast pictures converge")]
 fn points_converge_to_probes_as_the_tolerance_shrinks() {
-    let mut scene = scene(vec![common::sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
+    let mut scene = scene(vec![sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
     scene.lights.push(distant(Vec3::new(1.0, 0.3, 0.5)));
     scene.environment = uniform_environment(Vec3::new(0.1, 0.2, 0.3));
     scene.integrator.max_depth = 8;
@@ -201,16 +202,16 @@ fn points_converge_to_probes_as_the_tolerance_shrinks() {
     scene.integrator.subsurface_tail = 1e-5;
     let rays: Vec<Vec3> =
         (0..36).map(|i| Vec3::new((i % 6) as f32 * 0.5 - 1.25, (i / 6) as f32 * 0.5 - 1.25, 5.0)).collect();
-    let ray_traced = Renderer::new(scene.clone());
+    let ray_traced = prepare(scene.clone());
     let references: Vec<(Vec3, Vec3)> =
-        rays.iter().map(|&ray| common::measure(&ray_traced, ray, Vec3::NEG_Z, 1 << 14)).collect();
+        rays.iter().map(|&ray| measure(&ray_traced, ray, Vec3::NEG_Z, 1 << 14)).collect();
     let over = |value: Vec3, truth: Vec3| (value * value / (truth * truth + 0.01)).element_sum() / 3.0;
     let noise =
         references.iter().map(|&(truth, error)| over(error, truth)).sum::<f32>() / references.len() as f32;
     let mut before = f32::INFINITY;
     for tolerance in [0.8, 0.2, 0.05] {
         let renderer = point_based(scene.clone(), tolerance);
-        let light = |ray: &Vec3| renderer.sample_ray(*ray, Vec3::NEG_Z, 1, 0).radiance();
+        let light = |ray: &Vec3| sample_ray(&renderer, *ray, Vec3::NEG_Z, 1, 0).radiance();
         let errors = rays.iter().zip(&references).map(|(ray, &(truth, _))| over(light(ray) - truth, truth));
         let error = errors.sum::<f32>() / rays.len() as f32;
         println!("tolerance {tolerance}: relMSE {error:.2e}, noise of the reference {noise:.1e}");
@@ -223,29 +224,25 @@ fn points_converge_to_probes_as_the_tolerance_shrinks() {
 
 #[test]
 fn points_do_not_depend_on_threads() {
-    let ball = common::sphere(2.0, 24);
+    let ball = sphere(2.0, 24);
     let mut scene = scene(vec![ball], translucent(Model::NormalizedDiffusionRefined));
     scene.lights.push(distant(Vec3::new(1.0, 0.0, 1.0)));
     scene.environment = uniform_environment(Vec3::splat(0.1));
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = 0.2;
     let make = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
-        pool.install(|| {
-            let renderer = Renderer::new(scene.clone());
-            renderer.make_points(MEMORY, &|_| {}, &AtomicBool::new(false)).expect("enough memory")
-        })
+        on_threads(threads, || make_points(&prepare(scene.clone()), MEMORY).expect("enough memory"))
     };
-    let one = make(1).expect("nobody stops it");
+    let one = make(1);
     assert!(one.len() > 500, "{}", one.len());
-    assert!(Some(one) == make(3));
+    assert!(one == make(3));
 }
 
 #[test]
 fn making_points_stops_when_asked() {
-    let mut scene = scene(vec![common::sphere(2.0, 24)], translucent(Model::NormalizedDiffusion));
+    let mut scene = scene(vec![sphere(2.0, 24)], translucent(Model::NormalizedDiffusion));
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
-    let renderer = Renderer::new(scene);
+    let renderer = prepare(scene);
     for pass in [PointPass::Points, PointPass::Irradiance] {
         let stop = AtomicBool::new(false);
         let stop_there = |progress: PointProgress| {
@@ -261,10 +258,10 @@ fn too_little_memory_is_an_error_that_says_what_to_do() {
     for radius in [1e-4, 1e-2] {
         let material =
             Material { subsurface_radius: ScalarInput::constant(radius), ..translucent(Model::Dipole) };
-        let mut scene = scene(vec![common::sphere(2.0, 24)], material);
+        let mut scene = scene(vec![sphere(2.0, 24)], material);
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
-        let renderer = Renderer::new(scene);
-        let error = renderer.make_points(1 << 20, &|_| {}, &AtomicBool::new(false)).expect_err("too little");
+        let renderer = prepare(scene);
+        let error = make_points(&renderer, 1 << 20).expect_err("too little");
         for part in ["points need", "may take 1.00 MiB", "material translucent of object object"] {
             assert!(error.message.contains(part), "{error}");
         }

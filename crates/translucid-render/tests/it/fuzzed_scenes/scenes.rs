@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 
 use glam::Vec3;
 
-use crate::random::Random;
-use crate::text::Text;
-use crate::{lights, materials, meshes};
+use super::random::Random;
+use super::text::Text;
+use super::{lights, materials, meshes};
 
 /// Writes the scene of a seed into a directory that has the images, and returns its path.
 pub(crate) fn write(seed: u64, directory: &Path) -> PathBuf {
