@@ -18,6 +18,7 @@
 )]
 
 mod atomic_file;
+mod checksummed;
 mod denoise;
 mod error;
 mod exr;
@@ -27,6 +28,7 @@ mod region;
 mod tone_mapping;
 
 pub use atomic_file::{check_writable, write_atomically};
+pub use checksummed::Checksummed;
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
 pub use error::OutputError;
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};

@@ -6,39 +6,21 @@
 //! # Out of scope
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
-pub mod bsdf;
-mod camera;
-mod checkpoint;
-mod directionality;
-mod film;
-mod fingerprint;
-mod frame;
-mod geometry;
 mod light;
-mod material;
-mod normalization;
 mod path;
-mod picture;
-mod pixel_blocks;
-mod point_based;
-mod profile_tables;
-mod random_walk;
-mod renderer;
-mod sampler;
-mod shadow;
-mod sharing;
+mod ray;
+mod render;
+mod sampling;
 mod subsurface;
-mod subsurface_pair;
-mod subsurface_profile;
-mod triangle;
-mod wide_tree;
+mod surface;
+mod world;
 
-pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
-pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
-pub use frame::Frame;
-pub use geometry::{Geometry, Hit};
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
-pub use picture::ImageInfo;
-pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
-pub use renderer::{Goal, Outcome, Progress, Renderer};
-pub use triangle::Ray;
+pub use ray::{Geometry, Hit, Ray};
+pub use render::checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
+pub use render::film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
+pub use render::picture::ImageInfo;
+pub use render::renderer::{Goal, Outcome, Progress, Renderer};
+pub use sampling::Frame;
+pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
+pub use surface::bsdf;
