@@ -4,9 +4,10 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use translucid_image::Denoiser;
 use translucid_render::{
-    CheckpointPlan, Denoiser, Event, FilmSums, ImageInfo, Outcome, PixelRect, Plan, PreparedScene,
-    Rendering as Ended, Session, SessionError, layer, load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelRect, Plan, PreparedScene, Rendering as Ended,
+    Session, SessionError, layer, load_checkpoint,
 };
 use translucid_scene::Scene;
 
@@ -259,13 +260,14 @@ impl<'a> Work<'a> {
             samples: sums.samples(),
             seconds: self.session.seconds(),
             command: command_line(),
+            region: self.session.view().place(),
         };
         let outputs = &self.task.outputs;
         let Some(denoiser) = &self.task.denoiser else {
             return outputs.write(&sums, &scene.film, &info).map_err(Failure::late);
         };
         let start = Instant::now();
-        match denoiser.denoise(&sums, self.task.threads) {
+        match denoiser.denoise(&sums.layers_picture(&info), self.task.threads) {
             Ok(denoised) => {
                 if self.task.verbose {
                     let seconds = start.elapsed().as_secs_f64();

@@ -9,7 +9,6 @@
 mod light;
 #[doc(hidden)]
 pub mod measure;
-mod output;
 mod path;
 mod ray;
 mod render;
@@ -20,15 +19,10 @@ mod subsurface;
 mod surface;
 mod world;
 
-pub use output::{
-    CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
-    check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
-    write_denoised_png, write_exr, write_exr_with_denoised, write_png,
-};
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
-    Edit, FilmLayer, FilmSums, Fraction, Goal, LayerSizeError, LiveFilm, Outcome, PixelRect, PreparedScene,
-    Progress, Renewed, TILE_SIZE, TileSums, View,
+    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LayerSizeError, LiveFilm, Outcome,
+    PixelRect, PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, Rendering, RunningSession, Session, SessionError};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};

@@ -1,9 +1,12 @@
 //! Doors for tests and benches, which no picture needs.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::Vec3;
+use translucid_scene::SceneError;
 
 use crate::ray::Ray;
-use crate::render::PreparedScene;
+use crate::render::{FilmSums, Goal, LiveFilm, PreparedScene};
 use crate::sampling::Sampler;
 use crate::world::PixelSample;
 
@@ -23,6 +26,15 @@ pub fn sample_ray(
 ) -> PixelSample {
     let mut sampler = Sampler::new(seed, 0, 0, index);
     prepared.tracer(0.0).trace(Ray::new(origin, direction), &mut sampler)
+}
+
+/// Renders the view that the scene states until each pixel of its film has so many samples.
+pub fn add_samples(prepared: &PreparedScene, film: &mut FilmSums, samples: u32) -> Result<(), SceneError> {
+    let live = LiveFilm::new(std::mem::replace(film, FilmSums::new(1, 1)));
+    let goal = Goal { samples, deadline: None };
+    prepared.render(&prepared.view()?, &live, goal, &|_| {}, &AtomicBool::new(false));
+    *film = live.into_sums();
+    Ok(())
 }
 
 /// Selects lights in another way than what suits their number. The picture stays the same but for its noise.

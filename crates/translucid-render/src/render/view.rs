@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
+use translucid_image::Region;
 use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
 
 use super::pixel_rect::PixelRect;
@@ -180,6 +181,14 @@ impl View {
     #[must_use]
     pub fn whole_size(&self) -> [u32; 2] {
         [self.film.width, self.film.height].map(|edge| edge.div_ceil(self.fraction.divisor()))
+    }
+
+    /// Where the region lies in the whole picture, and that one's width and height; `None` where it is all of it.
+    #[must_use]
+    pub fn place(&self) -> Option<(Region, [u32; 2])> {
+        let (PixelRect { left, top, width, height }, whole) = (self.region, self.whole_size());
+        let region = Region { x0: left, y0: top, x1: left + width, y1: top + height };
+        (region != Region::whole(whole)).then_some((region, whole))
     }
 
     /// Resolution of the picture.

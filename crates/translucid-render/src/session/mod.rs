@@ -16,13 +16,12 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
-use crate::output::{
-    CheckpointInfo, DenoiseError, Denoised, Denoiser, OutputError, load_checkpoint, save_checkpoint,
-};
 use crate::render::{
-    Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed, View,
+    CheckpointInfo, Edit, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene, Progress,
+    Renewed, View, load_checkpoint, save_checkpoint,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress, PointsError};
 
@@ -105,7 +104,7 @@ pub struct Rendering {
     /// Why it has.
     pub outcome: Outcome,
     /// The picture denoised, if that was asked for and all samples are there.
-    pub denoised: Option<Result<Denoised, DenoiseError>>,
+    pub denoised: Option<Result<Denoised, OutputError>>,
 }
 
 /// Something that keeps a session from going on.
@@ -244,7 +243,10 @@ impl Session {
         self.seconds += start.elapsed().as_secs_f64();
         if let (Some(denoiser), Outcome::Finished) = (&plan.denoiser, rendering.outcome) {
             observer.notice(&Event::Denoising);
-            rendering.denoised = Some(denoiser.denoise(&self.film.sums(), plan.denoiser_threads));
+            rendering.denoised = {
+                let sums = self.film.sums();
+                Some(denoiser.denoise(&sums.layers_picture(&ImageInfo::default()), plan.denoiser_threads))
+            };
         }
         Ok(rendering)
     }

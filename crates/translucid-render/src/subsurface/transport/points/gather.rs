@@ -456,11 +456,11 @@ mod tests {
     };
 
     use super::*;
-    use crate::subsurface::transport::points::hierarchy;
+    use crate::PreparedScene;
     use crate::ray::Geometry;
     use crate::subsurface::SubsurfaceSet;
+    use crate::subsurface::transport::points::hierarchy;
     use crate::subsurface::transport::points::{Making, PointCloud};
-    use crate::PreparedScene;
 
     /// Points at random in a ball of radius 3 with random light in half of it.
     fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
