@@ -214,7 +214,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::render::tests::test_film;
+    use crate::render::film::tests::test_film;
 
     const INFO: CheckpointInfo =
         CheckpointInfo { fingerprint: 0x1234_5678_9abc_def0, seed: 7, elapsed_seconds: 12.5 };

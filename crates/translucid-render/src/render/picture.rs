@@ -189,14 +189,13 @@ fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
-    use std::sync::atomic::AtomicBool;
 
     use translucid_image::Denoiser;
     use translucid_scene::{LoadOptions, SceneFile};
 
     use super::*;
     use crate::render::film::tests::test_film;
-    use crate::{Goal, Renderer};
+    use crate::{PreparedScene, measure};
 
     /// The values of all pixels of a channel.
     fn values(picture: &Picture<'_>, name: &str) -> Vec<f64> {
@@ -226,6 +225,7 @@ mod tests {
             samples: 5,
             seconds: 1.25,
             command: String::from("translucid render scenes/apple.toml"),
+            region: None,
         };
         let picture = film.layers_picture(&info);
         assert_eq!(picture.channels.len(), 23);
@@ -319,9 +319,9 @@ mod tests {
         let options = LoadOptions { size: Some([96, 64]), ..LoadOptions::default() };
         let mut scene = file.load(&options, &mut Vec::new()).unwrap();
         scene.integrator.seed = seed;
-        let renderer = Renderer::new(scene);
+        let prepared = PreparedScene::new(scene).unwrap();
         let mut film = FilmSums::new(96, 64);
-        renderer.render(&mut film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+        measure::add_samples(&prepared, &mut film, samples).unwrap();
         film
     }
 
