@@ -1,13 +1,15 @@
 //! Light from infinity in all directions: one color, or a latitude–longitude image.
 
+mod map;
+
 use std::f32::consts::PI;
 
 use glam::Vec3;
 use translucid_scene::{Image, Scene};
 
 use super::directions::{cosine_hemisphere, uniform_sphere};
-use super::environment_map::EnvironmentMap;
 use super::receiver::{Receiver, luminance};
+use map::EnvironmentMap;
 
 /// See [`translucid_scene::Environment`].
 #[derive(Clone, Debug)]

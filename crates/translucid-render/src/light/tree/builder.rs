@@ -17,8 +17,8 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::bounds::LightBounds;
-use super::tree::{Child, Node, WIDTH};
+use super::super::bounds::LightBounds;
+use super::{Child, Node, WIDTH};
 
 /// Bins along an axis.
 const BINS: usize = 12;

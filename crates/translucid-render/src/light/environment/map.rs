@@ -13,9 +13,9 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Mat3, Vec3};
 use translucid_scene::Image;
 
-use super::distribution::Discrete;
-use super::environment::finite_color;
-use super::receiver::{Receiver, luminance};
+use super::super::distribution::Discrete;
+use super::super::receiver::{Receiver, luminance};
+use super::finite_color;
 
 /// Most cells of the table in azimuth and in elevation; a larger image has several pixels to the cell.
 const MOST_CELLS: [usize; 2] = [1024, 512];

@@ -26,13 +26,15 @@
 //! 4. Intensities take the place of powers: a spot and a sphere of equal intensity light a point in the spot's cone
 //!    alike.
 
+mod builder;
+
 use glam::{BVec4A, Vec4};
 
 use super::bounds::LightBounds;
 use super::emitters::Emitters;
 use super::receiver::Receiver;
-use super::selection::{self, Weights};
-use super::tree_builder::build;
+use super::weights::{Weights, importance};
+use builder::build;
 
 /// Children of a node.
 pub(crate) const WIDTH: usize = 8;
@@ -221,7 +223,7 @@ impl Node {
         let mut weights = self.importances(receiver);
         for (lane, weight) in weights.iter_mut().enumerate() {
             if let Some(Child::Light(light)) = self.child(lane).filter(|_| *weight > 0.0) {
-                *weight = selection::importance(emitters, light as usize, receiver);
+                *weight = importance(emitters, light as usize, receiver);
             }
         }
         weights
