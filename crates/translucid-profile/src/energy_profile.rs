@@ -7,7 +7,7 @@
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require};
-use crate::monotone_cell::{Cell, Knot};
+use crate::monotone_cell::{Cell, Knot, RadialCell};
 use crate::monotone_cubic::monotone_slopes;
 use crate::profile::Profile;
 use crate::radial_table::Tail;

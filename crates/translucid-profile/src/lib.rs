@@ -72,7 +72,6 @@
 
 mod albedo_inversion;
 mod albedo_table;
-mod albedo_table_f32;
 mod better_dipole;
 mod burley;
 mod burley_f32;
@@ -99,18 +98,19 @@ mod legendre_panel;
 mod media;
 mod model;
 mod monotone_cell;
+mod monotone_cell_f32;
 mod monotone_cubic;
 mod oblique;
 mod oblique_coefficients;
 mod oblique_f32;
 mod oblique_kernel;
 mod photon_beam_diffusion;
+mod precision;
 mod profile;
 pub mod quadrature;
 mod quantized_diffusion;
 mod radial_table;
 mod radial_table_build;
-mod radial_table_f32;
 mod refined;
 mod refined_coefficients;
 pub mod roots;
@@ -127,8 +127,7 @@ mod sum_of_gaussians;
 mod tabulated_profile;
 
 pub use albedo_inversion::AlbedoInversion;
-pub use albedo_table::{AlbedoTable, ProfileView};
-pub use albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
+pub use albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
 pub use better_dipole::BetterDipole;
 pub use burley::NormalizedDiffusion;
 pub use burley_f32::NormalizedDiffusionF32;
@@ -151,6 +150,7 @@ pub use oblique_f32::{ObliqueDiffusionF32, ObliqueDiffusionTable};
 pub use photon_beam_diffusion::{
     BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
 };
+pub use precision::Precision;
 pub use profile::Profile;
 pub use quantized_diffusion::QuantizedDiffusion;
 pub use refined::RefinedDiffusion;

@@ -6,12 +6,10 @@ use std::sync::Arc;
 use crate::SampledProfile;
 use crate::energy_profile::EnergyProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
+use crate::precision::Number;
 use crate::profile::{Profile, finite_quotient};
 use crate::radial_table::RadialTable;
 use crate::radial_table_build::{Built, build};
-
-/// Radii below this many units of length count as this many for a profile that is finite at r = 0.
-pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 
 /// A profile as a table in the radius.
 ///
@@ -233,7 +231,7 @@ impl TabulatedProfile {
     /// The radius at which R and its density per area can be told.
     #[inline(always)]
     fn resolved(&self, r: f64) -> f64 {
-        let least = if self.table.is_finite_at_0() { UNIT_RADIUS_MIN * self.length } else { 0.0 };
+        let least = if self.table.is_finite_at_0() { f64::UNIT_RADIUS_MIN * self.length } else { 0.0 };
         r.max(f64::MIN_POSITIVE).max(least)
     }
 }
