@@ -56,9 +56,9 @@ const LEAST_ALBEDO: f64 = 1e-3;
 /// ```
 #[derive(Clone, Debug)]
 pub struct AlbedoTable<T: Precision = f64> {
+    /// Albedos of the rows, apart from them: what is searched lies together.
+    surface_albedos: Vec<f64>,
     rows: Vec<Row<T>>,
-    /// Median radius for length 1 as a function of the albedo.
-    median: MonotoneCubic,
 }
 
 /// An [`AlbedoTable`] in single precision.
@@ -68,6 +68,8 @@ pub type AlbedoTableF32 = AlbedoTable<f32>;
 struct Row<T: Precision> {
     /// 1 / (albedo of the next row − this one); 0 for the last.
     inverse_width: f64,
+    /// Median radius for length 1 as a cubic in the albedo's excess over the row's.
+    median: [f64; 4],
     /// Median radius in the unit of the row's table.
     unit_median: f64,
     /// Least radius that counts for the density per area, in that unit.
@@ -131,9 +133,11 @@ impl AlbedoTable {
     /// Rows from tables of length 1 in the order of their albedos.
     fn from_rows(surface_albedos: &[f64], profiles: &[TabulatedProfile]) -> Self {
         let medians: Vec<f64> = profiles.iter().map(|profile| profile.quantile(0.5)).collect();
-        let row = |(i, profile): (usize, &TabulatedProfile)| {
+        let median = MonotoneCubic::new(surface_albedos, &medians);
+        let row = |(i, (profile, (_, median))): (usize, (&TabulatedProfile, (f64, [f64; 4])))| {
             let table = profile.table();
             Row {
+                median,
                 inverse_width: surface_albedos
                     .get(i + 1)
                     .map_or(0.0, |next| 1.0 / (next - surface_albedos[i])),
@@ -144,8 +148,8 @@ impl AlbedoTable {
             }
         };
         Self {
-            rows: profiles.iter().enumerate().map(row).collect(),
-            median: MonotoneCubic::new(surface_albedos, &medians),
+            surface_albedos: surface_albedos.to_vec(),
+            rows: profiles.iter().zip(median.intervals()).enumerate().map(row).collect(),
         }
     }
 }
@@ -154,19 +158,20 @@ impl From<&AlbedoTable> for AlbedoTableF32 {
     fn from(table: &AlbedoTable) -> Self {
         let row = |row: &Row<f64>| Row {
             inverse_width: row.inverse_width,
+            median: row.median,
             unit_median: row.unit_median,
             unit_radius_min: if row.unit_radius_min > 0.0 { f32::UNIT_RADIUS_MIN } else { 0.0 },
             cdf_error: row.cdf_error,
             table: RadialTable::from(&row.table),
         };
-        Self { rows: table.rows.iter().map(row).collect(), median: table.median.clone() }
+        Self { surface_albedos: table.surface_albedos.clone(), rows: table.rows.iter().map(row).collect() }
     }
 }
 
 impl<T: Precision> AlbedoTable<T> {
     /// Surface albedos of the rows.
     pub fn surface_albedos(&self) -> &[f64] {
-        self.median.abscissae()
+        &self.surface_albedos
     }
 
     /// The worst of the rows' [`TabulatedProfile::cdf_error`].
@@ -183,10 +188,12 @@ impl<T: Precision> AlbedoTable<T> {
         let surface_albedo = surface_albedo.max(T::ZERO).min(T::ONE);
         let length = length.max(T::LENGTHS[0]).min(T::LENGTHS[1]);
         // Rows are close to each other: in single precision their difference from A would have few digits
-        let (lower, excess) = self.median.place(surface_albedo.wide());
-        let median = self.median.eval_past(lower, excess);
-        let upper = (lower + 1).min(self.rows.len() - 1);
-        let (lower, upper) = (&self.rows[lower], &self.rows[upper]);
+        let wide = surface_albedo.wide();
+        let i = self.surface_albedos.partition_point(|start| *start <= wide).saturating_sub(1);
+        let excess = (wide - self.surface_albedos[i]).max(0.0);
+        let (lower, upper) = (&self.rows[i], &self.rows[(i + 1).min(self.rows.len() - 1)]);
+        let [value, slope, square, cube] = lower.median;
+        let median = value + excess * (slope + excess * (square + excess * cube));
         let mix = (excess * lower.inverse_width).min(1.0);
         let inverse = 1.0 / (median * length.wide());
         let scales = [lower, upper].map(|row| T::nearest(row.unit_median * inverse));

@@ -8,7 +8,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MonotoneCubic {
     xs: Vec<f64>,
-    /// Value, slope, half the second and a sixth of the third derivative at the beginning of each interval.
+    /// Of each interval: value, slope, and half the second and a sixth of the third derivative at its beginning.
     cubics: Vec<[f64; 4]>,
 }
 
@@ -27,28 +27,22 @@ impl MonotoneCubic {
         Self { xs: xs.to_vec(), cubics: (0..xs.len()).map(cubic).collect() }
     }
 
-    pub(crate) fn abscissae(&self) -> &[f64] {
-        &self.xs
-    }
-
-    /// Number of the point at or before x, 0 before the first, and how far x is past it.
-    #[inline(always)]
-    pub(crate) fn place(&self, x: f64) -> (usize, f64) {
-        let i = self.xs.partition_point(|start| *start <= x).saturating_sub(1);
-        (i, (x - self.xs[i]).max(0.0))
-    }
-
-    /// Value at a distance past point i.
-    #[inline(always)]
-    pub(crate) fn eval_past(&self, i: usize, t: f64) -> f64 {
-        let [value, slope, square, cube] = self.cubics[i];
-        value + t * (slope + t * (square + t * cube))
+    /// Number of the point at or before x; 0 before the first.
+    pub(crate) fn interval(&self, x: f64) -> usize {
+        self.xs.partition_point(|start| *start <= x).saturating_sub(1)
     }
 
     /// Value at x.
     pub(crate) fn eval(&self, x: f64) -> f64 {
-        let (i, t) = self.place(x);
-        self.eval_past(i, t)
+        let i = self.interval(x);
+        let [value, slope, square, cube] = self.cubics[i];
+        let t = (x - self.xs[i]).max(0.0);
+        value + t * (slope + t * (square + t * cube))
+    }
+
+    /// Of each interval: beginning and coefficients.
+    pub(crate) fn intervals(&self) -> impl Iterator<Item = (f64, [f64; 4])> {
+        self.xs.iter().copied().zip(self.cubics.iter().copied())
     }
 }
 

@@ -58,10 +58,10 @@ pub trait Number:
     fn nearest(x: f64) -> Self;
     /// The number in double precision.
     fn wide(self) -> f64;
-    /// The bits of the number.
-    fn bits(self) -> u64;
-    /// The number of these bits.
-    fn from_bits(bits: u64) -> Self;
+    /// The bits of the number without the last `shift`, which leave at most 32.
+    fn leading_bits(self, shift: u32) -> u32;
+    /// The number of these bits, followed by `shift` zeros.
+    fn from_leading_bits(bits: u32, shift: u32) -> Self;
     /// The lesser of two numbers; the one that is not NaN.
     fn min(self, other: Self) -> Self;
     /// The greater of two numbers; the one that is not NaN.
@@ -100,13 +100,13 @@ macro_rules! number {
             }
 
             #[inline(always)]
-            fn bits(self) -> u64 {
-                u64::from(self.to_bits())
+            fn leading_bits(self, shift: u32) -> u32 {
+                (self.to_bits() >> shift) as u32
             }
 
             #[inline(always)]
-            fn from_bits(bits: u64) -> Self {
-                $number::from_bits(bits as $bits)
+            fn from_leading_bits(bits: u32, shift: u32) -> Self {
+                $number::from_bits($bits::from(bits) << shift)
             }
 
             #[inline(always)]

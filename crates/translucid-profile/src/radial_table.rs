@@ -24,7 +24,7 @@ pub(crate) struct RadialTable<T: Precision = f64> {
     cells: Vec<T::Cell>,
     tail: Tail<T>,
     /// Exponent and leading bits of the least share of `guide_within`.
-    guide_start: u64,
+    guide_start: u32,
     guide_within: Vec<u16>,
     guide_beyond: Vec<u16>,
 }
@@ -61,7 +61,7 @@ impl Tail {
 }
 
 impl<T: Number> Tail<T> {
-    #[inline(never)]
+    #[inline(always)]
     pub(crate) fn beyond(&self, x: T) -> T {
         self.share * ((self.start - x) * self.rate).exp()
     }
@@ -114,11 +114,10 @@ impl<T: Precision> RadialTable<T> {
     /// The cell of a radius before the tail.
     #[inline(always)]
     fn cell_at(&self, x: T) -> &T::Cell {
-        let bits = x.bits();
         // Before the first octave the number wraps around to one that no octave has
-        let octave = ((bits >> T::FRACTION_BITS) as u32).wrapping_sub(self.first_octave);
+        let octave = x.leading_bits(T::FRACTION_BITS).wrapping_sub(self.first_octave);
         let index = match self.octaves.get(octave as usize) {
-            Some(octave) => ((bits >> octave.shift) as u32).wrapping_sub(octave.base) as usize,
+            Some(octave) => x.leading_bits(octave.shift).wrapping_sub(octave.base) as usize,
             None => 0,
         };
         &self.cells[index]
@@ -128,21 +127,26 @@ impl<T: Precision> RadialTable<T> {
     #[inline(always)]
     pub(crate) fn density(&self, x: T) -> T {
         let x = x.max(T::ZERO);
-        if x < self.tail.start { self.cell_at(x).density(x) } else { self.tail.rate * self.tail.beyond(x) }
+        if x < self.tail.start { self.cell_at(x).density(x) } else { self.tail.rate * self.beyond_in_tail(x) }
     }
 
     /// Share within x.
     #[inline(always)]
     pub(crate) fn within(&self, x: T) -> T {
         let x = x.max(T::ZERO);
-        if x < self.tail.start { self.cell_at(x).within(x) } else { T::ONE - self.tail.beyond(x) }
+        if x < self.tail.start { self.cell_at(x).within(x) } else { T::ONE - self.beyond_in_tail(x) }
     }
 
     /// Share beyond x.
     #[inline(always)]
     pub(crate) fn beyond(&self, x: T) -> T {
         let x = x.max(T::ZERO);
-        if x < self.tail.start { self.cell_at(x).beyond(x) } else { self.tail.beyond(x) }
+        if x < self.tail.start { self.cell_at(x).beyond(x) } else { self.beyond_in_tail(x) }
+    }
+
+    #[inline(never)]
+    fn beyond_in_tail(&self, x: T) -> T {
+        self.tail.beyond(x)
     }
 
     /// Radius within which the share u is, u ∈ [0, 1] or NaN.
@@ -187,15 +191,15 @@ impl<T: Precision> RadialTable<T> {
 
     /// Exponent and leading bits of a share.
     #[inline(always)]
-    fn bucket(share: T) -> u64 {
-        share.bits() >> Self::GUIDE_SHIFT
+    fn bucket(share: T) -> u32 {
+        share.leading_bits(Self::GUIDE_SHIFT)
     }
 
     /// For the least share of each bucket up to the median: the last cell that begins at or before it.
-    fn guide_within(cells: &[T::Cell], start: u64) -> Vec<u16> {
+    fn guide_within(cells: &[T::Cell], start: u32) -> Vec<u16> {
         let mut index = 0;
-        let cell_of = |bucket: u64| {
-            let least = T::from_bits(bucket << Self::GUIDE_SHIFT);
+        let cell_of = |bucket: u32| {
+            let least = T::from_leading_bits(bucket, Self::GUIDE_SHIFT);
             while index + 1 < cells.len() && cells[index + 1].shares()[0] <= least {
                 index += 1;
             }
@@ -208,8 +212,8 @@ impl<T: Precision> RadialTable<T> {
     fn guide_beyond(cells: &[T::Cell], tail_share: T) -> Vec<u16> {
         let end = Self::bucket(tail_share.min(T::HALF).max(T::nearest(1e-12)));
         let mut index = 0;
-        let cell_of = |bucket: u64| {
-            let greatest = T::from_bits((bucket + 1) << Self::GUIDE_SHIFT);
+        let cell_of = |bucket: u32| {
+            let greatest = T::from_leading_bits(bucket + 1, Self::GUIDE_SHIFT);
             while index + 1 < cells.len() && cells[index].shares()[2] >= greatest {
                 index += 1;
             }
