@@ -62,12 +62,8 @@ impl BeamMultipleScattering {
 
     pub(super) fn of(medium: &Medium, boundary: &DiffusionBoundary) -> Self {
         let beam = DipoleBeam::new(medium.sigma_a() / medium.sigma_t_prime(), medium.alpha_prime(), boundary);
-        Self {
-            beam,
-            transport_mfp: medium.transport_mfp(),
-            total: beam.total(),
-            energies: Energies::new(&beam),
-        }
+        let total = beam.total();
+        Self { beam, transport_mfp: medium.transport_mfp(), total, energies: Energies::new(&beam, total) }
     }
 
     /// r in transport mean free paths, not negative.
@@ -252,12 +248,14 @@ struct Energies {
     within: Vec<f64>,
     /// Energy beyond the inner radius of each panel, and beyond the last radius.
     beyond: Vec<f64>,
+    /// The factor by which they add up to the total, 1 to 8 digits.
+    scale: f64,
     /// How many dipoles they took.
     evaluations: u32,
 }
 
 impl Energies {
-    fn new(beam: &DipoleBeam) -> Self {
+    fn new(beam: &DipoleBeam, total: f64) -> Self {
         let mut evaluations = 0;
         let mut panels = Vec::with_capacity(LN_R.len() - 1);
         for ends in LN_R.windows(2) {
@@ -281,7 +279,8 @@ impl Energies {
             Some(*sum)
         }));
         beyond.reverse();
-        Self { panels, within, beyond, evaluations }
+        let sum = beyond[0] + within[0];
+        Self { panels, within, beyond, scale: if sum > 0.0 { total / sum } else { 1.0 }, evaluations }
     }
 
     /// Energies within and beyond r, if it lies in a panel.
@@ -290,7 +289,8 @@ impl Energies {
         let i = LN_R.partition_point(|end| *end <= x).checked_sub(1)?;
         let (panel, left, right) = (self.panels.get(i)?, LN_R[i], LN_R[i + 1]);
         let part = panel.integral_to((2.0 * x - (left + right)) / (right - left));
-        Some([self.within[i] + part, self.beyond[i + 1] + (panel.integral() - part)])
+        let (within, beyond) = (self.within[i] + part, self.beyond[i + 1] + (panel.integral() - part));
+        Some([self.scale * within, self.scale * beyond])
     }
 }
 
