@@ -1,12 +1,17 @@
 //! The profile of oblique light against the exact half space: the errors that its documentation states.
 
+#[path = "../examples/oblique_errors/beam.rs"]
+mod beam;
+
 use std::f64::consts::{LN_2, PI};
 
 use translucid_profile::{
-    Configuration, ObliqueDiffusion, ObliquePhotonBeamDiffusion, Parameterization,
+    Configuration, ObliqueDiffusion, Parameterization, PhotonBeamDiffusion,
     half_space_single_scattering_albedo,
 };
 use translucid_reference::exact::ObliqueHalfSpace;
+
+use beam::ObliqueBeam;
 
 const SECTORS: u32 = 12;
 /// Radii in mean free paths, as powers of √2.
@@ -51,7 +56,7 @@ fn errors_are_what_they_are() {
             parameterization: Parameterization::Mfp,
             g: 0.0,
         };
-        let beam = ObliquePhotonBeamDiffusion::new(&medium, 1.0, cos_theta).unwrap();
+        let beam = ObliqueBeam::new(PhotonBeamDiffusion::new(&medium, 1.0).unwrap().medium(), cos_theta);
         let of_beam = error(&half_space, |r, phi| beam.eval(r, phi));
         assert!(found < of_beam, "{surface_albedo} {degrees}°: {found:.4} {of_beam:.4}");
     }

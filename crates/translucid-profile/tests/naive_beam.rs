@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
-use translucid_profile::{Medium, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion, Profile};
+use translucid_profile::{Medium, PhotonBeamDiffusion, Profile};
 
 /// ∫₀^end f with panels that double in size from the smallest scale on.
 fn graded(smallest: f64, end: f64, f: impl Fn(f64) -> f64) -> f64 {
@@ -49,9 +49,8 @@ struct Naive {
 }
 
 impl Naive {
-    /// The integrand of multiple scattering from a real source at depth z, which the beam reaches after t, at the
-    /// horizontal distance `across` from the exit.
-    fn dipole(&self, c: [f64; 2], t: f64, z: f64, across: f64) -> f64 {
+    /// The integrand of multiple scattering from a real source at the depth t.
+    fn dipole(&self, c: [f64; 2], t: f64, r: f64) -> f64 {
         let sigma_s = self.sigma_s * (1.0 - self.g);
         let sigma_t = self.sigma_a + sigma_s;
         let alpha = sigma_s / sigma_t;
@@ -59,10 +58,10 @@ impl Naive {
         let s = (self.sigma_a / d).sqrt();
         let z_b = 2.0 * d * (1.0 + 3.0 * c[1]) / (1.0 - 2.0 * c[0]);
         let (c_phi, c_e) = ((1.0 - 2.0 * c[0]) / 4.0, (1.0 - 3.0 * c[1]) / 2.0);
-        let (d_r, d_v) = (across.hypot(z), across.hypot(z + 2.0 * z_b));
+        let (d_r, d_v) = (r.hypot(t), r.hypot(t + 2.0 * z_b));
         let phi = alpha / (4.0 * PI * d) * ((-s * d_r).exp() / d_r - (-s * d_v).exp() / d_v);
         let flux = |z: f64, d: f64| z * (1.0 + s * d) * (-s * d).exp() / d.powi(3);
-        let e = alpha / (4.0 * PI) * (flux(z, d_r) + flux(z + 2.0 * z_b, d_v));
+        let e = alpha / (4.0 * PI) * (flux(t, d_r) + flux(t + 2.0 * z_b, d_v));
         let kappa = -(-2.0 * sigma_t * (d_r + t)).exp_m1();
         alpha * sigma_t * (-sigma_t * t).exp() * kappa * (c_phi * phi + c_e * e)
     }
@@ -73,7 +72,7 @@ impl Naive {
 
     fn multiple(&self, r: f64) -> f64 {
         let c = self.moments();
-        graded(r / 8.0, 60.0, |t| self.dipole(c, t, t, r))
+        graded(r / 8.0, 60.0, |t| self.dipole(c, t, r))
     }
 
     /// Light scattered at the length t along the beam, by an angle of cosine cos Θ, over the distance d, under μ.
@@ -91,59 +90,6 @@ impl Naive {
             let d = r.hypot(t);
             2.0 * x * self.scattered(t, -t / d, d, t / d)
         })
-    }
-}
-
-/// The same material under a beam whose angle outside has the cosine given.
-struct NaiveOblique {
-    material: Naive,
-    cos_outside: f64,
-}
-
-impl NaiveOblique {
-    fn angle(&self) -> f64 {
-        (self.cos_outside.acos().sin() / self.material.eta).asin()
-    }
-
-    /// ∫ f dt, graded towards the point of the beam nearest to the exit, from `first` on.
-    fn along(&self, exit: [f64; 2], first: f64, f: impl Fn(f64) -> f64) -> f64 {
-        let (sin, _) = self.angle().sin_cos();
-        let nearest = (exit[0] * sin).max(first);
-        let off = (exit[0].hypot(exit[1]).powi(2) - (exit[0] * sin).powi(2)).sqrt();
-        let before = graded(off / 8.0, nearest - first, |x| f(nearest - x));
-        before + graded(off / 8.0, 60.0, |x| f(nearest + x))
-    }
-
-    fn multiple(&self, exit: [f64; 2]) -> f64 {
-        let c = self.material.moments();
-        let (sin, cos) = self.angle().sin_cos();
-        self.along(exit, 0.0, |t| self.material.dipole(c, t, t * cos, (exit[0] - t * sin).hypot(exit[1])))
-    }
-
-    fn single(&self, exit: [f64; 2]) -> f64 {
-        let (sin, cos) = self.angle().sin_cos();
-        let distance = |t: f64| (exit[0] - t * sin).hypot(exit[1]).hypot(t * cos);
-        let critical = (1.0 - 1.0 / self.material.eta.powi(2)).max(0.0).sqrt();
-        // The cosine of the exit rises with t: halve to where it passes the critical one
-        let (mut low, mut high) = (0.0, 1e3);
-        for _ in 0..200 {
-            let t = 0.5 * (low + high);
-            if t * cos < critical * distance(t) {
-                low = t;
-            } else {
-                high = t;
-            }
-        }
-        let first = if critical > 0.0 { high } else { 0.0 };
-        let f = |t: f64| {
-            let d = distance(t);
-            let cosine = ((exit[0] - t * sin) * sin - t * cos * cos) / d;
-            self.material.scattered(t, cosine, d, t * cos / d)
-        };
-        // t = first + x² removes the square root at the critical angle
-        let near = 0.1 * exit[0].hypot(exit[1]);
-        let start = graded(1e-3, near.sqrt(), |x| 2.0 * x * f(first + x * x));
-        start + self.along(exit, first + near, f)
     }
 }
 
@@ -176,46 +122,20 @@ fn for_each(check: impl Fn(&PhotonBeamDiffusion, &Naive, f64, &str)) {
 #[test]
 fn multiple_scattering_agrees() {
     for_each(|profile, naive, r, what| {
-        close(profile.multiple_scattering().eval(r), naive.multiple(r), 1e-10, what);
+        close(profile.multiple_scattering().eval(r), naive.multiple(r), 2e-8, what);
     });
 }
 
 #[test]
 fn single_scattering_agrees() {
     for_each(|profile, naive, r, what| {
-        close(profile.single_scattering().eval(r), naive.single(r), 1e-10, what);
+        close(profile.single_scattering().eval(r), naive.single(r), 2e-8, what);
     });
 }
 
 #[test]
 fn sum_agrees() {
     for_each(|profile, naive, r, what| {
-        close(profile.eval(r), naive.multiple(r) + naive.single(r), 1e-10, what);
+        close(profile.eval(r), naive.multiple(r) + naive.single(r), 2e-8, what);
     });
-}
-
-/// Beams: cosine outside and where the light leaves.
-const EXITS: [[f64; 2]; 6] = [[0.01, 0.0], [0.3, 0.1], [-0.3, 0.2], [1.0, 0.5], [0.0, 2.0], [-4.0, 1.0]];
-
-#[test]
-fn oblique_agrees() {
-    let materials = [
-        [0.1, 0.9, 0.0, 1.0, 0.5],
-        [0.02, 1.0, 0.5, 1.4, 0.3],
-        [0.3, 0.7, -0.4, 0.8, 0.9],
-        [0.0, 1.0, 0.0, 1.0, 0.15],
-    ];
-    for [sigma_a, sigma_s, g, eta, cos_outside] in materials {
-        let naive = NaiveOblique { material: Naive { sigma_a, sigma_s, g, eta }, cos_outside };
-        let medium = Medium::new(sigma_a, sigma_s, g).expect("valid");
-        let beam = ObliquePhotonBeamDiffusion::from_medium(&medium, eta, cos_outside).expect("valid");
-        for exit in EXITS {
-            let (r, phi) = (exit[0].hypot(exit[1]), exit[1].atan2(exit[0]));
-            let what = format!("{sigma_a} {sigma_s} {g} {eta} {cos_outside} at {exit:?}");
-            let (multiple, single) = (naive.multiple(exit), naive.single(exit));
-            close(beam.multiple_scattering(r, phi), multiple, 1e-10, &what);
-            close(beam.single_scattering(r, phi), single, 1e-9, &what);
-            close(beam.eval_at(exit[0], exit[1]), multiple + single, 1e-9, &what);
-        }
-    }
 }

@@ -321,7 +321,12 @@ fn enclosed_is_the_integral_of_eval() {
     let rule = gauss_legendre(64);
     for case in cases() {
         let p = &case.profile;
-        let tolerance = if case.smooth { 1e-10 } else { 1e-5 };
+        // Both integrals of photon beam diffusion have 8 digits
+        let tolerance = match case.smooth {
+            false => 1e-5,
+            true if case.label.contains("Beam") => 1e-7,
+            true => 1e-10,
+        };
         for a in radii(&**p, 1) {
             let b = a * 2f64.powf(0.25);
             let ring = integrate(&rule, a, b, |r| 2.0 * PI * p.eval_times_r(r));

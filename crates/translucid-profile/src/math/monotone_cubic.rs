@@ -27,10 +27,6 @@ impl MonotoneCubic {
         Self { xs: xs.to_vec(), cubics: (0..xs.len()).map(cubic).collect() }
     }
 
-    pub(crate) fn abscissae(&self) -> &[f64] {
-        &self.xs
-    }
-
     /// Number of the point at or before x; 0 before the first.
     pub(crate) fn interval(&self, x: f64) -> usize {
         self.xs.partition_point(|start| *start <= x).saturating_sub(1)

@@ -7,11 +7,9 @@ use crate::SampledProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
 use crate::profile::{Profile, finite_quotient};
 use crate::table::energy_profile::EnergyProfile;
+use crate::table::precision::Number;
 use crate::table::radial_table::RadialTable;
 use crate::table::radial_table_build::{Built, build};
-
-/// Radii below this many units of length count as this many for a profile that is finite at r = 0.
-pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 
 /// A profile as a table in the radius.
 ///
@@ -233,7 +231,7 @@ impl TabulatedProfile {
     /// The radius at which R and its density per area can be told.
     #[inline(always)]
     fn resolved(&self, r: f64) -> f64 {
-        let least = if self.table.is_finite_at_0() { UNIT_RADIUS_MIN * self.length } else { 0.0 };
+        let least = if self.table.is_finite_at_0() { f64::UNIT_RADIUS_MIN * self.length } else { 0.0 };
         r.max(f64::MIN_POSITIVE).max(least)
     }
 }
