@@ -109,10 +109,12 @@ pub use model::photon_beam_diffusion::{
 };
 pub use model::quantized_diffusion::QuantizedDiffusion;
 pub use model::refined::RefinedDiffusion;
+pub use model::refined::single_precision::RefinedDiffusionF32;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
 pub use profile::Profile;
 pub use table::albedo_table::{AlbedoTable, ProfileView};
 pub use table::albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
 pub use table::sampled_profile::SampledProfile;
+pub use table::table_profile::TableProfile;
 pub use table::tabulated_profile::TabulatedProfile;

@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require};
 use crate::math::monotone_cubic::MonotoneCubic;
-use crate::profile::{Profile, finite_quotient};
+use crate::profile::{Profile, finite_quotient, methods_of};
 use crate::table::radial_table::RadialTable;
 use crate::table::tabulated_profile::{TabulatedProfile, UNIT_RADIUS_MIN};
 
@@ -366,23 +366,13 @@ impl ProfileView<'_> {
 }
 
 impl Profile for ProfileView<'_> {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
+    methods_of!(|own| own; all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -392,5 +382,9 @@ impl Profile for ProfileView<'_> {
 
     fn evaluations_to_build(&self) -> u32 {
         0
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }

@@ -106,7 +106,7 @@ impl Profile for BeamMultipleScattering {
         self.within_and_beyond(self.relative(r)).1
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -145,7 +145,7 @@ mod tests {
         for (absorbed, eta, multiple) in media() {
             for r in [1e-12, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, 17.9] {
                 let sum = multiple.enclosed(r) + multiple.beyond(r);
-                assert!((sum / multiple.total() - 1.0).abs() < 1e-11, "{absorbed} {eta} {r}: {sum}");
+                assert!((sum / multiple.surface_albedo() - 1.0).abs() < 1e-11, "{absorbed} {eta} {r}: {sum}");
             }
         }
     }
