@@ -130,7 +130,7 @@ fn sample_follows_every_model() {
         let profile = model.profile(&appearance, Configuration::Searchlight, 1.0).unwrap();
         let mut bins = [0.0; 10];
         for row in numbers(&stdout(&here(), &words)) {
-            let share = profile.enclosed(row[0]) / profile.total();
+            let share = profile.enclosed(row[0]) / profile.surface_albedo();
             bins[((10.0 * share) as usize).min(9)] += 1.0;
         }
         let chi_square: f64 = bins.iter().map(|count| (count - 2000.0_f64).powi(2) / 2000.0).sum();

@@ -50,7 +50,7 @@ fn main() {
 
 /// A profile that was made for ℓ = 1 from a length.
 fn error(point: &Point, profile: &dyn Profile, length: f64) -> f64 {
-    point.l1_error(|r| profile.enclosed(r / length) / profile.total())
+    point.l1_error(|r| profile.enclosed(r / length) / profile.surface_albedo())
 }
 
 /// Errors of all contenders at one point.

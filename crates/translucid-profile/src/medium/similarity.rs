@@ -9,9 +9,10 @@
 use std::ops::RangeInclusive;
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
+use crate::math::polynomial::polynomial;
 use crate::math::roots::falling_root;
+use crate::medium::scaling::mfp_per_dmfp_polynomial;
 use crate::medium::similarity_coefficients::{Coefficients, DIFFUSE, SEARCHLIGHT, SURFACE_ALBEDOS};
-use crate::model::refined::mfp_per_dmfp_polynomial;
 use crate::{Configuration, Medium, Parameterization, fresnel_moment_1_from_inside};
 
 /// Monomials of g and the boundary that the fits are made of.
@@ -244,11 +245,6 @@ impl Monomials {
     fn sum<const N: usize>(&self, coefficients: &[[f64; N]], root: f64) -> f64 {
         self.values.iter().zip(coefficients).map(|(m, row)| m * polynomial(row, root)).sum()
     }
-}
-
-/// Σ cᵢ xⁱ.
-fn polynomial(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 #[cfg(test)]

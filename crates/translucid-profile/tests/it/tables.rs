@@ -60,7 +60,7 @@ fn radii(scale: f64) -> impl Iterator<Item = f64> {
 fn table_has_the_cdf_of_its_source() {
     for (name, source) in sources() {
         let table = TabulatedProfile::new(&*source);
-        let total = source.total();
+        let total = source.surface_albedo();
         let (mut worst, mut worst_density) = (0.0f64, 0.0f64);
         for r in radii(source.scale()) {
             let (within, beyond) = (source.enclosed(r) / total, source.beyond(r) / total);
@@ -108,7 +108,7 @@ impl Profile for Misleading {
         Profile::beyond(&diffusion(0.5, 1.0), r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         0.5
     }
 
@@ -199,7 +199,7 @@ fn samples_are_distributed_like_the_source() {
         let mut radii: Vec<f64> = (0..COUNT).map(|_| table.sample(uniform(&mut state))).collect();
         radii.sort_by(f64::total_cmp);
         let steps = radii.iter().zip(0u32..).map(|(r, i)| {
-            let within = source.enclosed(*r) / source.total();
+            let within = source.enclosed(*r) / source.surface_albedo();
             let (before, after) = (f64::from(i) / f64::from(COUNT), f64::from(i + 1) / f64::from(COUNT));
             (within - before).abs().max((within - after).abs())
         });
@@ -333,7 +333,7 @@ fn rows_are_the_model_and_between_them_is_little_else() {
         for pair in rows.windows(2) {
             for (a, allowed) in [(pair[0], 3e-6), (0.5 * (pair[0] + pair[1]), 1e-4)] {
                 let (source, view) = (model(a).expect("between rows"), table.at(a, 1.0));
-                let off = |r: f64| (view.cdf(r) - source.enclosed(r) / source.total()).abs();
+                let off = |r: f64| (view.cdf(r) - source.enclosed(r) / source.surface_albedo()).abs();
                 let worst = radii(source.scale()).step_by(7).map(off).fold(0.0, f64::max);
                 // The Gaussians of its ripples come and go towards white
                 let allowed = if name == "quantized diffusion" && a > 0.999 { 3e-4 } else { allowed };

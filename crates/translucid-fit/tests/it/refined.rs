@@ -1,14 +1,14 @@
 //! `RefinedDiffusion` judged by the exact half space, and its generated coefficients.
 
-#[path = "../../translucid-profile/src/model/refined/coefficients.rs"]
+#[path = "../../../translucid-profile/src/model/refined/coefficients.rs"]
 mod refined_coefficients;
+
+#[path = "../../../translucid-profile/src/medium/length_coefficients.rs"]
+mod length_coefficients;
 
 use std::f64::consts::PI;
 
-use refined_coefficients::{
-    DIFFUSE_LENGTH, DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_LENGTH, SEARCHLIGHT_RATES,
-    SEARCHLIGHT_WEIGHTS,
-};
+use refined_coefficients::{DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_RATES, SEARCHLIGHT_WEIGHTS};
 use translucid_fit::{Exponential, Judge, Mixture};
 use translucid_profile::{
     Configuration, ExactProfile, NormalizedDiffusion, Parameterization, RefinedDiffusion,
@@ -129,11 +129,13 @@ struct Generated {
 impl Generated {
     fn new(configuration: Configuration) -> Self {
         match configuration {
-            Configuration::Searchlight => {
-                Self { weights: SEARCHLIGHT_WEIGHTS, rates: SEARCHLIGHT_RATES, length: SEARCHLIGHT_LENGTH }
-            }
+            Configuration::Searchlight => Self {
+                weights: SEARCHLIGHT_WEIGHTS,
+                rates: SEARCHLIGHT_RATES,
+                length: length_coefficients::SEARCHLIGHT,
+            },
             Configuration::Diffuse => {
-                Self { weights: DIFFUSE_WEIGHTS, rates: DIFFUSE_RATES, length: DIFFUSE_LENGTH }
+                Self { weights: DIFFUSE_WEIGHTS, rates: DIFFUSE_RATES, length: length_coefficients::DIFFUSE }
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Normalized diffusion and the refined profile with phase functions and boundaries, against the exact solution and
 //! walks: what similarity alone is off by, and what its repair leaves.
 
-#[path = "../examples/similarity/tables.rs"]
+#[path = "../../examples/similarity/tables.rs"]
 mod tables;
 
 use tables::{CONFIGURATIONS, Case, Point};

@@ -1,7 +1,7 @@
 //! The laws that every reflectance profile obeys, over one grid of parameters.
 //!
 //! To put a model under them, add it to [`models`]: one line of [`physical!`] where it has the constructors
-//! `new(&Appearance, eta)`, `from_medium(&Medium, eta)` and the closed total `surface_albedo(absorbed, eta)`, else a
+//! `new(&Appearance, eta)`, `from_medium(&Medium, eta)` and the closed total `surface_albedo_from_absorbed(absorbed, eta)`, else a
 //! `Model` spelled out, with `None` for what there is not.
 
 use std::f64::consts::PI;
@@ -37,7 +37,7 @@ macro_rules! physical {
             name: stringify!($model),
             new: |appearance, eta| Ok(Box::new($model::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new($model::from_medium(medium, eta)?))),
-            closed_total: Some(|absorbed, _, eta| $model::surface_albedo(absorbed, eta)),
+            closed_total: Some(|absorbed, _, eta| $model::surface_albedo_from_absorbed(absorbed, eta)),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
@@ -133,7 +133,7 @@ fn models() -> Vec<Model> {
             name: "PhotonBeamDiffusion",
             new: |appearance, eta| Ok(Box::new(PhotonBeamDiffusion::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?))),
-            closed_total: Some(PhotonBeamDiffusion::surface_albedo),
+            closed_total: Some(PhotonBeamDiffusion::surface_albedo_from_absorbed),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
@@ -170,12 +170,12 @@ fn models() -> Vec<Model> {
 /// Total of single scattering for 1 − α'.
 fn single_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
     let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, g)?;
-    Ok(BeamSingleScattering::from_medium(&medium, eta)?.total())
+    Ok(BeamSingleScattering::from_medium(&medium, eta)?.surface_albedo())
 }
 
 /// What single scattering leaves of photon beam diffusion.
 fn multiple_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
-    Ok(PhotonBeamDiffusion::surface_albedo(absorbed, g, eta)? - single_total(absorbed, g, eta)?)
+    Ok(PhotonBeamDiffusion::surface_albedo_from_absorbed(absorbed, g, eta)? - single_total(absorbed, g, eta)?)
 }
 
 const ALBEDOS: [f64; 6] = [1e-9, 0.01, 0.2, 0.5, 0.8, 0.95];
@@ -247,14 +247,19 @@ fn eval_integrates_to_total() {
             2.0 * PI * r * p.eval_times_r(r) * step
         };
         let found: f64 = (-count..=count).map(ring).sum();
-        assert!((found - p.total()).abs() < 1e-8 * p.total(), "{}: {found} is not {}", case.label, p.total());
+        assert!(
+            (found - p.surface_albedo()).abs() < 1e-8 * p.surface_albedo(),
+            "{}: {found} is not {}",
+            case.label,
+            p.surface_albedo()
+        );
     }
 }
 
 #[test]
 fn total_is_the_surface_albedo_asked_for() {
     for case in cases() {
-        let (found, asked) = (case.profile.total(), case.appearance.surface_albedo);
+        let (found, asked) = (case.profile.surface_albedo(), case.appearance.surface_albedo);
         assert!((found - asked).abs() < 1e-10, "{}: {found}", case.label);
     }
 }
@@ -267,7 +272,7 @@ fn total_is_its_closed_form() {
             for &g in model.gs {
                 for absorbed in [0.0, 1e-12, 1e-6, 0.01, 0.3, 0.9, 1.0] {
                     let medium = Medium::from_reduced(2.0 * absorbed, 2.0 * (1.0 - absorbed), g).unwrap();
-                    let found = from_medium(&medium, eta).unwrap().total();
+                    let found = from_medium(&medium, eta).unwrap().surface_albedo();
                     let expected = closed(absorbed, g, eta).unwrap();
                     assert!(
                         (found - expected).abs() < 1e-13,
@@ -303,19 +308,79 @@ fn enclosed_and_beyond_make_the_total() {
         let mut before = 0.0;
         for r in radii(&**p, 8) {
             let (within, beyond) = (p.enclosed(r), p.beyond(r));
-            assert!((within + beyond - p.total()).abs() < 1e-12 * p.total(), "{} at {r}", case.label);
+            assert!(
+                (within + beyond - p.surface_albedo()).abs() < 1e-12 * p.surface_albedo(),
+                "{} at {r}",
+                case.label
+            );
             // Rising but for the last digits
             assert!(within >= before * (1.0 - 1e-15), "{} at {r}: {within} after {before}", case.label);
             before = within;
         }
         assert_eq!(p.enclosed(0.0), 0.0, "{}", case.label);
-        assert!((p.beyond(0.0) / p.total() - 1.0).abs() < 1e-12, "{}", case.label);
-        assert!((p.enclosed(f64::INFINITY) / p.total() - 1.0).abs() < 1e-12, "{}", case.label);
+        assert!((p.beyond(0.0) / p.surface_albedo() - 1.0).abs() < 1e-12, "{}", case.label);
+        assert!((p.enclosed(f64::INFINITY) / p.surface_albedo() - 1.0).abs() < 1e-12, "{}", case.label);
     }
 }
 
 /// By the Gauss rule between radii that differ by a quarter of an octave, relative to what lies within and beyond:
 /// the digits of small and large radii count.
+/// Densities and shares are those of the values and energies, whether derived from them or in closed form.
+#[test]
+fn shares_are_energies_over_the_surface_albedo() {
+    for case in cases() {
+        let p = &case.profile;
+        let a = p.surface_albedo();
+        for r in radii(&**p, 3) {
+            let pairs = [
+                (p.pdf(r), 2.0 * PI * p.eval_times_r(r) / a),
+                (p.pdf_area(r), p.eval(r) / a),
+                (p.cdf(r), p.enclosed(r) / a),
+                (p.complementary_cdf(r), p.beyond(r) / a),
+            ];
+            for (i, (found, expected)) in pairs.into_iter().enumerate() {
+                assert!((found - expected).abs() <= 1e-12 * expected + 1e-300, "{} at {r}: {i}", case.label);
+            }
+        }
+    }
+}
+
+#[test]
+fn quantile_inverts_cdf() {
+    for case in cases() {
+        let p = &case.profile;
+        assert_eq!(p.quantile(0.0), 0.0, "{}", case.label);
+        for share in [1e-6, 0.03, 0.3, 0.5] {
+            let [inner, outer] = [p.quantile(share), p.quantile_complement(share)];
+            let found = [p.cdf(inner), p.complementary_cdf(outer)];
+            for found in found {
+                assert!((found / share - 1.0).abs() < 1e-9, "{}: {found} is not {share}", case.label);
+            }
+            assert!(inner <= outer * (1.0 + 1e-9), "{}: {inner} {outer}", case.label);
+            let other = p.quantile_complement(1.0 - share);
+            assert!((other / inner - 1.0).abs() < 1e-7, "{}: {other} is not {inner}", case.label);
+        }
+    }
+}
+
+/// Samples at the middles of equal strata fall into four equal bins: all alike from a sampler that is monotone, but for
+/// a few at the ends of its terms from one that goes term by term.
+#[test]
+fn samples_have_the_distribution() {
+    const COUNT: i32 = 512;
+    for case in cases() {
+        let p = &case.profile;
+        let mut bins = [0.0; 4];
+        for i in 0..COUNT {
+            let r = p.sample((f64::from(i) + 0.5) / f64::from(COUNT));
+            bins[((4.0 * p.cdf(r)) as usize).min(3)] += 1.0;
+        }
+        for bin in bins {
+            assert!((bin / f64::from(COUNT) - 0.25f64).abs() < 0.02, "{}: {bins:?}", case.label);
+        }
+    }
+}
+
 #[test]
 fn enclosed_is_the_integral_of_eval() {
     let rule = gauss_legendre(64);
@@ -409,10 +474,13 @@ fn every_method_is_finite_for_any_radius() {
             for case in cases_of(&model, length) {
                 let p = &case.profile;
                 for r in odd {
-                    for value in [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r)] {
+                    let of_radius = [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r)];
+                    let shares = [p.pdf(r), p.pdf_area(r), p.cdf(r), p.complementary_cdf(r)];
+                    let of_share = [p.quantile(r), p.quantile_complement(r), p.sample(r)];
+                    for value in of_radius.into_iter().chain(shares).chain(of_share) {
                         assert!(value.is_finite() && value >= 0.0, "{} at {r}: {value}", case.label);
                     }
-                    assert!(p.enclosed(r) <= p.total() * (1.0 + 1e-12), "{} at {r}", case.label);
+                    assert!(p.enclosed(r) <= p.surface_albedo() * (1.0 + 1e-12), "{} at {r}", case.label);
                 }
                 for r in [-0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
                     assert_eq!(p.eval(r), p.eval(0.0), "{} at {r}", case.label);
@@ -455,7 +523,7 @@ fn black_has_no_profile_left() {
             Appearance { surface_albedo: 0.0, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
         let black = (model.new)(&appearance, 1.0).unwrap();
         for r in [0.0, 0.1, 1.0, f64::INFINITY] {
-            let values = [black.eval(r), black.enclosed(r), black.beyond(r), black.total()];
+            let values = [black.eval(r), black.enclosed(r), black.beyond(r), black.surface_albedo()];
             assert_eq!(values, [0.0; 4], "{} at {r}", model.name);
         }
     }

@@ -95,7 +95,7 @@ fn weights_are_shares_and_scales_rise() {
             assert!(mixture.weights().iter().all(|weight| *weight >= 0.0));
             assert!((mixture.weights().iter().sum::<f64>() - 1.0).abs() < 1e-14);
             assert!(mixture.scales().is_sorted() && mixture.scales()[0] > 0.0);
-            assert!((mixture.total() - 0.6).abs() < 1e-12);
+            assert!((mixture.surface_albedo() - 0.6).abs() < 1e-12);
         }
     }
 }
