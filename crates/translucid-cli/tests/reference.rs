@@ -3,7 +3,7 @@
 mod common;
 
 use common::{files, run, stderr, stdout, translucid};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
 const HEADER: &str = "surface_albedo,single_scattering_albedo,r,reflectance,enclosed,standard_error";
@@ -25,17 +25,17 @@ fn table(words: &str) -> Vec<[f64; 6]> {
 
 #[test]
 fn exact_prints_the_numbers_of_the_library() {
-    for (options, eta, entry) in [
-        ("--configuration searchlight", 1.0, Entry::NORMAL),
-        ("--configuration diffuse", 1.0, Entry::Cosine),
-        ("", 1.0, Entry::Cosine),
-        ("--configuration searchlight --eta 1.4", 1.4, Entry::NORMAL),
-        ("--incidence-angle 0", 1.0, Entry::NORMAL),
+    for (options, eta, incidence) in [
+        ("--configuration searchlight", 1.0, Incidence::NORMAL),
+        ("--configuration diffuse", 1.0, Incidence::Cosine),
+        ("", 1.0, Incidence::Cosine),
+        ("--configuration searchlight --eta 1.4", 1.4, Incidence::NORMAL),
+        ("--incidence-angle 0", 1.0, Incidence::NORMAL),
     ] {
         let rows = table(&format!("--method exact --single-scattering-albedo 0.9,0.5 {options} --at 0.1,1"));
         assert_eq!(rows.len(), 4, "{options}");
         for (row, (albedo, r)) in rows.iter().zip([(0.9, 0.1), (0.9, 1.0), (0.5, 0.1), (0.5, 1.0)]) {
-            let solution = HalfSpace::with_boundary(albedo, eta, entry).unwrap();
+            let solution = HalfSpace::with_boundary(albedo, eta, incidence).unwrap();
             let (reflectance, enclosed) = (solution.eval(r), solution.enclosed(r));
             let total = solution.total().value;
             let expected = [total, albedo, r, reflectance.value, enclosed.value, reflectance.error];

@@ -202,7 +202,7 @@ impl Photons {
             let h = mu * (1.0 + 2.0 * mu) / (1.0 + 2.0 * mu * gamma);
             (flux + h / (1.0 - k * mu), weighted + h)
         });
-        let exact = HalfSpace::new(alpha, translucid_reference::Entry::NORMAL).unwrap();
+        let exact = HalfSpace::new(alpha, translucid_reference::Incidence::NORMAL).unwrap();
         Self { alpha, exact, k, mean_exit: weighted / flux, state: 1 }
     }
 

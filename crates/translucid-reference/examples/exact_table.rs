@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use translucid_profile::{Configuration, ParameterError};
-use translucid_reference::{Entry, exact::HalfSpace};
+use translucid_reference::{Incidence, exact::HalfSpace};
 
 /// Rows of a table.
 const ROWS: usize = 49;
@@ -62,13 +62,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// The half spaces of the rows. The first stands for A → 0, where all light is scattered once.
 fn half_spaces(configuration: Configuration) -> Result<Vec<HalfSpace>, ParameterError> {
-    let entry = Entry::from(configuration);
+    let incidence = Incidence::from(configuration);
     let row = |i: usize| {
         let sine = (0.5 * PI * i as f64 / (ROWS - 1) as f64).sin();
         if i == 0 {
-            return HalfSpace::new(1e-12, entry);
+            return HalfSpace::new(1e-12, incidence);
         }
-        HalfSpace::from_surface_albedo(sine * sine * (2.0 - sine * sine), entry)
+        HalfSpace::from_surface_albedo(sine * sine * (2.0 - sine * sine), incidence)
     };
     (0..ROWS).map(row).collect()
 }

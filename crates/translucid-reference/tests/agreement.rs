@@ -9,7 +9,7 @@ use translucid_reference::exact::HalfSpace;
 use translucid_reference::walk::{
     Control, Layout, Parameters, PhaseFunction, Problem, Region, Side, WhiteTable,
 };
-use translucid_reference::{Entry, specular_reflectance};
+use translucid_reference::{Incidence, specular_reflectance};
 
 const RADII: [f64; 14] = [0.01, 0.03, 0.1, 0.2, 0.35, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 14.0];
 
@@ -52,19 +52,19 @@ fn agreement(table: &WhiteTable, solution: &HalfSpace) -> f64 {
 #[test]
 fn rings_of_the_walk_are_those_of_the_exact_solution() {
     for eta in [1.0, 1.33, 1.4, 1.5] {
-        for entry in [Entry::NORMAL, Entry::Cosine] {
+        for incidence in [Incidence::NORMAL, Incidence::Cosine] {
             for albedo in [0.5, 0.95] {
-                let parameters = Parameters { eta, entry, ..Parameters::default() };
+                let parameters = Parameters { eta, incidence, ..Parameters::default() };
                 let table = walk(parameters, albedo, &RADII, 11, 2_000_000);
-                let solution = HalfSpace::with_boundary(albedo, eta, entry).unwrap();
+                let solution = HalfSpace::with_boundary(albedo, eta, incidence).unwrap();
                 let p = agreement(&table, &solution);
-                assert!(p > 0.001, "eta {eta}, {entry:?}, albedo {albedo}: p = {p}");
+                assert!(p > 0.001, "eta {eta}, {incidence:?}, albedo {albedo}: p = {p}");
             }
         }
     }
-    let tilted = Entry::Pencil { cos_theta: 60f64.to_radians().cos() };
+    let tilted = Incidence::Pencil { cos_theta: 60f64.to_radians().cos() };
     for eta in [1.0, 1.4] {
-        let parameters = Parameters { eta, entry: tilted, ..Parameters::default() };
+        let parameters = Parameters { eta, incidence: tilted, ..Parameters::default() };
         let table = walk(parameters, 0.9, &RADII, 12, 2_000_000);
         let p = agreement(&table, &HalfSpace::with_boundary(0.9, eta, tilted).unwrap());
         assert!(p > 0.001, "eta {eta}, {tilted:?}: p = {p}");
@@ -75,7 +75,7 @@ fn rings_of_the_walk_are_those_of_the_exact_solution() {
 #[test]
 fn rings_of_another_albedo_do_not_agree() {
     let table = walk(Parameters::default(), 0.9, &RADII, 11, 2_000_000);
-    let p = agreement(&table, &HalfSpace::new(0.897, Entry::NORMAL).unwrap());
+    let p = agreement(&table, &HalfSpace::new(0.897, Incidence::NORMAL).unwrap());
     assert!(p < 1e-6, "{p}");
 }
 
@@ -86,11 +86,11 @@ fn rings_of_another_albedo_do_not_agree() {
 fn one_walk_serves_every_albedo() {
     let albedos = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9999];
     for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
-        let parameters = Parameters { entry: configuration.into(), ..Parameters::default() };
+        let parameters = Parameters { incidence: configuration.into(), ..Parameters::default() };
         let table = walk(parameters, 0.9999, &RADII, 13, 1_000_000);
         for albedo in albedos {
             let at = table.at_albedo(albedo).unwrap();
-            let exact = HalfSpace::new(albedo, parameters.entry).unwrap();
+            let exact = HalfSpace::new(albedo, parameters.incidence).unwrap();
             for (index, &radius) in RADII.iter().enumerate() {
                 let (found, expected) = (at.enclosed(Side::Reflected, index), exact.enclosed(radius).value);
                 // With few photons the error itself is uncertain
@@ -111,18 +111,18 @@ fn one_walk_serves_every_albedo() {
 #[test]
 fn totals_of_many_walks_scatter_as_they_say() {
     let albedos = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.995, 0.999];
-    for entry in [Entry::NORMAL, Entry::Cosine] {
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
         let mut chi_square = 0.0;
         for (seed, albedo) in albedos.into_iter().enumerate() {
-            let parameters = Parameters { entry, ..Parameters::default() };
+            let parameters = Parameters { incidence, ..Parameters::default() };
             let table = walk(parameters, albedo, &[1.0], seed as u64, 300_000);
             let found = table.at_albedo(albedo).unwrap().total(Side::Reflected);
-            let z = (found.value - HalfSpace::new(albedo, entry).unwrap().total().value) / found.error;
-            assert!(z.abs() < 4.0, "{entry:?} {albedo}: z = {z}");
+            let z = (found.value - HalfSpace::new(albedo, incidence).unwrap().total().value) / found.error;
+            assert!(z.abs() < 4.0, "{incidence:?} {albedo}: z = {z}");
             chi_square += z * z;
         }
         let p = exceedance(chi_square, 15.0);
-        assert!(p > 0.001 && p < 0.999, "{entry:?}: p = {p}");
+        assert!(p > 0.001 && p < 0.999, "{incidence:?}: p = {p}");
     }
 }
 
@@ -131,7 +131,7 @@ fn totals_of_many_walks_scatter_as_they_say() {
 #[test]
 fn standard_errors_are_honest() {
     let rings = [0.1, 0.5, 1.0, 3.0, 8.0];
-    let exact = HalfSpace::new(0.8, Entry::NORMAL).unwrap();
+    let exact = HalfSpace::new(0.8, Incidence::NORMAL).unwrap();
     let mut covered = [0u32; 7];
     for seed in 0..200 {
         let table = walk(Parameters::default(), 0.9, &rings, 1000 + seed, 20_000);
@@ -155,9 +155,9 @@ fn standard_errors_are_honest() {
 /// what the surface reflects included. To ten digits 0.2599185699, of which the exact solution must have all.
 #[test]
 fn giovanellis_case() {
-    let specular = specular_reflectance(Entry::NORMAL, 1.5);
+    let specular = specular_reflectance(Incidence::NORMAL, 1.5);
     let with_surface = |total: f64| specular + (1.0 - specular) * total;
-    let exact = HalfSpace::with_boundary(0.9, 1.5, Entry::NORMAL).unwrap().total();
+    let exact = HalfSpace::with_boundary(0.9, 1.5, Incidence::NORMAL).unwrap().total();
     assert!((with_surface(exact.value) - 0.2599185699).abs() < 6e-11, "{exact:?}");
     let table = walk(Parameters { eta: 1.5, ..Parameters::default() }, 0.9, &[1.0], 14, 4_000_000);
     let found = table.at_albedo(0.9).unwrap().total(Side::Reflected);
@@ -203,9 +203,11 @@ fn totals_agree_with_adding_doubling() {
         (0.5, 0.5, 1.0, [0.0382419911, 0.5200689166, 0.0742848499, 0.3611871852], 1.5e-5),
         (0.8, 0.5, infinite, [0.0147881040, 0.0, 0.0356650548, 0.0], 1.5e-5),
     ] {
-        for (entry, reflected, transmitted) in [(Entry::NORMAL, ur1, ut1), (Entry::Cosine, uru, utu)] {
+        for (incidence, reflected, transmitted) in
+            [(Incidence::NORMAL, ur1, ut1), (Incidence::Cosine, uru, utu)]
+        {
             let phase_function = PhaseFunction::HenyeyGreenstein { g };
-            let parameters = Parameters { phase_function, thickness, entry, ..Parameters::default() };
+            let parameters = Parameters { phase_function, thickness, incidence, ..Parameters::default() };
             let table = walk(parameters, albedo, &[1.0], 16, 2_000_000);
             let at = table.at_albedo(albedo).unwrap();
             for (side, expected) in [(Side::Reflected, reflected), (Side::Transmitted, transmitted)] {
@@ -213,7 +215,7 @@ fn totals_agree_with_adding_doubling() {
                 let off = (found.value - expected).abs();
                 assert!(
                     off <= 4.0 * found.error + own_error,
-                    "g {g}, albedo {albedo}, {thickness} thick, {entry:?}, {side:?}: {found:?} {expected}"
+                    "g {g}, albedo {albedo}, {thickness} thick, {incidence:?}, {side:?}: {found:?} {expected}"
                 );
             }
         }

@@ -6,20 +6,20 @@
 use std::f64::consts::TAU;
 
 use translucid_profile::{AlbedoInversion, Configuration, fresnel_from_inside, fresnel_from_outside};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
-const CONFIGURATIONS: [(Configuration, Entry); 2] =
-    [(Configuration::Searchlight, Entry::NORMAL), (Configuration::Diffuse, Entry::Cosine)];
+const CONFIGURATIONS: [(Configuration, Incidence); 2] =
+    [(Configuration::Searchlight, Incidence::NORMAL), (Configuration::Diffuse, Incidence::Cosine)];
 
 #[test]
 fn isotropic_medium_has_the_exact_albedo() {
-    for (configuration, entry) in CONFIGURATIONS {
+    for (configuration, incidence) in CONFIGURATIONS {
         for eta in [1.0, 1.4] {
             let inversion = AlbedoInversion::new(0.0, eta, configuration).unwrap();
             for a in [0.05, 0.5, 0.95] {
                 let alpha = inversion.single_scattering_albedo(a);
-                let exact = HalfSpace::with_boundary(alpha, eta, entry).unwrap().total().value;
+                let exact = HalfSpace::with_boundary(alpha, eta, incidence).unwrap().total().value;
                 assert!((exact - a).abs() < 3e-5, "{configuration:?} eta {eta} A {a}: {exact}");
             }
         }

@@ -7,7 +7,7 @@ use translucid_profile::{
     Appearance, BeamSingleScattering, Medium, ObliquePhotonBeamDiffusion, Parameterization,
     PhotonBeamDiffusion, Profile,
 };
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 
 fn appearance(surface_albedo: f64) -> Appearance {
@@ -17,7 +17,7 @@ fn appearance(surface_albedo: f64) -> Appearance {
 #[test]
 fn single_scattering_is_exact() {
     for alpha in [0.3, 0.99] {
-        let exact = HalfSpace::new(alpha, Entry::NORMAL).expect("valid");
+        let exact = HalfSpace::new(alpha, Incidence::NORMAL).expect("valid");
         let exact = exact.single_scattering();
         let medium = Medium::from_mfp(alpha, 1.0, 0.0).expect("valid");
         let single = BeamSingleScattering::from_medium(&medium, 1.0).expect("valid");
@@ -60,7 +60,7 @@ fn radii(first: f64, last: f64, count: i32) -> (impl Iterator<Item = f64>, f64) 
 #[test]
 fn mean_error_is_as_stated() {
     for (a, stated) in [(0.2, 0.0285), (0.5, 0.0714), (0.8, 0.129)] {
-        let exact = HalfSpace::from_surface_albedo(a, Entry::NORMAL).expect("valid");
+        let exact = HalfSpace::from_surface_albedo(a, Incidence::NORMAL).expect("valid");
         let profile = PhotonBeamDiffusion::new(&appearance(a), 1.0).expect("valid");
         let (radii, step) = radii(1e-4, 60.0, 160);
         let error: f64 =
@@ -72,7 +72,8 @@ fn mean_error_is_as_stated() {
 /// As [`mean_error_is_as_stated`] over the plane, as a part of the exact surface albedo at that angle; A is the
 /// surface albedo along the normal.
 fn assert_mean_error_of_oblique_beam(a: f64, cos_theta: f64, stated: f64) {
-    let alpha = HalfSpace::from_surface_albedo(a, Entry::NORMAL).expect("valid").single_scattering_albedo();
+    let alpha =
+        HalfSpace::from_surface_albedo(a, Incidence::NORMAL).expect("valid").single_scattering_albedo();
     let exact = ObliqueHalfSpace::new(alpha, 1.0, cos_theta).expect("valid");
     let beam = ObliquePhotonBeamDiffusion::new(&appearance(a), 1.0, cos_theta).expect("valid");
     let (radii, step) = radii(1e-3, 40.0, 40);

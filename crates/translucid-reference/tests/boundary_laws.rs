@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
-use translucid_reference::{Entry, specular_reflectance};
+use translucid_reference::{Incidence, specular_reflectance};
 
 fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found:.14e}, expected {expected:.14e}");
@@ -13,7 +13,7 @@ fn assert_close(found: f64, expected: f64, tolerance: f64, what: &str) {
 /// Numbers of another program for the same equation, confirmed by Monte Carlo.
 #[test]
 fn boundary_matches_check_values() {
-    let half_space = HalfSpace::with_boundary(0.9, 1.4, Entry::NORMAL).expect("valid");
+    let half_space = HalfSpace::with_boundary(0.9, 1.4, Incidence::NORMAL).expect("valid");
     assert_close(half_space.total().value, 0.25775574626, 1e-10, "total");
     assert_close(half_space.eval(1.0).value, 1.159402e-2, 1e-6, "R(1)");
 }
@@ -22,24 +22,24 @@ fn boundary_matches_check_values() {
 /// scattering, normal incidence, specular part included; 0.2599185699 is its exact value.
 #[test]
 fn boundary_matches_giovanelli() {
-    let half_space = HalfSpace::with_boundary(0.9, 1.5, Entry::NORMAL).expect("valid");
-    let specular = specular_reflectance(Entry::NORMAL, 1.5);
+    let half_space = HalfSpace::with_boundary(0.9, 1.5, Incidence::NORMAL).expect("valid");
+    let specular = specular_reflectance(Incidence::NORMAL, 1.5);
     let reflectance = specular + (1.0 - specular) * half_space.total().value;
     assert_close(reflectance, 0.2599185699, 1e-9, "reflectance");
 }
 
 #[test]
 fn boundary_without_contrast_is_the_matched_solution() {
-    for entry in [Entry::NORMAL, Entry::Cosine] {
-        let matched = HalfSpace::new(0.9, entry).expect("valid");
-        let same = HalfSpace::with_boundary(0.9, 1.0, entry).expect("valid");
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
+        let matched = HalfSpace::new(0.9, incidence).expect("valid");
+        let same = HalfSpace::with_boundary(0.9, 1.0, incidence).expect("valid");
         assert_eq!(same.eval(0.7), matched.eval(0.7));
         // The critical angle moves like √(η − 1), and so does what it reflects, times its cosine
         let mut last = f64::INFINITY;
         for excess in [0.1, 0.01] {
-            let close = HalfSpace::with_boundary(0.9, 1.0 + excess, entry).expect("valid");
+            let close = HalfSpace::with_boundary(0.9, 1.0 + excess, incidence).expect("valid");
             let off = (close.eval(0.7).value / matched.eval(0.7).value - 1.0).abs();
-            assert!(off < 0.25 * last && off < 4.0 * excess, "{entry:?} {excess}: {off}");
+            assert!(off < 0.25 * last && off < 4.0 * excess, "{incidence:?} {excess}: {off}");
             last = off;
         }
     }
@@ -47,7 +47,7 @@ fn boundary_without_contrast_is_the_matched_solution() {
 
 #[test]
 fn oblique_beam_along_the_normal_is_the_normal_beam() {
-    let matched = HalfSpace::new(0.9, Entry::NORMAL).expect("valid");
+    let matched = HalfSpace::new(0.9, Incidence::NORMAL).expect("valid");
     let oblique = ObliqueHalfSpace::new(0.9, 1.0, 1.0).expect("valid");
     for r in [1e-3, 0.1, 1.0, 10.0, 30.0] {
         for phi in [0.0, 2.0] {
@@ -120,10 +120,10 @@ fn oblique_profile_keeps_its_energy() {
 #[test]
 fn boundary_profile_keeps_its_energy() {
     let radii = gauss_legendre(16);
-    for (alpha, eta, entry) in
-        [(0.9, 1.33, Entry::NORMAL), (1.0, 1.4, Entry::Cosine), (0.5, 1.2, Entry::UniformCosine)]
+    for (alpha, eta, incidence) in
+        [(0.9, 1.33, Incidence::NORMAL), (1.0, 1.4, Incidence::Cosine), (0.5, 1.2, Incidence::UniformCosine)]
     {
-        let half_space = HalfSpace::with_boundary(alpha, eta, entry).expect("valid");
+        let half_space = HalfSpace::with_boundary(alpha, eta, incidence).expect("valid");
         let total = half_space.total().value;
         if alpha == 1.0 {
             assert_close(total, 1.0, 1e-8, "nothing is absorbed");
@@ -138,7 +138,7 @@ fn boundary_profile_keeps_its_energy() {
 #[test]
 fn oblique_mean_is_the_radial_profile() {
     let oblique = ObliqueHalfSpace::new(0.7, 1.4, 0.6).expect("valid");
-    let radial = HalfSpace::with_boundary(0.7, 1.4, Entry::Pencil { cos_theta: 0.6 }).expect("valid");
+    let radial = HalfSpace::with_boundary(0.7, 1.4, Incidence::Pencil { cos_theta: 0.6 }).expect("valid");
     assert_eq!(oblique.eval_mean(0.4), radial.eval(0.4));
     assert_eq!(oblique.total(), radial.total());
 }
@@ -146,7 +146,7 @@ fn oblique_mean_is_the_radial_profile() {
 #[test]
 fn profiles_of_any_argument_are_numbers() {
     let oblique = ObliqueHalfSpace::new(0.9, 1.4, 0.4).expect("valid");
-    let radial = HalfSpace::with_boundary(0.9, 1.4, Entry::Cosine).expect("valid");
+    let radial = HalfSpace::with_boundary(0.9, 1.4, Incidence::Cosine).expect("valid");
     for r in [0.0, -1.0, 1e-300, 1e-9, 1e3, 1e9, f64::INFINITY, f64::NAN] {
         for estimate in [
             oblique.eval(r, 1.0),
@@ -177,8 +177,8 @@ fn parameters_out_of_range_are_refused() {
     ] {
         let error = ObliqueHalfSpace::new(alpha, eta, cos).expect_err("out of range");
         assert_eq!(message(error), expected);
-        let entry = Entry::Pencil { cos_theta: cos };
-        let error = HalfSpace::with_boundary(alpha, eta, entry).expect_err("out of range");
+        let incidence = Incidence::Pencil { cos_theta: cos };
+        let error = HalfSpace::with_boundary(alpha, eta, incidence).expect_err("out of range");
         assert_eq!(message(error), expected);
     }
 }

@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 
 const PHOTONS: u32 = 1_000_000;
@@ -149,20 +149,20 @@ fn oblique_beam_into_a_thinner_medium_agrees_with_a_walk() {
 
 #[test]
 fn rings_under_a_boundary_agree_with_a_walk() {
-    for (alpha, eta, entry, seed) in [
-        (0.9, 1.33, Entry::NORMAL, 4),
-        (0.8, 1.5, Entry::Cosine, 5),
-        (0.9, 0.8, Entry::Cosine, 6),
-        (0.9, 1.4, Entry::UniformCosine, 7),
+    for (alpha, eta, incidence, seed) in [
+        (0.9, 1.33, Incidence::NORMAL, 4),
+        (0.8, 1.5, Incidence::Cosine, 5),
+        (0.9, 0.8, Incidence::Cosine, 6),
+        (0.9, 1.4, Incidence::UniformCosine, 7),
     ] {
-        let half_space = HalfSpace::with_boundary(alpha, eta, entry).expect("valid");
+        let half_space = HalfSpace::with_boundary(alpha, eta, incidence).expect("valid");
         let mut random = Random(seed);
         let counts = count(&RINGS, 1, || {
-            let cos = match entry {
-                Entry::Pencil { cos_theta } => refracted(eta, cos_theta),
-                Entry::UniformCosine => random.next(),
+            let cos = match incidence {
+                Incidence::Pencil { cos_theta } => refracted(eta, cos_theta),
+                Incidence::UniformCosine => random.next(),
                 // What the boundary reflects from outside does not count as entered
-                Entry::Cosine => loop {
+                Incidence::Cosine => loop {
                     let cos = random.next().sqrt();
                     if random.next() > fresnel_from_outside(cos, eta) {
                         break refracted(eta, cos);
@@ -181,10 +181,10 @@ fn rings_under_a_boundary_agree_with_a_walk() {
                 .collect()
         };
         let z = deviate(&counts, &rings(&half_space));
-        assert!(z < QUANTILE, "alpha {alpha}, eta {eta}, {entry:?}: {z} standard deviations");
+        assert!(z < QUANTILE, "alpha {alpha}, eta {eta}, {incidence:?}: {z} standard deviations");
         // The same counts tell another index
-        if matches!(entry, Entry::Cosine) {
-            let other = HalfSpace::with_boundary(alpha, eta + 0.1, entry).expect("valid");
+        if matches!(incidence, Incidence::Cosine) {
+            let other = HalfSpace::with_boundary(alpha, eta + 0.1, incidence).expect("valid");
             let z = deviate(&counts, &rings(&other));
             assert!(z > QUANTILE, "another index: {z} standard deviations");
         }

@@ -12,7 +12,7 @@ use translucid_profile::{
     Appearance, Configuration, DirectionalDipole, Medium, NormalizedDiffusion, Parameterization, Profile,
     StandardDipole, fresnel_from_outside,
 };
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 use translucid_reference::walk::{Control, Layout, Parameters, Problem, Region, Side, WhiteTable};
 
@@ -104,7 +104,7 @@ const AT_EQUAL_ALBEDO: [[[f64; 3]; 4]; 3] = [
 #[test]
 fn errors_at_equal_surface_albedo_are_what_they_are() {
     for (row, alpha) in ALPHAS.into_iter().enumerate() {
-        let albedo = HalfSpace::new(alpha, Entry::NORMAL).expect("valid").total().value;
+        let albedo = HalfSpace::new(alpha, Incidence::NORMAL).expect("valid").total().value;
         let dipole = DirectionalDipole::new(&appearance(albedo), 1.0).expect("reachable");
         let standard = StandardDipole::new(&appearance(albedo), 1.0).expect("reachable");
         let burley =
@@ -175,13 +175,14 @@ fn errors_under_a_boundary_are_what_they_are() {
     let radii = [0.05, 0.1, 0.2, 0.35, 0.6, 1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 9.0, 14.0];
     let alpha = 0.9;
     let cos_theta = 60f64.to_radians().cos();
-    let parameters = Parameters { eta: ETA, entry: Entry::Pencil { cos_theta }, ..Parameters::default() };
+    let parameters =
+        Parameters { eta: ETA, incidence: Incidence::Pencil { cos_theta }, ..Parameters::default() };
     let layout = Layout::new(&radii, SECTORS as u32).expect("valid");
     let mut walk = WhiteTable::new(Problem::new(parameters).expect("valid"), layout, alpha).expect("valid");
     walk.run(1, PHOTONS, &Control::default()).expect("runs");
     let at = walk.at_albedo(alpha).expect("the albedo of the walk");
 
-    let albedo = HalfSpace::with_boundary(alpha, ETA, Entry::NORMAL).expect("valid").total().value;
+    let albedo = HalfSpace::with_boundary(alpha, ETA, Incidence::NORMAL).expect("valid").total().value;
     let dipole = DirectionalDipole::new(&appearance(albedo), ETA).expect("reachable");
     let standard = StandardDipole::new(&appearance(albedo), ETA).expect("reachable");
     let rule = gauss_legendre(6);
@@ -226,11 +227,17 @@ fn energies_of_diffuse_light_are_what_they_are() {
     let rule = gauss_legendre(12);
     for (eta, row) in [1.0, 1.4].into_iter().zip(OF_DIFFUSE_LIGHT) {
         for (alpha, [exact, expected]) in ALPHAS.into_iter().zip(row) {
-            let total = |entry| HalfSpace::with_boundary(alpha, eta, entry).expect("valid").total().value;
-            assert!((total(Entry::Cosine) - exact).abs() < 1e-4, "{eta} {alpha}: {}", total(Entry::Cosine));
-            let dipole = DirectionalDipole::new(&appearance(total(Entry::NORMAL)), eta).expect("reachable");
+            let total =
+                |incidence| HalfSpace::with_boundary(alpha, eta, incidence).expect("valid").total().value;
+            assert!(
+                (total(Incidence::Cosine) - exact).abs() < 1e-4,
+                "{eta} {alpha}: {}",
+                total(Incidence::Cosine)
+            );
+            let dipole =
+                DirectionalDipole::new(&appearance(total(Incidence::NORMAL)), eta).expect("reachable");
             let along_normal = energy(&dipole, 1.0);
-            assert!((along_normal - total(Entry::NORMAL)).abs() < 1e-5, "{eta} {alpha}: {along_normal}");
+            assert!((along_normal - total(Incidence::NORMAL)).abs() < 1e-5, "{eta} {alpha}: {along_normal}");
             let enters = |mu: f64| 2.0 * mu * (1.0 - fresnel_from_outside(mu, eta));
             let entered = integrate(&rule, 0.0, 1.0, enters);
             let found = integrate(&rule, 0.0, 1.0, |mu| enters(mu) * energy(&dipole, mu)) / entered;

@@ -1,12 +1,12 @@
 //! The guided walk against the exact half space, and its standard errors against what they promise.
 
 use translucid_reference::walk::{Control, GuidedWalk, Parameters, Problem};
-use translucid_reference::{Entry, Estimate, exact::HalfSpace};
+use translucid_reference::{Estimate, Incidence, exact::HalfSpace};
 
-const ENTRIES: [Entry; 3] = [Entry::NORMAL, Entry::Cosine, Entry::UniformCosine];
+const INCIDENCES: [Incidence; 3] = [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine];
 
-fn walk(entry: Entry, alpha: f64, radii: &[f64]) -> GuidedWalk {
-    let problem = Problem::new(Parameters { entry, ..Parameters::default() }).unwrap();
+fn walk(incidence: Incidence, alpha: f64, radii: &[f64]) -> GuidedWalk {
+    let problem = Problem::new(Parameters { incidence, ..Parameters::default() }).unwrap();
     GuidedWalk::new(&problem, alpha, radii).unwrap()
 }
 
@@ -25,17 +25,17 @@ fn chi2_deviate(chi2: f64, n: usize) -> f64 {
 #[test]
 fn guided_totals_agree_with_the_exact_solution() {
     let alphas = [0.001, 0.01, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999, 0.9999];
-    for entry in ENTRIES {
+    for incidence in INCIDENCES {
         let mut chi2 = 0.0;
         for alpha in alphas {
-            let mut walk = walk(entry, alpha, &[3.0]);
+            let mut walk = walk(incidence, alpha, &[3.0]);
             walk.run(11, 1 << 20, &Control::default()).unwrap();
-            let z = deviate(walk.total(), HalfSpace::new(alpha, entry).unwrap().total().value);
-            assert!(z.abs() < 4.0, "{entry:?} {alpha}: {z}");
+            let z = deviate(walk.total(), HalfSpace::new(alpha, incidence).unwrap().total().value);
+            assert!(z.abs() < 4.0, "{incidence:?} {alpha}: {z}");
             chi2 += z * z;
         }
         let z = chi2_deviate(chi2, alphas.len());
-        assert!(z < 3.1, "{entry:?}: χ² {chi2}");
+        assert!(z < 3.1, "{incidence:?}: χ² {chi2}");
     }
 }
 
@@ -61,9 +61,9 @@ fn quadratic_form(a: &[Vec<f64>], b: &[f64]) -> f64 {
 fn guided_rings_agree_with_the_exact_solution() {
     let radii: Vec<f64> = (0..16).map(|i| 0.003 * (20.0f64 / 0.003).powf(f64::from(i) / 15.0)).collect();
     let (runs, rings) = (500, radii.len() + 1);
-    for entry in [Entry::NORMAL, Entry::Cosine] {
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
         for alpha in [0.1, 0.3, 0.7, 0.9, 0.99, 0.999] {
-            let exact = HalfSpace::new(alpha, entry).unwrap();
+            let exact = HalfSpace::new(alpha, incidence).unwrap();
             let expected: Vec<f64> = (0..rings)
                 .map(|ring| match ring {
                     0 => exact.enclosed(radii[0]).value,
@@ -71,10 +71,10 @@ fn guided_rings_agree_with_the_exact_solution() {
                     _ => exact.beyond(radii[ring - 1]).value - exact.beyond(radii[ring]).value,
                 })
                 .collect();
-            let mut whole = walk(entry, alpha, &radii);
+            let mut whole = walk(incidence, alpha, &radii);
             let samples: Vec<Vec<f64>> = (0..runs)
                 .map(|seed| {
-                    let mut run = walk(entry, alpha, &radii);
+                    let mut run = walk(incidence, alpha, &radii);
                     run.run(seed, 1 << 14, &Control::default()).unwrap();
                     whole.merge(&run).unwrap();
                     (0..rings).map(|ring| run.ring(ring).value - expected[ring]).collect()
@@ -96,13 +96,13 @@ fn guided_rings_agree_with_the_exact_solution() {
             let matrix: Vec<Vec<f64>> = (0..p).map(|a| (0..p).map(|b| covariance(a, b)).collect()).collect();
             let t2 = n * quadratic_form(&matrix, &mean);
             let z = chi2_deviate(t2 * (n - p as f64) / (n - 1.0), p);
-            assert!(z < 3.2, "{entry:?} {alpha}: T² {t2} of {p} rings");
+            assert!(z < 3.2, "{incidence:?} {alpha}: T² {t2} of {p} rings");
             for &ring in &used {
                 let z = deviate(whole.ring(ring), expected[ring]);
-                assert!(z.abs() < 4.5, "{entry:?} {alpha}, ring {ring}: {z}");
+                assert!(z.abs() < 4.5, "{incidence:?} {alpha}, ring {ring}: {z}");
             }
             let z = deviate(whole.enclosed(12), exact.enclosed(radii[12]).value);
-            assert!(z.abs() < 4.5, "{entry:?} {alpha}, enclosed: {z}");
+            assert!(z.abs() < 4.5, "{incidence:?} {alpha}, enclosed: {z}");
         }
     }
 }
@@ -112,18 +112,18 @@ fn guided_rings_agree_with_the_exact_solution() {
 #[test]
 fn guided_errors_cover_the_truth() {
     let radii = [0.3, 1.0, 3.0];
-    for (alpha, entry) in [
-        (0.1, Entry::NORMAL),
-        (0.5, Entry::NORMAL),
-        (0.9, Entry::Cosine),
-        (0.99, Entry::NORMAL),
-        (0.999, Entry::Cosine),
+    for (alpha, incidence) in [
+        (0.1, Incidence::NORMAL),
+        (0.5, Incidence::NORMAL),
+        (0.9, Incidence::Cosine),
+        (0.99, Incidence::NORMAL),
+        (0.999, Incidence::Cosine),
     ] {
-        let exact = HalfSpace::new(alpha, entry).unwrap();
+        let exact = HalfSpace::new(alpha, incidence).unwrap();
         let enclosed = radii.map(|r| exact.enclosed(r).value);
         let mut covered = [0; 4];
         for seed in 0..200 {
-            let mut walk = walk(entry, alpha, &radii);
+            let mut walk = walk(incidence, alpha, &radii);
             walk.run(1000 + seed, 64 * GuidedWalk::CHUNK, &Control::default()).unwrap();
             let figures = [
                 (walk.total(), exact.total().value),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use translucid_reference::walk::{
     Control, GuidedWalk, Parameters, PhaseFunction, PhotonRange, Problem, TableError,
 };
-use translucid_reference::{Entry, Estimate};
+use translucid_reference::{Estimate, Incidence};
 
 const RADII: [f64; 4] = [0.1, 0.7, 3.0, 8.0];
 
@@ -73,7 +73,7 @@ fn guided_walks_merge_exactly() {
     let problem = *one.problem();
     let other = GuidedWalk::new(&problem, 0.8, &[1.0]).unwrap();
     assert!(matches!(one.merge(&other), Err(TableError::Differs { .. })));
-    let cosine = Problem::new(Parameters { entry: Entry::Cosine, ..Parameters::default() }).unwrap();
+    let cosine = Problem::new(Parameters { incidence: Incidence::Cosine, ..Parameters::default() }).unwrap();
     let other = GuidedWalk::new(&cosine, 0.8, &RADII).unwrap();
     assert!(matches!(one.merge(&other), Err(TableError::Differs { .. })));
     assert_eq!(bits(&one), before);
@@ -117,7 +117,7 @@ fn guided_walk_refuses_what_it_is_not_made_for() {
         (Parameters { eta: 1.4, ..matched }, "eta"),
         (Parameters { thickness: 5.0, ..matched }, "thickness"),
         (Parameters { spot_radius: 0.1, ..matched }, "spot_radius"),
-        (Parameters { entry: Entry::Pencil { cos_theta: 0.5 }, ..matched }, "cos_theta"),
+        (Parameters { incidence: Incidence::Pencil { cos_theta: 0.5 }, ..matched }, "cos_theta"),
     ] {
         let error = refused(parameters);
         assert_eq!(error.parameter, name);
@@ -139,8 +139,8 @@ fn guided_walk_refuses_what_it_is_not_made_for() {
 
 #[test]
 fn guided_figures_are_numbers_at_the_ends() {
-    for entry in [Entry::NORMAL, Entry::Cosine, Entry::UniformCosine] {
-        let problem = Problem::new(Parameters { entry, ..Parameters::default() }).unwrap();
+    for incidence in [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine] {
+        let problem = Problem::new(Parameters { incidence, ..Parameters::default() }).unwrap();
         for alpha in [1e-300, 1e-10, 0.1379, 0.1381, 0.91, 1.0 - 1e-6] {
             for radii in [&[][..], &[1e-15], &[1e-15, 1e-3, 1.0], &[10.0]] {
                 let mut walk = GuidedWalk::new(&problem, alpha, radii).unwrap();

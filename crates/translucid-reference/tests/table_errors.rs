@@ -12,7 +12,7 @@ use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{Configuration, half_space_single_scattering_albedo, half_space_surface_albedo};
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::walk::{Control, Layout, Parameters, Problem, Region, Side, WhiteTable};
-use translucid_reference::{Entry, Estimate};
+use translucid_reference::{Estimate, Incidence};
 
 const REPEATS: u64 = 200;
 const REFERENCE: f64 = 0.99;
@@ -20,13 +20,13 @@ const REFERENCE: f64 = 0.99;
 /// Runs a problem 200 times and judges figures by their exact values.
 #[allow(clippy::print_stdout, reason = "--nocapture shows how well the errors hold")]
 fn judge(
-    entry: Entry,
+    incidence: Incidence,
     radii: &[f64],
     photons: u64,
     figures: &[(String, f64)],
     find: impl Fn(&WhiteTable) -> Vec<Estimate>,
 ) {
-    let problem = Problem::new(Parameters { entry, ..Parameters::default() }).unwrap();
+    let problem = Problem::new(Parameters { incidence, ..Parameters::default() }).unwrap();
     let mut hits = vec![0; figures.len()];
     let mut squares = vec![0.0; figures.len()];
     let mut sums = vec![0.0; figures.len()];
@@ -86,7 +86,7 @@ fn totals_of_the_half_space_are_within_their_errors() {
 #[test]
 fn rings_of_the_half_space_are_within_their_errors() {
     let radii = [0.05, 0.3, 1.0, 3.0];
-    for entry in [Entry::NORMAL, Entry::Cosine] {
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
         // Far out at low albedos there are too few photons for intervals of 95 %.
         let regions = |alpha: f64| {
             let rings = (0..if alpha < 0.8 { 4 } else { 5 }).map(Region::Ring);
@@ -95,7 +95,7 @@ fn rings_of_the_half_space_are_within_their_errors() {
         let alphas = [0.5, 0.9, 0.98];
         let mut figures = Vec::new();
         for alpha in alphas {
-            let exact = HalfSpace::new(alpha, entry).unwrap();
+            let exact = HalfSpace::new(alpha, incidence).unwrap();
             let energy = |region| match region {
                 Region::Ring(0) => exact.enclosed(radii[0]).value,
                 Region::Ring(4) => exact.beyond(radii[3]).value,
@@ -107,10 +107,10 @@ fn rings_of_the_half_space_are_within_their_errors() {
                 _ => unreachable!("{region:?}"),
             };
             figures.extend(
-                regions(alpha).map(|region| (format!("{entry:?} {alpha} {region:?}"), energy(region))),
+                regions(alpha).map(|region| (format!("{incidence:?} {alpha} {region:?}"), energy(region))),
             );
         }
-        judge(entry, &radii, 20_000, &figures, |table| {
+        judge(incidence, &radii, 20_000, &figures, |table| {
             let energy = |alpha| {
                 let at = table.at_albedo(alpha).unwrap();
                 regions(alpha).map(move |region| at.energy(Side::Reflected, region))
@@ -147,7 +147,7 @@ fn single_scattering_rings_are_within_their_errors() {
         figures.push((format!("P₁ within {r}"), within));
         inner = within;
     }
-    judge(Entry::NORMAL, &radii, 20_000, &figures, |table| {
+    judge(Incidence::NORMAL, &radii, 20_000, &figures, |table| {
         let order = |region| table.order_probability(Side::Reflected, region, 1);
         (0..radii.len()).flat_map(|i| [order(Region::Ring(i)), order(Region::Within(i))]).collect()
     });
@@ -167,7 +167,7 @@ fn orders_of_scattering_are_within_their_errors() {
         }
         q = next;
     }
-    judge(Entry::UniformCosine, &[1.0], 20_000, &figures, |table| {
+    judge(Incidence::UniformCosine, &[1.0], 20_000, &figures, |table| {
         let totals = alphas.iter().map(|&a| table.at_albedo(a).unwrap().total(Side::Reflected));
         let order = |n| table.order_probability(Side::Reflected, Region::Everywhere, n);
         totals.chain((1..=10).map(order)).collect()

@@ -77,15 +77,17 @@ impl EnergyBudget {
 
 #[cfg(test)]
 mod tests {
-    use crate::Entry;
+    use crate::Incidence;
     use crate::exact::HalfSpace;
 
     /// Energies at radii of 10^−3 … 10^100.
     #[test]
     fn enclosed_rises_to_the_total() {
         for alpha in [0.5, 0.9999, 1.0 - 1e-16, 1.0] {
-            for (eta, entry) in [(0.5, Entry::Cosine), (1.0, Entry::NORMAL), (1.4, Entry::Cosine)] {
-                let half_space = HalfSpace::with_boundary(alpha, eta, entry).expect("valid");
+            for (eta, incidence) in
+                [(0.5, Incidence::Cosine), (1.0, Incidence::NORMAL), (1.4, Incidence::Cosine)]
+            {
+                let half_space = HalfSpace::with_boundary(alpha, eta, incidence).expect("valid");
                 let total = half_space.total().value;
                 assert!(total <= 1.0, "{alpha} {eta}: {total}");
                 let (mut within, mut beyond) = (0.0, total);
@@ -108,7 +110,7 @@ mod tests {
     #[test]
     fn beyond_goes_on_as_it_was() {
         for eta in [0.5, 1.0, 1.4] {
-            let half_space = HalfSpace::with_boundary(1.0, eta, Entry::NORMAL).expect("valid");
+            let half_space = HalfSpace::with_boundary(1.0, eta, Incidence::NORMAL).expect("valid");
             let moment = |r: f64| half_space.beyond(r).value * r;
             let expected = moment(1e3);
             for r in [0.99e4, 1.01e4, 1e9] {

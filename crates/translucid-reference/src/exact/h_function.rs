@@ -32,6 +32,9 @@ use num_complex::Complex64;
 
 use super::dispersion::{Dispersion, exp_m1, ln_1p, sqrt};
 
+/// Wave number beyond which the transform is that of single scattering, and fourth powers are no numbers.
+pub(crate) const K_MAX: f64 = 1e60;
+
 /// A lateral wave number and its distances from the zero and the branch point of the dispersion function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WaveNumber {

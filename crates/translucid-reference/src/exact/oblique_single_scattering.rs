@@ -156,7 +156,7 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
     let rule_of_w = rule();
     let mut gathered = Gathered::new();
     // Angles gather at grazing, where single scattering has terms like μ ln μ
-    let entry: Vec<(f64, f64)> = (gauss_legendre(24).into_iter())
+    let angles: Vec<(f64, f64)> = (gauss_legendre(24).into_iter())
         .map(|(x, weight)| {
             let x = 0.5 - 0.5 * x;
             (FRAC_PI_2 * (1.0 - x * x), FRAC_PI_2 * x * weight)
@@ -173,8 +173,8 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
             Some((Beam { eta, cos_inside: cos, sin_inside: sin }, passed * cos * sin))
         }
     };
-    let entered: f64 = entry.iter().filter_map(|&(angle, w)| cosines(angle).map(|(_, flux)| flux * w)).sum();
-    for (angle, weight) in entry {
+    let entered: f64 = angles.iter().filter_map(|&(angle, w)| cosines(angle).map(|(_, flux)| flux * w)).sum();
+    for (angle, weight) in angles {
         if let Some((beam, flux)) = cosines(angle) {
             beam.gather_mean(flux * weight / entered, &rule_of_w, &mut gathered);
         }

@@ -20,7 +20,7 @@ use std::f64::consts::PI;
 use translucid_profile::ParameterError;
 
 use super::positive_radius;
-use crate::{Entry, Estimate};
+use crate::{Estimate, Incidence};
 
 /// How light enters, as far as single scattering has a closed form for it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,15 +34,15 @@ pub(crate) enum Entrance {
 }
 
 impl Entrance {
-    pub(crate) fn of(entry: Entry) -> Result<Self, ParameterError> {
-        match entry {
-            Entry::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
-            Entry::Pencil { cos_theta } => {
+    pub(crate) fn of(incidence: Incidence) -> Result<Self, ParameterError> {
+        match incidence {
+            Incidence::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
+            Incidence::Pencil { cos_theta } => {
                 let allowed = "1; the mean profile of an oblique pencil is with_boundary's";
                 Err(ParameterError::new("cos_theta", cos_theta, allowed))
             }
-            Entry::Cosine => Ok(Self::Cosine),
-            Entry::UniformCosine => Ok(Self::UniformCosine),
+            Incidence::Cosine => Ok(Self::Cosine),
+            Incidence::UniformCosine => Ok(Self::UniformCosine),
         }
     }
 }

@@ -2,8 +2,8 @@
 
 use translucid_profile::{ParameterError, TabulatedProfile};
 
-use super::exit::Side;
 use super::layout::Region;
+use super::photon_exit::Side;
 use super::weights::{Weighed, Weights};
 use super::white_table::WhiteTable;
 use crate::Estimate;
@@ -206,7 +206,7 @@ impl<'a> AtAlbedo<'a> {
 mod tests {
     use super::super::{Control, Layout, OrderBins, Parameters, Problem};
     use super::*;
-    use crate::Entry;
+    use crate::Incidence;
 
     fn table(parameters: Parameters, layout: Layout, reference_albedo: f64, photons: u64) -> WhiteTable {
         let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, reference_albedo).unwrap();
@@ -254,7 +254,7 @@ mod tests {
 
     #[test]
     fn sectors_around_a_radius_share_its_light() {
-        let tilted = Parameters { entry: Entry::Pencil { cos_theta: 0.5 }, ..Parameters::default() };
+        let tilted = Parameters { incidence: Incidence::Pencil { cos_theta: 0.5 }, ..Parameters::default() };
         let layout = Layout::around_in_sectors(&[0.5, 2.0], 6).unwrap();
         let table = table(tilted, layout, 0.9, 100_000);
         let at = table.at_albedo(0.9).unwrap();

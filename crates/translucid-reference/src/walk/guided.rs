@@ -64,7 +64,7 @@ use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::problem::require;
 use super::{Control, Parameters, PhaseFunction, Problem, TableError};
 use crate::exact::{Entrance, SingleScattering};
-use crate::{Entry, Estimate};
+use crate::{Estimate, Incidence};
 
 /// Total and rings of one albedo, by a walk with little variance: of an index-matched half space of isotropic
 /// scatterers, under a pencil along the normal, cosine or uniform entry.
@@ -303,7 +303,7 @@ impl GuidedWalk {
 
     fn require_same_walk(&self, other: &Self) -> Result<(), TableError> {
         let differ = |what, here: String, there: String| Err(TableError::Differs { what, here, there });
-        let [here, there] = [self, other].map(|walk| walk.problem.parameters().entry);
+        let [here, there] = [self, other].map(|walk| walk.problem.parameters().incidence);
         if here != there {
             return differ("entry", format!("{here:?}"), format!("{there:?}"));
         }
@@ -325,7 +325,7 @@ fn shifted(estimate: Estimate, by: f64) -> Estimate {
 
 /// How light enters, where the guide serves.
 fn entrance_to_guide(problem: &Problem) -> Result<Entrance, ParameterError> {
-    let Parameters { phase_function, eta, thickness, entry, spot_radius } = *problem.parameters();
+    let Parameters { phase_function, eta, thickness, incidence, spot_radius } = *problem.parameters();
     let g = phase_function.mean_cosine();
     let isotropic = phase_function == PhaseFunction::ISOTROPIC;
     require(isotropic, "g", g, "0, of isotropic scattering, for the guided walk: use the white walk")?;
@@ -333,12 +333,12 @@ fn entrance_to_guide(problem: &Problem) -> Result<Entrance, ParameterError> {
     let infinite = thickness == f64::INFINITY;
     require(infinite, "thickness", thickness, "infinite for the guided walk: use the white walk")?;
     require(spot_radius == 0.0, "spot_radius", spot_radius, "0 for the guided walk: use the white walk")?;
-    match entry {
-        Entry::Pencil { cos_theta } => {
+    match incidence {
+        Incidence::Pencil { cos_theta } => {
             require(cos_theta == 1.0, "cos_theta", cos_theta, "1 for the guided walk: use the white walk")?;
             Ok(Entrance::Normal)
         }
-        Entry::Cosine => Ok(Entrance::Cosine),
-        Entry::UniformCosine => Ok(Entrance::UniformCosine),
+        Incidence::Cosine => Ok(Entrance::Cosine),
+        Incidence::UniformCosine => Ok(Entrance::UniformCosine),
     }
 }

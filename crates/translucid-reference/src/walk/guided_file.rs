@@ -8,7 +8,7 @@ use super::npz::{Reader, Writer, expect_shape};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::whole_file::write_whole;
 use super::{Parameters, Problem, TableError};
-use crate::Entry;
+use crate::Incidence;
 
 const VERSION: u64 = 1;
 const METHOD: &str = "guided";
@@ -52,14 +52,14 @@ impl GuidedWalk {
     }
 
     fn write<W: Write + Seek>(&self, out: &mut Writer<W>) -> io::Result<()> {
-        let entry = match self.problem().parameters().entry {
-            Entry::Pencil { .. } => PENCIL,
-            Entry::Cosine => COSINE,
-            Entry::UniformCosine => UNIFORM_COSINE,
+        let incidence = match self.problem().parameters().incidence {
+            Incidence::Pencil { .. } => PENCIL,
+            Incidence::Cosine => COSINE,
+            Incidence::UniformCosine => UNIFORM_COSINE,
         };
         out.count("version", VERSION)?;
         out.text("method", METHOD)?;
-        out.text("entry", entry)?;
+        out.text("entry", incidence)?;
         out.number("single_scattering_albedo", self.single_scattering_albedo())?;
         out.words("radii", "<f8", &[self.radii().len()], self.radii().iter().map(|r| r.to_bits()))?;
         let ranges = self.photon_ranges();
@@ -78,10 +78,10 @@ impl GuidedWalk {
             return Err(reader.error("version", problem));
         }
         reader.text("method", &[METHOD])?;
-        let entry = match reader.text("entry", &[PENCIL, COSINE, UNIFORM_COSINE])? {
-            PENCIL => Entry::NORMAL,
-            COSINE => Entry::Cosine,
-            _ => Entry::UniformCosine,
+        let incidence = match reader.text("entry", &[PENCIL, COSINE, UNIFORM_COSINE])? {
+            PENCIL => Incidence::NORMAL,
+            COSINE => Incidence::Cosine,
+            _ => Incidence::UniformCosine,
         };
         let alpha = reader.number("single_scattering_albedo")?;
         let one_dimension = |shape: &[u64]| match shape {
@@ -90,7 +90,7 @@ impl GuidedWalk {
         };
         let radii: Vec<_> =
             reader.list("radii", "<f8", one_dimension)?.into_iter().map(f64::from_bits).collect();
-        let problem = Problem::new(Parameters { entry, ..Parameters::default() })?;
+        let problem = Problem::new(Parameters { incidence, ..Parameters::default() })?;
         let walk = Self::new(&problem, alpha, &radii).map_err(|error| {
             let member = if error.parameter == "radius" { "radii" } else { "single_scattering_albedo" };
             reader.error(member, error.to_string())
@@ -150,7 +150,8 @@ mod tests {
     use super::*;
 
     fn small_walk() -> GuidedWalk {
-        let problem = Problem::new(Parameters { entry: Entry::Cosine, ..Parameters::default() }).unwrap();
+        let problem =
+            Problem::new(Parameters { incidence: Incidence::Cosine, ..Parameters::default() }).unwrap();
         let mut walk = GuidedWalk::new(&problem, 1.0 / 3.0, &[0.1, 1.0 / 7.0, 1e6]).unwrap();
         walk.run(u64::MAX, 3000, &Control::default()).unwrap();
         walk.run(2, 9000, &Control::default()).unwrap();

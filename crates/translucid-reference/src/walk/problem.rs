@@ -2,7 +2,7 @@
 
 use translucid_profile::ParameterError;
 
-use crate::Entry;
+use crate::Incidence;
 
 /// Distribution of the angle by which a collision deflects a photon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub struct Parameters {
     /// Thickness in mean free paths, greater than 0; infinite for the half space.
     pub thickness: f64,
     /// How light enters.
-    pub entry: Entry,
+    pub incidence: Incidence,
     /// Radius in mean free paths of the disc over which the points of entry are spread evenly, at least 0.
     pub spot_radius: f64,
 }
@@ -52,7 +52,7 @@ impl Default for Parameters {
             phase_function: PhaseFunction::ISOTROPIC,
             eta: 1.0,
             thickness: f64::INFINITY,
-            entry: Entry::NORMAL,
+            incidence: Incidence::NORMAL,
             spot_radius: 0.0,
         }
     }
@@ -68,13 +68,13 @@ impl Problem {
     /// # Errors
     /// A parameter is outside the range that [`Parameters`] states.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
-        let Parameters { phase_function, eta, thickness, entry, spot_radius } = parameters;
+        let Parameters { phase_function, eta, thickness, incidence, spot_radius } = parameters;
         if let PhaseFunction::HenyeyGreenstein { g } = phase_function {
             require(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
         }
         require((0.1..=10.0).contains(&eta), "eta", eta, "in [0.1, 10]")?;
         require(thickness > 0.0, "thickness", thickness, "greater than 0")?;
-        if let Entry::Pencil { cos_theta } = entry {
+        if let Incidence::Pencil { cos_theta } = incidence {
             require(cos_theta > 0.0 && cos_theta <= 1.0, "cos_theta", cos_theta, "in (0, 1]")?;
             // sin²θ < η², without cancellation near grazing
             let refracts = (eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta > 0.0;

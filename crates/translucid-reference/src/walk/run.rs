@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::exit::{Exit, PhotonCounts};
 use super::orders::Cell;
+use super::photon_exit::{PhotonCounts, PhotonExit};
 use super::table_error::TableError;
 use super::trace;
 use super::until::{self, Extensible};
@@ -166,7 +166,7 @@ impl Run<'_> {
             let Some(piece) = lock(&self.pieces).take(size, self.threads) else { break };
             let start = Instant::now();
             let (problem, albedo) = (self.table.problem(), self.table.reference_albedo());
-            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[Exit]| {
+            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[PhotonExit]| {
                 pending.extend(exits.iter().map(|exit| (self.table.cell_index(exit), exit.order)));
                 if pending.len() >= PENDING {
                     self.flush(&mut pending, tally);
@@ -275,7 +275,7 @@ mod tests {
         // Hold the range's ends
         for range in [0..gap.start, gap.end..all.end] {
             let mut cells = vec![Cell::default(); part.all_cells().len()];
-            let counts = trace(part.problem(), 0.9, 1, range.clone(), &mut |exits: &[Exit]| {
+            let counts = trace(part.problem(), 0.9, 1, range.clone(), &mut |exits: &[PhotonExit]| {
                 for exit in exits {
                     let cell = &mut cells[part.cell_index(exit) as usize];
                     cell.count += 1;

@@ -3,16 +3,16 @@
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
 
-use super::exit::PhotonCounts;
 use super::layout::Layout;
 use super::npz::{Reader, Writer, expect_shape};
 use super::orders::{Cell, OrderBins};
+use super::photon_exit::PhotonCounts;
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::problem::{Parameters, PhaseFunction, Problem};
 use super::table_error::TableError;
 use super::white_table::{WhiteTable, faces};
 use super::whole_file::write_whole;
-use crate::Entry;
+use crate::Incidence;
 
 /// Version of the format that is written, and the only one that is read.
 const VERSION: u64 = 1;
@@ -99,22 +99,23 @@ impl WhiteTable {
 
     fn write<W: Write + Seek>(&self, out: &mut Writer<W>) -> io::Result<()> {
         // Write what was walked
-        let Parameters { phase_function, eta, thickness, entry, spot_radius } = *self.problem().parameters();
+        let Parameters { phase_function, eta, thickness, incidence, spot_radius } =
+            *self.problem().parameters();
         let (phase_name, g) = match phase_function {
             PhaseFunction::HenyeyGreenstein { g } => (HENYEY_GREENSTEIN, g),
             PhaseFunction::Rayleigh => (RAYLEIGH, 0.0),
         };
-        let (entry_name, cos_theta) = match entry {
-            Entry::Pencil { cos_theta } => (PENCIL, cos_theta),
-            Entry::Cosine => (COSINE, 1.0),
-            Entry::UniformCosine => (UNIFORM_COSINE, 1.0),
+        let (incidence_name, cos_theta) = match incidence {
+            Incidence::Pencil { cos_theta } => (PENCIL, cos_theta),
+            Incidence::Cosine => (COSINE, 1.0),
+            Incidence::UniformCosine => (UNIFORM_COSINE, 1.0),
         };
         out.count("version", VERSION)?;
         out.text("phase_function", phase_name)?;
         out.number("g", g)?;
         out.number("eta", eta)?;
         out.number("thickness", thickness)?;
-        out.text("entry", entry_name)?;
+        out.text("entry", incidence_name)?;
         out.number("cos_theta", cos_theta)?;
         out.number("spot_radius", spot_radius)?;
         out.number("reference_albedo", self.reference_albedo())?;
@@ -152,17 +153,17 @@ fn read_problem<R: Read + Seek>(reader: &mut Reader<R>) -> Result<Problem, Table
         _ => PhaseFunction::HenyeyGreenstein { g },
     };
     let cos_theta = reader.number("cos_theta")?;
-    let entry = match reader.text("entry", &[PENCIL, COSINE, UNIFORM_COSINE])? {
-        PENCIL => Entry::Pencil { cos_theta },
+    let incidence = match reader.text("entry", &[PENCIL, COSINE, UNIFORM_COSINE])? {
+        PENCIL => Incidence::Pencil { cos_theta },
         other if cos_theta != 1.0 => {
             return Err(reader.error("cos_theta", format!("is {cos_theta}, but must be 1 with {other}")));
         }
-        COSINE => Entry::Cosine,
-        _ => Entry::UniformCosine,
+        COSINE => Incidence::Cosine,
+        _ => Incidence::UniformCosine,
     };
     let (eta, thickness) = (reader.number("eta")?, reader.number("thickness")?);
     let spot_radius = reader.number("spot_radius")?;
-    Problem::new(Parameters { phase_function, eta, thickness, entry, spot_radius })
+    Problem::new(Parameters { phase_function, eta, thickness, incidence, spot_radius })
         .map_err(|error| reader.error(error.parameter, error.to_string()))
 }
 
@@ -349,13 +350,17 @@ mod tests {
         let path = directory.path().join("table.npz");
         let base = Parameters::default();
         let hg = PhaseFunction::HenyeyGreenstein { g: -0.1 };
-        let oblique = Entry::Pencil { cos_theta: 1.0 / 3.0 };
+        let oblique = Incidence::Pencil { cos_theta: 1.0 / 3.0 };
         for (parameters, radii, sectors) in [
             (base, vec![0.1, 0.2, 1e3], 1),
             (Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 1e-3, ..base }, vec![], 1),
-            (Parameters { phase_function: hg, entry: Entry::Cosine, spot_radius: 0.1, ..base }, vec![1.0], 5),
-            (Parameters { eta: 1.4, entry: oblique, ..base }, vec![1e-15, 1e15], 720),
-            (Parameters { entry: Entry::UniformCosine, thickness: f64::MAX, ..base }, vec![1.0], 1),
+            (
+                Parameters { phase_function: hg, incidence: Incidence::Cosine, spot_radius: 0.1, ..base },
+                vec![1.0],
+                5,
+            ),
+            (Parameters { eta: 1.4, incidence: oblique, ..base }, vec![1e-15, 1e15], 720),
+            (Parameters { incidence: Incidence::UniformCosine, thickness: f64::MAX, ..base }, vec![1.0], 1),
         ] {
             let bins = OrderBins::new(1.0).unwrap();
             let layout = Layout::with_order_bins(&radii, sectors, bins).unwrap();

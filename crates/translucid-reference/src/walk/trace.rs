@@ -50,11 +50,11 @@ use super::boundary::{Boundary, Ray};
 use super::exit_buffer::ExitBuffer;
 use super::instruction_sets::dispatched;
 use super::lanes::{Floats, Words, exponential, unit};
+use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{Directions, Scatter, WithScatter, with_scatter};
-use super::sources::Source;
-use super::{Exit, PhotonCounts, Problem, Side};
+use super::{PhotonCounts, PhotonExit, Problem, Side};
 
 /// Walks the photons of a range.
 ///
@@ -67,7 +67,7 @@ pub(crate) fn trace(
     reference_albedo: f64,
     seed: u64,
     photons: Range<u64>,
-    exits: &mut impl FnMut(&[Exit]),
+    exits: &mut impl FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
     trace_at_level(Level::new(), problem, reference_albedo, seed, photons, exits)
 }
@@ -79,13 +79,13 @@ pub(crate) fn trace_at_level(
     reference_albedo: f64,
     seed: u64,
     photons: Range<u64>,
-    exits: &mut dyn FnMut(&[Exit]),
+    exits: &mut dyn FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
     struct Run<'a> {
         level: Level,
         setup: Setup,
         photons: Range<u64>,
-        exits: &'a mut dyn FnMut(&[Exit]),
+        exits: &'a mut dyn FnMut(&[PhotonExit]),
     }
     impl WithScatter for Run<'_> {
         type Output = PhotonCounts;
@@ -100,7 +100,7 @@ pub(crate) fn trace_at_level(
     }
     let setup = Setup {
         key: Key::new(seed),
-        source: Source::new(problem),
+        source: PhotonSource::new(problem),
         boundary: Boundary::new(problem),
         collisions_per_unit: mean_per_unit(reference_albedo),
     };
@@ -119,7 +119,7 @@ fn mean_per_unit(reference_albedo: f64) -> f32 {
 #[derive(Clone, Copy)]
 struct Setup {
     key: Key,
-    source: Source,
+    source: PhotonSource,
     boundary: Boundary,
     collisions_per_unit: f32,
 }
@@ -147,7 +147,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         scatter: P,
         setup: Setup,
         waiting: Range<u64>,
-        exits: &'a mut dyn FnMut(&[Exit]),
+        exits: &'a mut dyn FnMut(&[PhotonExit]),
     ) -> Self {
         Self {
             simd,
@@ -460,17 +460,17 @@ fn reflect_totally<S: Simd>(
 mod tests {
     use super::super::{Parameters, PhaseFunction};
     use super::*;
-    use crate::Entry;
+    use crate::Incidence;
 
     fn problems() -> Vec<Problem> {
         let hg = |g| PhaseFunction::HenyeyGreenstein { g };
         let parameters = Parameters::default();
         [
             parameters,
-            Parameters { eta: 1.4, entry: Entry::Cosine, spot_radius: 0.5, ..parameters },
+            Parameters { eta: 1.4, incidence: Incidence::Cosine, spot_radius: 0.5, ..parameters },
             Parameters { eta: 0.8, phase_function: hg(-0.5), ..parameters },
             Parameters { thickness: 0.3, phase_function: hg(0.9), eta: 1.5, ..parameters },
-            Parameters { thickness: 1e-3, entry: Entry::UniformCosine, ..parameters },
+            Parameters { thickness: 1e-3, incidence: Incidence::UniformCosine, ..parameters },
             Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 5.0, ..parameters },
         ]
         .map(|parameters| Problem::new(parameters).unwrap())
@@ -555,17 +555,18 @@ mod tests {
     fn extreme_problems_end_in_numbers() {
         let near = 1.0 - f64::EPSILON / 2.0;
         let entries = [
-            Entry::Pencil { cos_theta: 1e-300 },
-            Entry::Pencil { cos_theta: 1.0 },
-            Entry::Cosine,
-            Entry::UniformCosine,
+            Incidence::Pencil { cos_theta: 1e-300 },
+            Incidence::Pencil { cos_theta: 1.0 },
+            Incidence::Cosine,
+            Incidence::UniformCosine,
         ];
         for g in [-near, 0.0, near] {
             for eta in [0.1, near, 1.0, 10.0] {
                 for thickness in [1e-300, 1e-3, 1e300, f64::INFINITY] {
-                    for (entry, spot_radius) in entries.into_iter().zip([0.0, 1e30, 0.0, 1e-30]) {
+                    for (incidence, spot_radius) in entries.into_iter().zip([0.0, 1e30, 0.0, 1e-30]) {
                         let phase_function = PhaseFunction::HenyeyGreenstein { g };
-                        let parameters = Parameters { phase_function, eta, thickness, entry, spot_radius };
+                        let parameters =
+                            Parameters { phase_function, eta, thickness, incidence, spot_radius };
                         let Ok(problem) = Problem::new(parameters) else { continue };
                         for albedo in [f64::NAN, -1.0, 0.0, 0.9] {
                             let counts = trace(&problem, albedo, 1, 0..50, &mut |exits| {
@@ -613,7 +614,7 @@ mod tests {
     #[test]
     fn totals_are_exact() {
         let half_space = Parameters::default();
-        let cosine = Parameters { entry: Entry::Cosine, ..half_space };
+        let cosine = Parameters { incidence: Incidence::Cosine, ..half_space };
         for (parameters, albedo, exact) in [
             (half_space, 0.5, 0.11522587770720),
             (half_space, 0.9, 0.41494747913082),

@@ -6,9 +6,9 @@ use std::ops::Range;
 use translucid_profile::ParameterError;
 
 use super::at_albedo::AtAlbedo;
-use super::exit::{Exit, PhotonCounts, Side};
 use super::layout::{Layout, Region};
 use super::orders::Cell;
+use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::problem::{Parameters, Problem};
 use super::table_error::TableError;
@@ -295,7 +295,7 @@ impl WhiteTable {
     }
 
     /// Index of the cell in which an exit counts.
-    pub(crate) fn cell_index(&self, exit: &Exit) -> u32 {
+    pub(crate) fn cell_index(&self, exit: &PhotonExit) -> u32 {
         let place = exit.side as usize * self.layout.place_count() + self.layout.place(exit.x, exit.y);
         let bins = self.layout.order_bins();
         (place * bins.len() + bins.bin(exit.order)) as u32
@@ -368,8 +368,8 @@ fn difference(a: &Parameters, b: &Parameters) -> Option<(&'static str, String, S
         let name = |p: &Parameters| format!("{:?}", p.phase_function);
         return Some(("phase function", name(a), name(b)));
     }
-    if a.entry != b.entry {
-        return Some(("entry", format!("{:?}", a.entry), format!("{:?}", b.entry)));
+    if a.incidence != b.incidence {
+        return Some(("entry", format!("{:?}", a.incidence), format!("{:?}", b.incidence)));
     }
     let numbers =
         |p: &Parameters| [("eta", p.eta), ("thickness", p.thickness), ("spot radius", p.spot_radius)];
@@ -382,7 +382,7 @@ fn difference(a: &Parameters, b: &Parameters) -> Option<(&'static str, String, S
 mod tests {
     use super::super::{Control, OrderBins, PhaseFunction};
     use super::*;
-    use crate::Entry;
+    use crate::Incidence;
 
     fn table(radii: &[f64], sectors: u32, reference_albedo: f64) -> WhiteTable {
         let layout = Layout::with_order_bins(radii, sectors, OrderBins::new(0.125).unwrap()).unwrap();
@@ -452,7 +452,7 @@ mod tests {
                 make(Parameters { spot_radius: 2.0, ..base }, &[1.0], 1, 0.1, 0.9),
                 "spot radius: 0 in one, 2 in",
             ),
-            (make(Parameters { entry: Entry::Cosine, ..base }, &[1.0], 1, 0.1, 0.9), "entry: Pencil"),
+            (make(Parameters { incidence: Incidence::Cosine, ..base }, &[1.0], 1, 0.1, 0.9), "entry: Pencil"),
             (make(Parameters { phase_function: hg, ..base }, &[1.0], 1, 0.1, 0.9), "phase function: Henyey"),
             (make(base, &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
             (make(base, &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
@@ -494,7 +494,8 @@ mod tests {
     #[test]
     fn order_probabilities_are_those_of_the_half_space() {
         let problem =
-            Problem::new(Parameters { entry: Entry::UniformCosine, ..Parameters::default() }).unwrap();
+            Problem::new(Parameters { incidence: Incidence::UniformCosine, ..Parameters::default() })
+                .unwrap();
         let layout = Layout::new(&[1.0], 1).unwrap();
         let table = after(WhiteTable::new(problem, layout, 0.99).unwrap(), 5, 400_000);
         let mut q = 1.0;

@@ -79,7 +79,7 @@ mod tests {
 
     fn names(directory: &Path) -> Vec<String> {
         let entries = fs::read_dir(directory).unwrap();
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+        entries.map(|incidence| incidence.unwrap().file_name().into_string().unwrap()).collect()
     }
 
     #[test]

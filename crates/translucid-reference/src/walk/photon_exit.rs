@@ -11,7 +11,7 @@ pub enum Side {
 
 /// A photon that has left the medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Exit {
+pub(crate) struct PhotonExit {
     /// Where it left, in mean free paths from the center of the entry; the beam is tilted towards +x.
     pub(crate) x: f32,
     /// See `x`.
