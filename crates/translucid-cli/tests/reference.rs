@@ -181,6 +181,33 @@ fn tables_are_kept_continued_and_joined() {
     assert_eq!(files(path), ["a.npz", "ab.npz", "b.npz", "ba.npz", "c.npz"]);
 }
 
+/// Killed at whatever moment, a walk leaves the old table or the new one, whole, and goes on from it to the same bits.
+#[test]
+fn killed_walks_leave_whole_tables() {
+    use std::process::Stdio;
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons";
+    let start = std::time::Instant::now();
+    stdout(path, &format!("{walk} 65000 --table whole.npz"));
+    let duration = start.elapsed();
+    for kill in 1..=12 {
+        let words = format!("{walk} {} --table killed.npz --resume", 5000 * kill);
+        let mut command = translucid(path);
+        let child = command.args(words.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = child.spawn().unwrap();
+        // Weyl's sequence leaves no moment out for long
+        std::thread::sleep(duration.mul_f64((f64::from(kill) * 0.618_033_988_749_895).fract()));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    stdout(path, &format!("{walk} 65000 --table killed.npz --resume"));
+    let [whole, killed] = ["whole.npz", "killed.npz"].map(|name| std::fs::read(path.join(name)).unwrap());
+    assert!(whole == killed);
+    assert_eq!(files(path), ["killed.npz", "whole.npz"]);
+}
+
 #[cfg(unix)]
 #[test]
 fn interrupted_walk_keeps_what_it_has() {

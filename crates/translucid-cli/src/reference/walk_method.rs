@@ -511,7 +511,9 @@ fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
 
 fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
     match path {
-        Some(path) => table.save(path).map_err(|error| Failure::work(error.to_string())),
+        Some(path) => {
+            translucid_render::write_atomically(path, |out| table.write(out)).map_err(Failure::late)
+        }
         None => Ok(()),
     }
 }

@@ -24,7 +24,7 @@ const PHOTONS_OF_A_RING: f64 = 100.0;
 ///
 /// Sums over rings have their own second moments: the rings' errors are not independent.
 ///
-/// # What the standard error means
+/// # Meaning of the standard error
 /// It is estimated from the same photons, and of few photons it knows little. Where n photons of equal weight are to
 /// be expected, ±1.96 errors hold the truth in 95 % of cases for n above 300, in 92 % or more for n above 16, in 86 %
 /// for n from 5, in 79 % for n from 3. [`effective_photons`](Self::effective_photons) says how many there are; where
@@ -41,7 +41,7 @@ pub struct AtAlbedo<'a> {
     places: Vec<Weighed>,
 }
 
-/// What a table says about one radius.
+/// Figures of a table at one radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRadius {
     /// Exitance R(r) [ℓ⁻²], as the mean over the two rings at r; see
@@ -51,9 +51,24 @@ pub struct AtRadius {
     pub enclosed: Estimate,
 }
 
+impl WhiteTable {
+    /// Figures of the table at one albedo, per unit of flux that entered.
+    ///
+    /// # Errors
+    /// The albedo is not in [0, reference albedo].
+    pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
+        let value = single_scattering_albedo;
+        if !(0.0..=self.reference_albedo()).contains(&value) {
+            let allowed = "at least 0 and at most the table's reference albedo";
+            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
+        }
+        Ok(AtAlbedo::new(self, value))
+    }
+}
+
 impl<'a> AtAlbedo<'a> {
-    /// α is in [0, reference albedo].
-    pub(crate) fn new(table: &'a WhiteTable, single_scattering_albedo: f64) -> Self {
+    /// Weighs the table's photons for α in [0, reference albedo].
+    fn new(table: &'a WhiteTable, single_scattering_albedo: f64) -> Self {
         let bins = table.layout().order_bins();
         let weights = Weights::new(bins, single_scattering_albedo, table.reference_albedo());
         let faces = [Side::Reflected, Side::Transmitted].map(|side| table.cells(side, Region::Everywhere));
@@ -62,7 +77,7 @@ impl<'a> AtAlbedo<'a> {
         Self { table, single_scattering_albedo, places }
     }
 
-    /// The albedo α.
+    /// Single-scattering albedo α.
     pub fn single_scattering_albedo(&self) -> f64 {
         self.single_scattering_albedo
     }

@@ -1,4 +1,4 @@
-//! What a walk walks through.
+//! Geometry, boundary, scattering and illumination of a walk.
 
 use translucid_profile::ParameterError;
 
@@ -88,6 +88,11 @@ impl Problem {
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.0
+    }
+
+    /// Number of faces through which light can leave.
+    pub(super) fn faces(&self) -> usize {
+        if self.0.thickness.is_finite() { 2 } else { 1 }
     }
 }
 
