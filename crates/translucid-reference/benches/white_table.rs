@@ -1,4 +1,4 @@
-//! What one walk for all albedos costs, and how it scales over the cores.
+//! Cost of one walk for all albedos, and how it scales over the cores.
 //!
 //! `cargo bench -p translucid-reference --bench white_table`.
 //! The first table is the set of surface albedos 0.01, 0.02, … 0.99 from a single run, until every ring that holds at

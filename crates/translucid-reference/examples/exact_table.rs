@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A row is one surface albedo, rows are equidistant in the angle θ with 1 − A = cos⁴θ, and between them logarithms are interpolated.
-//! Of each cell of radii (one from 0 to the first octave, then 2^j in each octave) a row holds the logarithms of its
+//! For each cell of radii (one from 0 to the first octave, then 2^j in each octave) a row holds the logarithms of its
 //! share of the energy and of its weight, of each end that of the density per length: see `exact_table.rs` and
 //! `monotone_cell.rs` of `translucid-profile`, which read them.
 
@@ -30,7 +30,7 @@ const FAR_TOLERANCE: f64 = 1e-10;
 /// Logarithms below this are of nothing.
 const LEAST_LOGARITHM: f64 = -600.0;
 
-/// What is known at a radius, in parts of all energy.
+/// Figures at a radius, in parts of all energy.
 #[derive(Clone, Copy)]
 struct Knot {
     r: f64,
@@ -115,7 +115,7 @@ fn table(configuration: Configuration, name: &str) -> Result<Vec<u8>, Box<dyn st
     Ok(bytes)
 }
 
-/// How many times an octave is halved, and where its cells begin.
+/// Number of times that an octave is halved, and the start of its cells.
 fn octave(rows: &[HalfSpace], exponent: i32) -> (u32, Vec<f64>) {
     let start = f64::from(exponent).exp2();
     for bits in 0.. {

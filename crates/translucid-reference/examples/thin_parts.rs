@@ -1,4 +1,4 @@
-//! How much light thin and curved parts return, by a walk of photons and by the models of a flat half space.
+//! Light that thin and curved parts return, by a walk of photons and by the models of a flat half space.
 //!
 //! ```text
 //! cargo run --release -p translucid-reference --example thin_parts
@@ -55,7 +55,7 @@ const RADIAL: [Model; 8] = [
 enum Kind {
     Sphere,
     Slab,
-    /// With its angle.
+    /// Wedge with its angle.
     Wedge(f64),
 }
 
@@ -148,14 +148,14 @@ impl Models {
         }
     }
 
-    /// What every model returns of even light, the oblique one first.
+    /// Light that every model returns of even light, the oblique one first.
     fn energies(&self, kind: Kind, size: f64) -> Vec<f64> {
         let mut energies = vec![self.oblique_energy(kind, size)];
         energies.extend(self.radial.iter().map(|profile| radial_energy(profile.as_ref(), kind, size)));
         energies
     }
 
-    /// The same of light followed by its direction, which counts by the share q of the way that lies along the surface
+    /// Light that is returned when it is followed by its direction, which counts by the share q of the way that lies along the surface
     /// at the entry.
     fn oblique_energy(&self, kind: Kind, size: f64) -> f64 {
         let longest = 60.0 * self.d;

@@ -1,4 +1,4 @@
-//! How light enters the medium.
+//! Directions in which light enters the medium.
 
 use translucid_profile::{Configuration, fresnel_from_outside, fresnel_moment_1_from_outside};
 

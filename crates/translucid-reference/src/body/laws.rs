@@ -133,7 +133,7 @@ fn integral_of(n: u32, f: impl Fn(f64) -> f64) -> f64 {
     (0..n).map(|i| f((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n)
 }
 
-/// What leaves is what no collision absorbs.
+/// Light leaves unless a collision absorbs it.
 #[test]
 fn absorbed_light_is_that_of_the_collisions() {
     for shape in [

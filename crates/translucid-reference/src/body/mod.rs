@@ -67,7 +67,7 @@ pub struct Interior {
 /// entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Lighting {
-    /// The same radiance from everywhere, all over a sphere; at one point of a slab's first face or of a wedge's.
+    /// Equal radiance from everywhere, all over a sphere; at one point of a slab's first face or of a wedge's.
     Uniform,
     /// Parallel light: on a whole sphere from the direction of its first ring; perpendicular to the first face of a
     /// slab or wedge at one point.

@@ -33,7 +33,7 @@ pub enum Shape {
     },
 }
 
-/// Where a flight leads out of a body.
+/// Place where a flight leads out of a body.
 pub(super) struct Wall {
     /// Length of the flight, at least 0.
     pub(super) distance: f64,
@@ -61,7 +61,7 @@ impl Shape {
         }
     }
 
-    /// Whether light leaves after finitely many collisions on average, though none absorbs it.
+    /// Tells whether light leaves after finitely many collisions on average, though none absorbs it.
     pub(super) fn is_finite(&self) -> bool {
         !matches!(self, Self::Wedge { .. })
     }
@@ -113,7 +113,7 @@ impl Shape {
         }
     }
 
-    /// Where light arrives, the inward normal there, and the direction outside about it.
+    /// Place where light arrives, the inward normal there, and the direction outside about it.
     fn arrival(&self, lighting: Lighting, random: &mut SplitMix) -> (Vector, Vector, f64, f64) {
         let up = [0.0, 0.0, 1.0];
         let toward = |random: &mut SplitMix| match lighting {

@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    /// What crosses the divide one way, summed over all places of entry, crosses it the other way.
+    /// Light that crosses the divide one way, summed over all places of entry, crosses it the other way.
     #[test]
     fn unequal_halves_are_reciprocal() {
         let body = TwoHalves::new([half(0.9, 0.4), half(0.4, 1.0)]).unwrap();

@@ -13,7 +13,7 @@ use super::inversion::{Contour, Inversion, Settings};
 use super::single_scattering::SingleScattering;
 use crate::Estimate;
 
-/// How finely the solution under a boundary is computed.
+/// Rules and steps of the solution under a boundary.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DielectricSettings {
     /// Rule over directions.
@@ -49,7 +49,7 @@ pub(crate) struct DielectricHalfSpace {
     settings: DielectricSettings,
     single_scattering: SingleScattering,
     inversion: Inversion,
-    /// Of the difference between the finer and the coarser rule.
+    /// Inversion of the difference between the finer and the coarser rule.
     doubt: Inversion,
     energy: EnergyBudget,
 }
@@ -99,12 +99,12 @@ impl DielectricHalfSpace {
         self.dispersion.single_scattering_albedo
     }
 
-    /// The part that is scattered once.
+    /// Profile of the light that is scattered once.
     pub(crate) fn single_scattering(&self) -> &SingleScattering {
         &self.single_scattering
     }
 
-    /// What gets out at one wave number, with the rule given.
+    /// Light that gets out at one wave number, with the rule given.
     pub(crate) fn respond(&self, wave_number: WaveNumber, counts: DirectionCounts) -> Response {
         respond(&self.dispersion, wave_number, self.eta, counts, &self.settings)
     }

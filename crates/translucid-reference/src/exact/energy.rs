@@ -12,7 +12,7 @@
 
 use crate::Estimate;
 
-/// What the parts of the energy have in common.
+/// Quantities that the parts of the energy have in common.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EnergyBudget {
     total: Estimate,
@@ -24,7 +24,7 @@ pub(crate) struct EnergyBudget {
 
 /// Radius up to which the nodes of wave numbers resolve energies.
 const R_FAR: f64 = 1e5;
-/// The same where what is beyond is a difference, whose digits are lost to the total's error.
+/// Radius up to which they do where what is beyond is a difference, whose digits are lost to the total's error.
 const R_FAR_DIFFERENCE: f64 = 1e4;
 /// Greatest k₀ r₁ there.
 const DEPTH_FAR: f64 = 3.0;

@@ -87,9 +87,9 @@ impl WaveNumber {
 /// A value by the quadrature of a setting, and by its coarser half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nested {
-    /// With every node.
+    /// Value with every node.
     pub(crate) fine: Complex64,
-    /// With every other node; its error is about the square root of the finer rule's.
+    /// Value with every other node; its error is about the square root of the finer rule's.
     pub(crate) coarse: Complex64,
 }
 
@@ -144,7 +144,7 @@ impl Samples {
 /// Independent sums that the processor may add up at once.
 const LANES: usize = 8;
 
-/// Where the samples end, in units of |b| or 1.
+/// End of the samples, in units of |b| or 1.
 const REACH: f64 = 3e4;
 
 /// The H function of one albedo and one wave number, ready to be evaluated for many s.

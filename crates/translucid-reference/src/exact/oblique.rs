@@ -54,12 +54,12 @@ pub struct ObliqueHalfSpace {
     count: usize,
 }
 
-/// How the harmonics are made.
+/// Precision of the harmonics.
 #[derive(Clone, Copy, Debug)]
 struct HarmonicsSettings {
-    /// What may be left out, as a part of the first.
+    /// Size of harmonics that may be left out, as a part of the first.
     tolerance: f64,
-    /// By which power of e errors of the transform may grow: as many as leave the tolerance.
+    /// Power of e by which errors of the transform may grow: as many as leave the tolerance.
     growth: f64,
 }
 

@@ -32,7 +32,7 @@ const LN_W_MAX: f64 = 16.5;
 const GATHERED_POINTS: usize = 20;
 /// Error of the rules here, as part of the value.
 const RELATIVE_ERROR: f64 = 1e-12;
-/// The same, times the cosine of a beam close to grazing: azimuths and ways count on a scale that narrows with it.
+/// Panels of azimuths times the cosine of a beam close to grazing: azimuths and ways count on a scale that narrows with it.
 const GRAZING_ERROR: f64 = 1e-13;
 
 /// A beam inside the medium, and the boundary above it.
@@ -251,7 +251,7 @@ fn rule() -> Vec<(f64, f64)> {
 /// Weights gathered on fixed σ: each goes to the nodes of its panel in the shares of Lagrange's interpolation,
 /// which is as good as e^{−rσ} is close to a polynomial on the panel.
 struct Gathered {
-    /// Of the panels of σ − 1.
+    /// Bounds of the panels of σ − 1.
     edges: Vec<f64>,
     /// Chebyshev points of [0, 1] and their barycentric weights.
     points: Vec<(f64, f64)>,

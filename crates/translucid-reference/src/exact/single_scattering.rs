@@ -22,7 +22,7 @@ use translucid_profile::ParameterError;
 use super::positive_radius;
 use crate::{Estimate, Incidence};
 
-/// How light enters, as far as single scattering has a closed form for it.
+/// Directions of entering light for which single scattering has a closed form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Entrance {
     /// A pencil along the normal.
@@ -47,7 +47,7 @@ impl Entrance {
     }
 }
 
-/// Single scattering of one albedo and entry in the half space.
+/// Profile of the light scattered once in the half space, for one albedo and one direction of light.
 ///
 /// Every figure has all its digits without a boundary, for every r: the integrands are positive. With one, f is
 /// computed by quadrature, to some 12 digits.
@@ -59,7 +59,7 @@ pub struct SingleScattering {
     accuracy: Accuracy,
 }
 
-/// How the error of a sum over nodes is known.
+/// Source of the error of a sum over nodes.
 #[derive(Clone, Copy, Debug)]
 enum Accuracy {
     /// The nodes are those of a trapezoidal rule, and every other one makes the coarser rule.

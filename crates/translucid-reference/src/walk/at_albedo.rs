@@ -37,7 +37,7 @@ const PHOTONS_OF_A_RING: f64 = 100.0;
 pub struct AtAlbedo<'a> {
     table: &'a WhiteTable,
     single_scattering_albedo: f64,
-    /// By face and place.
+    /// Sums by face and place.
     places: Vec<Weighed>,
 }
 
@@ -120,7 +120,7 @@ impl<'a> AtAlbedo<'a> {
         self.around_radius(side, radius, Region::Ring)
     }
 
-    /// As [`at_radius`](Self::at_radius), the exitance being the mean over the sector in which the azimuth lies:
+    /// Figures at a radius as [`at_radius`](Self::at_radius) gives them, the exitance being the mean over the sector in which the azimuth lies:
     /// an angle from the direction towards which the beam is tilted, in radians.
     ///
     /// # Errors
@@ -191,7 +191,7 @@ impl<'a> AtAlbedo<'a> {
         if sum.second > 0.0 { sum.first * sum.first / sum.second } else { 0.0 }
     }
 
-    /// How far the energy can be from that of the same photons with every order on its own.
+    /// Greatest distance of the energy from that of the same photons with every order on its own.
     ///
     /// A rigorous limit by convexity (see [`OrderBins`](super::OrderBins)): the true sum is no farther, however
     /// unfavorably orders are spread in their bins. The actual difference is smaller by far.

@@ -18,7 +18,7 @@ pub(super) struct ExitBuffer<'a> {
     order: [u32; EXITS + LANES],
     transmitted: [u32; EXITS + LANES],
     count: usize,
-    /// How many have been handed on.
+    /// Number of exits that have been handed on.
     pub(super) total: u64,
     batch: Vec<PhotonExit>,
     hand_on: &'a mut dyn FnMut(&[PhotonExit]),

@@ -47,11 +47,12 @@ impl<const F: usize, const W: usize> Columns<F, W> {
         words: [Words<S>; W],
     ) -> usize {
         let rows = row..row + LANES;
+        let (floats, words) = (floats.map(|floats| floats.compress(mask)), words.map(|words| words.compress(mask)));
         for (column, values) in self.floats.iter_mut().zip(floats) {
-            values.compress(mask).store_slice(&mut column[rows.clone()]);
+            values.store_slice(&mut column[rows.clone()]);
         }
         for (column, values) in self.words.iter_mut().zip(words) {
-            values.compress(mask).store_slice(&mut column[rows.clone()]);
+            values.store_slice(&mut column[rows.clone()]);
         }
         row + mask.to_bitmask().count_ones() as usize
     }

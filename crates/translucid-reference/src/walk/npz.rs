@@ -119,7 +119,7 @@ impl Reader {
 
     /// Reads an array of eight-byte elements of a shape that `accept` accepts.
     ///
-    /// What `take` gets is to be trusted only when all went well: the checksum is known at the end. It gets no more
+    /// The words that `take` gets are to be trusted only when all went well: the checksum is known at the end. There are no more
     /// than the file is long.
     pub(crate) fn words(
         &mut self,

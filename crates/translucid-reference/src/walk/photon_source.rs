@@ -10,7 +10,7 @@ use super::random::Stream;
 use super::scatter::Directions;
 use crate::Incidence;
 
-/// Where and in which directions photons start, just inside the medium.
+/// Law by which photons start, place and direction just inside the medium.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PhotonSource {
     directions: StartDirections,
@@ -103,7 +103,7 @@ fn around_normal<S: Simd>(
 
 /// Cosines μ on the side of lower index with density ∝ μ (1 − F(μ)), seen from that side.
 ///
-/// That is what enters on the rarer side, and by reciprocity of F what light of equal radiance brings to it
+/// Light enters so on the rarer side, and by reciprocity of F what light of equal radiance brings to it
 /// from the denser. Candidates √u are accepted with probability 1 − F, which is near 1 on this side. A lane
 /// that is done draws no more: how often its neighbours try is none of its business.
 #[inline(always)]

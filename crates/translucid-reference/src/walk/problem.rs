@@ -34,13 +34,13 @@ impl PhaseFunction {
 /// of isotropic scatterers under a pencil beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// How collisions deflect.
+    /// Phase function of collisions.
     pub phase_function: PhaseFunction,
     /// Relative index of refraction n_inside/n_outside, the same on both faces; in [0.1, 10].
     pub eta: f64,
     /// Thickness in mean free paths, greater than 0; infinite for the half space.
     pub thickness: f64,
-    /// How light enters.
+    /// Directions in which light enters.
     pub incidence: Incidence,
     /// Radius in mean free paths of the disc over which the points of entry are spread evenly, at least 0.
     pub spot_radius: f64,

@@ -1,6 +1,6 @@
 //! The kernel's walk with the kernel's random words, in double precision and one photon at a time.
 //!
-//! What differs between the two is rounding alone: photon by photon the exits can be laid side by side, which
+//! The two differ by rounding alone: photon by photon the exits can be laid side by side, which
 //! shows a bias of single precision that no comparison of independent samples would.
 
 use super::random::{Key, Stream};
@@ -8,7 +8,7 @@ use super::{PhaseFunction, PhotonExit, Problem, Side};
 use crate::Incidence;
 use translucid_profile::fresnel_from_inside;
 
-/// How a photon ended.
+/// End of a photon's walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct End {
     /// The exit, or nothing for an absorbed photon.

@@ -16,7 +16,7 @@ use crate::split_mix::SplitMix;
 
 type Vector = [f64; 3];
 
-/// As [`super::trace()`].
+/// Walks the photons of a range, as [`super::trace()`] does.
 pub(crate) fn trace_scalar(
     problem: &Problem,
     reference_albedo: f64,

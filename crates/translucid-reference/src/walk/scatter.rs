@@ -18,7 +18,7 @@ pub(crate) type Deflection<S> = (Floats<S>, Floats<S>);
 
 /// A way to scatter; a type of its own, so that the kernel is compiled for each.
 pub(crate) trait Scatter: Copy {
-    /// Whether the new direction depends on the old one.
+    /// True where the new direction depends on the old one.
     const REMEMBERS: bool;
 
     /// The direction after a collision, from two words.

@@ -10,7 +10,7 @@
 //!         deflect
 //! ```
 //!
-//! How the code departs from this:
+//! Departures of the code from this:
 //!
 //! 1. Sixteen photons walk at a time, in single precision, in the lanes of vectors ([`super::lanes`]).
 //! 2. Photons live in a block, a structure of arrays with 32 such groups. A group steps in registers until one
@@ -25,7 +25,7 @@
 //! 6. Reflection mirrors the end of the flight at the face, no flight is cut in two. Total reflection does not
 //!    end a group's stay in registers.
 //!
-//! What each was worth, in ns of CPU at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and
+//! Times with and without each, in ns of CPU at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and
 //! index-matched, on an EPYC of 2022 with AVX-512; a step in a row differs from the row above by that step
 //! alone. `cargo bench -p translucid-reference --bench walk` measures the first row and the last ones anew.
 //!

@@ -51,7 +51,7 @@ fn cases() -> Vec<(Parameters, f64)> {
 
 const BINS: usize = 24;
 
-/// Which bin of each histogram an exit falls into: radius, azimuth, order, cosine; sides apart.
+/// Bins of an exit, one of each histogram: radius, azimuth, order, cosine; sides apart.
 fn bins(exit: &PhotonExit) -> [usize; 4] {
     let radius = f64::from(exit.x).hypot(f64::from(exit.y));
     let azimuth = f64::from(exit.y).atan2(f64::from(exit.x)) / std::f64::consts::TAU + 0.5;

@@ -49,7 +49,7 @@ pub struct WhiteTable {
     reference_albedo: f64,
     ranges: PhotonRanges,
     counts: PhotonCounts,
-    /// By face, place and order bin, the last varying fastest.
+    /// Cells by face, place and order bin, the last varying fastest.
     cells: Vec<Cell>,
 }
 

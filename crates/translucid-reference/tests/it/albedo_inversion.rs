@@ -45,7 +45,7 @@ fn entering_cosine(configuration: Configuration, eta: f64, random: &mut Random) 
     }
 }
 
-/// Whether a photon leaves again: depth and cosine (inward) are all that counts.
+/// Tells whether a photon leaves again: depth and cosine (inward) are all that counts.
 fn leaves(alpha: f64, g: f64, eta: f64, mut cosine: f64, random: &mut Random) -> bool {
     let mut depth = 0.0;
     loop {

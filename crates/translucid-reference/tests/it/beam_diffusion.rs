@@ -72,7 +72,7 @@ fn mean_error_is_as_stated() {
     }
 }
 
-/// As [`mean_error_is_as_stated`] over the plane, as a part of the exact surface albedo at that angle; A is the
+/// Checks the mean error over the plane, as a part of the exact surface albedo at that angle; A is the
 /// surface albedo along the normal.
 fn assert_mean_error_of_oblique_beam(a: f64, cos_theta: f64, stated: f64) {
     let alpha =

@@ -1,4 +1,4 @@
-//! How far the directional dipole is from the truth, by angle of incidence: the exact half space where there is no
+//! Errors of the directional dipole by angle of incidence: against the exact half space where there is no
 //! boundary, the walk where there is one.
 //!
 //! Errors are area-weighted L1 distances ∫|R_model − R| dA / ∫ R dA over the whole surface. They are figures of

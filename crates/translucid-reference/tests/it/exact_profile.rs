@@ -78,7 +78,7 @@ fn table_is_the_solution_between_its_rows() {
     }
 }
 
-/// What single precision leaves where nothing is interpolated: at rows, at the ends of cells.
+/// Errors that single precision leaves where nothing is interpolated: at rows, at the ends of cells.
 #[test]
 fn rows_are_what_the_solution_gives_today() {
     for (row, configuration) in

@@ -1,4 +1,4 @@
-//! How far the mean over the two rings at a radius is from the exitance at the radius itself.
+//! Distance of the mean over the two rings at a radius from the exitance at the radius itself.
 
 use std::f64::consts::PI;
 
