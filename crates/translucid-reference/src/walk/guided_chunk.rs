@@ -168,7 +168,8 @@ impl<S: Simd> Walkers<S> {
     #[inline(always)]
     fn leave(&self, simd: S, ended: mask32x16<S>, guide: &Guide, chunk: Words<S>, left: &mut LeftPhotons) {
         let gone = self.out | ended;
-        if gone.to_bitmask() == 0 {
+        let count = gone.to_bitmask().count_ones() as usize;
+        if count == 0 {
             return;
         }
         let rho2 = self.x * self.x + self.y * self.y;
@@ -179,14 +180,36 @@ impl<S: Simd> Walkers<S> {
         let score = self.out.select(self.weight * self.factor * self.exit_sigma, f32x16::splat(simd, 0.0));
         let expected = self.weight * guide.mean_exit;
         let total = self.out.select(score - expected * (self.factor - 1.0), expected);
-        left.push(gone, &LeftGroup { squares, product, score, total }, chunk);
+        let group = LeftGroup {
+            squares: squares.compress(gone),
+            product: product.compress(gone),
+            score: score.compress(gone),
+            total: total.compress(gone),
+        };
+        left.push(&group, chunk.compress(gone), count);
     }
 
     /// Writes those alive as rows from the one given on, and returns the row behind them.
     #[inline(always)]
     fn stay(&self, stream: Stream<Words<S>>, chunk: Words<S>, flying: &mut PhotonRows, row: usize) -> usize {
+        let alive = self.alive;
+        let floats = [
+            self.x.compress(alive),
+            self.y.compress(alive),
+            self.z.compress(alive),
+            self.weight.compress(alive),
+            self.factor.compress(alive),
+        ];
         let [a, b, c, d] = stream.0;
-        flying.put(row, self.alive, [self.x, self.y, self.z, self.weight, self.factor], [a, b, c, d, chunk])
+        let words = [
+            a.compress(alive),
+            b.compress(alive),
+            c.compress(alive),
+            d.compress(alive),
+            chunk.compress(alive),
+        ];
+        flying.put(row, floats, words);
+        row + alive.to_bitmask().count_ones() as usize
     }
 }
 

@@ -1,7 +1,7 @@
 //! Rows of numbers as a structure of arrays.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16, u32x16};
+use fearless_simd::{Simd, f32x16, u32x16};
 
 use super::lanes::{Floats, Words};
 use super::random::LANES;
@@ -36,25 +36,16 @@ impl<const F: usize, const W: usize> Columns<F, W> {
         self.len += other.len;
     }
 
-    /// Writes the lanes of a mask as rows from the one given on, and returns the row behind them. Up to sixteen rows
-    /// from there are overwritten.
+    /// Writes sixteen rows from the one given on.
     #[inline(always)]
-    pub(super) fn put<S: Simd>(
-        &mut self,
-        row: usize,
-        mask: mask32x16<S>,
-        floats: [Floats<S>; F],
-        words: [Words<S>; W],
-    ) -> usize {
+    pub(super) fn put<S: Simd>(&mut self, row: usize, floats: [Floats<S>; F], words: [Words<S>; W]) {
         let rows = row..row + LANES;
-        let (floats, words) = (floats.map(|floats| floats.compress(mask)), words.map(|words| words.compress(mask)));
         for (column, values) in self.floats.iter_mut().zip(floats) {
             values.store_slice(&mut column[rows.clone()]);
         }
         for (column, values) in self.words.iter_mut().zip(words) {
             values.store_slice(&mut column[rows.clone()]);
         }
-        row + mask.to_bitmask().count_ones() as usize
     }
 
     /// Reads sixteen rows from the one given on.

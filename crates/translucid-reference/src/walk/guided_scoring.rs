@@ -4,7 +4,7 @@
 //! inside a radius is an arc cosine.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, mask32x16};
+use fearless_simd::{Simd, f32x16};
 
 use super::guided_columns::Columns;
 use super::lanes::{self, Floats, Words};
@@ -75,11 +75,12 @@ impl LeftPhotons {
         self.rows.len = 0;
     }
 
-    /// Appends the photons of a mask.
+    /// Appends the first `count` photons of a group.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(&mut self, mask: mask32x16<S>, group: &LeftGroup<S>, chunk: Words<S>) {
+    pub(super) fn push<S: Simd>(&mut self, group: &LeftGroup<S>, chunk: Words<S>, count: usize) {
         let LeftGroup { squares, product, score, total } = *group;
-        self.rows.len = self.rows.put(self.rows.len, mask, [squares, product, score, total], [chunk]);
+        self.rows.put(self.rows.len, [squares, product, score, total], [chunk]);
+        self.rows.len += count;
     }
 
     /// Starts a sum over rings, and returns the number of groups.
