@@ -511,9 +511,7 @@ fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
 
 fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
     match path {
-        Some(path) => {
-            translucid_render::write_atomically(path, |out| table.write(out)).map_err(Failure::late)
-        }
+        Some(path) => translucid_image::write_atomically(path, |out| table.write(out)).map_err(Failure::late),
         None => Ok(()),
     }
 }
