@@ -3,7 +3,7 @@
 mod common;
 
 use common::{files, run, stderr, stdout, translucid};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
 const HEADER: &str = "surface_albedo,single_scattering_albedo,r,reflectance,enclosed,standard_error";
@@ -25,17 +25,17 @@ fn table(words: &str) -> Vec<[f64; 6]> {
 
 #[test]
 fn exact_prints_the_numbers_of_the_library() {
-    for (options, eta, entry) in [
-        ("--configuration searchlight", 1.0, Entry::NORMAL),
-        ("--configuration diffuse", 1.0, Entry::Cosine),
-        ("", 1.0, Entry::Cosine),
-        ("--configuration searchlight --eta 1.4", 1.4, Entry::NORMAL),
-        ("--incidence-angle 0", 1.0, Entry::NORMAL),
+    for (options, eta, incidence) in [
+        ("--configuration searchlight", 1.0, Incidence::NORMAL),
+        ("--configuration diffuse", 1.0, Incidence::Cosine),
+        ("", 1.0, Incidence::Cosine),
+        ("--configuration searchlight --eta 1.4", 1.4, Incidence::NORMAL),
+        ("--incidence-angle 0", 1.0, Incidence::NORMAL),
     ] {
         let rows = table(&format!("--method exact --single-scattering-albedo 0.9,0.5 {options} --at 0.1,1"));
         assert_eq!(rows.len(), 4, "{options}");
         for (row, (albedo, r)) in rows.iter().zip([(0.9, 0.1), (0.9, 1.0), (0.5, 0.1), (0.5, 1.0)]) {
-            let solution = HalfSpace::with_boundary(albedo, eta, entry).unwrap();
+            let solution = HalfSpace::with_boundary(albedo, eta, incidence).unwrap();
             let (reflectance, enclosed) = (solution.eval(r), solution.enclosed(r));
             let total = solution.total().value;
             let expected = [total, albedo, r, reflectance.value, enclosed.value, reflectance.error];
@@ -179,6 +179,33 @@ fn tables_are_kept_continued_and_joined() {
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("c.npz"), "{}", stderr(&output));
     assert_eq!(files(path), ["a.npz", "ab.npz", "b.npz", "ba.npz", "c.npz"]);
+}
+
+/// Killed at whatever moment, a walk leaves the old table or the new one, whole, and goes on from it to the same bits.
+#[test]
+fn killed_walks_leave_whole_tables() {
+    use std::process::Stdio;
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons";
+    let start = std::time::Instant::now();
+    stdout(path, &format!("{walk} 65000 --table whole.npz"));
+    let duration = start.elapsed();
+    for kill in 1..=12 {
+        let words = format!("{walk} {} --table killed.npz --resume", 5000 * kill);
+        let mut command = translucid(path);
+        let child = command.args(words.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = child.spawn().unwrap();
+        // Weyl's sequence leaves no moment out for long
+        std::thread::sleep(duration.mul_f64((f64::from(kill) * 0.618_033_988_749_895).fract()));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    stdout(path, &format!("{walk} 65000 --table killed.npz --resume"));
+    let [whole, killed] = ["whole.npz", "killed.npz"].map(|name| std::fs::read(path.join(name)).unwrap());
+    assert!(whole == killed);
+    assert_eq!(files(path), ["killed.npz", "whole.npz"]);
 }
 
 #[cfg(unix)]

@@ -63,7 +63,7 @@ fn write(text: &str) {
     std::fs::write(&path, document).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
-/// What one core can do, in operations on single elements of a vector per nanosecond, and bytes per nanosecond.
+/// Peak rates of one core, in operations on single elements of a vector per nanosecond, and bytes per nanosecond.
 struct Rates {
     /// Single precision with the widest instructions, AVX2 and the baseline.
     single: [Option<f64>; 3],

@@ -5,8 +5,8 @@
 
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albedo};
-use translucid_reference::Entry;
-use translucid_reference::body::{Body, Light as BodyLight, Medium, SPHERE_RINGS, Shape};
+use translucid_reference::Incidence;
+use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape};
 use translucid_reference::exact::HalfSpace;
 use translucid_render::measure::Frame;
 use translucid_scene::{
@@ -133,7 +133,7 @@ fn beam_returns_the_enclosed_energy_of_the_exact_profile() {
         let origin = Vec3::new(3.3, 1.1, 50.0);
         scene.lights.push(Light::Beam { origin, direction: Vec3::NEG_Z, radius, power: Vec3::ONE });
         let expected = per_channel(|c| {
-            let half_space = HalfSpace::new(alphas[c], Entry::NORMAL).unwrap();
+            let half_space = HalfSpace::new(alphas[c], Incidence::NORMAL).unwrap();
             half_space.enclosed(f64::from(radius / LENGTH[c])).value
         });
         let result = flux(&prepare(scene), 1 << 16, on_plane);
@@ -174,8 +174,8 @@ fn slab_agrees_with_an_independent_walk() {
     let mut scene = scene(vec![top, bottom], material());
     let tallies = [0, 1, 2].map(|c: usize| {
         let shape = Shape::Slab { thickness: f64::from(thickness / LENGTH[c]) };
-        let medium = Medium { single_scattering_albedo: alphas[c], g: 0.0, eta: 1.0 };
-        Body::new(shape, medium, BodyLight::Uniform).unwrap().walk(4_000_000, 1)
+        let interior = Interior { single_scattering_albedo: alphas[c], g: 0.0, eta: 1.0 };
+        Body::new(shape, interior, Lighting::Uniform).unwrap().walk(4_000_000, 1)
     });
     scene.environment = uniform_environment(Vec3::ONE);
     let result = flux(&prepare(scene.clone()), 1 << 15, on_plane);
@@ -195,8 +195,8 @@ fn sphere_agrees_with_an_independent_walk() {
     let renderer = prepare(scene);
     let tallies = [0, 1, 2].map(|c: usize| {
         let shape = Shape::Sphere { radius: f64::from(radius / LENGTH[c]) };
-        let medium = Medium { single_scattering_albedo: alphas[c], g: 0.0, eta: 1.0 };
-        Body::new(shape, medium, BodyLight::Distant).unwrap().walk(4_000_000, 2)
+        let interior = Interior { single_scattering_albedo: alphas[c], g: 0.0, eta: 1.0 };
+        Body::new(shape, interior, Lighting::Distant).unwrap().walk(4_000_000, 2)
     });
     for ring in [0, 3, 5, 7, 9] {
         let place = |[x, y]: [f64; 2]| {

@@ -9,28 +9,22 @@ use std::f64::consts::{PI, TAU};
 
 use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
+use translucid_testing::{bound, is_thorough, power};
 
-const PHOTONS: u32 = 1_000_000;
+use crate::plain_walk::Random;
+use crate::solutions::{half_space, oblique};
+use crate::statistics::chi_square_deviate;
+
+fn photons() -> u64 {
+    power(1_000_000)
+}
+
 const RINGS: [f64; 12] = [0.0, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 5.0, 9.0];
 /// Few octaves of radii: with a boundary each takes a second for the harmonics.
 const FEW_RINGS: [f64; 5] = [0.2, 0.4, 0.7, 1.0, 1.5];
 const SECTORS: usize = 6;
-
-/// S. Vigna's SplitMix64.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in (0, 1].
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53) + 2f64.powi(-54)
-    }
-}
 
 /// Follows a photon that has entered at the origin with the direction (sin, 0, cos); where it leaves, if it does.
 fn walk(alpha: f64, eta: f64, cos: f64, random: &mut Random) -> Option<(f64, f64)> {
@@ -65,7 +59,7 @@ fn walk(alpha: f64, eta: f64, cos: f64, random: &mut Random) -> Option<(f64, f64
 /// Counts over rings and sectors of |φ|; with one sector over rings alone.
 fn count(rings: &[f64], sectors: usize, mut photon: impl FnMut() -> Option<(f64, f64)>) -> Vec<f64> {
     let mut counts = vec![0.0; (rings.len() - 1) * sectors];
-    for _ in 0..PHOTONS {
+    for _ in 0..photons() {
         let Some((x, y)) = photon() else { continue };
         let edges_within = rings.partition_point(|&edge| edge <= x.hypot(y));
         if edges_within > 0 && edges_within < rings.len() {
@@ -77,17 +71,14 @@ fn count(rings: &[f64], sectors: usize, mut photon: impl FnMut() -> Option<(f64,
     counts
 }
 
-/// Standard normal deviate of χ² (E. B. Wilson and M. M. Hilferty 1931).
+/// Standard normal deviate of χ².
 fn deviate(counts: &[f64], probabilities: &[f64]) -> f64 {
-    let photons = f64::from(PHOTONS);
+    let photons = photons() as f64;
     let cell = |observed: f64, expected: f64| (observed - expected) * (observed - expected) / expected;
     let cells = counts.iter().zip(probabilities).map(|(&count, p)| cell(count, photons * p));
     let rest =
         cell(photons - counts.iter().sum::<f64>(), photons * (1.0 - probabilities.iter().sum::<f64>()));
-    let chi_squared = cells.sum::<f64>() + rest;
-    let freedom = counts.len() as f64;
-    let spread = 2.0 / (9.0 * freedom);
-    ((chi_squared / freedom).cbrt() - (1.0 - spread)) / spread.sqrt()
+    chi_square_deviate(cells.sum::<f64>() + rest, counts.len())
 }
 
 /// 99.9 % quantile of the normal distribution.
@@ -114,7 +105,7 @@ fn refracted(eta: f64, cos: f64) -> f64 {
 
 /// Counts of a walk, and their deviate from the exact solution.
 fn compare(rings: &[f64], alpha: f64, eta: f64, cos: f64, seed: u64) -> (Vec<f64>, f64) {
-    let half_space = ObliqueHalfSpace::new(alpha, eta, cos).expect("valid");
+    let half_space = oblique(alpha, eta, cos);
     let mut random = Random(seed);
     let counts = count(rings, SECTORS, || walk(alpha, eta, refracted(eta, cos), &mut random));
     let z = deviate(&counts, &oblique_cells(rings, &half_space));
@@ -126,9 +117,9 @@ fn oblique_beam_agrees_with_a_walk() {
     let (counts, z) = compare(&RINGS, 0.9, 1.0, 0.5, 1);
     assert!(z < QUANTILE, "{z} standard deviations");
     // The same counts tell a beam that is one degree off
-    let off = ObliqueHalfSpace::new(0.9, 1.0, 61f64.to_radians().cos()).expect("valid");
+    let off = oblique(0.9, 1.0, (60.0 + bound(1.0)).to_radians().cos());
     let z = deviate(&counts, &oblique_cells(&RINGS, &off));
-    assert!(z > QUANTILE, "one degree off: {z} standard deviations");
+    assert!(z > QUANTILE, "another angle: {z} standard deviations");
 }
 
 #[test]
@@ -136,7 +127,7 @@ fn oblique_beam_through_a_boundary_agrees_with_a_walk() {
     let (counts, z) = compare(&FEW_RINGS, 0.9, 1.4, 0.5, 2);
     assert!(z < QUANTILE, "{z} standard deviations");
     // The same counts tell a beam that is not refracted
-    let straight = ObliqueHalfSpace::new(0.9, 1.0, 0.5).expect("valid");
+    let straight = oblique(0.9, 1.0, 0.5);
     let z = deviate(&counts, &oblique_cells(&FEW_RINGS, &straight));
     assert!(z > QUANTILE, "not refracted: {z} standard deviations");
 }
@@ -149,20 +140,20 @@ fn oblique_beam_into_a_thinner_medium_agrees_with_a_walk() {
 
 #[test]
 fn rings_under_a_boundary_agree_with_a_walk() {
-    for (alpha, eta, entry, seed) in [
-        (0.9, 1.33, Entry::NORMAL, 4),
-        (0.8, 1.5, Entry::Cosine, 5),
-        (0.9, 0.8, Entry::Cosine, 6),
-        (0.9, 1.4, Entry::UniformCosine, 7),
+    for (alpha, eta, incidence, seed) in [
+        (0.9, 1.33, Incidence::NORMAL, 4),
+        (0.8, 1.5, Incidence::Cosine, 5),
+        (0.9, 0.8, Incidence::Cosine, 6),
+        (0.9, 1.4, Incidence::UniformCosine, 7),
     ] {
-        let half_space = HalfSpace::with_boundary(alpha, eta, entry).expect("valid");
+        let solution = half_space(alpha, eta, incidence);
         let mut random = Random(seed);
         let counts = count(&RINGS, 1, || {
-            let cos = match entry {
-                Entry::Pencil { cos_theta } => refracted(eta, cos_theta),
-                Entry::UniformCosine => random.next(),
+            let cos = match incidence {
+                Incidence::Pencil { cos_theta } => refracted(eta, cos_theta),
+                Incidence::UniformCosine => random.next(),
                 // What the boundary reflects from outside does not count as entered
-                Entry::Cosine => loop {
+                Incidence::Cosine => loop {
                     let cos = random.next().sqrt();
                     if random.next() > fresnel_from_outside(cos, eta) {
                         break refracted(eta, cos);
@@ -180,11 +171,11 @@ fn rings_under_a_boundary_agree_with_a_walk() {
                 })
                 .collect()
         };
-        let z = deviate(&counts, &rings(&half_space));
-        assert!(z < QUANTILE, "alpha {alpha}, eta {eta}, {entry:?}: {z} standard deviations");
+        let z = deviate(&counts, &rings(&solution));
+        assert!(z < QUANTILE, "alpha {alpha}, eta {eta}, {incidence:?}: {z} standard deviations");
         // The same counts tell another index
-        if matches!(entry, Entry::Cosine) {
-            let other = HalfSpace::with_boundary(alpha, eta + 0.1, entry).expect("valid");
+        if seed == 5 || is_thorough() && matches!(incidence, Incidence::Cosine) {
+            let other = half_space(alpha, eta + bound(0.1), incidence);
             let z = deviate(&counts, &rings(&other));
             assert!(z > QUANTILE, "another index: {z} standard deviations");
         }

@@ -3,7 +3,7 @@
 use std::f64::consts::FRAC_PI_2;
 
 use translucid_profile::{Configuration, ExactProfile, Parameterization, Profile};
-use translucid_reference::{Entry, exact::HalfSpace};
+use translucid_reference::{Incidence, exact::HalfSpace};
 
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 /// Rows of the tables, which are equidistant in the angle θ with 1 − A = cos⁴θ.
@@ -17,7 +17,7 @@ struct Pair {
 
 fn pair(surface_albedo: f64, configuration: Configuration) -> Pair {
     let table = ExactProfile::new(surface_albedo, 1.0, Parameterization::Mfp, configuration);
-    let solution = HalfSpace::from_surface_albedo(surface_albedo, Entry::from(configuration));
+    let solution = HalfSpace::from_surface_albedo(surface_albedo, Incidence::from(configuration));
     let name = format!("A {surface_albedo}, {configuration:?}");
     Pair { name, table: table.expect("valid parameters"), solution: solution.expect("valid parameters") }
 }
@@ -78,7 +78,7 @@ fn table_is_the_solution_between_its_rows() {
     }
 }
 
-/// What single precision leaves where nothing is interpolated: at rows, at the ends of cells.
+/// Errors that single precision leaves where nothing is interpolated: at rows, at the ends of cells.
 #[test]
 fn rows_are_what_the_solution_gives_today() {
     for (row, configuration) in
@@ -102,7 +102,7 @@ fn dmfp_scales_the_solution() {
         let table =
             ExactProfile::new(0.6, 2.0, Parameterization::Dmfp, configuration).expect("valid parameters");
         let solution =
-            HalfSpace::from_surface_albedo(0.6, Entry::from(configuration)).expect("valid parameters");
+            HalfSpace::from_surface_albedo(0.6, Incidence::from(configuration)).expect("valid parameters");
         let absorbed = 1.0 - solution.single_scattering_albedo();
         // 1/ℓ_d² = σ_a/D with D = (2σ_a + σ_s)/3σ_t²
         let mfp = 2.0 * (3.0 * absorbed / (1.0 + absorbed)).sqrt();

@@ -1,6 +1,6 @@
 //! A walk's table as a profile that renderers evaluate and sample.
 
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::walk::{Control, Layout, Parameters, Problem, Side, WhiteTable};
 
@@ -14,7 +14,7 @@ fn profile_of_a_table_is_the_exact_one() {
     let photons = 1_000_000;
     table.run(7, photons, &Control::default()).unwrap();
     for alpha in [0.5, 0.95] {
-        let exact = HalfSpace::new(alpha, Entry::NORMAL).unwrap();
+        let exact = HalfSpace::new(alpha, Incidence::NORMAL).unwrap();
         let seen = table.at_albedo(alpha).unwrap();
         let profile = seen.profile(Side::Reflected).unwrap();
         assert!((profile.surface_albedo() - seen.total(Side::Reflected).value).abs() < 1e-12);

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use translucid_profile::{Configuration, NormalizedDiffusion, Parameterization};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
 /// ∫ f dr by the trapezoidal rule in ln r, from 1e-5 to `r_max`.
@@ -48,14 +48,14 @@ fn published_fits_err_as_much_as_they_say() {
 #[test]
 fn profile_falls_monotonically() {
     for alpha in [0.01, 0.5, 0.99, 1.0] {
-        for entry in [Entry::NORMAL, Entry::Cosine, Entry::UniformCosine] {
-            let half_space = HalfSpace::new(alpha, entry).expect("valid");
+        for incidence in [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine] {
+            let half_space = HalfSpace::new(alpha, incidence).expect("valid");
             let mut last = [f64::INFINITY, 0.0, f64::INFINITY];
             for i in -400..=150 {
                 let r = 10f64.powf(f64::from(i) / 50.0);
                 let (value, enclosed, beyond) =
                     (half_space.eval(r).value, half_space.enclosed(r).value, half_space.beyond(r).value);
-                assert!(value < last[0] || value == 0.0, "{entry:?}, alpha {alpha}, r {r}");
+                assert!(value < last[0] || value == 0.0, "{incidence:?}, alpha {alpha}, r {r}");
                 let rounding = 1e-13 * half_space.total().value;
                 assert!(enclosed >= last[1] - rounding && beyond <= last[2] + rounding, "{alpha} {r}");
                 last = [value, enclosed, beyond];
@@ -68,11 +68,11 @@ fn profile_falls_monotonically() {
 #[test]
 fn slanting_entries_spread_wider() {
     for alpha in [0.1, 0.5, 0.8] {
-        let share_beyond = |entry| {
-            let half_space = HalfSpace::new(alpha, entry).expect("valid");
+        let share_beyond = |incidence| {
+            let half_space = HalfSpace::new(alpha, incidence).expect("valid");
             half_space.beyond(1.0).value / half_space.total().value
         };
-        let shares = [Entry::NORMAL, Entry::Cosine, Entry::UniformCosine].map(share_beyond);
+        let shares = [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine].map(share_beyond);
         assert!(shares[0] < shares[1] && shares[1] < shares[2], "{shares:?}");
     }
 }

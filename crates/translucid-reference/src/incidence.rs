@@ -1,10 +1,10 @@
-//! How light enters the medium.
+//! Directions in which light enters the medium.
 
 use translucid_profile::{Configuration, fresnel_from_outside, fresnel_moment_1_from_outside};
 
 /// Directions in which light enters, at one point of the surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Entry {
+pub enum Incidence {
     /// A pencil beam that arrives from outside at an angle of incidence, in the plane y = 0 towards +x.
     Pencil {
         /// Cosine of the angle of incidence outside, in (0, 1].
@@ -18,12 +18,12 @@ pub enum Entry {
     UniformCosine,
 }
 
-impl Entry {
+impl Incidence {
     /// A pencil beam along the normal (*searchlight*).
     pub const NORMAL: Self = Self::Pencil { cos_theta: 1.0 };
 }
 
-impl From<Configuration> for Entry {
+impl From<Configuration> for Incidence {
     fn from(configuration: Configuration) -> Self {
         match configuration {
             Configuration::Searchlight => Self::NORMAL,
@@ -38,15 +38,15 @@ impl From<Configuration> for Entry {
 /// 2 ∫ F(μ) μ dμ; 0 where the entry is given inside the medium.
 ///
 /// ```
-/// use translucid_reference::{Entry, specular_reflectance};
+/// use translucid_reference::{Incidence, specular_reflectance};
 ///
-/// assert!((specular_reflectance(Entry::NORMAL, 1.5) - 0.04).abs() < 1e-15);
-/// assert_eq!(specular_reflectance(Entry::Cosine, 1.0), 0.0);
+/// assert!((specular_reflectance(Incidence::NORMAL, 1.5) - 0.04).abs() < 1e-15);
+/// assert_eq!(specular_reflectance(Incidence::Cosine, 1.0), 0.0);
 /// ```
-pub fn specular_reflectance(entry: Entry, eta: f64) -> f64 {
-    match entry {
-        Entry::Pencil { cos_theta } => fresnel_from_outside(cos_theta, eta),
-        Entry::Cosine => 2.0 * fresnel_moment_1_from_outside(eta),
-        Entry::UniformCosine => 0.0,
+pub fn specular_reflectance(incidence: Incidence, eta: f64) -> f64 {
+    match incidence {
+        Incidence::Pencil { cos_theta } => fresnel_from_outside(cos_theta, eta),
+        Incidence::Cosine => 2.0 * fresnel_moment_1_from_outside(eta),
+        Incidence::UniformCosine => 0.0,
     }
 }

@@ -8,17 +8,17 @@ use super::boundary::Interface;
 use super::lanes::{Floats, Words, circle, complement, unit};
 use super::random::Stream;
 use super::scatter::Directions;
-use crate::Entry;
+use crate::Incidence;
 
-/// Where and in which directions photons start, just inside the medium.
+/// Law by which photons start, place and direction just inside the medium.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Source {
-    directions: SourceDirections,
+pub(crate) struct PhotonSource {
+    directions: StartDirections,
     spot_radius: f32,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum SourceDirections {
+enum StartDirections {
     /// One direction, in the plane y = 0.
     Pencil { sine: f32, cosine: f32 },
     /// All directions of equal radiance outside, refracted.
@@ -27,21 +27,21 @@ enum SourceDirections {
     UniformCosine,
 }
 
-impl Source {
+impl PhotonSource {
     pub(crate) fn new(problem: &Problem) -> Self {
         let parameters = problem.parameters();
         let eta = parameters.eta;
-        let directions = match parameters.entry {
-            Entry::Pencil { cos_theta } => {
+        let directions = match parameters.incidence {
+            Incidence::Pencil { cos_theta } => {
                 let sine = ((1.0 - cos_theta) * (1.0 + cos_theta)).sqrt() / eta;
                 // In a form that keeps its digits near grazing
                 let cosine = ((eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta).max(0.0).sqrt() / eta;
-                SourceDirections::Pencil { sine: sine as f32, cosine: cosine as f32 }
+                StartDirections::Pencil { sine: sine as f32, cosine: cosine as f32 }
             }
-            Entry::Cosine => {
-                SourceDirections::Cosine { eta: eta as f32, rarer: Interface::new(eta.min(1.0 / eta)) }
+            Incidence::Cosine => {
+                StartDirections::Cosine { eta: eta as f32, rarer: Interface::new(eta.min(1.0 / eta)) }
             }
-            Entry::UniformCosine => SourceDirections::UniformCosine,
+            Incidence::UniformCosine => StartDirections::UniformCosine,
         };
         Self { directions, spot_radius: parameters.spot_radius as f32 }
     }
@@ -66,18 +66,18 @@ impl Source {
     pub(crate) fn directions<S: Simd>(&self, simd: S, streams: &mut Stream<Words<S>>) -> Directions<S> {
         let splat = |value| Floats::splat(simd, value);
         match self.directions {
-            SourceDirections::Pencil { sine, cosine } => {
+            StartDirections::Pencil { sine, cosine } => {
                 Directions { x: splat(sine), y: splat(0.0), z: splat(cosine) }
             }
-            SourceDirections::UniformCosine => {
+            StartDirections::UniformCosine => {
                 let cosine = unit(streams.next());
                 around_normal(simd, complement(cosine), cosine, streams)
             }
-            SourceDirections::Cosine { eta: 1.0, .. } => {
+            StartDirections::Cosine { eta: 1.0, .. } => {
                 let cosine = unit(streams.next()).sqrt();
                 around_normal(simd, complement(cosine), cosine, streams)
             }
-            SourceDirections::Cosine { eta, rarer } => {
+            StartDirections::Cosine { eta, rarer } => {
                 let cosine = transmitted_cosines(simd, rarer, streams);
                 if eta < 1.0 {
                     return around_normal(simd, complement(cosine), cosine, streams);
@@ -103,7 +103,7 @@ fn around_normal<S: Simd>(
 
 /// Cosines μ on the side of lower index with density ∝ μ (1 − F(μ)), seen from that side.
 ///
-/// That is what enters on the rarer side, and by reciprocity of F what light of equal radiance brings to it
+/// Light enters so on the rarer side, and by reciprocity of F what light of equal radiance brings to it
 /// from the denser. Candidates √u are accepted with probability 1 − F, which is near 1 on this side. A lane
 /// that is done draws no more: how often its neighbours try is none of its business.
 #[inline(always)]

@@ -1,18 +1,18 @@
-//! What a walk hands to its tally.
+//! Photons that have left the medium, and counts of the others.
 
 /// The face of the medium through which light leaves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Side {
-    /// Where it entered: z = 0, reflectance.
+    /// Face of entry, z = 0: reflectance.
     Reflected,
-    /// The far face of a slab: z = thickness, transmittance.
+    /// Far face of a slab, z = thickness: transmittance.
     Transmitted,
 }
 
 /// A photon that has left the medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Exit {
-    /// Where it left, in mean free paths from the center of the entry; the beam is tilted towards +x.
+pub(crate) struct PhotonExit {
+    /// Place of exit in mean free paths from the center of the entry; the beam is tilted towards +x.
     pub(crate) x: f32,
     /// See `x`.
     pub(crate) y: f32,
@@ -24,7 +24,7 @@ pub(crate) struct Exit {
     pub(crate) side: Side,
 }
 
-/// What became of a range of photons, besides the exits. Whole numbers: sums are exact in any order.
+/// Counts of a range of photons, besides the exits. Whole numbers: sums are exact in any order.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct PhotonCounts {
     /// Photons that entered the medium.
@@ -33,4 +33,15 @@ pub(crate) struct PhotonCounts {
     pub(crate) absorbed: u64,
     /// Collisions, the absorbing one included.
     pub(crate) collisions: u64,
+}
+
+impl PhotonCounts {
+    /// Sum of counts, or nothing where a number does not fit.
+    pub(crate) fn checked_add(self, other: Self) -> Option<Self> {
+        Some(Self {
+            launched: self.launched.checked_add(other.launched)?,
+            absorbed: self.absorbed.checked_add(other.absorbed)?,
+            collisions: self.collisions.checked_add(other.collisions)?,
+        })
+    }
 }
