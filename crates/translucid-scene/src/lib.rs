@@ -13,24 +13,22 @@
 //! # Out of scope
 //! Tracing rays, sampling, and any knowledge of how a picture is computed.
 
+#[cfg(any(test, feature = "testing"))]
+pub mod broken;
 mod camera;
 mod error;
-mod frame_mesh;
 mod image;
+mod interval;
 mod light;
 mod load;
 mod material;
 mod mesh;
-mod nearest;
 mod preset;
 mod profile_table;
-mod repair;
 mod scene;
 mod settings;
 mod shapes;
 mod still_life;
-#[cfg(test)]
-mod test_assets;
 mod texture;
 
 pub use camera::Camera;
@@ -46,10 +44,9 @@ pub use material::{
     Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
     SubsurfaceTextureAt,
 };
-pub use mesh::{Mesh, Triangle};
+pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use preset::{Preset, preset, presets};
 pub use profile_table::{ProfileRow, ProfileTable};
-pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod, ToneMapping};
 pub use shapes::{
