@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example fit_gaussians > target/gaussian_coefficients.rs
-//! mv target/gaussian_coefficients.rs crates/translucid-profile/src/
+//! mv target/gaussian_coefficients.rs crates/translucid-profile/src/model/sum_of_gaussians/coefficients.rs
 //! ```
 //!
 //! Every node is searched for afresh, so that a continuous table says that the search found one and the same optimum.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example fit_oblique > target/oblique_coefficients.rs
-//! mv target/oblique_coefficients.rs crates/translucid-profile/src/
+//! mv target/oblique_coefficients.rs crates/translucid-profile/src/model/oblique/coefficients.rs
 //! ```
 //!
 //! Not straight to its place: the shell would empty the file before the crate is compiled, which needs it.

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example fit_refined > target/refined_coefficients.rs
-//! mv target/refined_coefficients.rs crates/translucid-profile/src/
+//! mv target/refined_coefficients.rs crates/translucid-profile/src/model/refined/coefficients.rs
 //! ```
 //!
 //! Not straight to its place: the shell would empty the file before the crate is compiled, which needs it.

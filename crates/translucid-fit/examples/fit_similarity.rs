@@ -3,7 +3,7 @@
 //! ```text
 //! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
 //! cargo run --release -p translucid-fit --example fit_similarity -- target/similarity_tables.csv > target/similarity_coefficients.rs
-//! mv target/similarity_coefficients.rs crates/translucid-profile/src/
+//! mv target/similarity_coefficients.rs crates/translucid-profile/src/medium/similarity_coefficients.rs
 //! ```
 //!
 //! Every function is Σ_m m(g, L) P_m(√A) with polynomials P_m and the monomials m of [`monomials`], which are all 0 for

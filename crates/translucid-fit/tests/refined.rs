@@ -1,6 +1,6 @@
 //! `RefinedDiffusion` judged by the exact half space, and its generated coefficients.
 
-#[path = "../../translucid-profile/src/refined_coefficients.rs"]
+#[path = "../../translucid-profile/src/model/refined/coefficients.rs"]
 mod refined_coefficients;
 
 use std::f64::consts::PI;

@@ -70,96 +70,49 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
 )]
 
-mod albedo_inversion;
-mod albedo_table;
-mod albedo_table_f32;
-mod better_dipole;
-mod burley;
-mod burley_f32;
-mod burley_kernel;
 pub mod convention;
-mod diffusion_boundary;
-mod dipole;
-mod directional_average;
-mod directional_correction;
-mod directional_dipole;
-mod directional_dipole_f32;
-mod directional_kernel;
-mod discrete_ordinates;
-mod elementary;
-mod energy_profile;
 mod error;
-mod exact_profile;
-mod exact_table;
-mod fresnel;
-mod gaussian_coefficients;
-mod half_space;
-mod inversion;
-mod legendre_panel;
-mod media;
+mod math;
+mod medium;
 mod model;
-mod monotone_cell;
-mod monotone_cubic;
-mod oblique;
-mod oblique_coefficients;
-mod oblique_f32;
-mod oblique_kernel;
-mod photon_beam_diffusion;
 mod profile;
-pub mod quadrature;
-mod quantized_diffusion;
-mod radial_table;
-mod radial_table_build;
-mod radial_table_f32;
-mod refined;
-mod refined_coefficients;
-pub mod roots;
-mod sampled_profile;
-mod scaled_erfc;
-mod scaling;
-mod similar_refined;
-mod similarity;
-mod similarity_coefficients;
-mod slices;
-mod source_pair;
-mod square_matrix;
-mod sum_of_gaussians;
-mod tabulated_profile;
+mod table;
 
-pub use albedo_inversion::AlbedoInversion;
-pub use albedo_table::{AlbedoTable, ProfileView};
-pub use albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
-pub use better_dipole::BetterDipole;
-pub use burley::NormalizedDiffusion;
-pub use burley_f32::NormalizedDiffusionF32;
-pub use dipole::StandardDipole;
-pub use directional_average::DirectionalDipoleAverage;
-pub use directional_dipole::DirectionalDipole;
-pub use directional_dipole_f32::{DirectionalDipoleF32, DirectionalDipoleTable};
 pub use error::ParameterError;
-pub use exact_profile::ExactProfile;
-pub use fresnel::{
+pub use math::{quadrature, roots};
+pub use medium::albedo_inversion::AlbedoInversion;
+pub use medium::fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,
 };
-pub use half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
-pub use inversion::{Appearance, Found};
-pub use media::Medium;
-pub use model::Model;
-pub use oblique::ObliqueDiffusion;
-pub use oblique_f32::{ObliqueDiffusionF32, ObliqueDiffusionTable};
-pub use photon_beam_diffusion::{
-    BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
-};
-pub use profile::Profile;
-pub use quantized_diffusion::QuantizedDiffusion;
-pub use refined::RefinedDiffusion;
-pub use sampled_profile::SampledProfile;
-pub use scaling::{
+pub use medium::half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
+pub use medium::inversion::{Appearance, Found};
+pub use medium::media::Medium;
+pub use medium::scaling::{
     Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
     scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
 };
-pub use similar_refined::SimilarRefinedDiffusion;
-pub use similarity::Similarity;
-pub use sum_of_gaussians::SumOfGaussians;
-pub use tabulated_profile::TabulatedProfile;
+pub use medium::similarity::Similarity;
+pub use model::Model;
+pub use model::burley::NormalizedDiffusion;
+pub use model::burley::single_precision::NormalizedDiffusionF32;
+pub use model::dipole::better::BetterDipole;
+pub use model::dipole::standard::StandardDipole;
+pub use model::directional_dipole::DirectionalDipole;
+pub use model::directional_dipole::average::DirectionalDipoleAverage;
+pub use model::directional_dipole::single_precision::{DirectionalDipoleF32, DirectionalDipoleTable};
+pub use model::exact::ExactProfile;
+pub use model::oblique::ObliqueDiffusion;
+pub use model::oblique::single_precision::{ObliqueDiffusionF32, ObliqueDiffusionTable};
+pub use model::photon_beam_diffusion::{
+    BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
+};
+pub use model::quantized_diffusion::QuantizedDiffusion;
+pub use model::refined::RefinedDiffusion;
+pub use model::similar_refined::SimilarRefinedDiffusion;
+pub use model::sum_of_gaussians::SumOfGaussians;
+pub use profile::Profile;
+pub use table::albedo_table::{AlbedoTable, ProfileView};
+pub use table::albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
+pub use table::sampled_profile::SampledProfile;
+pub use table::tabulated_profile::TabulatedProfile;

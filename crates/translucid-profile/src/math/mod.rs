@@ -1,0 +1,10 @@
+//! Numerical mathematics: quadrature, roots, elementary functions to a chosen accuracy, small matrices.
+
+pub(crate) mod elementary;
+pub(crate) mod legendre_panel;
+pub(crate) mod monotone_cubic;
+pub mod quadrature;
+pub mod roots;
+pub(crate) mod scaled_erfc;
+pub(crate) mod slices;
+pub(crate) mod square_matrix;

@@ -1,0 +1,11 @@
+//! Profiles as tables over the radius, for one surface albedo or for all, and curves through samples.
+
+pub(crate) mod albedo_table;
+pub(crate) mod albedo_table_f32;
+mod energy_profile;
+pub(crate) mod monotone_cell;
+pub(crate) mod radial_table;
+mod radial_table_build;
+mod radial_table_f32;
+pub(crate) mod sampled_profile;
+pub(crate) mod tabulated_profile;

@@ -1,0 +1,5 @@
+//! The order of the code: what imports what, in every crate.
+
+mod circles;
+mod floors;
+mod imports;
