@@ -60,11 +60,7 @@ mod tests {
     }
 
     fn is_sound(image: &Image) -> bool {
-        let count = image.width as usize * image.height as usize;
-        match &image.pixels {
-            Pixels::Byte(pixels) => pixels.len() == count,
-            Pixels::Float(pixels) => pixels.len() == count && pixels.iter().flatten().all(|v| v.is_finite()),
-        }
+        image.validate().is_ok()
     }
 
     #[test]
