@@ -96,9 +96,12 @@ impl Interval {
         self.high
     }
 
-    /// The number itself, or the end of a closed interval that is nearest to it; the low end for NaN.
+    /// The number of the interval that is nearest to `x`; the lowest for NaN.
     pub(crate) fn nearest(self, x: f32) -> f32 {
-        if x.is_nan() { self.low as f32 } else { x.clamp(self.low as f32, self.high as f32) }
+        let (low, high) = (self.low as f32, self.high as f32);
+        let low = if self.low_end == End::Open { low.next_up() } else { low };
+        let high = if self.high_end == End::Open { high.next_down() } else { high };
+        if x.is_nan() { low } else { x.clamp(low, high) }
     }
 
     /// Refuses a field's number that is not in the interval.
@@ -256,7 +259,9 @@ mod tests {
     #[test]
     fn nearest_is_in_the_interval() {
         for x in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.5] {
-            assert!(Interval::UNIT.contains_single(Interval::UNIT.nearest(x)), "{x}");
+            for range in [Interval::UNIT, Interval::open(-1.0, 1.0), Interval::REACH] {
+                assert!(range.contains_single(range.nearest(x)), "{x} {range}");
+            }
         }
         assert_eq!(Interval::UNIT.nearest(0.5), 0.5);
     }

@@ -2,9 +2,9 @@
 //!
 //! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in
 //! world space, materials with OpenPBR names, images, lights.
-//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or a built-in shape.
-//! A scene that exists is valid: every index is in range, every number finite and within its
-//! documented range, so a renderer needs no checks of its own.
+//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or from code.
+//! A scene from a file is valid, and one that is made in code if [`Scene::validate`] says so: every index is in range,
+//! every number finite and within its documented range, so a renderer needs no checks of its own.
 //!
 //! # Units
 //! Lengths are in the scene's own unit ([`Scene::unit`]); colors are linear Rec. 709; angles in files

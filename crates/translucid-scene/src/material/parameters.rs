@@ -181,3 +181,35 @@ impl Material {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_hold_every_field_that_is_a_number() {
+        let shown = format!("{:#?}", Material::default());
+        // Fields of the material itself are indented once.
+        let fields =
+            shown.lines().filter_map(|line| line.strip_prefix("    ").filter(|l| !l.starts_with(' ')));
+        let numbers = fields.filter_map(|line| line.split_once(": ")).filter(|(_, value)| {
+            let is_number = value.trim_end_matches(',').parse::<f32>().is_ok();
+            is_number || value.starts_with("ScalarInput") || value.starts_with("ColorInput")
+        });
+        let names: Vec<&str> = numbers.map(|(name, _)| name).collect();
+        let listed: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
+        assert_eq!(names, listed);
+    }
+
+    #[test]
+    fn clamp_makes_a_material_valid_and_leaves_a_valid_one_alone() {
+        let mut material = Material::default();
+        material.clamp();
+        assert_eq!(material, Material::default());
+        material.specular_ior = f32::NAN;
+        material.subsurface_radius.factor = -1.0;
+        material.emission_color.factor.y = f32::INFINITY;
+        material.clamp();
+        assert_eq!(material.validate(0, 0), Ok(()));
+    }
+}
