@@ -108,7 +108,7 @@ impl Image {
     /// # Errors
     /// There are no pixels or too many, as many as `width × height` they are not, or a value is not finite.
     pub fn validate(&self) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within(format_args!("image {}", self.name)))
+        self.check().map_err(|error| error.within_named("image", &self.name))
     }
 
     pub(crate) fn check(&self) -> Result<(), SceneError> {

@@ -116,7 +116,7 @@ impl Object {
     /// # Errors
     /// There is no such material, or the mesh is not valid.
     pub fn validate(&self, materials: usize) -> Result<(), SceneError> {
-        self.check(materials).map_err(|error| error.within(format_args!("object {}", self.name)))
+        self.check(materials).map_err(|error| error.within_named("object", &self.name))
     }
 
     fn check(&self, materials: usize) -> Result<(), SceneError> {

@@ -92,6 +92,11 @@ impl SceneError {
         self
     }
 
+    /// The error with a thing of the scene before its message, by the thing's name if it has one.
+    pub(crate) fn within_named(self, thing: &str, name: &str) -> Self {
+        if name.is_empty() { self.within(thing) } else { self.within(format_args!("{thing} {name}")) }
+    }
+
     /// The error at a file, if it has no place yet.
     pub(crate) fn or_at(mut self, path: &Path) -> Self {
         self.place.get_or_insert_with(|| Place::file(path));

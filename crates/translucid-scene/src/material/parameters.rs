@@ -131,8 +131,7 @@ impl Material {
     /// assert_eq!(error.message, "material skin, subsurface_radius_scale[1] = -2: must be in [0, 1e6]");
     /// ```
     pub fn validate(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
-        self.check(images, profile_tables)
-            .map_err(|error| error.within(format_args!("material {}", self.name)))
+        self.check(images, profile_tables).map_err(|error| error.within_named("material", &self.name))
     }
 
     pub(crate) fn check(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
