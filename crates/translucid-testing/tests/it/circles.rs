@@ -8,7 +8,6 @@ const UNFINISHED: [&str; 5] = [
     "translucid-laboratory",
     "translucid-profile",
     "translucid-render",
-    "translucid-scene",
 ];
 
 /// Describes the circles of a crate, one line for each import.
