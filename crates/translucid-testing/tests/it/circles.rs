@@ -5,7 +5,6 @@ use crate::imports::{self, Graph, Sources};
 /// Crates that have circles yet.
 const UNFINISHED: [&str; 5] = [
     "translucid-cli",
-    "translucid-laboratory",
     "translucid-profile",
     "translucid-render",
 ];
