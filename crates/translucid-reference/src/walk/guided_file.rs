@@ -1,4 +1,4 @@
-//! Files of guided walks. `docs/guided-table.md` describes every member.
+//! Files of guided walks. `docs/guide/guided-walks.md` describes every member.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
@@ -30,7 +30,7 @@ const MEMBERS: [&str; 8] = [
 
 impl GuidedWalk {
     /// Writes the walk to a file from which [`GuidedWalk::load`] makes an equal one: an NPZ archive, which
-    /// `numpy.load` opens; `docs/guided-table.md` says what is in it. It is written beside its target and then renamed.
+    /// `numpy.load` opens; `docs/guide/guided-walks.md` says what is in it. It is written beside its target and then renamed.
     ///
     /// # Errors
     /// The file cannot be written. An older one at `path` is then still there.

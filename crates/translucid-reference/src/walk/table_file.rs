@@ -1,4 +1,4 @@
-//! Files of tables. `docs/reference-table.md` describes every member.
+//! Files of tables. `docs/guide/white-tables.md` describes every member.
 
 use std::io::{self, Read, Seek, Write};
 use std::path::Path;
@@ -47,7 +47,7 @@ const UNIFORM_COSINE: &str = "uniform-cosine";
 impl WhiteTable {
     /// Writes the table to a file from which [`WhiteTable::load`] makes an equal one.
     ///
-    /// The file is an NPZ archive, which `numpy.load` opens; `docs/reference-table.md` says what is in it. It is
+    /// The file is an NPZ archive, which `numpy.load` opens; `docs/guide/white-tables.md` says what is in it. It is
     /// written beside its target and then renamed, so that there is always either the old file or the new one,
     /// whole. Equal tables make equal bytes.
     ///

@@ -6,10 +6,10 @@ use crate::imports::{self, Graph};
 ///
 /// A room may import from its own floor and from those below.
 const FLOORS: [&[&str]; 7] = [
-    &["session"],
-    &["prepared", "view", "film"],
+    &["render", "output"],
     &["path"],
     &["subsurface"],
+    &["world"],
     &["surface", "light"],
     &["ray"],
     &["sampling"],
