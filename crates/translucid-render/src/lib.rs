@@ -6,41 +6,25 @@
 //! # Out of scope
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
-pub mod bsdf;
-mod camera;
-mod directionality;
-mod film;
-mod fingerprint;
-mod frame;
-mod geometry;
 mod light;
-mod material;
-mod normalization;
 mod output;
 mod path;
-mod pixel_blocks;
-mod point_based;
-mod profile_tables;
-mod random_walk;
-mod renderer;
-mod sampler;
-mod shadow;
-mod sharing;
+mod ray;
+mod render;
+mod sampling;
 mod subsurface;
-mod subsurface_pair;
-mod subsurface_profile;
-mod triangle;
-mod wide_tree;
+mod surface;
+mod world;
 
-pub use film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
-pub use frame::Frame;
-pub use geometry::{Geometry, Hit};
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
 pub use output::{
     CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
     check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
     write_denoised_png, write_exr, write_exr_with_denoised, write_png,
 };
-pub use point_based::{PointCloud, PointPass, PointProgress, PointsError};
-pub use renderer::{Goal, Outcome, Progress, Renderer};
-pub use triangle::Ray;
+pub use ray::{Geometry, Hit, Ray};
+pub use render::film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
+pub use render::renderer::{Goal, Outcome, Progress, Renderer};
+pub use sampling::Frame;
+pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
+pub use surface::bsdf;

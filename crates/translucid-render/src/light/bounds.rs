@@ -129,7 +129,7 @@ fn turned(a: DVec3, b: DVec3, angle: f64) -> Vec3 {
 mod tests {
     use super::*;
     use crate::light::directions::uniform_sphere;
-    use crate::sampler::Sampler;
+    use crate::sampling::Sampler;
 
     fn cone(axis: Vec3, theta_o: f32) -> LightBounds {
         LightBounds { theta_o, ..LightBounds::one_sided(Vec3::ZERO, Vec3::ONE, axis, 1.0) }

@@ -4,7 +4,7 @@ use std::f32::consts::PI;
 
 use glam::Vec3;
 
-use crate::Frame;
+use crate::sampling::Frame;
 
 /// Direction in a cone about `axis`, uniform in solid angle.
 ///

@@ -11,7 +11,7 @@ use translucid_scene::{
 };
 
 use super::*;
-use crate::sampler::Sampler;
+use crate::sampling::Sampler;
 
 mod many;
 

@@ -17,7 +17,7 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use super::{OutputError, write_atomically};
-use crate::film::{FilmSums, TILE_SIZE, layer};
+use crate::render::film::{FilmSums, TILE_SIZE, layer};
 
 const MAGIC: [u8; 8] = *b"TRLCKPT\n";
 const VERSION: u32 = 1;
@@ -244,7 +244,7 @@ mod tests {
     use std::fs;
 
     use super::*;
-    use crate::film::tests::test_film;
+    use crate::render::film::tests::test_film;
 
     const INFO: CheckpointInfo =
         CheckpointInfo { fingerprint: 0x1234_5678_9abc_def0, seed: 7, elapsed_seconds: 12.5 };

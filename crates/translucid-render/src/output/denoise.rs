@@ -16,7 +16,7 @@ use std::ptr;
 use libloading::Library;
 
 use super::exr::{finite, pixels};
-use crate::film::{FilmSums, layer};
+use crate::render::film::{FilmSums, layer};
 
 /// The environment variable with the path of the library, or of the folder that it is in.
 pub const DENOISER_VARIABLE: &str = "TRANSLUCID_OIDN";

@@ -10,7 +10,7 @@ use ::exr::prelude::{
 };
 
 use super::{Denoised, OutputError, write_atomically};
-use crate::film::{FilmSums, layer};
+use crate::render::film::{FilmSums, layer};
 
 /// What a picture's metadata says about its making.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -184,7 +184,7 @@ mod tests {
     use ::exr::prelude::{ReadChannels, ReadLayers, read};
 
     use super::*;
-    use crate::film::tests::test_film;
+    use crate::render::film::tests::test_film;
 
     fn read_back(path: &Path) -> Layer<AnyChannels<FlatSamples>> {
         let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();

@@ -8,7 +8,7 @@ use translucid_scene::Film;
 
 use super::exr::pixels;
 use super::{Denoised, ImageInfo, OutputError, display_from_linear, write_atomically};
-use crate::film::{FilmSums, layer};
+use crate::render::film::{FilmSums, layer};
 
 /// Writes a film as an 8-bit sRGB picture, with the exposure and tone mapping of `settings`.
 ///
@@ -124,7 +124,7 @@ mod tests {
     use translucid_scene::ToneMapping;
 
     use super::*;
-    use crate::film::tests::test_film;
+    use crate::render::film::tests::test_film;
 
     fn settings(exposure: f32) -> Film {
         Film { exposure, tone_mapping: ToneMapping::Srgb, ..Film::default() }

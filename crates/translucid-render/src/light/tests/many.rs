@@ -18,7 +18,7 @@ fn lamp(index: u32) -> Light {
     let [x, y, z, turn, tilt, power, size, angle] = random(31, index);
     let place = Vec3::new(20.0 * x - 10.0, 20.0 * y - 10.0, 4.0 * z);
     let direction = directions::uniform_sphere([turn, tilt]);
-    let frame = crate::Frame::from_normal(direction);
+    let frame = crate::sampling::Frame::from_normal(direction);
     let size = 0.02 + 0.3 * size * size;
     let radiance = RADIANCE * 10.0_f32.powf(6.0 * power - 3.0);
     match index % 3 {
@@ -41,7 +41,7 @@ fn lamp(index: u32) -> Light {
 fn shard(index: u32) -> EmissiveTriangle {
     let [x, y, z, turn, tilt, power, ..] = random(33, index);
     let place = Vec3::new(20.0 * x - 10.0, 20.0 * y - 10.0, 4.0 * z);
-    let frame = crate::Frame::from_normal(directions::uniform_sphere([turn, tilt]));
+    let frame = crate::sampling::Frame::from_normal(directions::uniform_sphere([turn, tilt]));
     let vertices = [place, place + 0.2 * frame.x, place + 0.3 * frame.y];
     let radiance = RADIANCE * 10.0_f32.powf(6.0 * power - 3.0);
     EmissiveTriangle { vertices, radiance, primitive: 7 + 3 * index }
@@ -269,7 +269,7 @@ fn tree_is_nearly_as_quiet_as_weighing_every_light() {
 fn mesh_of_triangles_sheds_what_the_same_rectangles_shed() {
     let panel = |i: u32| {
         let [x, y, z, a, b, ..] = random(51, i);
-        let frame = crate::Frame::from_normal(directions::uniform_sphere([a, b]));
+        let frame = crate::sampling::Frame::from_normal(directions::uniform_sphere([a, b]));
         (Vec3::new(8.0 * x - 4.0, 8.0 * y - 4.0, 2.0 + z), 0.5 * frame.x, 0.7 * frame.y)
     };
     let rectangles = (0..60).map(|i| {

@@ -1,0 +1,3 @@
+//! Paths from the camera.
+
+pub(crate) mod tracer;

@@ -1,0 +1,386 @@
+//! All triangles of a scene in one hierarchy, with the queries of a path tracer.
+//!
+//! The rest of the renderer knows only the queries below, so that another hierarchy can take the place of
+//! the one at hand.
+
+use glam::{Vec2, Vec3};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+use translucid_scene::{Object, Scene};
+
+use crate::ray::Ray;
+use crate::ray::wide_tree::{Primitive, Source, WideTree};
+
+/// A point where a ray meets a triangle.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Distance along the ray \[L\].
+    pub t: f32,
+    /// Barycentric coordinates of the triangle's vertices 1 and 2.
+    pub barycentric: [f32; 2],
+    /// The triangle's number in the tree.
+    pub(crate) leaf: u32,
+}
+
+/// What the renderer knows of a point on a surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct SurfacePoint {
+    pub(crate) position: Vec3,
+    /// Unit geometric normal, on the outside of the mesh.
+    pub(crate) geometric_normal: Vec3,
+    /// Unit shading normal, within 90° of the geometric one.
+    pub(crate) shading_normal: Vec3,
+    pub(crate) uv: Vec2,
+    pub(crate) color: Vec3,
+    /// Distance by which a ray's origin has to leave the surface to clear rounding errors.
+    pub(crate) offset: f32,
+    pub(crate) object: u32,
+    pub(crate) triangle: u32,
+    pub(crate) group: u32,
+}
+
+impl SurfacePoint {
+    /// A ray's origin on the side of the surface that `direction` points to.
+    pub(crate) fn ray_origin(&self, direction: Vec3) -> Vec3 {
+        let side = self.offset.copysign(self.geometric_normal.dot(direction));
+        self.position + self.geometric_normal * side
+    }
+}
+
+/// The triangles of objects and the tree over them: what a ray meets.
+///
+/// ```
+/// use glam::Vec3;
+/// use translucid_render::{Geometry, Ray};
+/// use translucid_scene::{Mesh, Object};
+///
+/// let mesh = Mesh {
+///     positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+///     triangles: vec![[0, 1, 2]],
+///     ..Mesh::default()
+/// };
+/// let objects = [Object { name: "triangle".into(), mesh, material: 0, subsurface_group: 0 }];
+/// let geometry = Geometry::new(&objects);
+/// let hit = geometry.closest(&Ray::new(Vec3::new(0.2, 0.2, 5.0), Vec3::NEG_Z)).unwrap();
+/// assert!((hit.t - 5.0).abs() < 1e-5);
+/// ```
+pub struct Geometry {
+    tree: WideTree,
+    /// Number of triangles in the objects before each object, and in all.
+    first_triangle: Vec<u32>,
+}
+
+impl Geometry {
+    /// Builds the tree on the current rayon pool. The result does not depend on the number of threads.
+    #[must_use]
+    pub fn new(objects: &[Object]) -> Self {
+        let mut first_triangle = vec![0_u32];
+        let mut places = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
+        for (index, object) in objects.iter().enumerate() {
+            let count = object.mesh.triangles.len() as u32;
+            places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
+            first_triangle.push(places.len() as u32);
+        }
+        Self { tree: WideTree::new(&places), first_triangle }
+    }
+
+    /// Corners of the box around everything.
+    #[must_use]
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        self.tree.bounds()
+    }
+
+    /// Memory that the tree takes, in bytes.
+    #[must_use]
+    pub fn memory(&self) -> usize {
+        self.tree.memory()
+    }
+
+    /// Scene-wide number of an object's triangle.
+    pub(crate) fn primitive(&self, object: u32, triangle: u32) -> u32 {
+        self.first_triangle[object as usize] + triangle
+    }
+
+    /// Object and triangle of a scene-wide number.
+    pub(crate) fn object_and_triangle(&self, primitive: u32) -> (u32, u32) {
+        let object = self.first_triangle.partition_point(|&first| first <= primitive) - 1;
+        (object as u32, primitive - self.first_triangle[object])
+    }
+
+    /// The object that a hit belongs to.
+    #[must_use]
+    pub fn object(&self, hit: &Hit) -> u32 {
+        let (block, lane) = self.tree.leaf(hit.leaf);
+        block.object(lane)
+    }
+
+    /// The object that a hit belongs to, and its triangle's number there: whatever the tree, the same.
+    #[must_use]
+    pub fn object_and_triangle_of(&self, hit: &Hit) -> (u32, u32) {
+        let Primitive { object, triangle, .. } = self.triangle(hit);
+        (object, triangle)
+    }
+
+    /// The nearest surface along a ray.
+    #[must_use]
+    pub fn closest(&self, ray: &Ray) -> Option<Hit> {
+        let (hit, leaf) = self.tree.closest(ray)?;
+        Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+    }
+
+    /// Whether anything lies on a segment.
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.tree.occluded(ray)
+    }
+
+    /// The nearest surface of a subsurface group along a ray.
+    #[must_use]
+    pub fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
+        let (hit, leaf) = self.tree.closest_in_group(ray, group)?;
+        Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+    }
+
+    /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
+    pub fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
+        self.tree.all(ray, |hit, leaf| {
+            let (block, lane) = self.tree.leaf(leaf);
+            if block.group(lane) == group {
+                found(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf });
+            }
+        });
+    }
+
+    fn triangle(&self, hit: &Hit) -> Primitive {
+        let (block, lane) = self.tree.leaf(hit.leaf);
+        block.get(lane)
+    }
+
+    /// Unit geometric normal of a hit, on the outside of its mesh.
+    #[must_use]
+    pub fn normal(&self, hit: &Hit) -> Vec3 {
+        self.triangle(hit).normal().normalize_or(Vec3::Z)
+    }
+
+    /// Position of a hit, interpolated from the vertices: exact to their rounding errors.
+    #[must_use]
+    pub fn position(&self, hit: &Hit) -> Vec3 {
+        self.triangle(hit).point(hit.barycentric)
+    }
+
+    /// Everything about a hit.
+    pub(crate) fn surface_point(&self, scene: &Scene, hit: &Hit) -> SurfacePoint {
+        surface_point(scene, &self.triangle(hit), hit.barycentric)
+    }
+
+    /// The point of a triangle nearest to a position in its plane, by the triangle's scene-wide number.
+    pub(crate) fn point_on(&self, scene: &Scene, primitive: u32, position: Vec3) -> SurfacePoint {
+        let (object, triangle) = self.object_and_triangle(primitive);
+        let owner = &scene.objects[object as usize];
+        let leaf = Place { object: owner, index: object, triangle }.primitive();
+        surface_point(scene, &leaf, barycentric(&leaf.vertices, position))
+    }
+}
+
+/// Where a triangle is to be found: a third of the size of the triangle itself, of which there may be ten millions.
+#[derive(Clone, Copy)]
+struct Place<'a> {
+    object: &'a Object,
+    index: u32,
+    triangle: u32,
+}
+
+impl Boundable for Place<'_> {
+    fn aabb(&self) -> Aabb {
+        self.primitive().aabb()
+    }
+}
+
+impl Source for Place<'_> {
+    fn primitive(&self) -> Primitive {
+        let Object { mesh, subsurface_group, .. } = self.object;
+        let corners = mesh.triangles[self.triangle as usize];
+        let vertices = corners.map(|corner| mesh.positions[corner as usize]);
+        Primitive { vertices, object: self.index, triangle: self.triangle, group: *subsurface_group }
+    }
+}
+
+/// Attributes of a triangle at barycentric coordinates.
+fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> SurfacePoint {
+    let mesh = &scene.objects[leaf.object as usize].mesh;
+    let corners = mesh.triangles[leaf.triangle as usize];
+    let weights = [1.0 - b1 - b2, b1, b2];
+    let geometric_normal = leaf.normal().normalize_or(Vec3::Z);
+    let largest = leaf.vertices.iter().fold(Vec3::ZERO, |m, v| m.max(v.abs())).max_element();
+    let mut shading_normal =
+        interpolate(&mesh.normals, corners, weights, Vec3::ZERO).try_normalize().unwrap_or(geometric_normal);
+    // A shading normal from the other side (broken input) would turn the surface inside out.
+    if shading_normal.dot(geometric_normal) <= 0.0 {
+        shading_normal = geometric_normal;
+    }
+    SurfacePoint {
+        position: leaf.point([b1, b2]),
+        geometric_normal,
+        shading_normal,
+        uv: interpolate(&mesh.uvs, corners, weights, Vec2::ZERO),
+        color: interpolate(&mesh.colors, corners, weights, Vec3::ONE),
+        offset: largest * 16.0 * f32::EPSILON,
+        object: leaf.object,
+        triangle: leaf.triangle,
+        group: leaf.group,
+    }
+}
+
+/// Coordinates of vertices 1 and 2, clamped into the triangle.
+fn barycentric(&[a, b, c]: &[Vec3; 3], position: Vec3) -> [f32; 2] {
+    // In double precision: fourth powers of lengths.
+    let [e1, e2, p] = [b - a, c - a, position - a].map(Vec3::as_dvec3);
+    let normal = e1.cross(e2);
+    let squared = normal.length_squared();
+    if squared == 0.0 {
+        return [0.0, 0.0];
+    }
+    let b1 = ((p.cross(e2).dot(normal) / squared) as f32).clamp(0.0, 1.0);
+    let b2 = ((e1.cross(p).dot(normal) / squared) as f32).clamp(0.0, 1.0 - b1);
+    [b1, b2]
+}
+
+/// Barycentric interpolation of a vertex attribute, `absent` where the mesh has none.
+fn interpolate<T>(attribute: &[T], corners: [u32; 3], weights: [f32; 3], absent: T) -> T
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    if attribute.is_empty() {
+        return absent;
+    }
+    let [a, b, c] = corners.map(|corner| attribute[corner as usize]);
+    a * weights[0] + b * weights[1] + c * weights[2]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use translucid_scene::Mesh;
+
+    /// Random triangles in the unit cube.
+    fn soup(count: u32) -> Vec<Object> {
+        let mut mesh = Mesh::default();
+        for i in 0..count {
+            let random = |salt: u32| sobol_burley::sample(i, salt, 3);
+            let center = Vec3::new(random(0), random(1), random(2));
+            for corner in 0..3 {
+                let at = |axis: u32| random(3 + 3 * corner + axis) - 0.5;
+                mesh.positions.push(center + Vec3::new(at(0), at(1), at(2)) * 0.1);
+            }
+            mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+        }
+        vec![Object { name: "soup".into(), mesh, material: 0, subsurface_group: i32::MAX as u32 }]
+    }
+
+    fn random_ray(i: u32) -> Ray {
+        let random = |salt: u32| sobol_burley::sample(i, salt, 11);
+        let target = Vec3::new(random(0), random(1), random(2));
+        let origin = Vec3::new(random(3), random(4), random(5)) * 4.0 - 1.5;
+        Ray::segment(origin, (target - origin).normalize(), 0.5 + 4.0 * random(6))
+    }
+
+    /// The tree against a loop over all triangles.
+    #[test]
+    fn queries_agree_with_brute_force() {
+        let objects = soup(1000);
+        let geometry = Geometry::new(&objects);
+        let singles: Vec<_> = (0..objects[0].mesh.triangles.len())
+            .map(|number| {
+                let mut single = objects[0].clone();
+                single.mesh.triangles = vec![single.mesh.triangles[number]];
+                Geometry::new(&[single])
+            })
+            .collect();
+        let group = objects[0].subsurface_group;
+        let mut hits = 0;
+        for i in 0..500 {
+            let ray = random_ray(i);
+            let mut expected: Vec<f32> =
+                singles.iter().filter_map(|single| single.closest(&ray)).map(|hit| hit.t).collect();
+            expected.sort_by(f32::total_cmp);
+            hits += expected.len();
+            let mut found = Vec::new();
+            geometry.all_in_group(&ray, group, |hit| found.push(hit.t));
+            found.sort_by(f32::total_cmp);
+            assert_eq!(found, expected);
+            assert_eq!(geometry.closest(&ray).map(|hit| hit.t), expected.first().copied());
+            assert_eq!(geometry.occluded(&ray), !expected.is_empty());
+            geometry.all_in_group(&ray, group + 1, |_| panic!("a hit in a foreign group"));
+            let nearest = geometry.closest_in_group(&ray, group);
+            assert_eq!(nearest.map(|hit| hit.t), expected.first().copied());
+            assert!(geometry.closest_in_group(&ray, group + 1).is_none());
+        }
+        assert!(hits > 150, "the test meets too few triangles: {hits}");
+    }
+
+    /// Triangles of several groups share leaves and boxes.
+    #[test]
+    fn closest_in_group_sees_through_other_groups() {
+        let mesh = soup(1200).remove(0).mesh;
+        let objects: Vec<Object> = (0..3)
+            .map(|group| {
+                let triangles = mesh.triangles.iter().copied().skip(group).step_by(3).collect();
+                let mesh = Mesh { triangles, ..mesh.clone() };
+                Object { name: "third".into(), mesh, material: 0, subsurface_group: group as u32 }
+            })
+            .collect();
+        let geometry = Geometry::new(&objects);
+        let mut hits = 0;
+        for i in 0..500 {
+            let ray = random_ray(i);
+            for group in 0..3 {
+                let mut nearest = f32::INFINITY;
+                geometry.all_in_group(&ray, group, |hit| nearest = nearest.min(hit.t));
+                let found = geometry.closest_in_group(&ray, group).map_or(f32::INFINITY, |hit| hit.t);
+                assert_eq!(found, nearest);
+                hits += u32::from(found.is_finite());
+            }
+        }
+        assert!(hits > 150, "the test meets too few triangles: {hits}");
+    }
+
+    #[test]
+    fn tree_does_not_depend_on_threads() {
+        let objects = soup(5000);
+        let build = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a thread pool");
+            pool.install(|| Geometry::new(&objects))
+        };
+        let (one, two) = (build(1), build(2));
+        // Empty lanes are NaN, so compare what would be printed.
+        assert_eq!(format!("{:?}", one.tree), format!("{:?}", two.tree));
+    }
+
+    #[test]
+    fn coincident_triangles_build_and_hit() {
+        let mut objects = soup(1);
+        objects[0].mesh.triangles = vec![[0, 1, 2]; 30_000];
+        let mesh = &objects[0].mesh;
+        let center = mesh.positions.iter().sum::<Vec3>() / 3.0;
+        let geometry = Geometry::new(&objects);
+        let [a, b, c] = [0, 1, 2].map(|i| mesh.positions[i]);
+        let direction = (b - a).cross(c - a).normalize();
+        let mut count = 0;
+        geometry.all_in_group(&Ray::new(center - direction, direction), objects[0].subsurface_group, |_| {
+            count += 1;
+        });
+        assert_eq!(count, 30_000);
+    }
+
+    #[test]
+    fn primitive_numbers_go_both_ways() {
+        let mut objects = soup(3);
+        objects.extend(soup(4));
+        let geometry = Geometry::new(&objects);
+        for primitive in 0..7 {
+            let (object, triangle) = geometry.object_and_triangle(primitive);
+            assert_eq!(geometry.primitive(object, triangle), primitive);
+        }
+        assert_eq!(geometry.object_and_triangle(3), (1, 0));
+    }
+}

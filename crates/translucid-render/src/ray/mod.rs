@@ -1,0 +1,9 @@
+//! Rays, triangles and the hierarchy over them: what a ray meets.
+
+mod geometry;
+mod triangle;
+mod wide_tree;
+
+pub(crate) use geometry::SurfacePoint;
+pub use geometry::{Geometry, Hit};
+pub use triangle::Ray;

@@ -1,0 +1,304 @@
+//! An eight-wide bounding volume hierarchy with triangles in blocks of four.
+//!
+//! `obvhs` builds a binary tree (PLOC with reinsertion); eight neighbors of it are gathered into one
+//! node, whose boxes are tested together, and up to four triangles into a block.
+//! Rounding never hides a hit: boxes have a margin, far distances of the box test are widened, and the
+//! triangle test is watertight.
+
+mod collapse;
+mod gather;
+mod lines;
+mod node;
+mod traversal;
+
+use gather::Gather;
+use glam::{Vec3, Vec3A};
+use lines::Lines;
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
+use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
+use traversal::Visitor;
+
+use crate::ray::triangle::{BlockRay, LANES, Ray, TriangleBlock, TriangleHit};
+
+/// The tree over a scene's triangles.
+#[derive(Debug, PartialEq)]
+pub(crate) struct WideTree {
+    lines: Lines,
+    /// Most children that a ray has yet to visit at any time.
+    most_waiting: usize,
+    bounds: (Vec3, Vec3),
+    avx2: bool,
+}
+
+/// Where the tree's triangles come from.
+pub(crate) trait Source: Boundable {
+    /// The triangle itself.
+    fn primitive(&self) -> Primitive;
+}
+
+/// A triangle to be sorted into the tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Primitive {
+    pub(crate) vertices: [Vec3; 3],
+    pub(crate) object: u32,
+    pub(crate) triangle: u32,
+    pub(crate) group: u32,
+}
+
+impl Boundable for Primitive {
+    fn aabb(&self) -> Aabb {
+        let [a, b, c] = self.vertices.map(Vec3A::from);
+        // The box test rounds: a little room keeps it from culling what the triangle test would hit.
+        // It differs between triangles, since the builder takes quadratic time over equal boxes.
+        let jitter = (self.triangle.wrapping_mul(0x9e37_79b9) >> 28) as f32;
+        let room = a.abs().max(b.abs()).max(c.abs()).max_element() * (4.0 + jitter) * f32::EPSILON;
+        Aabb::new(a.min(b).min(c) - room, a.max(b).max(c) + room)
+    }
+}
+
+impl WideTree {
+    /// Builds the tree; the result does not depend on the number of threads.
+    pub(crate) fn new(primitives: &[impl Source]) -> Self {
+        let avx2 = avx2_is_available();
+        if primitives.is_empty() {
+            return Self { lines: Lines::default(), most_waiting: 0, bounds: (Vec3::ZERO, Vec3::ZERO), avx2 };
+        }
+        let mut binary = PlocBuilder::with_capacity(primitives.len()).build(
+            PlocSearchDistance::Medium,
+            primitives,
+            (0..primitives.len() as u32).collect(),
+            SortPrecision::U64,
+            3,
+        );
+        // A tenth of obvhs' medium preset was measured to trace as fast on scanned meshes.
+        ReinsertionOptimizer::default().run(&mut binary, 0.02, None);
+        let root = binary.nodes[0].aabb();
+        let mut gathered = Gather::new(&binary, primitives);
+        gathered.run();
+        let bounds = (root.min.into(), root.max.into());
+        Self { lines: gathered.lines, most_waiting: gathered.most_waiting, bounds, avx2 }
+    }
+
+    /// Corners of the box around everything.
+    pub(crate) fn bounds(&self) -> (Vec3, Vec3) {
+        self.bounds
+    }
+
+    /// Size of nodes and blocks in bytes.
+    pub(crate) fn memory(&self) -> usize {
+        self.lines.size()
+    }
+
+    /// The triangle block that a leaf number belongs to, and its lane.
+    pub(crate) fn leaf(&self, leaf: u32) -> (&TriangleBlock, usize) {
+        (self.lines.block(leaf / LANES as u32), leaf as usize % LANES)
+    }
+
+    /// The nearest hit along a ray with the number of its leaf.
+    #[inline]
+    pub(crate) fn closest(&self, ray: &Ray) -> Option<(TriangleHit, u32)> {
+        let mut nearest = Nearest { hit: None };
+        self.traverse(ray, &mut nearest);
+        nearest.hit
+    }
+
+    /// The nearest hit along a ray with a subsurface group, with the number of its leaf.
+    #[inline]
+    pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<(TriangleHit, u32)> {
+        let mut nearest = NearestInGroup { group, hit: None };
+        self.traverse(ray, &mut nearest);
+        nearest.hit
+    }
+
+    /// Whether anything lies on a segment.
+    #[inline]
+    pub(crate) fn occluded(&self, ray: &Ray) -> bool {
+        self.traverse(ray, &mut Any)
+    }
+
+    /// Calls `found` for every hit of a segment, in the tree's order.
+    #[inline]
+    pub(crate) fn all(&self, ray: &Ray, found: impl FnMut(TriangleHit, u32)) {
+        self.traverse(ray, &mut Every { found });
+    }
+}
+
+/// Looks for the nearest hit.
+struct Nearest {
+    hit: Option<(TriangleHit, u32)>,
+}
+
+impl Visitor for Nearest {
+    const IS_ORDERED: bool = true;
+
+    #[inline(always)]
+    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool {
+        if let Some((hit, lane)) = block.closest(ray) {
+            ray.t_max = hit.t;
+            self.hit = Some((hit, first + lane as u32));
+        }
+        false
+    }
+}
+
+/// Looks for the nearest hit of a subsurface group.
+struct NearestInGroup {
+    group: u32,
+    hit: Option<(TriangleHit, u32)>,
+}
+
+impl Visitor for NearestInGroup {
+    const IS_ORDERED: bool = true;
+
+    #[inline(always)]
+    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool {
+        if let Some((hit, lane)) = block.closest_in_group(ray, self.group) {
+            ray.t_max = hit.t;
+            self.hit = Some((hit, first + lane as u32));
+        }
+        false
+    }
+}
+
+/// Is content with any hit.
+struct Any;
+
+impl Visitor for Any {
+    const IS_ORDERED: bool = false;
+
+    #[inline(always)]
+    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, _: u32) -> bool {
+        block.is_hit(ray)
+    }
+}
+
+/// Reports every hit.
+struct Every<F> {
+    found: F,
+}
+
+impl<F: FnMut(TriangleHit, u32)> Visitor for Every<F> {
+    const IS_ORDERED: bool = false;
+
+    #[inline(always)]
+    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool {
+        block.all(ray, |hit, lane| (self.found)(hit, first + lane as u32));
+        false
+    }
+}
+
+fn avx2_is_available() -> bool {
+    #[cfg(target_arch = "x86_64")]
+    {
+        std::arch::is_x86_feature_detected!("avx2")
+    }
+    #[cfg(not(target_arch = "x86_64"))]
+    {
+        false
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    impl Source for Primitive {
+        fn primitive(&self) -> Primitive {
+            *self
+        }
+    }
+
+    /// Random triangles in the unit cube.
+    fn soup(count: u32) -> Vec<Primitive> {
+        let random = |i: u32, salt: u32| sobol_burley::sample(i, salt, 3);
+        let triangle = |i: u32| {
+            let center = Vec3::new(random(i, 0), random(i, 1), random(i, 2));
+            let vertex = |corner: u32| {
+                let at = |axis: u32| random(i, 3 + 3 * corner + axis) - 0.5;
+                center + 0.1 * Vec3::new(at(0), at(1), at(2))
+            };
+            Primitive { vertices: [0, 1, 2].map(vertex), object: 0, triangle: i, group: i % 3 }
+        };
+        (0..count).map(triangle).collect()
+    }
+
+    fn random_ray(i: u32) -> Ray {
+        let random = |salt: u32| sobol_burley::sample(i, salt, 11);
+        let target = Vec3::new(random(0), random(1), random(2));
+        let origin = Vec3::new(random(3), random(4), random(5)) * 4.0 - 1.5;
+        // Some run along an axis, where a slab's distances are huge.
+        let direction =
+            if i.is_multiple_of(5) { Vec3::AXES[i as usize % 3] } else { (target - origin).normalize() };
+        Ray::segment(origin, direction, 0.5 + 4.0 * random(6))
+    }
+
+    /// Whatever the processor, the same hits in the same order, to the last bit.
+    #[test]
+    fn portable_traversal_finds_the_same() {
+        let tree = WideTree::new(&soup(2000));
+        let portable = WideTree { avx2: false, ..WideTree::new(&soup(2000)) };
+        let bits = |(hit, leaf): (TriangleHit, u32)| ([hit.t, hit.b1, hit.b2].map(f32::to_bits), leaf);
+        let mut hits = 0;
+        for ray in (0..2000).map(random_ray) {
+            let all = |tree: &WideTree| {
+                let mut found = Vec::new();
+                tree.all(&ray, |hit, leaf| found.push(bits((hit, leaf))));
+                found
+            };
+            assert_eq!(all(&tree), all(&portable));
+            assert_eq!(tree.closest(&ray).map(bits), portable.closest(&ray).map(bits));
+            assert_eq!(
+                tree.closest_in_group(&ray, 1).map(bits),
+                portable.closest_in_group(&ray, 1).map(bits)
+            );
+            assert_eq!(tree.occluded(&ray), portable.occluded(&ray));
+            hits += all(&tree).len();
+        }
+        assert!(hits > 1000, "the test meets too few triangles: {hits}");
+    }
+
+    /// Triangles each a little larger than the one before make a tree as deep as they are many.
+    #[test]
+    fn deep_trees_are_traversed_to_the_end() {
+        let vertices = |i: u32| {
+            let size = 1.04_f32.powi(i as i32);
+            [Vec3::new(size, 0.0, 0.0), Vec3::new(size, size, 0.0), Vec3::new(size, 0.0, size)]
+        };
+        let primitives: Vec<_> =
+            (0..600).map(|i| Primitive { vertices: vertices(i), object: 0, triangle: i, group: 0 }).collect();
+        let tree = WideTree::new(&primitives);
+        assert!(tree.most_waiting > traversal::STACK, "{} children wait", tree.most_waiting);
+        for tree in [WideTree { avx2: false, ..WideTree::new(&primitives) }, tree] {
+            let ray = Ray::new(Vec3::new(0.0, 0.1, 0.1), Vec3::X);
+            let mut count = 0;
+            tree.all(&ray, |_, _| count += 1);
+            assert_eq!(count, 600);
+            assert_eq!(tree.closest(&ray).map(|(hit, _)| hit.t), Some(1.0));
+        }
+    }
+
+    /// A mesh as a scanner makes them, at a tenth of the largest that the bench `huge_mesh` renders.
+    #[test]
+    fn large_meshes_take_less_than_a_hundred_bytes_a_triangle() {
+        let side = 710_u32;
+        let vertex = |x: u32, y: u32| {
+            let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
+            Vec3::new(u, v, 0.05 * (9.0 * u).sin() * (7.0 * v).cos())
+        };
+        let mut primitives = Vec::new();
+        for (x, y) in (0..side).flat_map(|x| (0..side).map(move |y| (x, y))) {
+            let [a, b, c, d] = [(0, 0), (1, 0), (1, 1), (0, 1)].map(|(dx, dy)| vertex(x + dx, y + dy));
+            for vertices in [[a, b, c], [a, c, d]] {
+                let triangle = primitives.len() as u32;
+                primitives.push(Primitive { vertices, object: 0, triangle, group: 0 });
+            }
+        }
+        assert!(primitives.len() > 1_000_000);
+        let tree = WideTree::new(&primitives);
+        let bytes = tree.memory() as f64 / primitives.len() as f64;
+        assert!(bytes < 100.0, "{bytes} bytes a triangle");
+        assert!(tree.most_waiting <= traversal::STACK, "{} children wait", tree.most_waiting);
+    }
+}

@@ -1,0 +1,178 @@
+//! The way of a ray through the tree.
+//!
+//! ```text
+//! loop
+//!   which of the node's boxes does the ray meet?
+//!   none: take the nearest from the stack; else the nearest of them, the others onto the stack
+//!   a block: ask the visitor, and take the next from the stack
+//! ```
+//!
+//! Everything below is compiled twice, plainly and for AVX2, which is chosen at run time; both find the same.
+
+use super::WideTree;
+use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
+use crate::ray::triangle::{BlockRay, LANES, Ray, TriangleBlock};
+
+/// What is asked of a ray's way.
+pub(super) trait Visitor {
+    /// Whether near blocks shall come before far ones, and what lies beyond the ray's end, which then may come nearer,
+    /// be left out.
+    const IS_ORDERED: bool;
+
+    /// Looks at a block whose first triangle has the number `first`; true ends the way.
+    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool;
+}
+
+/// Children yet to visit for which there is room without asking for memory: scanned meshes have up to 70.
+pub(super) const STACK: usize = 96;
+
+/// A child yet to visit: above the bits of the distance at which the ray enters its box, below its number.
+///
+/// Distances are not negative, so that the order of their bits is theirs.
+#[derive(Clone, Copy)]
+struct Visit(u64);
+
+impl Visit {
+    #[inline(always)]
+    fn new(node: &Node, met: &Met, lane: usize) -> Self {
+        Self(u64::from(met.near[lane].to_bits()) << 32 | u64::from(node.children[lane]))
+    }
+
+    #[inline(always)]
+    fn child(self) -> u32 {
+        self.0 as u32
+    }
+
+    #[inline(always)]
+    fn distance(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+}
+
+impl WideTree {
+    /// Leads a visitor to the blocks whose boxes a ray meets; whether it has ended the way.
+    #[inline(always)]
+    pub(super) fn traverse<V: Visitor>(&self, ray: &Ray, visitor: &mut V) -> bool {
+        if self.lines.is_empty() {
+            return false;
+        }
+        let mut array = [Visit(0); STACK];
+        // Degenerate trees are deep.
+        let mut deep;
+        let stack = if self.most_waiting <= STACK {
+            &mut array[..]
+        } else {
+            deep = vec![Visit(0); self.most_waiting];
+            &mut deep[..]
+        };
+        #[cfg(target_arch = "x86_64")]
+        if self.avx2 {
+            // SAFETY: `avx2` is true only if the processor was found to have AVX2.
+            return unsafe { self.traverse_avx2(ray, visitor, stack) };
+        }
+        self.traverse_with(ray, visitor, stack, SlabRay::meet)
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn traverse_avx2<V: Visitor>(&self, ray: &Ray, visitor: &mut V, stack: &mut [Visit]) -> bool {
+        // SAFETY: this function has AVX2.
+        self.traverse_with(ray, visitor, stack, |ray, node, t_max| unsafe { ray.meet_avx2(node, t_max) })
+    }
+
+    #[inline(always)]
+    fn traverse_with<V: Visitor>(
+        &self,
+        ray: &Ray,
+        visitor: &mut V,
+        stack: &mut [Visit],
+        meet: impl Fn(&SlabRay, &Node, f32) -> Met,
+    ) -> bool {
+        let slab_ray = SlabRay::new(ray);
+        let mut block_ray = BlockRay::new(ray);
+        let mut used = 0;
+        let mut current = Visit(0);
+        loop {
+            // Go down to a block.
+            let mut is_met = true;
+            while current.child() & LEAF == 0 {
+                let node = self.lines.node(current.child());
+                let met = meet(&slab_ray, node, block_ray.t_max);
+                if met.mask == 0 {
+                    is_met = false;
+                    break;
+                }
+                current = self.choose::<V>(node, &met, stack, &mut used);
+            }
+            if is_met {
+                let line = current.child() & !LEAF;
+                if visitor.visit(&mut block_ray, self.lines.block(line), line * LANES as u32) {
+                    return true;
+                }
+            }
+            // Go on with what is left.
+            loop {
+                if used == 0 {
+                    return false;
+                }
+                used -= 1;
+                current = stack[used];
+                if !V::IS_ORDERED || current.distance() <= block_ray.t_max {
+                    break;
+                }
+            }
+        }
+    }
+
+    /// Of the children that a ray meets, of which there are any, the nearest; the others go onto the stack so that the
+    /// nearest of them is on top.
+    #[inline(always)]
+    fn choose<V: Visitor>(&self, node: &Node, met: &Met, stack: &mut [Visit], used: &mut usize) -> Visit {
+        let next = |mask: u32| {
+            let lane = mask.trailing_zeros() as usize % WIDTH;
+            let visit = Visit::new(node, met, lane);
+            self.prefetch(visit.child());
+            visit
+        };
+        let mut nearest = next(met.mask);
+        let mut mask = met.mask & (met.mask - 1);
+        let base = *used;
+        while mask != 0 {
+            let visit = next(mask);
+            mask &= mask - 1;
+            if !V::IS_ORDERED {
+                stack[*used] = visit;
+                *used += 1;
+                continue;
+            }
+            let (near, far) = if visit.0 < nearest.0 { (visit, nearest) } else { (nearest, visit) };
+            nearest = near;
+            let mut place = *used;
+            while place > base && stack[place - 1].0 < far.0 {
+                stack[place] = stack[place - 1];
+                place -= 1;
+            }
+            stack[place] = far;
+            *used += 1;
+        }
+        nearest
+    }
+
+    /// Tells the processor what will be read soon: on large meshes most of the time would go into waiting for memory.
+    #[inline(always)]
+    fn prefetch(&self, child: u32) {
+        #[cfg(target_arch = "x86_64")]
+        {
+            use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
+            let start = self.lines.address(child & !LEAF);
+            // Bounds and children of a node lie in four cache lines, a block in three.
+            let last = if child & LEAF == 0 { 192 } else { 128 };
+            for offset in [0, 64, 128, last] {
+                // SAFETY: a prefetch reads nothing that the program can see, and faults at no address.
+                unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
+            }
+        }
+        #[cfg(not(target_arch = "x86_64"))]
+        let _ = child;
+    }
+}

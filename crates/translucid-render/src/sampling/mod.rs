@@ -1,0 +1,11 @@
+//! Random numbers and what directions are drawn with.
+
+mod choose;
+mod disk;
+mod frame;
+mod sampler;
+
+pub(crate) use choose::choose;
+pub(crate) use disk::concentric_disk;
+pub use frame::Frame;
+pub(crate) use sampler::Sampler;

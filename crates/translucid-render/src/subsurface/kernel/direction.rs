@@ -1,0 +1,161 @@
+//! How much more or less light leaves at a point for the direction in which it enters at another.
+//!
+//! Probes find entry points by a radial profile, before any light is known.
+//! Where the model knows directions, light at the entry is then weighted with R(x_o − x_i; ω_i)/R(|x_o − x_i|).
+
+use std::f32::consts::FRAC_1_PI;
+
+use glam::Vec3;
+use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
+
+use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
+use crate::surface::material::Subsurface;
+
+/// The way of light below the surface, with normals on the side that is seen.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Passage {
+    /// From the entry to the exit \[L\].
+    pub(crate) offset: Vec3,
+    /// Unit normal at the entry.
+    pub(crate) entry_normal: Vec3,
+    /// Unit normal at the exit.
+    pub(crate) exit_normal: Vec3,
+}
+
+/// The weight of light by its direction, per channel.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "it lives on the stack for one event: a box would allocate in the inner loop"
+)]
+pub(crate) enum Directionality {
+    /// All directions alike.
+    Radial,
+    /// The directional dipole.
+    Dipole {
+        passage: Passage,
+        dipoles: [DirectionalDipoleF32; 3],
+        /// 1/R(|x_o − x_i|) of the profile that the entry was found by; 0 in channels that do not scatter.
+        inverse: Vec3,
+    },
+    /// Normalized diffusion of oblique light.
+    Oblique {
+        passage: Passage,
+        profiles: [ObliqueDiffusionF32; 3],
+        /// 1/(r R(r)) of the profile that the entry was found by; 0 in channels that do not scatter.
+        inverse: Vec3,
+    },
+}
+
+/// What the subsurface parameters of an exit say about directions.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
+)]
+#[derive(Clone, Copy)]
+pub(crate) enum Directions<'a> {
+    /// All directions alike.
+    Radial,
+    /// The directional dipole.
+    Dipole([DirectionalDipoleF32; 3], RadialMean<'a>),
+    /// Normalized diffusion of oblique light.
+    Oblique([ObliqueDiffusionF32; 3], RadialMean<'a>),
+}
+
+/// The profiles that entries are found by, of the shape that their table has.
+#[derive(Clone, Copy)]
+pub(crate) struct RadialMean<'a> {
+    views: [ProfileViewF32<'a>; 3],
+    /// Surface albedo of the shape, 0 in channels that do not scatter.
+    albedo: [f32; 3],
+}
+
+impl RadialMean<'_> {
+    /// 1 over a density of the profiles times A; 0 where that is 0.
+    fn inverse(&self, density: impl Fn(&ProfileViewF32<'_>) -> f32) -> Vec3 {
+        let of = |c: usize| {
+            let radial = if self.albedo[c] > 0.0 { self.albedo[c] * density(&self.views[c]) } else { 0.0 };
+            if radial > 0.0 { radial.recip() } else { 0.0 }
+        };
+        Vec3::new(of(0), of(1), of(2))
+    }
+}
+
+impl<'a> Directions<'a> {
+    /// Those of an exit's parameters.
+    pub(crate) fn new(tables: &'a ProfileTables, subsurface: &Subsurface) -> Self {
+        let Subsurface { albedo, length, source } = *subsurface;
+        // Of the shape that the table has
+        let shape = |table: usize, c: usize| albedo[c].min(tables.brightest(table));
+        let mean = |table: usize| RadialMean {
+            views: [0, 1, 2].map(|c| tables.table(table).at(shape(table, c), length[c])),
+            albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(table, c) } else { 0.0 }),
+        };
+        match source {
+            ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) | ProfileSource::RandomWalk(_) => {
+                Self::Radial
+            }
+            ProfileSource::Directional { table, dipole } => Self::Dipole(
+                [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
+                mean(table),
+            ),
+            ProfileSource::Oblique { table, oblique } => Self::Oblique(
+                [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
+                mean(table),
+            ),
+        }
+    }
+
+    /// The weights of light that goes a way below the surface.
+    pub(crate) fn along(&self, passage: Passage) -> Directionality {
+        let distance = passage.offset.length();
+        match self {
+            Self::Radial => Directionality::Radial,
+            Self::Dipole(dipoles, mean) => Directionality::Dipole {
+                passage,
+                dipoles: *dipoles,
+                inverse: mean.inverse(|view| view.pdf_area(distance)),
+            },
+            Self::Oblique(profiles, mean) => Directionality::Oblique {
+                passage,
+                profiles: *profiles,
+                inverse: mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+            },
+        }
+    }
+}
+
+impl Directionality {
+    /// Factor on light that comes from a unit direction.
+    #[inline]
+    pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {
+        match self {
+            Self::Radial => Vec3::ONE,
+            Self::Dipole { passage, dipoles, inverse } => {
+                let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
+                per_channel(*inverse, |c| dipoles[c].eval(offset, omega, entry_normal, exit_normal))
+            }
+            Self::Oblique { passage, profiles, inverse } => {
+                let [offset, omega, entry_normal, _] = passage.arrays(toward_light);
+                per_channel(*inverse, |c| profiles[c].eval_times_r(offset, omega, entry_normal))
+            }
+        }
+    }
+}
+
+impl Passage {
+    /// Offset, direction toward the light, and normals at entry and exit.
+    fn arrays(&self, toward_light: Vec3) -> [[f32; 3]; 4] {
+        [self.offset, toward_light, self.entry_normal, self.exit_normal].map(|v| v.to_array())
+    }
+}
+
+/// inverse · value, 0 in channels whose inverse is.
+///
+/// So is a product of the greatest and the least numbers: far away from a channel's light, where others have theirs.
+fn per_channel(inverse: Vec3, value: impl Fn(usize) -> f32) -> Vec3 {
+    let product = |c: usize| {
+        let product = if inverse[c] <= 0.0 { 0.0 } else { value(c) * inverse[c] };
+        if product.is_finite() { product } else { 0.0 }
+    };
+    Vec3::new(product(0), product(1), product(2))
+}

@@ -1,0 +1,75 @@
+//! Profiles normalized by the shape that they are used on.
+//!
+//! ```text
+//! N(x) = ∫ R(|x − x'|) dA' / A          over all surfaces of the group around x
+//! ```
+//!
+//! is 1 on a plane, less on a sphere, more on a slab. Light that leaves at x, divided by N(x), is A under even light.
+//! N is a sum over points in blue noise, those of the point-based method without their light.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::Vec3;
+use translucid_scene::{Material, SubsurfaceNormalization};
+
+use crate::path::tracer::World;
+use crate::subsurface::kernel::tables::ProfileTables;
+use crate::subsurface::transport::points::{Gatherer, Leaving, PointCloud, PointsError, Scratch};
+
+/// Most memory for points, in bytes, whatever the scene allows: half a million.
+///
+/// A body for which they do not suffice is hundreds of widths of its profile across, and N is 1 but at its thinnest.
+const MOST_MEMORY: u64 = 128 << 20;
+
+/// Below this N counts as so much: a body that holds less of the profile is a point to it.
+const LEAST_ENERGY: f32 = 1e-6;
+
+/// The points of a scene that has materials to be normalized.
+pub(crate) struct Normalizer {
+    points: Gatherer,
+}
+
+impl Normalizer {
+    /// `None` where no material asks for it.
+    ///
+    /// # Errors
+    /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
+    pub(crate) fn new(world: &World) -> Result<Option<Self>, PointsError> {
+        let is_asked_for = |material: &Material| {
+            material.subsurface_normalization == SubsurfaceNormalization::Energy
+                && material.subsurface_weight.factor > 0.0
+        };
+        if !world.scene.materials.iter().any(is_asked_for) {
+            return Ok(None);
+        }
+        let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
+        let never = AtomicBool::new(false);
+        let cloud = PointCloud::without_light(world, 0, memory, &|_| {}, &never)?;
+        Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world) }))
+    }
+
+    /// Factor on the light that leaves at a point of a material.
+    pub(crate) fn factor(
+        &self,
+        tables: &ProfileTables,
+        material: &Material,
+        leaving: &Leaving,
+        scratch: &mut Scratch,
+    ) -> Vec3 {
+        if material.subsurface_normalization == SubsurfaceNormalization::None {
+            return Vec3::ONE;
+        }
+        let gathered = self.points.gather(tables, leaving, scratch);
+        gathered.map_or(Vec3::ONE, |gathered| Self::factor_of(material, gathered.energy))
+    }
+
+    /// The same by N; 1 where a channel has no profile.
+    pub(crate) fn factor_of(material: &Material, energy: Vec3) -> Vec3 {
+        match material.subsurface_normalization {
+            SubsurfaceNormalization::None => Vec3::ONE,
+            SubsurfaceNormalization::Energy => {
+                energy.map(|n| if n > 0.0 { n.max(LEAST_ENERGY).recip() } else { 1.0 })
+            }
+        }
+    }
+}

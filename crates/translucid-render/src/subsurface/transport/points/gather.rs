@@ -1,0 +1,604 @@
+//! The light that leaves at a point: a sum over all points of its group.
+//!
+//! ```text
+//! B(x) = A Σ_i a_i E_i p(√(|x − p_i|² + b²)) + A cdf(b) Ē(x)
+//! ```
+//!
+//! p(r) = R(r)/A goes like 1/r, so the points nearest to x would count for far too much or too little. The radius is
+//! softened by b, half of the points' spacing; then a sum over points in blue noise is as good as the integral. On a
+//! plane the softened profile has the energy that the profile has beyond b; the share cdf(b) that is missing comes
+//! from the mean irradiance Ē around x on surfaces that face the same way. The plane's energy is then exact, and
+//! what is softened away vanishes with the spacing.
+//!
+//! A cluster of points around c stands in for its points with the tangent of f(p) = p(√(|x − p|² + b²)) at c, and
+//! with half of the second derivative H of f at c times the spread of its area,
+//!
+//! ```text
+//! Σ_i a_i E_i f(p_i) = f(c) Σ a_i E_i + ∇f(c) · Σ a_i E_i (p_i − c) + C + error
+//! C = ½ tr(H(c) Σ a_i (p_i − c)(p_i − c)ᵀ) Σ a_i E_i / Σ a_i
+//! |error| ≤ ½ K Σ a_i E_i |p_i − c|² + |C|,   K ≥ |p''|, |p'|/r at all radii from √(r_min² + b²) on,
+//! ```
+//!
+//! because the eigenvalues of H are mixtures of p'' and p'/r. r_min is the least distance of the cluster's ball
+//! from x. C is right where irradiance changes little within the cluster: it takes most of the error away, and costs a
+//! somewhat looser bound. Clusters are opened in the order of their bounds, as lightcuts are [Walter et al. 2005],
+//! until the bounds of all together are small enough in every channel. Whether a profile falls monotonically plays
+//! no part.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use glam::{DVec3, Vec3};
+use translucid_profile::NormalizedDiffusionF32;
+use translucid_scene::Scene;
+
+use super::hierarchy::{Hierarchy, Node, Point};
+use super::smooth_profile::SmoothProfile;
+use super::surfels::Surfel;
+use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
+use crate::surface::material::{Materials, Subsurface};
+
+/// Softening b in spacings.
+const SOFTENING: f32 = 0.5;
+/// Radius of the neighborhood that Ē is the mean of, in spacings.
+const NEIGHBORHOOD: f32 = 2.0;
+/// Light below this part of what the group's mean irradiance would give everywhere need not be exact.
+const DARK: f64 = 1e-3;
+/// Albedos that a textured material's profile is tabulated for.
+const ROWS: usize = 64;
+
+/// A point that light leaves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Leaving {
+    pub(crate) position: Vec3,
+    /// Unit geometric normal on the outside.
+    pub(crate) normal: Vec3,
+    pub(crate) group: u32,
+    pub(crate) subsurface: Subsurface,
+}
+
+/// What comes together at a point.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(crate) struct Gathered {
+    /// Σ R a E: radiant exitance under the surface; 0 in channels that do not scatter.
+    pub(crate) light: Vec3,
+    /// Σ R a / A: share of the profile's energy that the group's surfaces hold; 1 on a plane.
+    pub(crate) energy: Vec3,
+}
+
+/// Points made ready for sums.
+pub(crate) struct Gatherer {
+    tolerance: f64,
+    /// Sorted by their numbers.
+    groups: Vec<Group>,
+    profiles: Profiles,
+}
+
+/// The points of a subsurface group.
+struct Group {
+    number: u32,
+    tree: Hierarchy,
+    /// Length of the tree's unit \[L\].
+    spacing: f64,
+    /// Exitance that need not be exact, for A = 1.
+    dark: DVec3,
+}
+
+/// Memory that gathering needs; each thread has its own.
+#[derive(Default)]
+pub(crate) struct Scratch {
+    near: Vec<u32>,
+    open: BinaryHeap<Open>,
+}
+
+/// Points of a group in the order of the tree, with their spacing.
+#[derive(Clone, Copy)]
+pub(crate) struct GroupOfPoints<'a> {
+    pub(crate) number: u32,
+    pub(crate) spacing: f64,
+    pub(crate) surfels: &'a [Surfel],
+}
+
+impl Gatherer {
+    /// Makes points ready; `irradiance` is that of each, or empty for 1 everywhere.
+    pub(crate) fn new(
+        scene: &Scene,
+        materials: &Materials,
+        groups: &[GroupOfPoints<'_>],
+        irradiance: &[Vec3],
+    ) -> Self {
+        let mut start = 0;
+        let group = |group: &GroupOfPoints<'_>| {
+            let of = |i: usize| irradiance.get(start + i).copied().unwrap_or(Vec3::ONE);
+            let tree = Hierarchy::new(group.surfels, of, group.spacing);
+            start += group.surfels.len();
+            let mean = tree.nodes.first().map_or(DVec3::ZERO, |root| {
+                root.flux.as_dvec3() / f64::from(root.area).max(f64::MIN_POSITIVE)
+            });
+            Group { number: group.number, tree, spacing: group.spacing, dark: mean * DARK }
+        };
+        let mut groups: Vec<Group> = groups.iter().map(group).collect();
+        groups.sort_by_key(|group| group.number);
+        let tolerance = f64::from(scene.integrator.point_tolerance);
+        Self { tolerance, groups, profiles: Profiles::new(scene, materials) }
+    }
+
+    /// What leaves at a point; `None` where its group has no points.
+    pub(crate) fn gather(
+        &self,
+        tables: &ProfileTables,
+        leaving: &Leaving,
+        scratch: &mut Scratch,
+    ) -> Option<Gathered> {
+        let index = self.groups.binary_search_by_key(&leaving.group, |group| group.number).ok()?;
+        let group = &self.groups[index];
+        let channels = [0, 1, 2].map(|c| self.profiles.channel(&leaving.subsurface, c, group.spacing));
+        let place = group.tree.local(leaving.position);
+        let mut sum = Sum::new(&group.tree, channels, place, leaving.normal);
+        sum.run(scratch, self.tolerance, group.dark);
+        let softening = (f64::from(SOFTENING) * group.spacing) as f32;
+        Some(sum.finish(&leaving.subsurface, within(tables, &leaving.subsurface, softening)))
+    }
+}
+
+/// Share of each channel's energy that leaves within r.
+fn within(tables: &ProfileTables, subsurface: &Subsurface, r: f32) -> Vec3 {
+    let Subsurface { albedo, length, source } = *subsurface;
+    let share = |c: usize| match source {
+        _ if length[c] <= 0.0 => 0.0,
+        // Walked through, not gathered
+        ProfileSource::RandomWalk(_) => 0.0,
+        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length[c]).cdf(r),
+        ProfileSource::Table(table)
+        | ProfileSource::Directional { table, .. }
+        | ProfileSource::Oblique { table, .. } => tables.table(table).at(albedo[c], length[c]).cdf(r),
+    };
+    Vec3::new(share(0), share(1), share(2))
+}
+
+/// A sum on its way, for A = 1.
+struct Sum<'a> {
+    tree: &'a Hierarchy,
+    channels: [Channel<'a>; 3],
+    place: Vec3,
+    normal: Vec3,
+    light: DVec3,
+    energy: DVec3,
+    /// Bound of the error of `light`.
+    error: DVec3,
+    /// Light that enters around the place, weighted, and the sum of the weights.
+    near_flux: Vec3,
+    near_area: f32,
+}
+
+/// A cluster that stands in for its points so far.
+struct Open {
+    key: f32,
+    node: u32,
+    part: Part,
+}
+
+/// What a cluster adds.
+#[derive(Clone, Copy)]
+struct Part {
+    light: DVec3,
+    energy: DVec3,
+    error: DVec3,
+}
+
+impl<'a> Sum<'a> {
+    fn new(tree: &'a Hierarchy, channels: [Channel<'a>; 3], place: Vec3, normal: Vec3) -> Self {
+        let zero = DVec3::ZERO;
+        let (near_flux, near_area) = (Vec3::ZERO, 0.0);
+        Self { tree, channels, place, normal, light: zero, energy: zero, error: zero, near_flux, near_area }
+    }
+
+    /// Sums until the error is within the tolerance, relative to the light or to what counts as dark.
+    fn run(&mut self, scratch: &mut Scratch, tolerance: f64, dark: DVec3) {
+        scratch.open.clear();
+        self.sum_near(scratch, dark);
+        while (self.error.cmpgt(self.light.max(dark) * tolerance)).any() {
+            let Some(open) = scratch.open.pop() else { break };
+            self.light -= open.part.light;
+            self.energy -= open.part.energy;
+            self.error -= open.part.error;
+            let node = &self.tree.nodes[open.node as usize];
+            if node.right == 0 {
+                self.add_points(node);
+            } else {
+                self.open(scratch, open.node + 1, dark);
+                self.open(scratch, node.right, dark);
+            }
+        }
+    }
+
+    /// Adds the points of all clusters that reach into the neighborhood one by one, and the others as they are.
+    fn sum_near(&mut self, scratch: &mut Scratch, dark: DVec3) {
+        scratch.near.clear();
+        scratch.near.extend((!self.tree.nodes.is_empty()).then_some(0));
+        while let Some(index) = scratch.near.pop() {
+            let node = &self.tree.nodes[index as usize];
+            if node.center.distance(self.place) - node.radius > NEIGHBORHOOD {
+                self.open(scratch, index, dark);
+            } else if node.right == 0 {
+                self.add_points(node);
+            } else {
+                scratch.near.extend([index + 1, node.right]);
+            }
+        }
+    }
+
+    /// Adds a cluster as a whole.
+    fn open(&mut self, scratch: &mut Scratch, index: u32, dark: DVec3) {
+        let part = self.part(&self.tree.nodes[index as usize]);
+        self.light += part.light;
+        self.energy += part.energy;
+        self.error += part.error;
+        let relative = part.error / self.light.max(dark).max(DVec3::splat(f64::MIN_POSITIVE));
+        scratch.open.push(Open { key: relative.max_element() as f32, node: index, part });
+    }
+
+    /// What a cluster adds as a whole, see the head of the file.
+    fn part(&self, node: &Node) -> Part {
+        let offset = node.center - self.place;
+        let squared = offset.length_squared();
+        let soft = SOFTENING * SOFTENING;
+        let radius = (squared + soft).sqrt();
+        let nearest = (squared.sqrt() - node.radius).max(0.0);
+        let least = (nearest * nearest + soft).sqrt();
+        let along = f64::from(offset.dot(node.spread * offset) / (radius * radius));
+        let trace = f64::from(node.spread.x_axis.x + node.spread.y_axis.y + node.spread.z_axis.z);
+        let mut part = Part { light: DVec3::ZERO, energy: DVec3::ZERO, error: DVec3::ZERO };
+        for (c, channel) in self.channels.iter().enumerate() {
+            let Curve { value, slope, second } = channel.eval(radius);
+            let first = f64::from(offset.dot(node.first[c]) / radius);
+            let slope_over_radius = slope / f64::from(radius);
+            let bend = 0.5 * ((second - slope_over_radius) * along + slope_over_radius * trace);
+            part.light[c] = (value + bend) * f64::from(node.flux[c]) + slope * first;
+            part.energy[c] = (value + bend) * f64::from(node.area);
+            part.error[c] = 0.5 * channel.curvature_from(least) * f64::from(node.second[c])
+                + bend.abs() * f64::from(node.flux[c]);
+        }
+        part
+    }
+
+    /// Adds points one by one.
+    fn add_points(&mut self, node: &Node) {
+        for point in self.tree.points_of(node) {
+            let squared = point.position.distance_squared(self.place);
+            let radius = (squared + SOFTENING * SOFTENING).sqrt();
+            for (c, channel) in self.channels.iter().enumerate() {
+                let value = channel.eval(radius).value;
+                self.light[c] += value * f64::from(point.flux[c]);
+                self.energy[c] += value * f64::from(point.area);
+            }
+            self.add_to_neighborhood(point, squared);
+        }
+    }
+
+    fn add_to_neighborhood(&mut self, point: &Point, squared: f32) {
+        let inside = 1.0 - squared * (1.0 / (NEIGHBORHOOD * NEIGHBORHOOD));
+        if inside > 0.0 {
+            // A little of what faces elsewhere, for edges where nothing else is near
+            let weight = inside * inside * (self.normal.dot(point.normal).max(0.0) + 1e-4);
+            self.near_flux += point.flux * weight;
+            self.near_area += point.area * weight;
+        }
+    }
+
+    /// The light with the share that enters around the place.
+    fn finish(&self, subsurface: &Subsurface, within: Vec3) -> Gathered {
+        let mean = if self.near_area > 0.0 { self.near_flux / self.near_area } else { Vec3::ZERO };
+        let light = (self.light.as_vec3() + mean * within).max(Vec3::ZERO) * subsurface.albedo;
+        let energy = self.energy.as_vec3() + within;
+        let is_active = subsurface.length.cmpgt(Vec3::ZERO);
+        let finite = |v: Vec3| Vec3::select(v.is_finite_mask() & is_active, v, Vec3::ZERO);
+        Gathered { light: finite(light), energy: finite(energy) }
+    }
+}
+
+/// The profiles of a scene's materials as smooth tables.
+struct Profiles {
+    normalized_diffusion: SmoothProfile,
+    /// For each table of the materials its rows, by albedo.
+    tables: Vec<Vec<(f32, SmoothProfile)>>,
+}
+
+/// A channel's profile in the tree's units: a mixture of two rows.
+#[derive(Clone, Copy)]
+struct Channel<'a> {
+    rows: [Option<Row<'a>>; 2],
+}
+
+#[derive(Clone, Copy)]
+struct Row<'a> {
+    profile: &'a SmoothProfile,
+    /// From the tree's units to the profile's.
+    scale: f32,
+    /// Share in the mixture times the square of the scale.
+    weight: f64,
+}
+
+/// Density per area and its derivatives, in the tree's units.
+#[derive(Clone, Copy, Default)]
+struct Curve {
+    value: f64,
+    slope: f64,
+    second: f64,
+}
+
+impl Profiles {
+    fn new(scene: &Scene, materials: &Materials) -> Self {
+        let tables = materials.profile_tables();
+        let albedos = albedos_in_use(scene, materials);
+        let row = |table: usize, albedo: f32| {
+            (albedo, SmoothProfile::tabulated(tables.table(table).at(albedo, 1.0)))
+        };
+        let rows = |(table, albedos): (usize, &Vec<f32>)| albedos.iter().map(|&a| row(table, a)).collect();
+        Self {
+            normalized_diffusion: SmoothProfile::normalized_diffusion(),
+            tables: albedos.iter().enumerate().map(rows).collect(),
+        }
+    }
+
+    /// The profile of a channel for a tree whose unit is `unit` long \[L\].
+    fn channel(&self, subsurface: &Subsurface, channel: usize, unit: f64) -> Channel<'_> {
+        let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
+        if length <= 0.0 {
+            return Channel { rows: [None; 2] };
+        }
+        let row = |profile, share: f32| Row::new(profile, unit / f64::from(length), f64::from(share));
+        match subsurface.source {
+            ProfileSource::RandomWalk(_) => Channel { rows: [None; 2] },
+            ProfileSource::NormalizedDiffusion => {
+                Channel { rows: [Some(row(&self.normalized_diffusion, 1.0)), None] }
+            }
+            ProfileSource::Table(table)
+            | ProfileSource::Directional { table, .. }
+            | ProfileSource::Oblique { table, .. } => {
+                let rows = &self.tables[table];
+                let upper = rows.partition_point(|(start, _)| *start < albedo).min(rows.len() - 1);
+                let lower = if rows[upper].0 > albedo { upper.saturating_sub(1) } else { upper };
+                let width = rows[upper].0 - rows[lower].0;
+                let mix = if width > 0.0 { (albedo - rows[lower].0) / width } else { 0.0 };
+                let second = (mix > 0.0).then(|| row(&rows[upper].1, mix));
+                Channel { rows: [Some(row(&rows[lower].1, 1.0 - mix)), second] }
+            }
+        }
+    }
+}
+
+/// For each table the albedos that constant materials ask for, and a grid where one is textured.
+fn albedos_in_use(scene: &Scene, materials: &Materials) -> Vec<Vec<f32>> {
+    let mut albedos: Vec<Vec<f32>> = vec![Vec::new(); materials.profile_tables().len()];
+    for (index, material) in scene.materials.iter().enumerate() {
+        let Some(table) = materials.profile_source(index).table() else { continue };
+        let color = &material.subsurface_color;
+        if color.texture.is_some() || color.vertex_color {
+            // Closer to each other towards 0 and 1, as in `AlbedoTable::for_every_albedo`
+            let y = |i: usize| i as f32 / (ROWS - 1) as f32;
+            albedos[table].extend((0..ROWS).map(|i| 1.0 - (1.0 - y(i).powi(3)).powi(3)));
+        } else {
+            albedos[table].extend(color.factor.clamp(Vec3::ZERO, Vec3::ONE).to_array());
+        }
+    }
+    for albedos in &mut albedos {
+        albedos.sort_by(f32::total_cmp);
+        albedos.dedup();
+    }
+    albedos
+}
+
+impl<'a> Row<'a> {
+    fn new(profile: &'a SmoothProfile, scale: f64, share: f64) -> Self {
+        let scale = scale / f64::from(profile.scale());
+        Self { profile, scale: scale as f32, weight: share * scale * scale }
+    }
+}
+
+impl Channel<'_> {
+    /// Density per area and its derivatives at a radius.
+    #[inline]
+    fn eval(&self, radius: f32) -> Curve {
+        let mut sum = Curve::default();
+        for row in self.rows.iter().flatten() {
+            let jet = row.profile.eval(radius * row.scale);
+            let scale = f64::from(row.scale);
+            sum.value += row.weight * f64::from(jet.value);
+            sum.slope += row.weight * scale * f64::from(jet.slope);
+            sum.second += row.weight * scale * scale * f64::from(jet.second);
+        }
+        sum
+    }
+
+    /// No less than the second derivative and slope/radius from a radius on.
+    #[inline]
+    fn curvature_from(&self, radius: f32) -> f64 {
+        let of = |row: &Row<'_>| {
+            let scale = f64::from(row.scale);
+            row.weight * scale * scale * f64::from(row.profile.curvature_from(radius * row.scale))
+        };
+        self.rows.iter().flatten().map(of).sum()
+    }
+}
+
+impl PartialEq for Open {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> Ordering {
+        self.key.total_cmp(&other.key).then(self.node.cmp(&other.node))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::atomic::AtomicBool;
+
+    use translucid_profile::Model;
+    use translucid_scene::{
+        ColorInput, Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel,
+    };
+
+    use super::*;
+    use crate::subsurface::transport::points::hierarchy;
+    use crate::{PointCloud, Renderer};
+
+    /// Points at random in a ball of radius 3 with random light in half of it.
+    fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
+        let random = |i: u32, salt: u32| sobol_burley::sample(i, salt, 3);
+        let surfel = |i: u32| {
+            let at = |salt: u32| 6.0 * random(i, salt) - 3.0;
+            let (position, normal) = ([at(0), at(1), at(2)], Vec3::new(at(3), at(4), 4.0).normalize());
+            Surfel { position, area: 0.01 * random(i, 6), normal: normal.into(), primitive: i }
+        };
+        let mut surfels: Vec<Surfel> = (0..count).map(surfel).collect();
+        hierarchy::order(&mut surfels);
+        let light = |surfel: &Surfel| {
+            let x = random(surfel.primitive, 7);
+            if surfel.position[0] > 0.0 { Vec3::new(x, x * x, 3.0 * x) } else { Vec3::ZERO }
+        };
+        let light = surfels.iter().map(light).collect();
+        (surfels, light)
+    }
+
+    fn scene(model: SubsurfaceModel) -> Scene {
+        let material = Material {
+            subsurface_weight: ScalarInput::constant(1.0),
+            subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
+            subsurface_radius_scale: ColorInput::constant(Vec3::new(2.0, 0.6, 0.3)),
+            subsurface_model: model,
+            ..Material::default()
+        };
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let mut scene = translucid_scene::still_life(&translucid_scene::LoadOptions::default())
+            .expect("the built-in scene is valid");
+        scene.materials = vec![material];
+        scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 5 }];
+        scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+        scene
+    }
+
+    /// The sum over all points one by one, by the profile itself.
+    fn brute_force(
+        tables: &ProfileTables,
+        leaving: &Leaving,
+        spacing: f32,
+        surfels: &[Surfel],
+        irradiance: &[Vec3],
+    ) -> Vec3 {
+        let Subsurface { albedo, length, source } = leaving.subsurface;
+        let density = |c: usize, r: f32| match source.table() {
+            None => NormalizedDiffusionF32::from_d(length[c]).pdf_area(r),
+            Some(table) => tables.table(table).at(albedo[c], length[c]).pdf_area(r),
+        };
+        let (mut sum, mut near, mut weights) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for (surfel, light) in surfels.iter().zip(irradiance) {
+            let squared = surfel.position().distance_squared(leaving.position);
+            let r = (squared + (SOFTENING * spacing).powi(2)).sqrt();
+            let value = Vec3::from_array([0, 1, 2].map(|c| density(c, r)));
+            sum += (value * *light * surfel.area).as_dvec3();
+            let inside = (1.0 - squared / (NEIGHBORHOOD * spacing).powi(2)).max(0.0);
+            let weight =
+                inside * inside * surfel.area * (surfel.normal().dot(leaving.normal).max(0.0) + 1e-4);
+            near += (*light * weight).as_dvec3();
+            weights += f64::from(weight);
+        }
+        let mean = if weights > 0.0 { near / weights } else { DVec3::ZERO };
+        let share = within(tables, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
+        (sum + mean * share).as_vec3() * albedo
+    }
+
+    /// For every model: the error is within the tolerance, and far below it on average.
+    #[test]
+    fn gather_keeps_its_bound_for_every_model() {
+        let (surfels, irradiance) = soup(2000);
+        let spacing = 0.05;
+        for model in Model::ALL {
+            let scene = scene(SubsurfaceModel::Profile(model));
+            let materials = Materials::new(&scene);
+            let tables = materials.profile_tables();
+            let geometry = crate::ray::Geometry::new(&scene.objects);
+            let point = geometry.point_on(&scene, 0, Vec3::new(0.2, 0.2, 0.0));
+            let subsurface = crate::surface::material::subsurface_at(&scene, &materials, 0, &point);
+            let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
+            for tolerance in [0.3, 0.05, 0.0] {
+                let mut scene = scene.clone();
+                scene.integrator.point_tolerance = tolerance;
+                let gatherer = Gatherer::new(&scene, &materials, &[group], &irradiance);
+                let mut scratch = Scratch::default();
+                for i in 0..20 {
+                    let at = |salt: u32| 8.0 * sobol_burley::sample(i, salt, 9) - 4.0;
+                    let position = Vec3::new(at(0), at(1), at(2));
+                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, subsurface };
+                    let gathered = gatherer.gather(tables, &leaving, &mut scratch).expect("points");
+                    let exact = brute_force(tables, &leaving, spacing as f32, &surfels, &irradiance);
+                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.albedo;
+                    for c in 0..3 {
+                        // And what the smooth table differs from the profile by
+                        let allowed = (tolerance + 1e-3) * exact[c].max(dark[c]);
+                        let error = (gathered.light[c] - exact[c]).abs();
+                        assert!(error <= allowed, "{model} {tolerance} {c}: {gathered:?} not {exact}");
+                    }
+                }
+            }
+            assert!(gatherer_of_other_group_is_silent(&scene, &materials, &point, subsurface));
+        }
+    }
+
+    fn gatherer_of_other_group_is_silent(
+        scene: &Scene,
+        materials: &Materials,
+        point: &crate::ray::SurfacePoint,
+        subsurface: Subsurface,
+    ) -> bool {
+        let gatherer = Gatherer::new(scene, materials, &[], &[]);
+        let (position, normal) = (point.position, point.geometric_normal);
+        let leaving = Leaving { position, normal, group: 5, subsurface };
+        gatherer.gather(materials.profile_tables(), &leaving, &mut Scratch::default()).is_none()
+    }
+
+    /// Without light the energy is that of the profile, and so is the light of irradiance 1.
+    #[test]
+    fn energy_is_one_in_the_middle_of_a_plane() {
+        let mut scene = scene(SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined));
+        scene.materials[0].subsurface_color = ColorInput::constant(Vec3::splat(0.5));
+        scene.materials[0].subsurface_radius_scale = ColorInput::constant(Vec3::ONE);
+        let corners = [(-20.0, -20.0), (20.0, -20.0), (20.0, 20.0), (-20.0, 20.0)];
+        scene.objects[0].mesh = Mesh {
+            positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        };
+        scene.integrator.point_tolerance = 0.2;
+        let renderer = Renderer::new(scene);
+        let world = renderer.world();
+        let stop = AtomicBool::new(false);
+        let cloud = PointCloud::without_light(world, 0, 1 << 30, &|_| {}, &stop);
+        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world);
+        let point = world.geometry.point_on(&world.scene, 0, Vec3::new(0.3, 0.1, 0.0));
+        let subsurface = crate::surface::material::subsurface_at(&world.scene, &world.materials, 0, &point);
+        let (position, normal) = (point.position, point.geometric_normal);
+        let leaving = Leaving { position, normal, group: 5, subsurface };
+        let tables = world.materials.profile_tables();
+        let gathered = gatherer.gather(tables, &leaving, &mut Scratch::default()).expect("points");
+        assert!((gathered.energy - 1.0).abs().max_element() < 0.03, "{gathered:?}");
+        let ratio = gathered.light / (gathered.energy * subsurface.albedo);
+        assert!((ratio - 1.0).abs().max_element() < 1e-4, "{gathered:?}");
+    }
+}

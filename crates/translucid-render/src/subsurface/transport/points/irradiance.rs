@@ -1,0 +1,166 @@
+//! Pass 2: the light that enters at each point, by the path tracer.
+//!
+//! What leaves anywhere is a mean over many points, so it is the mean of a cluster of neighbors that has to be
+//! exact, not each point. Every point has two independent halves of samples. How far they differ in a cluster tells
+//! the error of its mean, gains of the well-distributed samples included, and clusters get samples until it is
+//! small.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::surfels::Surfel;
+use crate::path::tracer::{PathTracer, World};
+
+/// Points whose mean has to be exact, neighbors in the order of the tree.
+const CLUSTER: usize = 64;
+/// Samples that each half of a point has at least.
+const LEAST_SAMPLES: u32 = 8;
+/// Samples that each half of a point has at most.
+const MOST_SAMPLES: u32 = 4096;
+/// Standard error of a cluster's mean for a tolerance of 1, relative to the mean. It goes with the root of the
+/// tolerance: the number of points within reach of a profile goes with its inverse.
+const NOISE: f64 = 0.04;
+/// Clusters darker than this part of the group's mean may be as inexact as one that is as bright.
+const DARK: f64 = 0.05;
+
+/// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; `None` when stopped. `groups` are the lengths of
+/// the groups' points, `progress` hears samples done and expected in all.
+pub(super) fn irradiance(
+    world: &World,
+    groups: &[usize],
+    surfels: &[Surfel],
+    progress: &(dyn Fn(u64, u64) + Sync),
+    stop: &AtomicBool,
+) -> Option<Vec<Vec3>> {
+    let mut clusters = clusters(groups, surfels);
+    let samples = |count: u32| surfels.len() as u64 * 2 * u64::from(count);
+    let done = AtomicU64::new(0);
+    let report = |more: u64, total: u64| {
+        let done = done.fetch_add(more, Ordering::Relaxed) + more;
+        progress(done, total.max(done));
+    };
+    // Nobody knows yet how many samples it takes: as many again
+    let guess = samples(2 * LEAST_SAMPLES);
+    clusters.par_iter_mut().for_each_init(
+        || PathTracer::new(world),
+        |tracer, cluster| {
+            if !stop.load(Ordering::Relaxed) {
+                cluster.sample(tracer, LEAST_SAMPLES);
+                report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
+            }
+        },
+    );
+    let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
+    let dark = means(groups.len(), &clusters);
+    let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
+    let total: u64 =
+        clusters.iter().map(|c| c.surfels.len() as u64 * 2 * u64::from(wanted(c).max(LEAST_SAMPLES))).sum();
+    clusters.par_iter_mut().for_each_init(
+        || PathTracer::new(world),
+        |tracer, cluster| loop {
+            let count = cluster.count;
+            // The first estimates are rough: not too far at once
+            let next = wanted(cluster).min(4 * count);
+            if next <= count || stop.load(Ordering::Relaxed) {
+                return;
+            }
+            cluster.sample(tracer, next);
+            report(cluster.surfels.len() as u64 * 2 * u64::from(next - count), total);
+        },
+    );
+    if stop.load(Ordering::Relaxed) {
+        return None;
+    }
+    Some(
+        clusters
+            .iter()
+            .flat_map(|cluster| (0..cluster.surfels.len()).map(|i| cluster.mean(i).as_vec3()))
+            .collect(),
+    )
+}
+
+/// Neighboring points and their light so far.
+struct Cluster<'a> {
+    /// Position of the group among the groups.
+    group: usize,
+    /// Number of the first point.
+    first: u32,
+    surfels: &'a [Surfel],
+    /// Samples that each half of each point has.
+    count: u32,
+    /// Sums of both halves of each point.
+    sums: Vec<[DVec3; 2]>,
+}
+
+fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel]) -> Vec<Cluster<'a>> {
+    let mut clusters = Vec::with_capacity(surfels.len() / CLUSTER + groups.len());
+    let mut first = 0;
+    for (group, &length) in groups.iter().enumerate() {
+        for surfels in surfels[first..first + length].chunks(CLUSTER) {
+            let sums = vec![[DVec3::ZERO; 2]; surfels.len()];
+            clusters.push(Cluster { group, first: first as u32, surfels, count: 0, sums });
+            first += surfels.len();
+        }
+    }
+    clusters
+}
+
+/// The mean irradiance of each group, times what counts as dark.
+fn means(groups: usize, clusters: &[Cluster<'_>]) -> Vec<DVec3> {
+    let mut sums = vec![(DVec3::ZERO, 0.0); groups];
+    for cluster in clusters {
+        for (i, surfel) in cluster.surfels.iter().enumerate() {
+            sums[cluster.group].0 += cluster.mean(i) * f64::from(surfel.area);
+            sums[cluster.group].1 += f64::from(surfel.area);
+        }
+    }
+    sums.into_iter().map(|(light, area)| light * (DARK / area.max(f64::MIN_POSITIVE))).collect()
+}
+
+impl Cluster<'_> {
+    /// Brings both halves of each point to so many samples.
+    fn sample(&mut self, tracer: &mut PathTracer<'_>, count: u32) {
+        for (i, surfel) in self.surfels.iter().enumerate() {
+            for (half, sum) in self.sums[i].iter_mut().enumerate() {
+                for index in self.count..count {
+                    // No pixel is that far down: a picture's samples are other ones
+                    let (x, y) = (self.first + i as u32, u32::MAX - half as u32);
+                    let light = tracer.entering_light(surfel.primitive, surfel.position(), [x, y], index);
+                    if light.is_finite() {
+                        *sum += light.as_dvec3();
+                    }
+                }
+            }
+        }
+        self.count = count;
+    }
+
+    /// Mean of a point's samples.
+    fn mean(&self, i: usize) -> DVec3 {
+        let [a, b] = self.sums[i];
+        (a + b) / (2.0 * f64::from(self.count.max(1)))
+    }
+
+    /// About how many samples each half needs for so small an error, as far as those so far tell.
+    fn wanted(&self, tolerance: f64, dark: DVec3) -> u32 {
+        let (mut light, mut variance, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
+        for (i, surfel) in self.surfels.iter().enumerate() {
+            let weight = f64::from(surfel.area);
+            let [a, b] = self.sums[i];
+            let difference = (a - b) / (2.0 * f64::from(self.count.max(1)));
+            variance += difference * difference * (weight * weight);
+            light += self.mean(i) * weight;
+            area += weight;
+        }
+        let allowed = (light / area).max(dark).max(DVec3::splat(f64::MIN_POSITIVE)) * (tolerance * area);
+        let excess = (variance / (allowed * allowed)).max_element();
+        // Not a number where there is no light at all
+        if excess.is_nan() || excess <= 1.0 {
+            return self.count;
+        }
+        let wanted = (f64::from(self.count) * excess * 1.05).ceil();
+        wanted.min(f64::from(MOST_SAMPLES)) as u32
+    }
+}

@@ -1,0 +1,241 @@
+//! How close the points have to lie, and whether there is room for them.
+
+use std::fmt;
+
+use translucid_profile::NormalizedDiffusionF32;
+use translucid_scene::{Scene, SubsurfaceModel};
+
+use super::patches::Patch;
+use crate::ray::{Geometry, SurfacePoint};
+use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
+use crate::surface::material::{self, Materials, Subsurface};
+
+/// Spacing of the points for a tolerance of 1, over the radius within which half of the narrowest channel's light
+/// leaves. It goes with the root of the tolerance, as errors of smooth sums go with the square of the spacing.
+const SPACING: f64 = 1.0;
+/// Least number of points of a group for a tolerance of 1, in inverse proportion to it: where light travels farther
+/// than the body is large, points have to tell its lit from its shaded side.
+const LEAST_POINTS: f64 = 50.0;
+/// Places of an object at which its profile's width is looked up.
+const PLACES: usize = 4096;
+/// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
+const BYTES_PER_POINT: f64 = 256.0;
+
+/// Why points cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PointsError {
+    /// What is wrong, with the numbers found and allowed.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl fmt::Display for PointsError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}; {}", self.message, self.help)
+    }
+}
+
+impl std::error::Error for PointsError {}
+
+/// The points that a scene needs.
+pub(super) struct Plan {
+    pub(super) groups: Vec<GroupPlan>,
+}
+
+/// The points of the objects that share light under their surfaces.
+pub(super) struct GroupPlan {
+    pub(super) group: u32,
+    /// Numbers of the objects, which all take part: light may enter one that has another material.
+    pub(super) objects: Vec<usize>,
+    /// Root of the area that a point shall stand for \[L\].
+    pub(super) spacing: f64,
+    /// Area of all objects \[L²\].
+    pub(super) area: f64,
+    narrowest: Narrowest,
+}
+
+/// Where light travels least far.
+#[derive(Clone, Copy, Debug)]
+struct Narrowest {
+    object: usize,
+    /// Radius within which half of the light leaves, more where it is dark \[L\].
+    width: f64,
+    /// Length that the material states there \[L\].
+    length: f64,
+}
+
+impl Plan {
+    /// Looks at every object whose material lets light travel under its surface by a profile.
+    pub(super) fn new(scene: &Scene, geometry: &Geometry, materials: &Materials) -> Self {
+        let mut groups: Vec<GroupPlan> = Vec::new();
+        for index in 0..scene.objects.len() {
+            let Some(narrowest) = narrowest(scene, geometry, materials, index) else { continue };
+            let group = scene.objects[index].subsurface_group;
+            match groups.iter_mut().find(|known| known.group == group) {
+                Some(known) if known.narrowest.width <= narrowest.width => {}
+                Some(known) => known.narrowest = narrowest,
+                None => groups.push(GroupPlan::new(scene, group, narrowest)),
+            }
+        }
+        let tolerance = f64::from(scene.integrator.point_tolerance);
+        for group in &mut groups {
+            let finest = group.narrowest.width * SPACING * tolerance.sqrt();
+            group.spacing = finest.min((group.area * tolerance / LEAST_POINTS).sqrt());
+        }
+        groups.retain(|group| group.spacing > 0.0 && group.spacing.is_finite());
+        Self { groups }
+    }
+
+    /// About how many points there will be.
+    pub(super) fn points(&self) -> f64 {
+        self.groups.iter().map(GroupPlan::points).sum()
+    }
+
+    /// Refuses points that do not fit into so many bytes.
+    pub(super) fn require_memory(&self, scene: &Scene, limit: u64) -> Result<(), PointsError> {
+        let bytes = self.points() * BYTES_PER_POINT;
+        if bytes <= limit as f64 && self.points() < f64::from(u32::MAX / 4) {
+            return Ok(());
+        }
+        Err(self.too_many(scene, self.points(), limit))
+    }
+
+    /// Most points that so many bytes hold.
+    pub(super) fn most_points(limit: u64) -> usize {
+        (limit as f64 / BYTES_PER_POINT).min(f64::from(u32::MAX / 4)) as usize
+    }
+
+    /// What to say where there are, or would be, this many points.
+    pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> PointsError {
+        let most = |a: &&GroupPlan, b: &&GroupPlan| a.points().total_cmp(&b.points());
+        let Some(worst) = self.groups.iter().max_by(most) else {
+            return PointsError { message: String::from("there are too many points"), help: String::new() };
+        };
+        let object = &scene.objects[worst.narrowest.object];
+        let material = &scene.materials[object.material];
+        let mebibytes = |bytes: f64| significant(bytes / f64::from(1 << 20));
+        let unit = scene.unit.name();
+        let message = format!(
+            "points need {} MiB of memory, but may take {} MiB: material {} of object {} has a mean free path of {} {unit}, for which {} points would lie {} {unit} apart on {} {unit}²",
+            mebibytes(points * BYTES_PER_POINT),
+            mebibytes(limit as f64),
+            material.name,
+            object.name,
+            significant(worst.narrowest.length),
+            significant(points),
+            significant(worst.spacing),
+            significant(worst.area),
+        );
+        let tolerance =
+            f64::from(scene.integrator.point_tolerance) * points * BYTES_PER_POINT / limit as f64 * 1.05;
+        let coarser = if tolerance <= 1.0 {
+            format!("choose a point_tolerance of {} or more, ", significant(tolerance))
+        } else {
+            String::new()
+        };
+        let help = format!(
+            "{coarser}raise point_memory if the machine has more, make subsurface_radius larger, or render with subsurface_method = \"ray-traced\""
+        );
+        PointsError { message, help }
+    }
+}
+
+impl GroupPlan {
+    fn new(scene: &Scene, group: u32, narrowest: Narrowest) -> Self {
+        let is_in = |&index: &usize| scene.objects[index].subsurface_group == group;
+        let objects: Vec<usize> = (0..scene.objects.len()).filter(is_in).collect();
+        let area = objects.iter().map(|&index| area(scene, index)).sum();
+        Self { group, objects, spacing: narrowest.width, area, narrowest }
+    }
+
+    /// About how many points there will be.
+    pub(super) fn points(&self) -> f64 {
+        self.area / (self.spacing * self.spacing)
+    }
+}
+
+/// Whether a profile, and nothing else, tells how light travels under a material.
+fn has_profile(model: SubsurfaceModel) -> bool {
+    matches!(model, SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_))
+}
+
+/// Area of an object's mesh \[L²\].
+fn area(scene: &Scene, index: usize) -> f64 {
+    let object = &scene.objects[index];
+    (0..object.mesh.triangles.len()).map(|triangle| Patch::of_triangle(object, triangle).area()).sum()
+}
+
+/// The narrowest profile at some thousand places of an object, evenly by area; `None` where no light travels.
+///
+/// A dark channel or place may be less exact than a bright one. Errors go with the square of the spacing over the
+/// width, so widths count times the root of the greatest albedo over their own.
+fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: usize) -> Option<Narrowest> {
+    let object = &scene.objects[index];
+    let material = &scene.materials[object.material];
+    if material.subsurface_weight.factor <= 0.0 || !has_profile(material.subsurface_model) {
+        return None;
+    }
+    let mut brightest = 0.0_f32;
+    let mut found: Option<Narrowest> = None;
+    for_each_place(scene, geometry, index, |point| {
+        let subsurface = material::subsurface_at(scene, materials, object.material, &point);
+        let stated = material::stated_length_at(scene, material, &point);
+        for channel in 0..3 {
+            let albedo = subsurface.albedo[channel];
+            if subsurface.length[channel] <= 0.0 || albedo <= 0.0 {
+                continue;
+            }
+            brightest = brightest.max(albedo);
+            let radius = half_radius(materials.profile_tables(), &subsurface, channel);
+            let width = f64::from(radius) / f64::from(albedo).sqrt();
+            if width > 0.0 && found.is_none_or(|known| width < known.width) {
+                found = Some(Narrowest { object: index, width, length: f64::from(stated[channel]) });
+            }
+        }
+    });
+    found.map(|found| Narrowest { width: found.width * f64::from(brightest).sqrt(), ..found })
+}
+
+/// Calls `found` for some thousand points of an object, evenly by area.
+fn for_each_place(scene: &Scene, geometry: &Geometry, index: usize, mut found: impl FnMut(SurfacePoint)) {
+    let object = &scene.objects[index];
+    let step = area(scene, index) / PLACES as f64;
+    let mut passed = 0.5 * step;
+    for triangle in 0..object.mesh.triangles.len() {
+        let patch = Patch::of_triangle(object, triangle);
+        passed += patch.area();
+        let places = (passed / step) as usize;
+        passed -= places as f64 * step;
+        let primitive = geometry.primitive(index as u32, triangle as u32);
+        for place in 0..places.min(PLACES) {
+            let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive).map(f64::from);
+            found(geometry.point_on(scene, primitive, patch.point(u, v).as_vec3()));
+        }
+    }
+}
+
+/// Radius within which half of a channel's light leaves \[L\].
+fn half_radius(tables: &ProfileTables, subsurface: &Subsurface, channel: usize) -> f32 {
+    let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
+    match subsurface.source {
+        ProfileSource::RandomWalk(_) => 0.0,
+        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length).quantile(0.5),
+        ProfileSource::Table(table)
+        | ProfileSource::Directional { table, .. }
+        | ProfileSource::Oblique { table, .. } => {
+            tables.table(table).at(albedo, length).truncation_radius(0.5)
+        }
+    }
+}
+
+/// A number with three digits that count.
+fn significant(x: f64) -> String {
+    if x == 0.0 || (1e-3..1e6).contains(&x) {
+        let digits =
+            if x >= 100.0 || x == 0.0 { 0 } else { (2.0 - x.log10().floor()).clamp(0.0, 6.0) as usize };
+        format!("{x:.digits$}")
+    } else {
+        format!("{x:.2e}")
+    }
+}

@@ -1,0 +1,96 @@
+//! The body that a walk is in: surfaces of one subsurface group.
+
+use glam::Vec3;
+
+use crate::ray::Ray;
+use crate::ray::{Geometry, Hit};
+
+/// Surfaces between a point in the body and where it ends: meshes of a group that overlap, or that are doubled.
+const MOST_SURFACES: u32 = 64;
+
+/// A point inside a body, as a walk keeps track of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Inside {
+    pub(crate) position: Vec3,
+    /// Closed meshes that the point is in.
+    nesting: u32,
+}
+
+/// The body.
+#[derive(Clone, Copy)]
+pub(crate) struct Body<'a> {
+    pub(crate) geometry: &'a Geometry,
+    pub(crate) group: u32,
+    /// 1, or −1 where the surface is seen from its back: the body is then in front of its surfaces.
+    pub(crate) side: f32,
+    /// Distance from surfaces at which a point is safely on one side \[L\].
+    pub(crate) offset: f32,
+}
+
+/// Diagonals of the scene beyond which a walk has left an open mesh for good: hardly any would find the way back.
+const FARTHEST: f32 = 2.0;
+
+/// What a flight comes to.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Arrival {
+    /// It ends inside.
+    Inside(Inside),
+    /// It meets the body's end after a distance.
+    Boundary { distance: f32, hit: Hit },
+}
+
+impl Inside {
+    /// Just below the surface at which a walk begins.
+    pub(crate) fn below(position: Vec3) -> Self {
+        Self { position, nesting: 1 }
+    }
+}
+
+impl Body<'_> {
+    /// Follows a flight from a point inside.
+    ///
+    /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk
+    /// would never leave again.
+    pub(crate) fn fly(&self, from: Inside, direction: Vec3, length: f32) -> Arrival {
+        let mut nesting = from.nesting;
+        let mut done = 0.0;
+        for _ in 0..MOST_SURFACES {
+            let start = from.position + direction * done;
+            let ray = Ray::segment(start, direction, length - done + self.offset);
+            let Some(hit) = self.geometry.closest_in_group(&ray, self.group) else { break };
+            let distance = done + hit.t;
+            let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
+            if leaves && nesting <= 1 {
+                if distance <= length {
+                    return Arrival::Boundary { distance, hit };
+                }
+                let position = from.position + direction * (distance - self.offset).max(0.0);
+                return Arrival::Inside(Inside { position, nesting });
+            }
+            if distance > length {
+                break;
+            }
+            nesting = if leaves { nesting - 1 } else { nesting + 1 };
+            done = distance + self.offset;
+        }
+        Arrival::Inside(Inside { position: from.position + direction * length, nesting })
+    }
+
+    /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.
+    pub(crate) fn is_lost(&self, at: &Inside) -> bool {
+        let (low, high) = self.geometry.bounds();
+        let farthest = (high - low) * FARTHEST;
+        let off = (at.position - 0.5 * (low + high)).length_squared();
+        off.is_nan() || off > farthest.length_squared()
+    }
+
+    /// Outward normal of a surface that a direction inside meets.
+    pub(crate) fn normal(&self, hit: &Hit) -> Vec3 {
+        self.geometry.normal(hit) * self.side
+    }
+
+    /// The point just inside a surface at which a walk is reflected.
+    pub(crate) fn reflected(&self, hit: &Hit) -> Inside {
+        Inside::below(self.geometry.position(hit) - self.normal(hit) * self.offset)
+    }
+}

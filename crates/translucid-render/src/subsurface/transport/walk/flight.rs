@@ -1,0 +1,108 @@
+//! Free flights of light whose three channels have different mean free paths.
+//!
+//! A flight's length is drawn from one channel, chosen in proportion to the throughput T, and weighted with the balance
+//! heuristic over all three [Veach & Guibas 1995]. Its density is Σ_k T_k p_k / Σ_k T_k, so the throughput becomes
+//!
+//! ```text
+//! T_c ← (Σ_k T_k) T_c p_c / Σ_k T_k p_k,      p = σ e^{−σt} for a collision, e^{−σd} for what flies past d
+//! ```
+//!
+//! and the sum Σ T_c does not change: no order of flights makes a weight larger than that of all light that entered.
+//! T says how likely it is that light which came this way is of each channel, so the mixture of a whole path is that of
+//! choosing one channel for it at the start.
+
+use glam::Vec3;
+
+use crate::sampling::choose;
+
+/// Extinction coefficients per channel \[L⁻¹\], 0 in channels whose throughput is.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Flights {
+    sigma_t: Vec3,
+}
+
+impl Flights {
+    pub(crate) fn new(sigma_t: Vec3) -> Self {
+        Self { sigma_t }
+    }
+
+    /// Length of a flight for a number uniform in [0, 1); infinite if nothing is left to fly.
+    pub(crate) fn sample(&self, throughput: Vec3, u: f32) -> f32 {
+        let shares = (throughput / throughput.element_sum()).to_array();
+        let (channel, rest) = choose(shares, u);
+        // ln(1 − u) without a loss of small lengths
+        let length = -(-rest).ln_1p() / self.sigma_t[channel];
+        if length.is_nan() { f32::INFINITY } else { length }
+    }
+
+    /// Throughput after a collision at the end of a flight.
+    pub(crate) fn collide(&self, throughput: Vec3, length: f32) -> Vec3 {
+        reweigh(throughput, self.attenuation(throughput, length) * self.sigma_t)
+    }
+
+    /// Throughput after a flight past a distance.
+    pub(crate) fn pass(&self, throughput: Vec3, distance: f32) -> Vec3 {
+        reweigh(throughput, self.attenuation(throughput, distance))
+    }
+
+    /// e^{−σt}, up to a factor that all channels share: that of the channel that comes farthest is 1.
+    fn attenuation(&self, throughput: Vec3, length: f32) -> Vec3 {
+        let depth = self.sigma_t * length;
+        let lit = throughput.cmpgt(Vec3::ZERO);
+        let least = Vec3::select(lit, depth, Vec3::INFINITY).min_element();
+        (least - depth).min(Vec3::ZERO).exp()
+    }
+}
+
+/// The throughput times densities, with the sum it had.
+fn reweigh(throughput: Vec3, density: Vec3) -> Vec3 {
+    let weighted = throughput * density;
+    let scale = throughput.element_sum() / weighted.element_sum();
+    if scale.is_finite() { weighted * scale } else { Vec3::ZERO }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Over many flights the mean throughput past a distance is e^{−σd} of each channel, that of collisions the rest.
+    #[test]
+    fn flights_are_those_of_each_channel() {
+        let (sigma, start, distance) = (Vec3::new(0.5, 2.0, 9.0), Vec3::new(1.0, 0.3, 0.7), 0.4);
+        let flights = Flights::new(sigma);
+        let (mut past, mut collided) = (Vec3::ZERO, Vec3::ZERO);
+        let n = 1 << 16;
+        for i in 0..n {
+            let u = sobol_burley::sample_4d(i, 0, 5);
+            let length = flights.sample(start, u[0]);
+            let after = if length < distance {
+                flights.collide(start, length)
+            } else {
+                flights.pass(start, distance)
+            };
+            assert!((after.element_sum() - start.element_sum()).abs() < 1e-5);
+            if length < distance { collided += after } else { past += after }
+        }
+        let expected = start * (-sigma * distance).exp();
+        let close = |found: Vec3, expected: Vec3| (found / n as f32 - expected).abs().max_element() < 2e-3;
+        assert!(close(past, expected), "{past} {expected}");
+        assert!(close(collided, start - expected), "{collided}");
+    }
+
+    #[test]
+    fn extremes_stay_finite() {
+        for sigma in [Vec3::new(1e-30, 1.0, 1e30), Vec3::ZERO, Vec3::new(0.0, 1e-38, 1.0)] {
+            let flights = Flights::new(sigma);
+            for throughput in [Vec3::ONE, Vec3::new(1e-38, 0.0, 1.0), Vec3::new(0.0, 0.0, 1e-30)] {
+                for length in [0.0, 1e-30, 1.0, 1e30, f32::INFINITY] {
+                    let both = [flights.collide(throughput, length), flights.pass(throughput, length)];
+                    assert!(
+                        both.iter().all(|t| t.is_finite() && t.min_element() >= 0.0),
+                        "{sigma} {length}: {both:?}"
+                    );
+                }
+                assert!(flights.sample(throughput, 0.999) >= 0.0);
+            }
+        }
+    }
+}

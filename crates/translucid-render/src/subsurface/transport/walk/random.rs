@@ -1,0 +1,63 @@
+//! Random numbers of a walk: well distributed at first, then independent.
+
+use crate::sampling::Sampler;
+
+/// Sets of four that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
+const STRATIFIED: u32 = 5;
+
+/// Random numbers, four at a time: those of the sampler for the first collisions, on which pictures depend most, then
+/// S. Vigna's SplitMix64, for walks have no greatest length.
+pub(crate) struct WalkRandom<'a> {
+    sampler: &'a mut Sampler,
+    drawn: u32,
+    state: u64,
+}
+
+impl<'a> WalkRandom<'a> {
+    pub(crate) fn new(sampler: &'a mut Sampler) -> Self {
+        let state = sampler.fork();
+        Self { sampler, drawn: 0, state }
+    }
+
+    /// The next four numbers in [0, 1).
+    pub(crate) fn next_4d(&mut self) -> [f32; 4] {
+        if self.drawn < STRATIFIED {
+            self.drawn += 1;
+            return self.sampler.next_4d();
+        }
+        let (first, second) = (self.next_u64(), self.next_u64());
+        // 24 bits are what a single-precision number in [0, 1) holds
+        let unit = |bits: u64| (bits & 0xff_ffff) as f32 * (1.0 / 16_777_216.0);
+        [unit(first), unit(first >> 32), unit(second), unit(second >> 32)]
+    }
+
+    fn next_u64(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_repeat_and_are_even() {
+        let draw = |index: u32| {
+            let mut sampler = Sampler::new(3, 1, 2, index);
+            let mut random = WalkRandom::new(&mut sampler);
+            (0..40).map(|_| random.next_4d()).collect::<Vec<_>>()
+        };
+        assert_eq!(draw(7), draw(7));
+        assert_ne!(draw(7)[30], draw(8)[30]);
+        // Of 4·35·200 independent numbers; five standard errors
+        let late: Vec<f32> = (0..200).flat_map(|index| draw(index).split_off(5)).flatten().collect();
+        let mean = late.iter().map(|x| f64::from(*x)).sum::<f64>() / late.len() as f64;
+        let allowed = 5.0 / (12.0 * late.len() as f64).sqrt();
+        assert!((mean - 0.5).abs() < allowed, "{mean}");
+        assert!(late.iter().all(|x| (0.0..1.0).contains(x)));
+    }
+}

@@ -1,0 +1,250 @@
+//! The walk itself, from the surface that the camera sees to the surface that light enters.
+
+use glam::Vec3;
+
+use super::body::{Arrival, Body, Inside};
+use super::flight::Flights;
+use super::medium::WalkMedium;
+use super::phase_function::HenyeyGreenstein;
+use super::random::WalkRandom;
+use crate::light::LightSample;
+use crate::path::tracer::{Layer, Origin, Path, PathTracer, Vertex, power_heuristic, weighed};
+use crate::ray::Ray;
+use crate::ray::{Geometry, Hit, SurfacePoint};
+use crate::sampling::Sampler;
+use crate::surface::bsdf::{fresnel_dielectric, refract};
+use crate::surface::material::{self, Subsurface};
+use crate::world::shadow::Medium;
+
+/// Flights after which a walk is given up.
+///
+/// Only media that absorb next to nothing get there. As A = 1 − (4/√3) √(1 − α) + … near white, the share of light that
+/// is still inside a white half space after n collisions is (4/√3)/√(πn): 0.5 %, whose mean number of collisions is
+/// infinite. With absorption e^{−n(1 − α)} of that is left: below 0.15 % at A = 0.99, nothing at 0.95.
+const MOST_EVENTS: u32 = 1 << 16;
+
+/// Share of the light that entered below which walks end at random.
+const ROULETTE_BELOW: f32 = 1.0;
+
+/// Cosine to the normal below which a walk begins below its ray rather than on it: the way to there would be long.
+const GRAZING: f32 = 0.1;
+
+/// A walk under way.
+struct Walk<'a> {
+    body: Body<'a>,
+    flights: Flights,
+    phase: HenyeyGreenstein,
+    /// Single-scattering albedo per channel.
+    alpha: Vec3,
+    /// Relative index of the boundary, 1 without one.
+    eta: f32,
+    at: Inside,
+    direction: Vec3,
+    throughput: Vec3,
+    /// Collisions and reflections inside.
+    events: u32,
+    /// Whether there was a collision.
+    has_scattered: bool,
+    /// Solid-angle density of the direction, infinite before it was drawn at a collision.
+    pdf: f32,
+    /// Way from the surface to the point below it where the walk began \[L\], 0 after the first flight.
+    skipped: f32,
+}
+
+impl PathTracer<'_> {
+    /// Leaves the surface through the volume below, where the light of this path may end.
+    pub(crate) fn walk_below(
+        &self,
+        path: &mut Path,
+        vertex: &Vertex<'_>,
+        medium: usize,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let mut random = WalkRandom::new(sampler);
+        let medium = self.world.materials.profile_tables().medium(medium);
+        let Some(mut walk) = Walk::enter(&self.world.geometry, path, vertex, medium) else { return false };
+        let entered = walk.throughput.element_sum();
+        let mut flight = random.next_4d()[0];
+        while walk.events < MOST_EVENTS {
+            match walk.fly(flight) {
+                Some(hit) if walk.eta == 1.0 => return self.leave(path, &walk, &hit),
+                Some(hit) => {
+                    let u = random.next_4d();
+                    if !walk.is_reflected(&hit, u[0]) {
+                        return self.leave(path, &walk, &hit);
+                    }
+                    flight = u[1];
+                }
+                None => {
+                    if walk.eta == 1.0 {
+                        self.add_light_at_collision(path, &walk, random.next_4d());
+                    }
+                    let u = random.next_4d();
+                    if !walk.survives(entered, u[3]) {
+                        return false;
+                    }
+                    walk.scatter([u[0], u[1]]);
+                    flight = u[2];
+                }
+            }
+        }
+        false
+    }
+
+    /// Goes on outside, where the walk has met the body's end.
+    fn leave(&self, path: &mut Path, walk: &Walk<'_>, hit: &Hit) -> bool {
+        let world = self.world;
+        let point = world.geometry.surface_point(&world.scene, hit);
+        let Some(direction) = walk.direction_outside(hit) else { return false };
+        let weight = self.entering(&point, walk, direction);
+        path.throughput = walk.throughput;
+        if walk.eta == 1.0 && !walk.has_scattered {
+            // Nothing has happened to the light; but no shadow ray would have come through
+            path.origin.pdf = f32::INFINITY;
+            return path.pass(&point, weight);
+        }
+        let origin = Origin { point: walk.at.position, normal: Vec3::ZERO, pdf: walk.pdf };
+        path.diffuse_depth += u32::from(walk.has_scattered);
+        path.soft |= walk.has_scattered && !world.scene.integrator.caustics;
+        path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
+        path.throughput != Vec3::ZERO
+    }
+
+    /// Light from one sampled light, scattered at a collision.
+    ///
+    /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
+    /// walk's own are, and only if it gets out of the body the way to the light is looked at.
+    fn add_light_at_collision(&self, path: &mut Path, walk: &Walk<'_>, u: [f32; 4]) {
+        let world = self.world;
+        let Some(light) = world.lights.sample(walk.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
+            return;
+        };
+        let length = walk.flights.sample(walk.throughput, u[3]);
+        let arrival = walk.body.fly(walk.at, light.direction, length);
+        let Arrival::Boundary { distance, hit } = arrival else { return };
+        // What shines inside the body is no part of what the walk sees
+        if distance >= light.distance {
+            return;
+        }
+        let phase = walk.phase.pdf(walk.direction.dot(light.direction));
+        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, phase) };
+        let point = world.geometry.surface_point(&world.scene, &hit);
+        let weight = self.entering(&point, walk, light.direction) * phase;
+        let throughput = walk.flights.pass(walk.throughput, distance) * weight;
+        let beyond = LightSample { distance: light.distance - distance, ..light };
+        let medium = Medium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
+        let received = weighed(self.unoccluded(&point, &beyond, medium), mis / light.pdf);
+        path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
+    }
+
+    /// What the surface does to a radiance that enters from a direction; see the head of the module.
+    fn entering(&self, point: &SurfacePoint, walk: &Walk<'_>, direction: Vec3) -> Vec3 {
+        let world = self.world;
+        let entry = self.entry(point);
+        if walk.eta == 1.0 {
+            let (_, material) = world.material(point);
+            let normal = material::shading_normal_at(&world.scene, material, point) * walk.body.side;
+            entry.weight(direction.dot(normal).max(0.0))
+        } else {
+            entry.tint()
+        }
+    }
+}
+
+impl<'a> Walk<'a> {
+    /// Begins below the surface that the camera sees; `None` if there is no way in.
+    fn enter(geometry: &'a Geometry, path: &Path, vertex: &Vertex<'_>, medium: &WalkMedium) -> Option<Self> {
+        let Subsurface { albedo, length, .. } = vertex.subsurface;
+        let point = vertex.point;
+        let toward = path.ray.direction;
+        let side = if toward.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
+        let normal = point.geometric_normal * side;
+        let direction = if medium.eta == 1.0 { toward } else { refract(-toward, normal, medium.eta)? };
+        let body = Body { geometry, group: point.group, side, offset: point.offset };
+        // Channels of length 0 are a matter of the surface
+        let scatters = length.cmpgt(Vec3::ZERO);
+        let sigma_t = Vec3::select(scatters, length.recip(), Vec3::ZERO);
+        let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
+        let cosine = -direction.dot(normal);
+        // On the ray where it is deep enough, unless it hardly gets deeper
+        let skipped = point.offset / cosine.max(GRAZING);
+        let start = point.position + direction * skipped - normal * (point.offset - skipped * cosine);
+        let sum = throughput.element_sum();
+        (cosine > 0.0 && sum > 0.0 && sum.is_finite()).then(|| Self {
+            body,
+            flights: Flights::new(sigma_t),
+            phase: HenyeyGreenstein::new(medium.g),
+            alpha: medium.single_scattering_albedo(albedo),
+            eta: medium.eta,
+            at: Inside::below(start),
+            direction,
+            throughput,
+            events: 0,
+            has_scattered: false,
+            pdf: f32::INFINITY,
+            skipped,
+        })
+    }
+
+    /// Goes to the next collision, or to the body's end that comes before it.
+    fn fly(&mut self, u: f32) -> Option<Hit> {
+        let length = self.flights.sample(self.throughput, u);
+        let skipped = std::mem::take(&mut self.skipped);
+        self.events += 1;
+        match self.body.fly(self.at, self.direction, (length - skipped).max(0.0)) {
+            Arrival::Boundary { distance, hit } => {
+                self.throughput = self.flights.pass(self.throughput, distance + skipped);
+                Some(hit)
+            }
+            Arrival::Inside(at) => {
+                self.throughput = self.flights.collide(self.throughput, length) * self.alpha;
+                self.has_scattered = true;
+                self.at = at;
+                None
+            }
+        }
+    }
+
+    /// Draws the direction after a collision.
+    fn scatter(&mut self, u: [f32; 2]) {
+        let direction = self.phase.sample(self.direction, u);
+        if self.eta == 1.0 {
+            self.pdf = self.phase.pdf(self.direction.dot(direction));
+        }
+        self.direction = direction;
+    }
+
+    /// Ends walks at random that have less left than the light that `entered`, and those that are lost.
+    fn survives(&mut self, entered: f32, u: f32) -> bool {
+        let sum = self.throughput.element_sum();
+        if sum <= 0.0 || self.body.is_lost(&self.at) {
+            return false;
+        }
+        if sum >= ROULETTE_BELOW * entered {
+            return true;
+        }
+        let survival = sum / entered;
+        self.throughput /= survival;
+        u < survival
+    }
+
+    /// Whether the boundary sends the walk back inside, to where it then is.
+    fn is_reflected(&mut self, hit: &Hit, u: f32) -> bool {
+        let normal = self.body.normal(hit);
+        let cosine = self.direction.dot(normal);
+        if u >= fresnel_dielectric(cosine, self.eta.recip()) {
+            return false;
+        }
+        self.direction = (self.direction - normal * (2.0 * cosine)).normalize();
+        self.at = self.body.reflected(hit);
+        true
+    }
+
+    /// Direction on the other side of the boundary.
+    fn direction_outside(&self, hit: &Hit) -> Option<Vec3> {
+        if self.eta == 1.0 {
+            return Some(self.direction);
+        }
+        refract(-self.direction, -self.body.normal(hit), self.eta.recip())
+    }
+}

@@ -1,0 +1,93 @@
+//! How much light comes through between two points.
+
+use glam::Vec3;
+use translucid_scene::Material;
+
+use crate::path::tracer::World;
+use crate::ray::Ray;
+use crate::ray::SurfacePoint;
+use crate::surface::bsdf::{SurfaceParameters, fresnel_dielectric};
+use crate::surface::material;
+
+/// Surfaces that light may pass on the way to a point.
+const MOST_SURFACES: u32 = 256;
+
+/// What a shadow ray starts in.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Medium {
+    /// Absorption coefficient of the clear medium around its origin [1/L].
+    pub(crate) absorption: Vec3,
+    /// Whether the light may come straight through clear surfaces.
+    pub(crate) soft: bool,
+}
+
+/// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
+/// media or, for soft light, clear surfaces are in the way.
+pub(crate) fn transmittance(world: &World, ray: &Ray, medium: Medium) -> Vec3 {
+    if world.materials.any_lets_light_through() {
+        through_surfaces(world, *ray, medium)
+    } else if world.geometry.occluded(ray) {
+        Vec3::ZERO
+    } else {
+        absorbed(medium.absorption, ray.t_max)
+    }
+}
+
+/// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
+fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }: Medium) -> Vec3 {
+    let scene = &world.scene;
+    let mut result = Vec3::ONE;
+    for _ in 0..MOST_SURFACES {
+        let Some(hit) = world.geometry.closest(&ray) else {
+            return result * absorbed(absorption, ray.t_max);
+        };
+        let index = scene.objects[world.geometry.object(&hit) as usize].material;
+        if !world.materials.lets_light_through(index) {
+            return Vec3::ZERO;
+        }
+        let material = &scene.materials[index];
+        let point = world.geometry.surface_point(scene, &hit);
+        let opacity = material::opacity_at(scene, material, &point);
+        let subsurface = material::subsurface_at(scene, &world.materials, index, &point);
+        let surface = material::surface_at(scene, material, &point, &subsurface);
+        let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
+        result *= absorbed(absorption, hit.t);
+        if clear > 0.0 {
+            absorption = absorption_behind(material, &point, ray.direction);
+        }
+        let straight = straight_transmittance(&surface, &point, ray.direction);
+        result *= Vec3::splat(1.0 - opacity) + straight * (opacity * clear);
+        if result.max_element() < 1e-6 {
+            return Vec3::ZERO;
+        }
+        let rest = ray.t_max - hit.t;
+        ray = Ray::segment(point.ray_origin(ray.direction), ray.direction, rest);
+    }
+    Vec3::ZERO
+}
+
+/// Absorption coefficient of the clear medium that a direction across a surface leads into [1/L].
+pub(crate) fn absorption_behind(material: &Material, point: &SurfacePoint, direction: Vec3) -> Vec3 {
+    if direction.dot(point.geometric_normal) < 0.0 { material::absorption(material) } else { Vec3::ZERO }
+}
+
+/// Transmittance of a clear medium over a distance; what never ends (an open mesh) absorbs nothing.
+pub(crate) fn absorbed(absorption: Vec3, distance: f32) -> Vec3 {
+    if absorption == Vec3::ZERO || distance == f32::INFINITY {
+        Vec3::ONE
+    } else {
+        (-absorption * distance.max(0.0)).exp()
+    }
+}
+
+/// Transmittance of a clear surface that is passed without refraction: Fresnel and tint, as of a wall
+/// whose faces are parallel.
+pub(crate) fn straight_transmittance(
+    surface: &SurfaceParameters,
+    point: &SurfacePoint,
+    direction: Vec3,
+) -> Vec3 {
+    let cosine = direction.dot(point.shading_normal).abs();
+    let reflected = surface.specular_weight * fresnel_dielectric(cosine, surface.specular_ior);
+    surface.transmission_tint * (1.0 - reflected)
+}

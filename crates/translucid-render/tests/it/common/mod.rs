@@ -1,0 +1,11 @@
+//! Small scenes, ways to render them, and statistics of what comes out.
+
+mod rendering;
+mod scenes;
+mod statistics;
+
+pub(crate) use rendering::{
+    Renderer, make_points, on_threads, picture, prepare, render, render_until, sample_ray, with_points,
+};
+pub(crate) use scenes::{GRAY, distant, matte, quad, scene, sphere, uniform_environment};
+pub(crate) use statistics::{assert_within, mean_of, measure};

@@ -1,0 +1,45 @@
+//! Means with their errors, and judgements by them.
+
+use glam::Vec3;
+
+use super::rendering::{Renderer, sample_ray};
+
+/// Independent blocks that the samples of a mean fall into, whose spread tells its error.
+const BLOCKS: u32 = 32;
+
+/// Mean of a function of (seed, number) with its standard error per channel.
+///
+/// Sobol samples of one seed are not independent: the error comes from 32 seeds, and goes with Student's t of 31 degrees
+/// of freedom.
+pub(crate) fn mean_of(samples: u32, sample: impl Fn(u64, u32) -> Vec3) -> (Vec3, Vec3) {
+    let per_block = samples / BLOCKS;
+    let block_mean = |block: u32| {
+        let sum = (0..per_block).fold([0.0_f64; 3], |sum, index| {
+            let light = sample(u64::from(block) + 1000, index);
+            std::array::from_fn(|c| sum[c] + f64::from(light[c]))
+        });
+        sum.map(|s| s / f64::from(per_block))
+    };
+    let means: Vec<[f64; 3]> = (0..BLOCKS).map(block_mean).collect();
+    let n = f64::from(BLOCKS);
+    let mean: [f64; 3] = std::array::from_fn(|c| means.iter().map(|m| m[c]).sum::<f64>() / n);
+    let error: [f64; 3] = std::array::from_fn(|c| {
+        let variance = means.iter().map(|m| (m[c] - mean[c]).powi(2)).sum::<f64>() / (n - 1.0);
+        (variance / n).sqrt()
+    });
+    (Vec3::from_array(mean.map(|x| x as f32)), Vec3::from_array(error.map(|x| x as f32)))
+}
+
+/// Mean radiance along a ray with its standard error per channel.
+pub(crate) fn measure(renderer: &Renderer, origin: Vec3, direction: Vec3, samples: u32) -> (Vec3, Vec3) {
+    mean_of(samples, |seed, index| sample_ray(renderer, origin, direction, seed, index).radiance())
+}
+
+/// Asserts that a measured mean is within four standard errors of the truth, and precise to 5 %.
+pub(crate) fn assert_within(name: &str, (mean, error): (Vec3, Vec3), expected: Vec3) {
+    for c in 0..3 {
+        let z = (mean[c] - expected[c]) / error[c].max(1e-6 * expected[c]);
+        assert!(z.abs() < 4.0, "{name}, channel {c}: {mean} ± {error}, expected {expected}, z = {z}");
+        assert!(error[c] <= 0.05 * expected[c].max(1e-3), "{name}, channel {c}: too noisy to tell, {error}");
+    }
+}

@@ -1,0 +1,27 @@
+//! The renderer against exact answers, against independent renderers and against itself.
+//!
+//! Tests whose power is a number of samples, pictures or scenes run at an eighth of it, unless `TRANSLUCID_THOROUGH` is
+//! `1`; see `translucid_testing`.
+//!
+//! ```text
+//! cargo test -p translucid-render --test it                          all of them
+//! cargo test -p translucid-render --test it sharing                  those of one module
+//! TRANSLUCID_THOROUGH=1 cargo test -p translucid-render --test it    with their whole power
+//! ```
+
+mod common;
+
+mod agreement;
+mod determinism;
+mod exact_answers;
+mod fuzzed_scenes;
+mod groups;
+mod many_lights;
+mod models;
+mod normalization;
+mod point_based;
+mod random_walk;
+mod sharing;
+mod textures;
+mod transport;
+mod volume_truth;

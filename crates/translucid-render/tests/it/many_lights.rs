@@ -1,0 +1,103 @@
+//! Pictures lit by hundreds of lights: the same at any number of threads and by any way of selection.
+
+use glam::Vec3;
+use translucid_render::{FilmSums, LightSelection};
+use translucid_scene::{Camera, Light, Material, Object, ScalarInput, Scene};
+
+use crate::common::{Renderer, matte, on_threads, prepare, quad, render, scene};
+
+/// A matte floor under 300 lamps of three kinds and 200 emissive triangles of all powers, behind a wall in part.
+fn hall() -> Scene {
+    let floor = quad(Vec3::ZERO, Vec3::X * 6.0, Vec3::Y * 6.0);
+    let wall = quad(Vec3::new(1.0, 0.0, 0.5), Vec3::Y * 4.0, Vec3::Z * 0.5);
+    let mut hall = scene(vec![floor, wall], matte(Vec3::splat(0.7)));
+    let place = |i: u32| {
+        let (a, b, c) = (i * 7919 % 1009, i * 104_729 % 1013, i * 1_299_709 % 1019);
+        Vec3::new(a as f32 / 101.0 - 5.0, b as f32 / 101.3 - 5.0, 0.5 + c as f32 / 509.5)
+    };
+    let brightness = |i: u32| Vec3::new(1.0, 0.8, 0.5) * 10.0_f32.powi((i % 4) as i32 - 1);
+    for i in 0..300 {
+        let (center, radiance) = (place(i), brightness(i));
+        hall.lights.push(match i % 3 {
+            0 => Light::Sphere { center, radius: 0.05, radiance, visible: false },
+            1 => Light::Rectangle {
+                center,
+                edge_x: Vec3::X * 0.1,
+                edge_y: Vec3::new(0.0, -0.1, 0.05),
+                radiance,
+                visible: false,
+            },
+            _ => Light::Spot {
+                position: center,
+                direction: Vec3::new(0.3, 0.2, -1.0).normalize(),
+                intensity: radiance * 0.01,
+                inner_angle: 20.0,
+                outer_angle: 50.0,
+            },
+        });
+    }
+    let mut shards = quad(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+    (shards.positions, shards.triangles) = (Vec::new(), Vec::new());
+    for i in 0..200 {
+        let a = place(1000 + i);
+        let size = 0.02 + 0.001 * (i % 100) as f32;
+        shards.positions.extend([a, a + Vec3::Y * size, a + Vec3::X * size]);
+        shards.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
+    }
+    let emitting = Material {
+        emission_luminance: 5.0,
+        base_weight: 0.0,
+        specular_weight: ScalarInput::constant(0.0),
+        ..Material::default()
+    };
+    hall.materials.push(emitting);
+    hall.objects.push(Object { name: "shards".into(), mesh: shards, material: 1, subsurface_group: 1 });
+    hall.camera =
+        Camera { position: Vec3::new(0.0, -9.0, 6.0), target: Vec3::ZERO, up: Vec3::Z, ..hall.camera };
+    hall.integrator.max_depth = 3;
+    hall.film.width = 24;
+    hall.film.height = 16;
+    hall
+}
+
+fn rendered(renderer: &Renderer, threads: usize, samples: u32) -> FilmSums {
+    let mut film = FilmSums::new(24, 16);
+    on_threads(threads, || render(renderer, &mut film, samples));
+    film
+}
+
+#[test]
+fn picture_is_the_same_at_any_number_of_threads() {
+    let renderer = prepare(hall());
+    let [one, three] = [1, 3].map(|threads| rendered(&renderer, threads, 8));
+    for y in 0..16 {
+        for x in 0..24 {
+            assert_eq!(one.radiance(x, y), three.radiance(x, y), "pixel {x}, {y}");
+        }
+    }
+}
+
+/// Means over the picture by the tree and by weighing every light, each from 16 seeds, within four and a half
+/// standard errors (false-alarm rate 7e-6).
+#[test]
+fn picture_is_the_same_by_any_selection() {
+    let brightness = |way: LightSelection| -> (f64, f64) {
+        let means: Vec<f64> = (0..16)
+            .map(|seed| {
+                let mut scene = hall();
+                scene.integrator.seed = seed + if way == LightSelection::Tree { 0 } else { 100 };
+                let film = rendered(&prepare(scene).with_light_selection(way), 2, 32);
+                let pixels = (0..16).flat_map(|y| (0..24).map(move |x| (x, y)));
+                pixels.map(|(x, y)| film.radiance(x, y)[0]).sum::<f64>() / 384.0
+            })
+            .collect();
+        let mean = means.iter().sum::<f64>() / 16.0;
+        let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 15.0;
+        (mean, variance / 16.0)
+    };
+    let (tree, tree_variance) = brightness(LightSelection::Tree);
+    let (weighed, weighed_variance) = brightness(LightSelection::Weighed);
+    let error = (tree_variance + weighed_variance).sqrt();
+    assert!((tree - weighed).abs() < 4.5 * error, "{tree}, {weighed} ± {error}");
+    assert!(error < 0.02 * weighed, "too noisy to tell: {tree}, {weighed} ± {error}");
+}

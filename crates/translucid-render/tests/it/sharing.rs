@@ -1,0 +1,189 @@
+//! Light shared between the pixels of a block: the same mean as without, and less noise.
+//!
+//! Seeds are fixed. Pictures of different seeds are independent, so means of regions go with Student's t.
+
+use glam::Vec3;
+use translucid_profile::Model;
+use translucid_render::FilmSums;
+use translucid_scene::{
+    Camera, ColorInput, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel,
+    SubsurfaceNormalization,
+};
+
+use crate::common::{matte, picture, quad, scene, sphere, uniform_environment};
+
+const SIZE: u32 = 48;
+/// Edge of a region in pixels: some lie in one block, some across two.
+const REGION: u32 = 6;
+const SEEDS: u64 = 24;
+
+fn translucent(model: Model, color: Vec3, length: f32) -> Material {
+    Material {
+        name: "translucent".into(),
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_color: ColorInput::constant(color),
+        subsurface_radius: ScalarInput::constant(length),
+        subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.5, 0.2)),
+        subsurface_model: SubsurfaceModel::Profile(model),
+        ..Material::default()
+    }
+}
+
+/// Two bodies of different media, one of them glossy, on a matte floor under a lamp and the sky.
+fn bodies(model: Model) -> Scene {
+    let mut ball = sphere(1.0, 24);
+    ball.positions.iter_mut().for_each(|p| *p += Vec3::Z);
+    let mut small = sphere(0.6, 24);
+    small.positions.iter_mut().for_each(|p| *p += Vec3::new(0.9, -1.0, 0.5));
+    let ground = quad(Vec3::ZERO, Vec3::X * 8.0, Vec3::Y * 8.0);
+    let mut scene = scene(Vec::new(), translucent(model, Vec3::new(0.9, 0.6, 0.3), 0.4));
+    scene.materials.push(Material {
+        specular_weight: ScalarInput::constant(0.0),
+        ..translucent(model, Vec3::new(0.3, 0.7, 0.8), 0.1)
+    });
+    scene.materials.push(matte(Vec3::splat(0.4)));
+    for (index, mesh) in [ball, small, ground].into_iter().enumerate() {
+        let name = format!("object {index}");
+        scene.objects.push(Object { name, mesh, material: index, subsurface_group: index as u32 });
+    }
+    scene.lights.push(Light::Rectangle {
+        center: Vec3::new(3.0, 2.0, 3.0),
+        edge_x: Vec3::new(-0.5, 0.7, 0.0),
+        edge_y: Vec3::new(-0.5, -0.3, 0.8),
+        radiance: Vec3::new(19.0, 18.0, 17.0),
+        visible: true,
+    });
+    scene.environment = uniform_environment(Vec3::splat(0.2));
+    scene.camera = Camera {
+        position: Vec3::new(1.0, -6.0, 2.5),
+        target: Vec3::new(0.3, 0.0, 0.7),
+        up: Vec3::Z,
+        horizontal_fov: 34.0,
+        ..scene.camera
+    };
+    scene.film = Film { width: SIZE, height: SIZE, ..Film::default() };
+    scene.integrator.max_depth = 8;
+    scene
+}
+
+fn pictures(scene: &Scene, samples: u32) -> Vec<FilmSums> {
+    let seeded = |seed| {
+        let mut scene = scene.clone();
+        scene.integrator.seed = seed;
+        picture(&scene, samples)
+    };
+    (0..SEEDS).map(seeded).collect()
+}
+
+/// Mean radiance of a channel in a region.
+fn mean_of(film: &FilmSums, region: u32, channel: usize) -> f64 {
+    let per_row = SIZE / REGION;
+    let (left, top) = (region % per_row * REGION, region / per_row * REGION);
+    let pixels = (0..REGION * REGION).map(|i| film.radiance(left + i % REGION, top + i / REGION)[channel]);
+    pixels.sum::<f64>() / f64::from(REGION * REGION)
+}
+
+/// Mean and squared standard error of the mean.
+fn statistics(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
+    let n = values.clone().count() as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    (mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n)
+}
+
+/// 64 regions × 3 channels × 5 scenes are 960 comparisons; |t| > 6 has a probability of 4e-6 with 23 degrees of freedom,
+/// so there is a false alarm in one of 250 choices of seeds.
+#[test]
+fn sharing_keeps_the_mean_of_every_region() {
+    let normalized = |mut scene: Scene| {
+        scene.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy;
+        scene
+    };
+    // A pane of tinted glass in front of a part: some exits are found behind it, at another depth, by dimmed light
+    let behind_glass = |mut scene: Scene| {
+        let center = Vec3::new(1.0, -2.5, 1.2);
+        scene.materials.push(Material {
+            transmission_weight: ScalarInput::constant(1.0),
+            transmission_color: ColorInput::constant(Vec3::new(0.05, 0.4, 0.9)),
+            specular_roughness: ScalarInput::constant(0.0),
+            specular_ior: 1.0,
+            ..Material::default()
+        });
+        let mesh = quad(center, Vec3::X * 0.8, Vec3::Z * 0.8);
+        scene.objects.push(Object { name: "pane".into(), mesh, material: 3, subsurface_group: 3 });
+        scene.integrator.max_depth = 4;
+        scene
+    };
+    let scenes = [
+        ("glass", behind_glass(bodies(Model::NormalizedDiffusion))),
+        ("normalized diffusion", bodies(Model::NormalizedDiffusion)),
+        ("oblique", bodies(Model::NormalizedDiffusionOblique)),
+        ("directional dipole", bodies(Model::DirectionalDipole)),
+        ("energy", normalized(bodies(Model::NormalizedDiffusion))),
+    ];
+    for (name, scene) in scenes {
+        let shared = pictures(&scene, 2);
+        let mut alone = scene;
+        alone.integrator.subsurface_sharing = false;
+        let alone = pictures(&alone, 2);
+        let mut total = [0.0; 2];
+        for (region, channel) in (0..(SIZE / REGION).pow(2)).flat_map(|r| (0..3).map(move |c| (r, c))) {
+            let mean = |film| mean_of(film, region, channel);
+            // Of the same seed: they have their exits in common
+            let pairs = shared.iter().zip(&alone).map(|(a, b)| mean(a) - mean(b));
+            let (difference, squared) = statistics(pairs);
+            let t = difference / squared.sqrt().max(1e-6);
+            assert!(t.abs() < 6.0, "{name}, region {region}, channel {channel}: {difference} off, t = {t}");
+            for (total, films) in total.iter_mut().zip([&shared, &alone]) {
+                *total += statistics(films.iter().map(mean)).1;
+            }
+        }
+        assert!(total[0] < 0.8 * total[1], "{name}: regions are as noisy, {total:?}");
+    }
+}
+
+/// Of each pixel, relative to its square: what a viewer sees as noise.
+#[test]
+fn sharing_takes_most_of_the_noise_away() {
+    let noise = |is_shared: bool| {
+        let mut scene = bodies(Model::NormalizedDiffusion);
+        scene.integrator.subsurface_sharing = is_shared;
+        // A lamp behind the bodies, as close as a pixel sees little of the body
+        scene.camera.horizontal_fov = 12.0;
+        let films = pictures(&scene, 2);
+        let mut sum = 0.0;
+        for (x, y) in (0..SIZE).flat_map(|y| (0..SIZE).map(move |x| (x, y))) {
+            let (mean, error) = statistics(films.iter().map(|film| film.radiance(x, y).iter().sum()));
+            sum += error / (mean * mean + 0.01);
+        }
+        sum
+    };
+    let (shared, alone) = (noise(true), noise(false));
+    assert!(shared < 0.25 * alone, "{shared} {alone}");
+}
+
+/// Even light on a plane: A leaves wherever it entered, exactly, whatever the weights of entries.
+///
+/// Six comparisons of Student's t with 23 degrees of freedom; |t| > 5 has a probability of 5e-5.
+#[test]
+fn sharing_returns_the_surface_albedo_of_a_plane() {
+    let color = Vec3::new(0.9, 0.5, 0.1);
+    for model in [Model::NormalizedDiffusion, Model::PhotonBeamDiffusion] {
+        let material =
+            Material { specular_weight: ScalarInput::constant(0.0), ..translucent(model, color, 0.3) };
+        let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 200.0, Vec3::Y * 200.0)], material);
+        scene.environment = uniform_environment(Vec3::ONE);
+        scene.camera.position = Vec3::new(0.0, -1.5, 2.0);
+        scene.film = Film { width: SIZE, height: SIZE, ..Film::default() };
+        scene.integrator.max_depth = 2;
+        let films = pictures(&scene, 1);
+        for channel in 0..3 {
+            let whole =
+                |film: &FilmSums| (0..64).map(|region| mean_of(film, region, channel)).sum::<f64>() / 64.0;
+            let (mean, squared) = statistics(films.iter().map(whole));
+            let (error, expected) = (squared.sqrt(), f64::from(color[channel]));
+            assert!(error < 6e-3 * expected, "{model:?}, channel {channel}: too noisy to tell, {error}");
+            let t = (mean - expected) / error.max(1e-5);
+            assert!(t.abs() < 5.0, "{model:?}, channel {channel}: {mean} ± {error}, t = {t}");
+        }
+    }
+}
