@@ -4,7 +4,8 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use translucid_render::{PointCloud, PointPass, PointProgress, Renderer, check_writable};
+use translucid_image::check_writable;
+use translucid_render::{PointCloud, PointPass, PointProgress, Renderer};
 use translucid_scene::Scene;
 
 use crate::failure::Failure;

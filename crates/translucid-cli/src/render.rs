@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_render::Denoiser;
+use translucid_image::Denoiser;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };

@@ -4,9 +4,9 @@ use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use translucid_image::Denoiser;
 use translucid_render::{
-    CheckpointInfo, Denoiser, FilmSums, Goal, ImageInfo, Outcome, Renderer, layer, load_checkpoint,
-    save_checkpoint,
+    CheckpointInfo, FilmSums, Goal, ImageInfo, Outcome, Renderer, layer, load_checkpoint, save_checkpoint,
 };
 use translucid_scene::Scene;
 
@@ -283,7 +283,7 @@ impl<'a> Work<'a> {
             return outputs.write(&self.film, &scene.film, &info).map_err(Failure::late);
         };
         let start = Instant::now();
-        match denoiser.denoise(&self.film, self.session.threads) {
+        match denoiser.denoise(&self.film.layers_picture(&info), self.session.threads) {
             Ok(denoised) => {
                 if self.session.verbose {
                     let seconds = start.elapsed().as_secs_f64();

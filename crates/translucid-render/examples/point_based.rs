@@ -23,8 +23,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use translucid_image::DisplayTransform;
 use translucid_profile::Model;
-use translucid_render::{FilmSums, Goal, ImageInfo, PointPass, Renderer, layer, write_png};
+use translucid_render::{FilmSums, Goal, ImageInfo, PointPass, Renderer, layer};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, load_scene, still_life};
 
 const MODELS: [Model; 2] = [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined];
@@ -214,7 +215,8 @@ fn save(film: &FilmSums, scene: &Scene, options: &Options, name: &str) {
         command: String::from("example point_based"),
     };
     let path = directory.join(format!("{name}.png"));
-    write_png(&path, film, &scene.film, &info).unwrap_or_else(|error| panic!("{error}"));
+    let display = DisplayTransform { exposure: scene.film.exposure, tone_mapping: scene.film.tone_mapping };
+    film.display_picture(&info).save_png(&path, display).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// CPU time of the process in all its threads; wall time where the system does not tell.

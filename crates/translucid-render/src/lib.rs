@@ -7,7 +7,6 @@
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
 mod light;
-mod output;
 mod path;
 mod ray;
 mod render;
@@ -17,13 +16,10 @@ mod surface;
 mod world;
 
 pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
-pub use output::{
-    CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
-    check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
-    write_denoised_png, write_exr, write_exr_with_denoised, write_png,
-};
 pub use ray::{Geometry, Hit, Ray};
+pub use render::checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
 pub use render::film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
+pub use render::picture::ImageInfo;
 pub use render::renderer::{Goal, Outcome, Progress, Renderer};
 pub use sampling::Frame;
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};

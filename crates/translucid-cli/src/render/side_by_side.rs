@@ -7,8 +7,9 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use translucid_image::display_from_linear;
 use translucid_laboratory::picture::{Picture, PicturePixel};
-use translucid_render::{FilmSums, display_from_linear, layer};
+use translucid_render::{FilmSums, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::{Arguments, inputs, require_memory, scene, scene_name};

@@ -16,7 +16,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
-use super::{OutputError, write_atomically};
+use translucid_image::{Checksummed, OutputError, write_atomically};
+
 use crate::render::film::{FilmSums, TILE_SIZE, layer};
 
 const MAGIC: [u8; 8] = *b"TRLCKPT\n";
@@ -42,7 +43,7 @@ pub struct CheckpointInfo {
 /// The file cannot be written; an older checkpoint at `path` is then still whole.
 pub fn save_checkpoint(path: &Path, film: &FilmSums, info: &CheckpointInfo) -> Result<(), OutputError> {
     write_atomically(path, |out| {
-        let mut out = Checked::new(out);
+        let mut out = Checksummed::new(out);
         out.write_all(&header(film, info))?;
         for tile in &film.tiles {
             out.write_all(&tile.samples.to_le_bytes())?;
@@ -55,8 +56,8 @@ pub fn save_checkpoint(path: &Path, film: &FilmSums, info: &CheckpointInfo) -> R
                 out.write_all(&bytes)?;
             }
         }
-        let crc = out.crc.finalize();
-        out.inner.write_all(&crc.to_le_bytes())
+        let (crc, out) = out.finish();
+        out.write_all(&crc.to_le_bytes())
     })
 }
 
@@ -94,7 +95,7 @@ fn parse(
         OutputError::new(path, format!("the checkpoint is damaged: {what}"))
             .with_help("delete it to render from the start")
     };
-    let mut file = Checked::new(reader);
+    let mut file = Checksummed::new(reader);
 
     // Read and judge the header
     if length < HEADER_BYTES + 4 {
@@ -123,9 +124,9 @@ fn parse(
 
     // Read the sums
     let film = read_film(&mut file, header.width, header.height).map_err(unreadable)?;
-    let crc = std::mem::take(&mut file.crc).finalize();
+    let (crc, mut file) = file.finish();
     let mut stored = [0; 4];
-    file.inner.read_exact(&mut stored).map_err(unreadable)?;
+    file.read_exact(&mut stored).map_err(unreadable)?;
     if crc != u32::from_le_bytes(stored) {
         return Err(damaged("its checksum does not fit its content"));
     }
@@ -204,38 +205,6 @@ impl Header {
             tile_size: four(44),
             layers: four(48),
         }
-    }
-}
-
-/// A reader or writer that keeps the checksum of what passes.
-pub(crate) struct Checked<T> {
-    pub(crate) inner: T,
-    pub(crate) crc: crc32fast::Hasher,
-}
-
-impl<T> Checked<T> {
-    pub(crate) fn new(inner: T) -> Self {
-        Self { inner, crc: crc32fast::Hasher::new() }
-    }
-}
-
-impl<T: Read> Read for Checked<T> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.inner.read(buffer)?;
-        self.crc.update(&buffer[..count]);
-        Ok(count)
-    }
-}
-
-impl<T: Write> Write for Checked<T> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let count = self.inner.write(bytes)?;
-        self.crc.update(&bytes[..count]);
-        Ok(count)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.inner.flush()
     }
 }
 

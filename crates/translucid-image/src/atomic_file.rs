@@ -3,6 +3,9 @@
 //! A file is written as a draft beside its target, which it then replaces by its name. A process that is killed
 //! leaves its draft behind; the next one that writes into the directory takes it away. It knows that nobody writes
 //! it any more by its lock, which ends with the process that held it.
+//!
+//! Crates for temporary files (`tempfile`, `atomic-write-file`) would do for the 40 lines of [`Draft`], but know neither
+//! such locks nor the checks of a target, and make files that only their owner may read.
 
 use std::ffi::OsStr;
 use std::fs::{self, File, OpenOptions, TryLockError};
@@ -10,7 +13,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use super::OutputError;
+use crate::OutputError;
 
 /// Writes a file through `write`, beside its target first; then the new file takes the target's place.
 ///
@@ -104,7 +107,7 @@ fn cannot_create(path: &Path, error: &io::Error) -> OutputError {
     OutputError::new(path, message)
 }
 
-/// What the name of every draft begins and ends with.
+/// Beginning and end of the name of every draft.
 const DRAFT_NAME: [&str; 2] = [".translucid-", ".part"];
 
 /// A file on its way: locked while it is open, removed when dropped, unless it has been renamed.

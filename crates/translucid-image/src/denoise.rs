@@ -1,4 +1,4 @@
-//! Denoising of a finished film by Intel Open Image Denoise, where that is installed.
+//! Denoising of a finished picture by Intel Open Image Denoise, where that is installed.
 //!
 //! The library is opened at run time by its C interface, of which versions 1 and 2 share the part used here
 //! ([its documentation](https://www.openimagedenoise.org/documentation.html)); nothing links to it.
@@ -10,13 +10,14 @@ use std::error::Error;
 use std::ffi::{CStr, OsString, c_char, c_int, c_void};
 use std::fmt;
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::ptr;
 
 use libloading::Library;
 
-use super::exr::{finite, pixels};
-use crate::render::film::{FilmSums, layer};
+use crate::picture::finite_single;
+use crate::{OutputError, Picture};
 
 /// The environment variable with the path of the library, or of the folder that it is in.
 pub const DENOISER_VARIABLE: &str = "TRANSLUCID_OIDN";
@@ -40,42 +41,10 @@ const ERROR_NONE: c_int = 0;
 /// Handle of a device or filter; null where there is none.
 type Handle = *mut c_void;
 
-/// Why a picture was not denoised.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct DenoiseError {
-    /// What is wrong; no final stop.
-    pub message: String,
-    /// What to do, if that is known.
-    pub help: Option<String>,
-}
-
-impl DenoiseError {
-    fn new(message: impl Into<String>) -> Self {
-        Self { message: message.into(), help: None }
-    }
-
-    fn not_found(message: String) -> Self {
-        let help = format!(
-            "install Open Image Denoise (https://www.openimagedenoise.org), or set {DENOISER_VARIABLE} to the path \
-             of its library"
-        );
-        Self { message, help: Some(help) }
-    }
-}
-
-impl fmt::Display for DenoiseError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)?;
-        self.help.as_ref().map_or(Ok(()), |help| write!(f, " ({help})"))
-    }
-}
-
-impl Error for DenoiseError {}
-
-/// A denoised picture of a film.
+/// A denoised picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Denoised {
-    /// Radiance of each pixel, row by row, multiplied by coverage as the film's; finite and at least 0.
+    /// Radiance of each pixel, row by row, multiplied by coverage; finite and at least 0.
     pub radiance: Vec<[f32; 3]>,
     /// What has denoised it, with its version.
     pub by: String,
@@ -118,7 +87,7 @@ impl Denoiser {
     ///
     /// # Errors
     /// There is none, or it is another library.
-    pub fn load() -> Result<Self, DenoiseError> {
+    pub fn load() -> Result<Self, OutputError> {
         match env::var_os(DENOISER_VARIABLE) {
             Some(path) if !path.is_empty() => Self::load_from(Path::new(&path)),
             _ => {
@@ -130,7 +99,7 @@ impl Denoiser {
                     }
                 }
                 let tried = failures.join("; ");
-                Err(DenoiseError::not_found(format!("there is no library to denoise with: {tried}")))
+                Err(not_found(format!("there is no library to denoise with: {tried}")))
             }
         }
     }
@@ -139,9 +108,8 @@ impl Denoiser {
     ///
     /// # Errors
     /// It is not there, or it is another library.
-    pub fn load_from(path: &Path) -> Result<Self, DenoiseError> {
-        let wrong =
-            |what: &str| DenoiseError::not_found(format!("{}: {what}, so it cannot denoise", path.display()));
+    pub fn load_from(path: &Path) -> Result<Self, OutputError> {
+        let wrong = |what: &str| not_found(format!("{}: {what}, so it cannot denoise", path.display()));
         let file = if path.is_dir() {
             library_in(path, "OpenImageDenoise").ok_or_else(|| wrong("has no Open Image Denoise in it"))?
         } else {
@@ -160,37 +128,29 @@ impl Denoiser {
         Self::from_library(library, &file.display().to_string())
     }
 
-    fn from_library(library: Library, name: &str) -> Result<Self, DenoiseError> {
-        let interface = Interface::new(&library).map_err(|missing| {
-            DenoiseError::not_found(format!("{name} is not Open Image Denoise: it has no {missing}"))
-        })?;
+    fn from_library(library: Library, name: &str) -> Result<Self, OutputError> {
+        let interface = Interface::new(&library)
+            .map_err(|missing| not_found(format!("{name} is not Open Image Denoise: it has no {missing}")))?;
         // Its threads may outlive the last call, so it stays until the process ends.
         std::mem::forget(library);
         Ok(Self { interface })
     }
 
-    /// Denoises a film, on `threads` threads or, if that is 0, as many as there are.
+    /// Denoises a picture, on `threads` threads or, if that is 0, as many as there are.
+    ///
+    /// It needs the channels `R`, `G`, `B`, `albedo.R`, `albedo.G`, `albedo.B`, `normal.X`, `normal.Y` and `normal.Z`.
     ///
     /// # Errors
-    /// The library reports one; its words are in the message.
-    pub fn denoise(&self, film: &FilmSums, threads: usize) -> Result<Denoised, DenoiseError> {
-        let limit = f64::from(f32::MAX);
-        let single = |value: f64| finite(value, limit) as f32;
-        let mut color = Vec::new();
-        let (mut albedo, mut normal) = (Vec::new(), Vec::new());
-        for (x, y) in pixels(film) {
-            let mean = film.mean(x, y);
-            color.push(film.radiance(x, y).map(|value| single(value).max(0.0)));
-            albedo.push(layer::ALBEDO.map_array(|index| single(mean[index]).clamp(0.0, 1.0)));
-            normal.push(layer::NORMAL.map_array(|index| single(mean[index]).clamp(-1.0, 1.0)));
-        }
-        let size = [film.width as usize, film.height as usize];
+    /// A channel is missing, or the library reports an error; its words are in the message.
+    pub fn denoise(&self, picture: &Picture<'_>, threads: usize) -> Result<Denoised, OutputError> {
+        let images = FilterImages::read(picture)
+            .map_err(|error| OutputError::without_file(format!("cannot denoise the picture: {error}")))?;
         let device = Device::new(&self.interface, threads)?;
-        let mut radiance = color.clone();
-        device.filter(Images { color, albedo, normal, size }, &mut radiance)?;
-        for ((x, y), pixel) in pixels(film).zip(&mut radiance) {
+        let mut radiance = images.color.clone();
+        let images = device.filter(images, &mut radiance)?;
+        for (pixel, noisy) in radiance.iter_mut().zip(&images.color) {
             if !pixel.iter().all(|value| value.is_finite()) {
-                *pixel = film.radiance(x, y).map(single);
+                *pixel = *noisy;
             }
             *pixel = pixel.map(|value| value.max(0.0));
         }
@@ -198,15 +158,12 @@ impl Denoiser {
     }
 }
 
-/// Three indices in a row as an array.
-trait MapArray {
-    fn map_array(&self, f: impl Fn(usize) -> f32) -> [f32; 3];
-}
-
-impl MapArray for std::ops::Range<usize> {
-    fn map_array(&self, f: impl Fn(usize) -> f32) -> [f32; 3] {
-        std::array::from_fn(|i| f(self.start + i))
-    }
+/// The error of a library that is not there, or is another one.
+fn not_found(message: String) -> OutputError {
+    OutputError::without_file(message).with_help(format!(
+        "install Open Image Denoise (https://www.openimagedenoise.org), or set {DENOISER_VARIABLE} to the path of its \
+         library"
+    ))
 }
 
 /// Opens a library, which runs its initializers.
@@ -263,7 +220,7 @@ impl Interface {
     }
 
     /// The device's pending error, if any; `device` is a handle from `new_device` that is not released, or null.
-    fn check(&self, device: Handle) -> Result<(), DenoiseError> {
+    fn check(&self, device: Handle) -> Result<(), OutputError> {
         let mut message: *const c_char = ptr::null();
         // SAFETY: the handle is valid or null, which asks for the thread's own error, and `message` is a place to
         // write a pointer to.
@@ -277,16 +234,42 @@ impl Interface {
             // SAFETY: the library has set it to a string that ends in NUL and lives until the next error.
             unsafe { CStr::from_ptr(message) }.to_string_lossy().into_owned()
         };
-        Err(DenoiseError::new(format!("Open Image Denoise reports: {text}")))
+        Err(OutputError::without_file(format!("Open Image Denoise reports: {text}")))
     }
 }
 
-/// What a filter reads: color, albedo and normal of `size` pixels, row by row.
-struct Images {
+/// Input of a filter: color, albedo and normal of `size` pixels, row by row.
+struct FilterImages {
     color: Vec<[f32; 3]>,
     albedo: Vec<[f32; 3]>,
     normal: Vec<[f32; 3]>,
     size: [usize; 2],
+}
+
+impl FilterImages {
+    /// Collects the channels of a picture, as finite numbers within their ranges.
+    fn read(picture: &Picture<'_>) -> io::Result<Self> {
+        picture.check()?;
+        let places = [
+            picture.indices_of(["R", "G", "B"])?,
+            picture.indices_of(["albedo.R", "albedo.G", "albedo.B"])?,
+            picture.indices_of(["normal.X", "normal.Y", "normal.Z"])?,
+        ];
+        let mut images =
+            Self { color: Vec::new(), albedo: Vec::new(), normal: Vec::new(), size: picture.size() };
+        let mut row = picture.new_row();
+        for y in picture.region.y0..picture.region.y1 {
+            picture.read_row(y, &mut row);
+            for pixel in row.chunks_exact(picture.channels.len()) {
+                let [color, albedo, normal] =
+                    places.map(|indices| indices.map(|index| finite_single(pixel[index])));
+                images.color.push(color.map(|value| value.max(0.0)));
+                images.albedo.push(albedo.map(|value| value.clamp(0.0, 1.0)));
+                images.normal.push(normal.map(|value| value.clamp(-1.0, 1.0)));
+            }
+        }
+        Ok(images)
+    }
 }
 
 /// A device of the library, released when dropped.
@@ -296,12 +279,12 @@ struct Device<'a> {
 }
 
 impl<'a> Device<'a> {
-    fn new(interface: &'a Interface, threads: usize) -> Result<Self, DenoiseError> {
+    fn new(interface: &'a Interface, threads: usize) -> Result<Self, OutputError> {
         // SAFETY: takes a number, gives a handle or null.
         let handle = unsafe { (interface.new_device)(DEVICE_CPU) };
         if handle.is_null() {
             interface.check(handle)?;
-            return Err(DenoiseError::new("Open Image Denoise has no device for this processor"));
+            return Err(OutputError::without_file("Open Image Denoise has no device for this processor"));
         }
         let device = Self { interface, handle };
         if let Ok(threads @ 1..) = c_int::try_from(threads) {
@@ -321,13 +304,15 @@ impl<'a> Device<'a> {
         format!("Open Image Denoise {}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
 
-    /// Runs the filter for path tracers from `images` to `output`, which has as many pixels.
-    fn filter(&self, mut images: Images, output: &mut [[f32; 3]]) -> Result<(), DenoiseError> {
-        let Images { color, albedo, normal, size: [width, height] } = &mut images;
+    /// Runs the filter for path tracers from `images`, which it gives back, to `output`, which has as many pixels.
+    fn filter(&self, mut images: FilterImages, output: &mut [[f32; 3]]) -> Result<FilterImages, OutputError> {
+        let FilterImages { color, albedo, normal, size: [width, height] } = &mut images;
         let count = width.checked_mul(*height).unwrap_or(0);
         let all_fit = [color.len(), albedo.len(), normal.len(), output.len()].iter().all(|n| *n == count);
         if count == 0 || !all_fit {
-            return Err(DenoiseError::new("the picture to denoise is empty, or its layers differ in size"));
+            return Err(OutputError::without_file(
+                "the picture to denoise is empty, or its layers differ in size",
+            ));
         }
         let filter = Filter::new(self)?;
         let inputs = [(c"color", color), (c"albedo", albedo), (c"normal", normal)];
@@ -360,7 +345,9 @@ impl<'a> Device<'a> {
         self.interface.check(self.handle)?;
         // SAFETY: the handle is valid and committed without error; the call returns when the output is written.
         unsafe { (self.interface.execute_filter)(filter.handle) };
-        self.interface.check(self.handle)
+        self.interface.check(self.handle)?;
+        drop(filter);
+        Ok(images)
     }
 }
 
@@ -378,13 +365,13 @@ struct Filter<'a> {
 }
 
 impl<'a> Filter<'a> {
-    fn new(device: &Device<'a>) -> Result<Self, DenoiseError> {
+    fn new(device: &Device<'a>) -> Result<Self, OutputError> {
         let interface = device.interface;
         // SAFETY: the handle is valid, the name ends in NUL and is read during the call.
         let handle = unsafe { (interface.new_filter)(device.handle, c"RT".as_ptr()) };
         if handle.is_null() {
             interface.check(device.handle)?;
-            return Err(DenoiseError::new("Open Image Denoise has no filter for path tracers"));
+            return Err(OutputError::without_file("Open Image Denoise has no filter for path tracers"));
         }
         Ok(Self { interface, handle })
     }
@@ -399,12 +386,7 @@ impl Drop for Filter<'_> {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
-
-    use translucid_scene::{LoadOptions, SceneFile};
-
     use super::*;
-    use crate::{Goal, Renderer};
 
     #[test]
     fn denoiser_that_is_not_there_is_an_error_with_a_way_out() {
@@ -449,76 +431,5 @@ mod tests {
         let found = library_in(folder.path(), "OpenImageDenoise").unwrap();
         assert_eq!(found.file_name().unwrap().to_string_lossy(), name("OpenImageDenoise", ".1.4.3"));
         assert_eq!(library_in(folder.path(), "embree"), None);
-    }
-
-    /// A ball of wax under a lamp.
-    fn picture(samples: u32, seed: u64) -> FilmSums {
-        let text = "
-            unit = \"cm\"
-            [camera]
-            position = [0.0, 1.0, 5.0]
-            target = [0.0, 0.0, 0.0]
-            [[light]]
-            type = \"rectangle\"
-            center = [-4.0, 4.0, 2.0]
-            target = [0.0, 0.0, 0.0]
-            size = [2.0, 2.0]
-            radiance = [10.0, 10.0, 10.0]
-            [[material]]
-            name = \"wax\"
-            subsurface_weight = 1.0
-            subsurface_radius = 0.2
-            [[object]]
-            shape = \"sphere\"
-            material = \"wax\"
-            [[object]]
-            shape = \"rectangle\"
-            width = 20.0
-            height = 20.0
-            translate = [0.0, 0.0, -2.0]
-        ";
-        let file = SceneFile::parse(text, Path::new("ball.toml")).unwrap();
-        let options = LoadOptions { size: Some([96, 64]), ..LoadOptions::default() };
-        let mut scene = file.load(&options, &mut Vec::new()).unwrap();
-        scene.integrator.seed = seed;
-        let renderer = Renderer::new(scene);
-        let mut film = FilmSums::new(96, 64);
-        renderer.render(&mut film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
-        film
-    }
-
-    /// Mean of (x − ref)² / (ref² + 0.01) over all channels.
-    fn relative_mse(image: impl Fn(u32, u32) -> [f64; 3], reference: &FilmSums) -> f64 {
-        let mut sum = 0.0;
-        for (x, y) in pixels(reference) {
-            for (value, truth) in image(x, y).into_iter().zip(reference.radiance(x, y)) {
-                sum += (value - truth).powi(2) / (truth * truth + 0.01);
-            }
-        }
-        sum / f64::from(3 * reference.width * reference.height)
-    }
-
-    /// Runs where the library is, else it says that it does not.
-    #[test]
-    #[allow(clippy::print_stderr, reason = "a test that does nothing must say so")]
-    fn denoised_picture_is_closer_to_the_truth() {
-        let denoiser = match Denoiser::load() {
-            Ok(denoiser) => denoiser,
-            Err(error) => return eprintln!("skipped: {error}"),
-        };
-        let mut noisy = picture(4, 1);
-        let reference = picture(1024, 2);
-        let denoised = denoiser.denoise(&noisy, 1).unwrap();
-        assert!(denoised.by.starts_with("Open Image Denoise "), "{}", denoised.by);
-        let before = relative_mse(|x, y| noisy.radiance(x, y), &reference);
-        let at = |x: u32, y: u32| denoised.radiance[(y * noisy.width + x) as usize].map(f64::from);
-        let after = relative_mse(at, &reference);
-        assert!(after < 0.5 * before, "relMSE {before} before and {after} after");
-
-        // What is not a number comes out as one
-        noisy.tiles[0].pixels[0] = [f64::NAN; layer::COUNT];
-        noisy.tiles[0].pixels[1] = [f64::INFINITY; layer::COUNT];
-        let denoised = denoiser.denoise(&noisy, 0).unwrap();
-        assert!(denoised.radiance.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
     }
 }

@@ -1,6 +1,15 @@
 //! From linear radiance to display values.
 
-use translucid_scene::ToneMapping;
+/// How linear radiance becomes display values.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ToneMapping {
+    /// Clip to [0, 1], sRGB transfer curve.
+    Srgb,
+    /// Khronos PBR Neutral: colors below the shoulder stay as they are.
+    Neutral,
+    /// AgX: a filmic curve whose highlights lose saturation.
+    Agx,
+}
 
 /// AgX: mixes the primaries, so that a bright pure color has something to lose saturation to.
 const INSET: [[f32; 3]; 3] = [
