@@ -40,3 +40,31 @@ fn dependencies_are_used() {
         dependencies(&read("Cargo.toml")).into_iter().filter(|name| !is_used(name)).collect();
     assert!(unused.is_empty(), "{unused:?}");
 }
+
+/// Crates of the workspace that a crate depends on outside of its tests, without `translucid-`.
+fn known(name: &str) -> BTreeSet<String> {
+    let manifest = read(&format!("crates/{name}/Cargo.toml"));
+    let section = manifest.split("\n[dependencies]").nth(1).unwrap_or_default();
+    let lines = section.lines().skip(1).take_while(|line| !line.starts_with('['));
+    let names = lines.filter_map(|line| line.strip_prefix("translucid-")?.split('.').next());
+    names.map(str::to_owned).collect()
+}
+
+#[test]
+fn crates_know_those_that_the_table_says() {
+    let page = read("ARCHITECTURE.md");
+    for name in imports::crate_names() {
+        let row = page.lines().find(|line| line.starts_with(&format!("| `{name}` |")));
+        let cell = row.and_then(|row| row.split('|').nth(3)).unwrap_or_else(|| panic!("no row for {name}"));
+        let said: BTreeSet<String> = match cell.trim() {
+            "–" => BTreeSet::new(),
+            "all" => imports::crate_names()
+                .iter()
+                .map(|name| name.trim_start_matches("translucid-").to_owned())
+                .filter(|other| !["cli", "testing"].contains(&other.as_str()))
+                .collect(),
+            names => names.split(", ").map(str::to_owned).collect(),
+        };
+        assert_eq!(known(&name), said, "{name}");
+    }
+}
