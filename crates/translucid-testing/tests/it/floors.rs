@@ -5,15 +5,8 @@ use crate::imports::{self, Graph};
 /// Rooms of the renderer from the top floor down: modules, with all that is below them.
 ///
 /// A room may import from its own floor and from those below.
-const FLOORS: [&[&str]; 7] = [
-    &["render", "output"],
-    &["path"],
-    &["subsurface"],
-    &["world"],
-    &["surface", "light"],
-    &["ray"],
-    &["sampling"],
-];
+const FLOORS: [&[&str]; 7] =
+    [&["render"], &["path"], &["subsurface"], &["world"], &["surface", "light"], &["ray"], &["sampling"]];
 
 /// The floor that a module stands on, counted from the top.
 fn floor(floors: &[&[&str]], module: &[String]) -> Option<usize> {
