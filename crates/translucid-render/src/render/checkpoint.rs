@@ -18,7 +18,8 @@ use std::path::Path;
 
 use translucid_image::{Checksummed, OutputError, write_atomically};
 
-use crate::render::film::{FilmSums, TILE_SIZE, layer};
+use super::film::{FilmSums, TILE_SIZE};
+use crate::world::layer;
 
 const MAGIC: [u8; 8] = *b"TRLCKPT\n";
 const VERSION: u32 = 1;

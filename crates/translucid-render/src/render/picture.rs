@@ -1,8 +1,9 @@
 //! Pictures of a film: all its layers for a float image, its colors for a display.
 
-use translucid_image::{Denoised, MetadataValue, Picture, PictureChannel};
+use translucid_image::{Denoised, MetadataValue, Picture, PictureChannel, Region};
 
-use crate::render::film::{FilmSums, layer};
+use super::film::FilmSums;
+use crate::world::layer;
 
 /// Metadata of a rendered picture.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,12 +18,27 @@ pub struct ImageInfo {
     pub seconds: f64,
     /// The command line that made it.
     pub command: String,
+    /// Where the picture lies in a larger one, and that one's width and height; `None` where it is all there is.
+    pub region: Option<(Region, [u32; 2])>,
 }
 
 /// Program and version, as all pictures state it.
 const SOFTWARE: &str = concat!("translucid ", env!("CARGO_PKG_VERSION"));
 
 impl ImageInfo {
+    /// Number of the first row.
+    fn top(&self) -> u32 {
+        self.region.map_or(0, |(region, _)| region.y0)
+    }
+
+    /// The picture in its place.
+    fn placed<'a>(&self, picture: Picture<'a>) -> Picture<'a> {
+        match self.region {
+            Some((region, whole)) => picture.within(region, whole),
+            None => picture,
+        }
+    }
+
     /// The notes in a picture of all layers.
     fn notes_of_layers(&self, denoised: Option<&Denoised>) -> Vec<(String, MetadataValue)> {
         let text = |text: &str| MetadataValue::Text(text.to_owned());
@@ -90,7 +106,9 @@ impl FilmSums {
             channels.extend(DENOISED_CHANNELS.into_iter().map(PictureChannel::single));
         }
         let count = channels.len();
+        let top = info.top();
         let fill_row = move |y: u32, values: &mut [f64]| {
+            let y = y - top;
             for (x, pixel) in (0..self.width).zip(values.chunks_exact_mut(count)) {
                 let (mean, [r, g, b]) = (self.mean(x, y), self.radiance(x, y));
                 let singles = [r, g, b, mean[layer::ALPHA], mean_depth(&mean)];
@@ -101,13 +119,14 @@ impl FilmSums {
             }
         };
         let size = [self.width, self.height];
-        Picture::new(size, channels, fill_row).with_metadata(SOFTWARE, info.notes_of_layers(denoised))
+        let picture = Picture::new(size, channels, fill_row);
+        info.placed(picture).with_metadata(SOFTWARE, info.notes_of_layers(denoised))
     }
 
     /// Radiance and coverage as a picture for a display.
     #[must_use]
     pub fn display_picture(&self, info: &ImageInfo) -> Picture<'_> {
-        self.color_picture(|x, y| self.radiance(x, y), info.notes_of_colors(None))
+        self.color_picture(|x, y| self.radiance(x, y), info, info.notes_of_colors(None))
     }
 
     /// Denoised radiance and the film's coverage as a picture for a display.
@@ -116,23 +135,26 @@ impl FilmSums {
     #[must_use]
     pub fn denoised_display_picture<'a>(&'a self, denoised: &'a Denoised, info: &ImageInfo) -> Picture<'a> {
         let radiance = |x, y| self.denoised_pixel(denoised, x, y);
-        self.color_picture(radiance, info.notes_of_colors(Some(denoised)))
+        self.color_picture(radiance, info, info.notes_of_colors(Some(denoised)))
     }
 
     fn color_picture<'a>(
         &'a self,
         radiance: impl Fn(u32, u32) -> [f64; 3] + Sync + 'a,
+        info: &ImageInfo,
         notes: Vec<(String, MetadataValue)>,
     ) -> Picture<'a> {
         let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
+        let top = info.top();
         let fill_row = move |y: u32, values: &mut [f64]| {
+            let y = y - top;
             for (x, pixel) in (0..self.width).zip(values.as_chunks_mut().0) {
                 let ([r, g, b], alpha) = (radiance(x, y), self.mean(x, y)[layer::ALPHA]);
                 *pixel = [r, g, b, alpha];
             }
         };
         let size = [self.width, self.height];
-        Picture::new(size, channels.to_vec(), fill_row).with_metadata(SOFTWARE, notes)
+        info.placed(Picture::new(size, channels.to_vec(), fill_row)).with_metadata(SOFTWARE, notes)
     }
 
     /// Denoised radiance of a pixel; 0 where there is none.
@@ -167,14 +189,13 @@ fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
 #[cfg(test)]
 mod tests {
     use std::path::Path;
-    use std::sync::atomic::AtomicBool;
 
     use translucid_image::Denoiser;
     use translucid_scene::{LoadOptions, SceneFile};
 
     use super::*;
     use crate::render::film::tests::test_film;
-    use crate::{Goal, Renderer};
+    use crate::{PreparedScene, measure};
 
     /// The values of all pixels of a channel.
     fn values(picture: &Picture<'_>, name: &str) -> Vec<f64> {
@@ -204,6 +225,7 @@ mod tests {
             samples: 5,
             seconds: 1.25,
             command: String::from("translucid render scenes/apple.toml"),
+            region: None,
         };
         let picture = film.layers_picture(&info);
         assert_eq!(picture.channels.len(), 23);
@@ -297,9 +319,9 @@ mod tests {
         let options = LoadOptions { size: Some([96, 64]), ..LoadOptions::default() };
         let mut scene = file.load(&options, &mut Vec::new()).unwrap();
         scene.integrator.seed = seed;
-        let renderer = Renderer::new(scene);
+        let prepared = PreparedScene::new(scene).unwrap();
         let mut film = FilmSums::new(96, 64);
-        renderer.render(&mut film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+        measure::add_samples(&prepared, &mut film, samples).unwrap();
         film
     }
 

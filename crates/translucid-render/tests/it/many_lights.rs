@@ -1,10 +1,11 @@
 //! Pictures lit by hundreds of lights: the same at any number of threads and by any way of selection.
 
 use glam::Vec3;
-use translucid_render::{FilmSums, LightSelection};
+use translucid_render::FilmSums;
+use translucid_render::measure::{self, LightSelection};
 use translucid_scene::{Camera, Light, Material, Object, ScalarInput, Scene};
 
-use crate::common::{Renderer, matte, on_threads, prepare, quad, render, scene};
+use crate::common::{PreparedScene, matte, on_threads, prepare, quad, render, scene};
 
 /// A matte floor under 300 lamps of three kinds and 200 emissive triangles of all powers, behind a wall in part.
 fn hall() -> Scene {
@@ -60,7 +61,7 @@ fn hall() -> Scene {
     hall
 }
 
-fn rendered(renderer: &Renderer, threads: usize, samples: u32) -> FilmSums {
+fn rendered(renderer: &PreparedScene, threads: usize, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(24, 16);
     on_threads(threads, || render(renderer, &mut film, samples));
     film
@@ -86,7 +87,9 @@ fn picture_is_the_same_by_any_selection() {
             .map(|seed| {
                 let mut scene = hall();
                 scene.integrator.seed = seed + if way == LightSelection::Tree { 0 } else { 100 };
-                let film = rendered(&prepare(scene).with_light_selection(way), 2, 32);
+                let mut renderer = prepare(scene);
+                measure::select_lights(&mut renderer, way);
+                let film = rendered(&renderer, 2, 32);
                 let pixels = (0..16).flat_map(|y| (0..24).map(move |x| (x, y)));
                 pixels.map(|(x, y)| film.radiance(x, y)[0]).sum::<f64>() / 384.0
             })

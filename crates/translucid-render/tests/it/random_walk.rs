@@ -8,13 +8,13 @@ use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albe
 use translucid_reference::Entry;
 use translucid_reference::body::{Body, Light as BodyLight, Medium, SPHERE_RINGS, Shape};
 use translucid_reference::exact::HalfSpace;
-use translucid_render::Frame;
+use translucid_render::measure::Frame;
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceParameter,
 };
 
 use crate::common::{
-    Renderer, assert_within, distant, mean_of, measure, on_threads, picture, prepare, quad, sample_ray,
+    PreparedScene, assert_within, distant, mean_of, measure, on_threads, picture, prepare, quad, sample_ray,
     scene, sphere, uniform_environment,
 };
 
@@ -63,7 +63,7 @@ fn even(seed: u64, index: u32) -> [f64; 4] {
 
 /// Mean radiance over cosine-distributed directions, which is the radiosity over π, at points with a normal that `place`
 /// draws by two random numbers.
-fn flux(renderer: &Renderer, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
+fn flux(renderer: &PreparedScene, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     mean_of(samples, |seed, index| {
         let [u, v, x, y] = even(seed, index);
         let (point, normal) = place([x, y]);
@@ -266,7 +266,7 @@ fn notes_tell_what_a_walk_cannot_do() {
         (material.subsurface_scatter_anisotropy, material.subsurface_eta) = (g, eta);
         let mut scene = plane(material);
         scene.lights.push(distant(Vec3::Z));
-        prepare(scene).notes().to_vec()
+        prepare(scene).notes().iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert!(notes(0.5, 1.0).is_empty());
     assert_eq!(

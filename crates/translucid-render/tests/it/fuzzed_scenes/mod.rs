@@ -31,7 +31,7 @@ use glam::Vec3;
 use translucid_render::{FilmSums, Outcome, PointsError, layer};
 use translucid_scene::{Light, LoadOptions, Object, Scene, load_scene};
 
-use crate::common::{Renderer, make_points, prepare, render, with_points};
+use crate::common::{PreparedScene, make_points, prepare, render, with_points};
 
 /// Scenes of every test run; of some the loader refuses a mesh.
 const SEEDS: Range<u64> = 0..1195;
@@ -253,7 +253,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
 }
 
 /// The renderer with the points that it wants, unless they are too many.
-fn gathering(renderer: Renderer) -> Result<Renderer, PointsError> {
+fn gathering(renderer: PreparedScene) -> Result<PreparedScene, PointsError> {
     if !renderer.wants_points() {
         return Ok(renderer);
     }

@@ -54,7 +54,7 @@ impl PointCloud {
     }
 
     /// Reads points back, if they belong to what has this fingerprint:
-    /// [`Renderer::points_fingerprint`](crate::Renderer::points_fingerprint).
+    /// [`PreparedScene::points_fingerprint`](crate::PreparedScene::points_fingerprint).
     ///
     /// # Errors
     /// The file cannot be read, is none of points, is cut short or damaged, or belongs to something else.

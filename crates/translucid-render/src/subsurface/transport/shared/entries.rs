@@ -4,28 +4,16 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
+use super::super::ExitPoint;
 use super::nearness::{LANES, Nearness, avx2_is_available};
-use crate::path::tracer::Layer;
-use crate::subsurface::kernel::cut::{CutNormalizedDiffusion, CutProfile, CutTable};
-use crate::subsurface::kernel::direction::{Directions, Passage};
+use crate::subsurface::entry_point::Arrival;
+use crate::subsurface::kernel::{CutProfile, Directions, Passage};
+use crate::world::{Layer, PathState};
 
 /// Terms that stand for an exit's sum over all entries.
 ///
 /// Measured on the head at 256², 4 samples: variance 1.04 times that of the whole sum, at 4, 1.02 at 16.
 const PICKS: usize = 8;
-
-/// Light from one direction at an entry.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Arrival {
-    /// Unit direction toward where it comes from.
-    pub(crate) direction: Vec3,
-    /// What it adds to E/π below the surface.
-    pub(crate) light: Vec3,
-}
-
-impl Arrival {
-    pub(crate) const NONE: Self = Self { direction: Vec3::Z, light: Vec3::ZERO };
-}
 
 /// A point where light has entered.
 #[derive(Clone, Copy, Debug)]
@@ -39,44 +27,10 @@ pub(crate) struct EntryLight {
     pub(crate) arrivals: [Arrival; 2],
 }
 
-/// The profiles that an exit's probes were drawn from.
-#[derive(Clone, Copy)]
-pub(crate) enum ExitProfiles<'a> {
-    NormalizedDiffusion([CutNormalizedDiffusion; 3]),
-    Table([CutTable<'a>; 3]),
-}
-
-impl ExitProfiles<'_> {
-    /// R at a distance; `albedo` is 0 in channels that do not scatter.
-    #[inline]
-    fn reflectance(&self, albedo: Vec3, distance: f32) -> Vec3 {
-        #[inline(always)]
-        fn of<P: CutProfile>(profiles: &[P; 3], albedo: Vec3, distance: f32) -> Vec3 {
-            let value = |c: usize| {
-                let within = albedo[c] > 0.0 && distance <= profiles[c].longest();
-                if within { albedo[c] * profiles[c].pdf(distance) } else { 0.0 }
-            };
-            Vec3::new(value(0), value(1), value(2)) / (TAU * distance)
-        }
-        match self {
-            Self::NormalizedDiffusion(profiles) => of(profiles, albedo, distance),
-            Self::Table(profiles) => of(profiles, albedo, distance),
-        }
-    }
-
-    /// How far each channel's profile reaches.
-    pub(crate) fn reaches(&self) -> [f32; 3] {
-        match self {
-            Self::NormalizedDiffusion(profiles) => profiles.map(|p| p.longest()),
-            Self::Table(profiles) => profiles.map(|p| p.longest()),
-        }
-    }
-}
-
-/// What exits have to have in common to share: entries are then the same to all of them, and so is how far the light
-/// that arrives there has been followed, and through what.
+/// Everything that exits have in common if they share: entries are then the same to all of them, and so is how far the
+/// light that arrives there has been followed, and through what.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) struct Kind {
+pub(crate) struct ExitKind {
     /// Subsurface group.
     pub(crate) group: u32,
     /// Whether it is seen from outside.
@@ -88,11 +42,24 @@ pub(crate) struct Kind {
     pub(crate) absorption: [u32; 3],
 }
 
+impl ExitKind {
+    pub(super) fn new(exit: &ExitPoint<'_>, path: &PathState) -> Self {
+        Self {
+            group: exit.point.group,
+            outside: exit.side > 0.0,
+            depth: path.depth,
+            diffuse_depth: path.diffuse_depth,
+            soft: path.soft,
+            absorption: path.absorption.to_array().map(f32::to_bits),
+        }
+    }
+}
+
 /// An exit that waits for light.
-pub(crate) struct Waiting<'a> {
+pub(crate) struct WaitingExit<'a> {
     /// Number of its sample in the block.
     pub(crate) sample: usize,
-    pub(crate) kind: Kind,
+    pub(crate) kind: ExitKind,
     pub(crate) position: Vec3,
     /// Shading normal on the side that is seen.
     pub(crate) normal: Vec3,
@@ -102,16 +69,17 @@ pub(crate) struct Waiting<'a> {
     /// Surface albedo, 0 in channels that do not scatter.
     pub(crate) albedo: Vec3,
     pub(crate) directions: Directions<'a>,
-    pub(crate) profiles: ExitProfiles<'a>,
+    pub(crate) profiles: [CutProfile<'a>; 3],
     pub(crate) nearness: Nearness,
     /// Uniform in [0, 1).
     pub(crate) random: f32,
-    pub(crate) entry: Option<EntryLight>,
 }
 
 /// The exits of a block; keeps its memory from block to block.
-pub(crate) struct Pool<'a> {
-    waiting: Vec<Waiting<'a>>,
+pub(crate) struct SharedEntries<'a> {
+    waiting: Vec<WaitingExit<'a>>,
+    /// For each exit the entry that it has found, if any.
+    entries: Vec<Option<EntryLight>>,
     order: Vec<usize>,
     sums: Sums,
 }
@@ -120,7 +88,8 @@ pub(crate) struct Pool<'a> {
 #[derive(Default)]
 struct Sums {
     avx2: bool,
-    /// Entries: number of the exit, position by axis (filled up to whole [`LANES`]), Σ g.
+    /// Entries: the exit that found it among those of its kind, position by axis (filled up to whole [`LANES`]), Σ g.
+    entries: Vec<EntryLight>,
     owners: Vec<usize>,
     points: [Vec<f32>; 3],
     sums: Vec<f32>,
@@ -135,14 +104,17 @@ struct Sums {
     partial: Vec<f32>,
 }
 
-impl<'a> Pool<'a> {
-    pub(crate) fn new() -> Self {
+impl Default for SharedEntries<'_> {
+    fn default() -> Self {
         let sums = Sums { avx2: avx2_is_available(), ..Sums::default() };
-        Self { waiting: Vec::new(), order: Vec::new(), sums }
+        Self { waiting: Vec::new(), entries: Vec::new(), order: Vec::new(), sums }
     }
+}
 
-    pub(crate) fn push(&mut self, exit: Waiting<'a>) {
+impl<'a> SharedEntries<'a> {
+    pub(crate) fn push(&mut self, exit: WaitingExit<'a>, entry: Option<EntryLight>) {
         self.waiting.push(exit);
+        self.entries.push(entry);
     }
 
     /// Calls `add` with the number of the sample, the layer and the light for every exit that gets some, and forgets
@@ -153,16 +125,22 @@ impl<'a> Pool<'a> {
         self.order.sort_by_key(|&i| self.waiting[i].kind);
         let waiting = &self.waiting;
         for alike in self.order.chunk_by(|&a, &b| waiting[a].kind == waiting[b].kind) {
-            self.sums.prepare(alike, waiting);
+            self.sums.prepare(alike, waiting, &self.entries);
             for (row, &index) in alike.iter().enumerate() {
                 let exit = &waiting[index];
-                let light = self.sums.gather(row, exit, alike, waiting);
+                let light = self.sums.gather(row, exit);
                 if light != Vec3::ZERO {
                     add(exit.sample, exit.layer, exit.throughput * light);
                 }
             }
         }
+        self.clear();
+    }
+
+    /// Forgets all exits.
+    pub(crate) fn clear(&mut self) {
         self.waiting.clear();
+        self.entries.clear();
     }
 }
 
@@ -173,11 +151,13 @@ impl Sums {
     }
 
     /// Everything that all exits share.
-    fn prepare(&mut self, alike: &[usize], waiting: &[Waiting<'_>]) {
+    fn prepare(&mut self, alike: &[usize], waiting: &[WaitingExit<'_>], entries: &[Option<EntryLight>]) {
+        self.entries.clear();
         self.owners.clear();
         self.points.iter_mut().for_each(Vec::clear);
         for (number, &index) in alike.iter().enumerate() {
-            if let Some(entry) = &waiting[index].entry {
+            if let Some(entry) = &entries[index] {
+                self.entries.push(*entry);
                 self.owners.push(number);
                 for (axis, points) in self.points.iter_mut().enumerate() {
                     points.push(entry.position[axis]);
@@ -200,8 +180,7 @@ impl Sums {
         }
         self.coefficients.clear();
         self.bright.iter_mut().for_each(Vec::clear);
-        for (i, &owner) in self.owners.iter().enumerate() {
-            let entry = waiting[alike[owner]].entry.as_ref().expect("owners have entries");
+        for (i, (entry, &owner)) in self.entries.iter().zip(&self.owners).enumerate() {
             let share = self.nearness[owner * width + i] / self.sums[i];
             let coefficient = share * entry.contribution;
             let light = entry.arrivals[0].light + entry.arrivals[1].light;
@@ -217,7 +196,7 @@ impl Sums {
     }
 
     /// Light that leaves at the exit of a row.
-    fn gather(&mut self, row: usize, exit: &Waiting<'_>, alike: &[usize], waiting: &[Waiting<'_>]) -> Vec3 {
+    fn gather(&mut self, row: usize, exit: &WaitingExit<'_>) -> Vec3 {
         let width = self.width();
         let near = &self.nearness[row * width..(row + 1) * width];
         let color = exit.throughput * exit.albedo;
@@ -261,8 +240,7 @@ impl Sums {
                 }
                 if picked > before {
                     let stands_for = (picked - before) as f32 * step / term;
-                    let entry = waiting[alike[self.owners[i]]].entry.as_ref().expect("owners have entries");
-                    light += exit.light_from(entry, stands_for * self.coefficients[i]);
+                    light += exit.light_from(&self.entries[i], stands_for * self.coefficients[i]);
                 }
             }
             passed = end;
@@ -271,19 +249,29 @@ impl Sums {
     }
 }
 
-impl Waiting<'_> {
+impl WaitingExit<'_> {
+    /// R at a distance.
+    #[inline]
+    fn reflectance(&self, distance: f32) -> Vec3 {
+        let value = |c: usize| {
+            let within = self.albedo[c] > 0.0 && distance <= self.profiles[c].longest();
+            if within { self.albedo[c] * self.profiles[c].pdf(distance) } else { 0.0 }
+        };
+        Vec3::new(value(0), value(1), value(2)) / (TAU * distance)
+    }
+
     /// R_j E_i times a factor.
     fn light_from(&self, entry: &EntryLight, factor: f32) -> Vec3 {
         let offset = self.position - entry.position;
         let distance = self.nearness.distance(offset.length());
-        let reflectance = self.profiles.reflectance(self.albedo, distance);
+        let reflectance = self.reflectance(distance);
         let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
-        let directionality = self.directions.along(passage);
+        let directional = self.directions.along(passage);
         let light = |arrival: &Arrival| {
             if arrival.light == Vec3::ZERO {
                 return Vec3::ZERO;
             }
-            arrival.light * directionality.weight(arrival.direction)
+            arrival.light * directional.weight(arrival.direction)
         };
         // The brightest light is that of extreme scenes: what it is multiplied with is about 1
         reflectance * factor * entry.arrivals.iter().map(light).sum::<Vec3>()
