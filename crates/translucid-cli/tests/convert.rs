@@ -341,7 +341,7 @@ fn wrong_input_is_told_what_is_allowed() {
 /// Every example of the documentation prints what stands below it there.
 #[test]
 fn documentation_prints_what_it_shows() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/conventions.md");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide/conventions.md");
     let text = std::fs::read_to_string(path).unwrap();
     let mut examples = 0;
     for block in text.split("```text\n$ translucid ").skip(1) {

@@ -1,4 +1,4 @@
-//! The gallery keeps its word: every command of `docs/gallery.md` renders, here a few pixels of it.
+//! The gallery keeps its word: every command of `docs/guide/gallery.md` renders, here a few pixels of it.
 
 mod common;
 
@@ -13,7 +13,7 @@ fn root() -> PathBuf {
 
 /// The commands of the gallery that render a scene of `scenes/`.
 fn commands() -> Vec<Vec<String>> {
-    let page = fs::read_to_string(root().join("docs/gallery.md")).unwrap();
+    let page = fs::read_to_string(root().join("docs/guide/gallery.md")).unwrap();
     let lines = page.lines().filter(|line| line.starts_with("translucid render scenes/"));
     lines.map(|line| line.split_whitespace().skip(1).map(str::to_owned).collect()).collect()
 }

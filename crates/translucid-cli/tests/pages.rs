@@ -10,10 +10,10 @@ use markdown::{Code, Page, pages_below, root};
 use translucid_profile::Model;
 use translucid_scene::SubsurfaceModel;
 
-/// The pages of `docs/models` but their index.
+/// The pages of `docs/models` but the one that compares them.
 fn model_pages() -> Vec<Page> {
     let mut pages = pages_below(&root().join("docs/models"));
-    pages.retain(|page| page.stem() != "README");
+    pages.retain(|page| page.stem() != "which-one");
     pages
 }
 
@@ -107,9 +107,9 @@ fn commands_that_render_name_the_model_of_their_page() {
 /// rustdoc takes it for Rust.
 #[test]
 fn index_has_every_model_and_code_its_language() {
-    let index = std::fs::read_to_string(root().join("docs/models/README.md")).unwrap();
+    let index = std::fs::read_to_string(root().join("docs/models/which-one.md")).unwrap();
     for model in Model::ALL.map(Model::name).into_iter().chain(["random-walk"]) {
-        assert!(index.contains(&format!("[`{model}`](")), "docs/models/README.md does not link {model}");
+        assert!(index.contains(&format!("[`{model}`](")), "docs/models/which-one.md does not link {model}");
     }
     for page in model_pages() {
         for block in page.code() {
@@ -139,10 +139,65 @@ fn broken(page: &Page, target: &str) -> Option<String> {
     (!anchors.iter().any(|found| found == anchor)).then(|| format!("its headings are {}", anchors.join(", ")))
 }
 
+/// Every page is in the table of contents, once, and nothing else is.
+#[test]
+fn contents_list_every_page() {
+    let docs = root().join("docs");
+    let contents = Page::read(&docs.join("SUMMARY.md"));
+    let mut listed: Vec<PathBuf> = contents.links().iter().map(|link| docs.join(&link.target)).collect();
+    listed.sort();
+    let mut pages: Vec<PathBuf> = pages_below(&docs).into_iter().map(|page| page.path).collect();
+    pages.retain(|path| *path != contents.path);
+    pages.sort();
+    assert_eq!(listed, pages);
+}
+
+/// Every whole scene of the guide renders.
+#[test]
+fn scenes_of_the_guide_render() {
+    let mut count = 0;
+    for name in ["first-picture", "materials"] {
+        let page = Page::read(&root().join(format!("docs/guide/{name}.md")));
+        for block in of_language(&page.code(), "toml") {
+            let directory = tempfile::tempdir().unwrap();
+            std::fs::write(directory.path().join("scene.toml"), block.lines.join("\n")).unwrap();
+            let output = run(directory.path(), "render scene.toml --size 8x8 --spp 1 -o scene.png");
+            assert!(output.status.success(), "{}:{}: {}", page.path.display(), block.line, stderr(&output));
+            count += 1;
+        }
+    }
+    assert_eq!(count, 3);
+}
+
+/// Every command of the guide that takes a moment runs; those that render or walk are options of others' tests.
+#[test]
+fn commands_of_the_guide_run() {
+    let verbs = ["profile", "sample", "convert", "reference --method exact", "render --preset list"];
+    let directory = tempfile::tempdir().unwrap();
+    let samples = "r,reflectance\n0.1,0.6\n0.3,0.14\n1,0.025\n3,0.0022\n10,0.00002\n";
+    std::fs::write(directory.path().join("mine.csv"), samples).unwrap();
+    let mut count = 0;
+    for page in pages_below(&root().join("docs/guide")) {
+        let code = page.code();
+        for line in of_language(&code, "sh").iter().flat_map(|block| &block.lines) {
+            let Some(words) = line.strip_prefix("translucid ") else { continue };
+            if verbs.iter().any(|verb| words.starts_with(verb)) {
+                let output = run(directory.path(), words);
+                assert!(output.status.success(), "{}: {line}: {}", page.path.display(), stderr(&output));
+                count += 1;
+            }
+        }
+    }
+    assert!(count >= 8, "{count}");
+}
+
 #[test]
 fn links_lead_somewhere() {
     let mut pages = pages_below(&root().join("docs"));
-    pages.extend(["README.md", "ARCHITECTURE.md"].map(|name| Page::read(&root().join(name))));
+    pages.extend(
+        ["README.md", "ARCHITECTURE.md", "CHANGELOG.md", "benches/peers/README.md"]
+            .map(|name| Page::read(&root().join(name))),
+    );
     let mut wrong = Vec::new();
     let mut count = 0;
     for page in &pages {
@@ -155,6 +210,23 @@ fn links_lead_somewhere() {
     }
     assert!(wrong.is_empty(), "broken links:\n{}", wrong.join("\n"));
     assert!(count > 30, "{count} links");
+}
+
+/// Every file of the project that a page names, as `crates/…`, is there.
+#[test]
+fn files_that_pages_name_are_there() {
+    let mut pages = pages_below(&root().join("docs"));
+    pages.extend(["README.md", "ARCHITECTURE.md"].map(|name| Page::read(&root().join(name))));
+    let mut wrong = Vec::new();
+    for page in &pages {
+        for (line, span) in page.code_spans() {
+            let is_path = ["crates/", "benches/", "scenes/"].iter().any(|folder| span.starts_with(folder));
+            if is_path && !span.contains([' ', '*']) && !root().join(&span).exists() {
+                wrong.push(format!("{}:{line}: {span}", page.path.display()));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "there are no such files:\n{}", wrong.join("\n"));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! How far similarity carries, and what its repair leaves: the tables of `docs/similarity.md`.
+//! How far similarity carries, and what its repair leaves: the tables of `docs/accuracy/similarity.md`.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv

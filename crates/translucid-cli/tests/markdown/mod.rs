@@ -102,6 +102,15 @@ impl Page {
         links
     }
 
+    /// Texts between backticks outside of blocks, and their lines.
+    pub(crate) fn code_spans(&self) -> Vec<(usize, String)> {
+        let spans = |(line, text): (usize, &str)| {
+            let parts: Vec<String> = text.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+            parts.into_iter().map(move |span| (line, span))
+        };
+        self.prose().flat_map(spans).collect()
+    }
+
     /// What a link after `#` may name: the headings as GitHub names them.
     pub(crate) fn anchors(&self) -> Vec<String> {
         let mut anchors: Vec<String> = Vec::new();

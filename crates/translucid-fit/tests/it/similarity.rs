@@ -32,7 +32,7 @@ fn errors(case: Case, point: &Point) -> [[f64; 2]; 2] {
     ]
 }
 
-/// Against the exact solution, at an index between those of the fit: 20 % and 6 % are what `docs/similarity.md` states
+/// Against the exact solution, at an index between those of the fit: 20 % and 6 % are what `docs/accuracy/similarity.md` states
 /// for the worst of neighboring indices at these albedos.
 #[test]
 fn boundary_is_repaired_as_stated() {

@@ -5,16 +5,15 @@ use crate::imports::{self, Graph};
 /// Rooms of the renderer from the top floor down: modules, with all that is below them.
 ///
 /// A room may import from its own floor and from those below.
-const FLOORS: [&[&str]; 9] = [
-    &["measure"],
-    &["session"],
+const FLOORS: [&[&str]; 8] = [
+    &["session", "measure"],
     &["render"],
     &["path"],
     &["subsurface"],
     &["world"],
     &["surface", "light"],
     &["ray"],
-    &["sampling"],
+    &["sampling", "shim"],
 ];
 
 /// The floor that a module stands on, counted from the top.

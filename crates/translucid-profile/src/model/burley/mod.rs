@@ -82,7 +82,7 @@ impl NormalizedDiffusion {
     /// By [`Similarity`]: d = ℓ*/(c s(A)) with c = c(A; g, η), or d = ℓ_d/(c s(A)) with another c.
     /// Without phase function and boundary (g = 0, η = 1) this is [`new`](Self::new), bit for bit.
     ///
-    /// The mean L1 error over the grid of `docs/similarity.md` is 17 % (searchlight) or 15 % (diffuse transmission), at
+    /// The mean L1 error over the grid of `docs/accuracy/similarity.md` is 17 % (searchlight) or 15 % (diffuse transmission), at
     /// most 40 % or 33 %, where ℓ* alone leaves 45 % or 42 %: two positive exponentials have no dimple.
     /// [`SimilarRefinedDiffusion`](crate::SimilarRefinedDiffusion) has.
     ///

@@ -53,7 +53,7 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
 /// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
-/// The format is described in `docs/scene-format.md`.
+/// The format is described in `docs/guide/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     /// The file that messages name.

@@ -36,12 +36,12 @@ fn load_head(options: &LoadOptions) -> SceneError {
 
 #[test]
 fn example_of_the_format_description_is_a_valid_scene() {
-    let page = std::fs::read_to_string(workspace().join("docs/scene-format.md")).unwrap();
+    let page = std::fs::read_to_string(workspace().join("docs/guide/scene-files.md")).unwrap();
     let examples: Vec<&str> =
         page.split("```toml\n").skip(1).map(|rest| rest.split("```").next().unwrap_or("")).collect();
     let whole: Vec<&&str> = examples.iter().filter(|text| text.contains("unit =")).collect();
     assert_eq!(whole.len(), 1, "the page has one whole scene");
-    let file = SceneFile::parse(whole[0], Path::new("docs/scene-format.md"));
+    let file = SceneFile::parse(whole[0], Path::new("docs/guide/scene-files.md"));
     let file = file.unwrap_or_else(|error| panic!("{error}"));
     let scene = file.load(&LoadOptions::default(), &mut Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     assert!(scene.objects.len() >= 2);
@@ -50,7 +50,7 @@ fn example_of_the_format_description_is_a_valid_scene() {
 #[test]
 fn format_description_names_every_key() {
     use super::super::{camera, input, light, material, object, settings};
-    let page = std::fs::read_to_string(workspace().join("docs/scene-format.md")).unwrap();
+    let page = std::fs::read_to_string(workspace().join("docs/guide/scene-files.md")).unwrap();
     let lists = [
         super::super::KEYS,
         camera::KEYS,
@@ -70,15 +70,15 @@ fn format_description_names_every_key() {
         light::ENVIRONMENT_KEYS,
     ];
     for key in lists.into_iter().flatten() {
-        assert!(page.contains(&format!("`{key}`")), "docs/scene-format.md does not describe {key}");
+        assert!(page.contains(&format!("`{key}`")), "docs/guide/scene-files.md does not describe {key}");
     }
 }
 
 #[test]
 fn description_has_every_shape() {
-    let page = std::fs::read_to_string(workspace().join("docs/scene-format.md")).unwrap();
+    let page = std::fs::read_to_string(workspace().join("docs/guide/scene-files.md")).unwrap();
     for name in crate::shape_names() {
         let row = format!("| `{name}` | {} |", crate::shape_meaning(name).unwrap());
-        assert!(page.contains(&row), "docs/scene-format.md lacks the row {row}");
+        assert!(page.contains(&row), "docs/guide/scene-files.md lacks the row {row}");
     }
 }
