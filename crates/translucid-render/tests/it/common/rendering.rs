@@ -32,6 +32,16 @@ pub(crate) fn picture(scene: &Scene, samples: u32) -> FilmSums {
     film
 }
 
+/// Renders the picture of a scene with each of so many seeds.
+pub(crate) fn pictures(scene: &Scene, seeds: u64, samples: u32) -> Vec<FilmSums> {
+    let seeded = |seed| {
+        let mut scene = scene.clone();
+        scene.integrator.seed = seed;
+        picture(&scene, samples)
+    };
+    (0..seeds).map(seeded).collect()
+}
+
 /// Renders until each pixel has so many samples.
 pub(crate) fn render(renderer: &Renderer, film: &mut FilmSums, samples: u32) -> Outcome {
     render_until(renderer, film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false))
@@ -57,6 +67,16 @@ pub(crate) fn make_points(renderer: &Renderer, memory: u64) -> Result<PointCloud
 /// Gathers light from points.
 pub(crate) fn with_points(renderer: Renderer, points: &PointCloud) -> Renderer {
     renderer.with_points(points)
+}
+
+/// Makes a scene ready to be rendered, with points if it asks for them, within so many bytes.
+pub(crate) fn prepare_with_points(scene: Scene, memory: u64) -> Result<Renderer, PointsError> {
+    let renderer = prepare(scene);
+    if !renderer.wants_points() {
+        return Ok(renderer);
+    }
+    let points = make_points(&renderer, memory)?;
+    Ok(with_points(renderer, &points))
 }
 
 /// Runs on a pool of so many threads.
