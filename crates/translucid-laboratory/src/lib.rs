@@ -5,7 +5,7 @@
 //! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG in a light
 //!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
-//! - [`DataTable`]: words and numbers, as CSV, HTML or Markdown.
+//! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
 //! - [`residual_chart`]: what fits to a table leave over.
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
@@ -30,29 +30,21 @@
 //! # Out of scope
 //! Writing files: everything here returns text or bytes.
 
-mod axis;
 mod chart;
 pub mod comparison;
 mod data_table;
 mod drawing;
 pub mod figures;
-mod ink;
 mod markup;
 #[cfg(doctest)]
 mod model_pages;
 mod page;
 pub mod picture;
-mod plate;
+mod png_bytes;
 mod random;
-mod residuals;
-mod theme;
 
-pub use axis::{Axis, Scale};
-pub use chart::{Chart, ChartError, Mark, Series};
+pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, Theme, residual_chart};
 pub use data_table::{Cell, DataTable};
-pub use ink::Ink;
-pub use page::{Block, Page, Section};
-pub use plate::Plate;
+pub use drawing::ChartError;
+pub use page::{Block, Page, Plate, Section};
 pub use random::random;
-pub use residuals::{ResidualScale, Residuals, residual_chart};
-pub use theme::Theme;

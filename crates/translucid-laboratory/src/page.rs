@@ -2,11 +2,13 @@
 
 use std::collections::HashSet;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use crate::chart::Chart;
+use crate::chart::{Shade, Theme};
 use crate::data_table::DataTable;
 use crate::markup::{escape, identifier, link};
-use crate::plate::Plate;
-use crate::theme::{Shade, Theme};
 
 /// A piece of a section.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,12 +23,27 @@ pub enum Block {
     Plates(Vec<Plate>),
 }
 
+/// A picture on a page, inside the page's text.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plate {
+    /// Name of its file beside the page, with its ending.
+    pub file: String,
+    /// Content in words, for those who cannot see it.
+    pub alternative: String,
+    /// Words below it.
+    pub caption: String,
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// The picture as a PNG.
+    pub png: Vec<u8>,
+}
+
 /// A part of a page under one title.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Section {
     /// Its title.
     pub title: String,
-    /// What it consists of, from top to bottom.
+    /// Pieces from top to bottom.
     pub blocks: Vec<Block>,
 }
 
@@ -105,6 +122,22 @@ impl Page {
              </head>\n<body>\n<header>\n<h1>{title}</h1>\n{introduction}</header>\n\
              <nav aria-labelledby=\"contents\">\n<h2 id=\"contents\">Contents</h2>\n<ol>\n{contents}</ol>\n</nav>\n\
              <main>\n{body}</main>\n</body>\n</html>\n"
+        )
+    }
+}
+
+impl Plate {
+    /// The picture with its caption and a link to its file.
+    pub(crate) fn html(&self) -> String {
+        let [width, height] = self.size;
+        let [alternative, caption, file] =
+            [&self.alternative, &self.caption, &self.file].map(|text| escape(text));
+        format!(
+            "<figure>\n<img src=\"data:image/png;base64,{}\" alt=\"{alternative}\" width=\"{width}\" \
+             height=\"{height}\" />\n<figcaption>{caption} <span class=\"files\"><a href=\"{}\">{file}</a></span>\
+             </figcaption>\n</figure>\n",
+            STANDARD.encode(&self.png),
+            link(&self.file),
         )
     }
 }
@@ -229,7 +262,7 @@ tbody th{font-weight:400}
 .number{text-align:right;white-space:nowrap}
 ";
 
-/// What is different on paper.
+/// Style of paper, where it differs.
 const PRINT: &str = "body{max-width:none;padding:0;font-size:10pt}nav,.files{display:none}\
 figure,tr{break-inside:avoid}.scroll{overflow:visible}table{font-size:8pt}td,th{padding-right:.5rem}h2{break-after:avoid}figure svg{max-width:17cm}a{color:inherit;text-decoration:none}\
 @page{margin:18mm}";

@@ -21,11 +21,11 @@
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use glam::{Mat3, Vec3};
-use translucid_render::{EmissiveTriangle, FilmSums, Goal, LightSelection, LightSet, Renderer};
+use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
+use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     ShapeParameters, Unit, build_shape,
@@ -247,14 +247,15 @@ fn pictures(options: &Options) -> String {
         let seeded = |seed: u64| {
             let mut scene = scene.clone();
             scene.integrator.seed = seed;
-            Renderer::new(scene)
+            PreparedScene::new(scene).expect("a valid scene")
         };
         let reference = render(&seeded(0xface), options.reference_samples).0;
         let ways = ways(lamps);
         let mut totals = vec![(0.0, 0.0); ways.len()];
         for seed in 0..options.seeds {
             for (way, total) in ways.iter().zip(&mut totals) {
-                let renderer = seeded(seed).with_light_selection(*way);
+                let mut renderer = seeded(seed);
+                measure::select_lights(&mut renderer, *way);
                 let (film, seconds) = render(&renderer, options.samples);
                 *total = (total.0 + seconds, total.1 + relative_mse(&film, &reference));
             }
@@ -351,11 +352,10 @@ fn nanoseconds<T>(inputs: &[T], mut call: impl FnMut(&T)) -> f64 {
     1e9 * (cpu_seconds() - start) / (f64::from(rounds) * inputs.len() as f64)
 }
 
-fn render(renderer: &Renderer, samples: u32) -> (FilmSums, f64) {
+fn render(renderer: &PreparedScene, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(SIZE[0], SIZE[1]);
     let start = cpu_seconds();
-    let goal = Goal { samples, deadline: None };
-    renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 

@@ -1,5 +1,7 @@
 //! Settings of the film and of the light transport.
 
+use translucid_image::ToneMapping;
+
 /// Reconstruction filter of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterKind {
@@ -9,17 +11,6 @@ pub enum FilterKind {
     Gaussian,
     /// Blackman–Harris window, four terms.
     BlackmanHarris,
-}
-
-/// How linear radiance becomes display values in a PNG.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ToneMapping {
-    /// Clip to [0, 1], sRGB transfer curve.
-    Srgb,
-    /// Khronos PBR Neutral: colors below the shoulder stay as they are.
-    Neutral,
-    /// AgX: a filmic curve whose highlights lose saturation.
-    Agx,
 }
 
 /// Image size, filter and display transform.

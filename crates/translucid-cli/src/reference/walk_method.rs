@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
     }
     arguments.table.check()?;
     if let Some(path) = &walk.table_file {
-        translucid_render::check_writable(path)?;
+        translucid_image::check_writable(path)?;
     }
     spare_tables(arguments)?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::ops::Range;
 
-/// What a block begins with; the name and `-->` follow.
+/// Beginning of a block; the name and `-->` follow.
 const START: &str = "<!-- generated:";
 const END: &str = "<!-- end -->";
 
@@ -26,7 +26,7 @@ pub(crate) struct Block {
     content: Range<usize>,
 }
 
-/// Why a page cannot be written.
+/// Reason why a page cannot be written.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct BlockError {
     /// From 1.
@@ -117,7 +117,7 @@ pub(crate) fn replaced(text: &str, contents: &BTreeMap<String, String>) -> Resul
     Ok(written)
 }
 
-/// Whether two texts are the same but for the last digit of numbers: processors round differently.
+/// Tells whether two texts differ at most in the last digit of numbers: processors round differently.
 pub(crate) fn is_same(a: &str, b: &str) -> bool {
     let (mut a, mut b) = (Tokens(a), Tokens(b));
     loop {

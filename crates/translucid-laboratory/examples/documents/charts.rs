@@ -6,8 +6,8 @@ use translucid_laboratory::comparison::Reference;
 use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
 use translucid_profile::{Model, Profile, SampledProfile};
 
-use crate::generated::References;
-use crate::tables;
+use super::generated::References;
+use super::tables;
 
 /// Radii of curves in mean free paths.
 const R_MIN: f64 = 0.01;

@@ -4,10 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::blocks::{blocks, is_same, replaced};
-use crate::generated::Generated;
+use super::blocks::{blocks, is_same, replaced};
+use super::generated::Generated;
 
-/// Where figures are, below the root.
+/// Folder of the figures, below the root.
 const FIGURES: &str = "docs/figures";
 
 /// The pages that have generated blocks, and the figures.
@@ -68,7 +68,7 @@ impl Documents {
         Ok(Self { root: root.to_owned(), pages, figures })
     }
 
-    /// What is to change so that pages and figures are what is generated, the files here already being so.
+    /// Changes that make pages and figures what is generated; the texts here are so already.
     ///
     /// # Errors
     /// Page and line of every marker that is wrong or has nothing to stand for, and every table without a place.

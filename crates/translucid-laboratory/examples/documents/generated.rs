@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use translucid_laboratory::comparison::{Comparison, Reference, Settings, Watch};
+use translucid_laboratory::comparison::{Comparison, Reference, Settings};
 use translucid_laboratory::figures::Report;
 use translucid_laboratory::{Chart, Theme};
 use translucid_profile::{Configuration, Model};
 
-use crate::{charts, tables};
+use super::{charts, tables};
 
 /// Surface albedos of the talk, which all tables and figures show.
 pub(crate) const ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
@@ -16,21 +16,25 @@ pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchligh
 /// Photons that walk for the figures, in each configuration: as many as leave error bars that one can see.
 const PHOTONS: u64 = 1_000_000;
 
+/// The comparison that the documentation shows.
+pub(crate) fn settings(has_times: bool) -> Settings {
+    let all = Settings::default();
+    Settings { photons: PHOTONS, timing_rounds: if has_times { all.timing_rounds } else { 0 }, ..all }
+}
+
 /// Tables and figures by the names of their blocks: those of figures begin with `figure/`, those of times have
 /// "time" in them.
 pub(crate) struct Generated {
-    /// What stands in the pages: a table, or a figure's image and caption; links are from the root.
+    /// Contents of the blocks: a table, or a figure's image and caption; links are from the root.
     pub(crate) blocks: BTreeMap<String, String>,
     /// SVG documents.
     pub(crate) figures: BTreeMap<String, String>,
 }
 
 impl Generated {
-    /// Computes everything, and measures the times if they are asked for.
-    pub(crate) fn new(has_times: bool) -> Result<Self, String> {
-        let settings = Settings { photons: PHOTONS, ..Settings::default() };
-        let comparison = Comparison::new(settings, Watch::default()).map_err(|error| error.to_string())?;
-        let Comparison { errors, settings, .. } = &comparison;
+    /// Lays out a comparison, with times if it has them.
+    pub(crate) fn new(comparison: &Comparison) -> Result<Self, String> {
+        let Comparison { errors, settings, .. } = comparison;
         let contenders = &settings.contenders;
         let references = References::new()?;
 
@@ -61,9 +65,9 @@ impl Generated {
         generated.add("how-good/scaling", tables::scaling(&comparison.scaling));
         generated.add("how-good/scaling-values", tables::scaling_values(&comparison.scaling));
         // Figures of the page that `translucid compare` writes
-        let report = Report::new(&comparison);
+        let report = Report::new(comparison);
         report.page.charts().for_each(|chart| generated.add_chart(chart));
-        if has_times {
+        if settings.timing_rounds > 0 {
             generated.add("how-good/times", tables::times(contenders, &comparison.timings));
             generated.add("how-good/table-times", tables::table_times(contenders, &comparison.timings));
         } else {
@@ -73,17 +77,17 @@ impl Generated {
         Ok(generated)
     }
 
-    /// Whether a block may have this name: that of something generated, or of times that are left alone.
+    /// Tells whether a block may have this name: that of something generated, or of times that are left alone.
     pub(crate) fn knows(&self, name: &str) -> bool {
         self.blocks.contains_key(name) || Self::is_time(name)
     }
 
-    /// Whether this is the name of a table or figure that shows times.
+    /// Tells whether this is the name of a table or figure that shows times.
     fn is_time(name: &str) -> bool {
         name.contains("time")
     }
 
-    /// Whether this is the name of a figure.
+    /// Tells whether this is the name of a figure.
     pub(crate) fn is_figure(name: &str) -> bool {
         name.starts_with("figure/")
     }

@@ -22,6 +22,7 @@ use std::process::ExitCode;
 
 use documents::Documents;
 use generated::Generated;
+use translucid_laboratory::comparison::{Comparison, Watch};
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -49,7 +50,9 @@ fn main() -> ExitCode {
 
 fn run(is_check: bool, has_times: bool) -> Result<(), Vec<String>> {
     let mut documents = Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
-    let generated = Generated::new(has_times).map_err(|error| vec![error])?;
+    let comparison = Comparison::new(generated::settings(has_times), Watch::default());
+    let comparison = comparison.map_err(|stopped| vec![stopped.to_string()])?;
+    let generated = Generated::new(&comparison).map_err(|error| vec![error])?;
     let changed = documents.update(&generated)?;
     if changed.is_empty() {
         println!("everything is as it was");
@@ -65,17 +68,4 @@ fn run(is_check: bool, has_times: bool) -> Result<(), Vec<String>> {
         println!("wrote {}", change.path);
     }
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// What a change to a model or a number leaves to do shows here.
-    #[test]
-    fn documentation_is_what_is_generated() {
-        if let Err(messages) = run(true, false) {
-            panic!("{}", messages.join("\n"));
-        }
-    }
 }

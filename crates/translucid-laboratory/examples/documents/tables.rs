@@ -7,7 +7,7 @@ use translucid_profile::{
     Configuration, Model, Parameterization, Profile, RefinedDiffusion, SampledProfile, TabulatedProfile,
 };
 
-use crate::generated::{ALBEDOS, CONFIGURATIONS, References};
+use super::generated::{ALBEDOS, CONFIGURATIONS, References};
 
 /// The tables of all errors: name, how models find their medium, and how light enters.
 pub(crate) const ALL_ERRORS: [(&str, Inversion, Configuration); 3] = [
@@ -263,7 +263,7 @@ pub(crate) fn samples(reference: &Reference, count: u32) -> (Vec<f64>, Vec<f64>)
     (radii, reflectances)
 }
 
-/// What is left of the exact profile when it is known at some radii only.
+/// Errors of the exact profile when it is known at some radii only.
 pub(crate) fn errors_of_samples(references: &References) -> Result<String, String> {
     let row = |count: u32| -> Result<Vec<String>, String> {
         let mut row = vec![count.to_string()];
@@ -278,7 +278,7 @@ pub(crate) fn errors_of_samples(references: &References) -> Result<String, Strin
     Ok(table(&["samples", "A = 0.2", "A = 0.5", "A = 0.8"], rows))
 }
 
-/// What the talk says, and what the errors say of it.
+/// Claims of the talk, and what the errors say of them.
 pub(crate) fn claims(claims: &[Claim]) -> String {
     let verdict = |errors: &Option<[f64; 2]>| match errors {
         Some([better, worse]) => {

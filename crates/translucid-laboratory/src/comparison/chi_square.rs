@@ -1,4 +1,4 @@
-//! How often chance alone is as far off.
+//! Probability that chance alone is as far off.
 
 use std::f64::consts::PI;
 

@@ -1,4 +1,4 @@
-//! What the talk says, and what the numbers say of it.
+//! Claims of the talk, against the numbers.
 
 use translucid_profile::Configuration;
 
@@ -11,16 +11,16 @@ pub struct Comparand {
     pub contender: &'static str,
     /// [`Contender::title`].
     pub title: &'static str,
-    /// How it found its medium.
+    /// Way in which it found its medium.
     pub inversion: Inversion,
 }
 
 /// "This one is closer to the truth than that one", searchlight, over all radii.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// What is said to be closer.
+    /// Side that is said to be closer.
     pub better: Comparand,
-    /// What it is closer than.
+    /// Side that is said to be farther off.
     pub worse: Comparand,
     /// Whether the talk itself names the pair; the others are ours.
     pub is_the_talks: bool,
@@ -43,12 +43,12 @@ impl Claim {
         statement
     }
 
-    /// Whether a pair of errors bears the claim out.
+    /// Tells whether a pair of errors bears the claim out.
     pub fn is_confirmed(errors: [f64; 2]) -> bool {
         errors[0] < errors[1]
     }
 
-    /// Whether it holds at every albedo that was asked for and in the mean; `None` where there is nothing to go by.
+    /// Tells whether it holds at every albedo that was asked for and in the mean; `None` where there is nothing to go by.
     pub fn holds(&self) -> Option<bool> {
         let mut all = self.errors.iter().chain([&self.means]).flatten().peekable();
         all.peek()?;

@@ -1,4 +1,4 @@
-//! What is compared, by name.
+//! Contenders of a comparison, by name.
 
 use translucid_profile::{
     Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
@@ -18,7 +18,7 @@ pub type Sampler = Box<dyn Fn(f64) -> f64 + Send + Sync>;
 /// Makes the sampler of a model that has a way of its own.
 type MakeSampler = Box<dyn Fn(&Reference) -> Result<Sampler, ParameterError> + Send + Sync>;
 
-/// What kind of a profile a contender is.
+/// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
     /// A model of [`Model::ALL`].
@@ -29,7 +29,7 @@ pub enum Group {
     Fit,
 }
 
-/// How a model that knows media finds the one of a surface albedo.
+/// Way of a model that knows media to the one of a surface albedo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Inversion {
     /// The medium whose total, by the model's own formulas, is A.
@@ -56,7 +56,7 @@ pub struct Contender {
     pub title: &'static str,
     /// The model that it is, or is akin to.
     pub model: Option<Model>,
-    /// What kind it is.
+    /// Kind of profile.
     pub group: Group,
     /// Number of terms of a sum.
     pub terms: Option<usize>,
@@ -73,7 +73,7 @@ const BOTH: &[Configuration] = &[Configuration::Searchlight, Configuration::Diff
 impl Contender {
     /// Every contender: models and their variants, then sums of Gaussians, then fits.
     ///
-    /// Of [`Model::ALL`] only [`Model::NormalizedDiffusionOblique`] is missing: perpendicular light makes it
+    /// [`Model::NormalizedDiffusionOblique`] alone is missing: perpendicular light makes it
     /// [`Model::NormalizedDiffusionRefined`], and light at an angle makes it no function of the radius alone.
     pub fn all() -> Vec<Self> {
         let mut all = models();
@@ -94,17 +94,17 @@ impl Contender {
         Self::all().iter().map(|contender| contender.name).collect()
     }
 
-    /// Whether the model describes light that enters so.
+    /// Tells whether the model describes light that enters so.
     pub fn knows(&self, configuration: Configuration) -> bool {
         self.configurations.contains(&configuration)
     }
 
-    /// Whether the model describes media, and has more than one way to the one of a surface albedo.
+    /// Tells whether the model describes media, and has more than one way to the one of a surface albedo.
     pub fn knows_media(&self) -> bool {
         self.from_medium.is_some()
     }
 
-    /// Whether it is one of [`Model::ALL`].
+    /// Tells whether it is one of [`Model::ALL`].
     pub fn is_model(&self) -> bool {
         self.group == Group::Model
     }
@@ -125,7 +125,7 @@ impl Contender {
         }
     }
 
-    /// What draws radii: the model's own way where it has one, else its table.
+    /// Sampler of radii: the model's own where it has one, else that of its table.
     ///
     /// # Errors
     /// As [`profile`](Self::profile).
@@ -139,7 +139,7 @@ impl Contender {
         }
     }
 
-    /// Whether [`sampler`](Self::sampler) is the model's own way.
+    /// Tells whether [`sampler`](Self::sampler) is the model's own.
     pub fn has_own_sampler(&self) -> bool {
         self.sampler.is_some()
     }
@@ -385,7 +385,7 @@ fn normalized_diffusion(reference: &Reference) -> Result<NormalizedDiffusion, Pa
     NormalizedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
 }
 
-/// The same by the talk's fit in the diffuse mean free path of the exact medium.
+/// Normalized diffusion by the talk's fit in the diffuse mean free path of the exact medium.
 fn from_dmfp(reference: &Reference) -> Result<NormalizedDiffusion, ParameterError> {
     let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
     NormalizedDiffusion::new(a, length, Parameterization::Dmfp, Configuration::Searchlight)
@@ -396,7 +396,7 @@ fn refined(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
     RefinedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
 }
 
-/// The same by way of the diffuse mean free path of the exact medium.
+/// Refined normalized diffusion by way of the diffuse mean free path of the exact medium.
 fn refined_from_dmfp(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
     let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
     RefinedDiffusion::new(a, length, Parameterization::Dmfp, reference.configuration)

@@ -4,7 +4,7 @@ use translucid_profile::{
     fresnel_from_inside, fresnel_from_outside, schlick_from_inside, schlick_from_outside,
 };
 
-/// Where light comes from.
+/// Side that light comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Side {
     /// From the thinner side.
@@ -31,7 +31,7 @@ impl Side {
 pub struct FresnelCurve {
     /// Relative index of refraction.
     pub eta: f64,
-    /// Where light comes from.
+    /// Side that light comes from.
     pub side: Side,
     /// Angle from the normal \[degrees\], exact reflectance, approximate reflectance.
     pub points: Vec<[f64; 3]>,

@@ -4,7 +4,7 @@ use translucid_profile::{Configuration, SumOfGaussians};
 
 use super::{ErrorTable, Inversion, R_MAX, Reference};
 
-/// What a sum consists of.
+/// Family of the terms of a sum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MixtureFamily {
     /// e^{−r²/2s²}
@@ -16,11 +16,11 @@ pub enum MixtureFamily {
 /// Mean errors of the best sums of K terms.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MixtureErrors {
-    /// What is summed.
+    /// Family of the terms.
     pub family: MixtureFamily,
     /// K.
     pub terms: usize,
-    /// How light enters.
+    /// Way in which light enters.
     pub configuration: Configuration,
     /// Mean errors over the albedos that means are over, up to each of [`R_MAX`].
     pub errors: [f64; 3],

@@ -1,4 +1,4 @@
-//! What is compared, and the numbers that come out.
+//! Contenders that are compared, and the numbers that come out.
 //!
 //! The medium is the talk's: a half space of isotropic scatterers (g = 0) with the refractive index of its
 //! surroundings (η = 1), by its surface albedo A and a mean free path of 1.
@@ -40,5 +40,5 @@ pub use reflectance::{Curve, Reflectance};
 pub use run::{Comparison, Settings};
 pub use sampling::{SampleTest, Sampling};
 pub use scaling::ScalingCase;
-pub use timing::{Quantity, Timing, time_contenders};
+pub use timing::{Quantity, Timing};
 pub use watch::{Stopped, Watch};

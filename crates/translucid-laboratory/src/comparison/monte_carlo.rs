@@ -81,7 +81,7 @@ impl Walk {
         Ok(walked.is_ok_and(|walked| walked == photons).then(|| Self { table, radii: radii(max_radius) }))
     }
 
-    /// What a walk costs, in the units of progress.
+    /// Cost of a walk, in the units of progress.
     pub(super) fn work(photons: u64) -> u64 {
         work(photons)
     }

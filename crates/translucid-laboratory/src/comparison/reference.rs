@@ -10,7 +10,7 @@ use translucid_reference::exact::HalfSpaceProfile;
 pub struct Reference {
     /// Surface albedo A, in (0, 1].
     pub surface_albedo: f64,
-    /// How light enters.
+    /// Way in which light enters.
     pub configuration: Configuration,
     /// The medium that returns A exactly.
     pub medium: Medium,

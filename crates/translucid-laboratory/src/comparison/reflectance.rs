@@ -16,10 +16,10 @@ pub struct Curve {
     pub enclosed: Vec<f64>,
 }
 
-/// What leaves where, at one surface albedo: the exact solution, the walk and the contenders.
+/// Reflectance over the radius at one surface albedo: the exact solution, the walk and the contenders.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reflectance {
-    /// How light enters.
+    /// Way in which light enters.
     pub configuration: Configuration,
     /// Surface albedo A.
     pub surface_albedo: f64,

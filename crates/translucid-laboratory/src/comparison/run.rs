@@ -10,7 +10,7 @@ use super::{
     ScalingCase, Timing, Walk, Watch, claims, fresnel_curves, sampling, talk_albedos, timing,
 };
 
-/// What a [`Comparison`] is of.
+/// Everything that a [`Comparison`] is asked for.
 pub struct Settings {
     /// The contenders.
     pub contenders: Vec<Contender>,
@@ -18,7 +18,7 @@ pub struct Settings {
     pub surface_albedos: Vec<f64>,
     /// Surface albedos that mean errors are over.
     pub averaged: Vec<f64>,
-    /// How light enters.
+    /// Ways in which light enters.
     pub configurations: Vec<Configuration>,
     /// Greatest radius of the figures in mean free paths, at least 0.2.
     pub max_radius: f64,
@@ -28,6 +28,8 @@ pub struct Settings {
     pub seed: u64,
     /// Radii that are drawn from each model.
     pub samples: u64,
+    /// Rounds in which calls are timed, some 80 for figures that hold; 0 for no times.
+    pub timing_rounds: usize,
 }
 
 impl Default for Settings {
@@ -42,6 +44,7 @@ impl Default for Settings {
             photons: 4_000_000,
             seed: 0,
             samples: 200_000,
+            timing_rounds: 80,
         }
     }
 }
@@ -63,13 +66,13 @@ impl Settings {
 ///
 /// But for the times they are functions of the settings, whatever the threads.
 pub struct Comparison {
-    /// What was asked for.
+    /// Settings that it was made with.
     pub settings: Settings,
     /// By configuration and albedo.
     pub reflectances: Vec<Reflectance>,
     /// L1 errors.
     pub errors: ErrorTable,
-    /// What the talk says of these errors.
+    /// Claims of the talk about these errors.
     pub claims: Vec<Claim>,
     /// s(A).
     pub scaling: Vec<ScalingCase>,
@@ -102,7 +105,7 @@ impl Comparison {
         // Times first: the machine is coolest and quietest before the rest
         let middle = Reference::new(middle_albedo, sampling::CONFIGURATION).ok();
         let timings = match &middle {
-            Some(reference) => timing::timed(contenders, reference, &progress)?,
+            Some(reference) => timing::timed(contenders, reference, settings.timing_rounds, &progress)?,
             None => Vec::new(),
         };
         let errors = settings.asked().judge(&progress)?;
@@ -146,7 +149,7 @@ impl Comparison {
         self.settings.contenders.iter().find(|one| one.name == name)
     }
 
-    /// Whether a model was asked for.
+    /// Tells whether a model was asked for.
     pub fn has(&self, model: Model) -> bool {
         self.contender(model.name()).is_some()
     }
@@ -174,7 +177,7 @@ fn reflectances_of(
 fn work(settings: &Settings) -> u64 {
     let Settings { contenders, configurations, .. } = settings;
     let models = contenders.iter().filter(|one| one.is_model()).count() as u64;
-    timing::work(contenders)
+    timing::work(contenders, settings.timing_rounds)
         + settings.asked().work()
         + SCALING_COST * settings.scaling_cases().len() as u64
         + HISTOGRAM_COST * models

@@ -7,7 +7,7 @@ use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
 use super::{Contender, Reference, chi_square_probability};
 use crate::random;
 
-/// How radii are drawn.
+/// Seed and number of radii that are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampling {
     /// Seed of the random numbers.
@@ -37,7 +37,7 @@ pub struct SampleTest {
     pub chi_square: f64,
     /// Bins, and the rest beyond, less one.
     pub freedom: usize,
-    /// How often chance alone is as far off.
+    /// Probability that chance alone is as far off.
     pub probability: f64,
 }
 

@@ -10,11 +10,11 @@ use super::{R_MAX, talk_albedos};
 pub struct ScalingCase {
     /// The length that s divides.
     pub parameterization: Parameterization,
-    /// How light enters.
+    /// Way in which light enters.
     pub configuration: Configuration,
     /// The talk's polynomial.
     pub talk: ScalingPolynomial,
-    /// The same form with constants that make the mean error least.
+    /// Polynomial of the talk's form with constants that make the mean error least.
     pub fitted: ScalingPolynomial,
     /// The mean error that the talk states, "about"; `None` where it has no polynomial of its own.
     pub stated: Option<f64>,
@@ -36,7 +36,7 @@ impl ScalingCase {
         (Parameterization::Dmfp, Configuration::Searchlight, 0.077),
     ];
 
-    /// How far a mean error may be from the one that the talk states for it to be the same: half a point.
+    /// Greatest distance of a mean error from the stated one that counts as agreement: half a point.
     const TOLERANCE: f64 = 0.005;
 
     /// Fits s for least errors over radii up to `r_max` mean free paths, which may be infinite.

@@ -1,4 +1,4 @@
-//! What a call costs.
+//! Times of calls.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
@@ -7,9 +7,9 @@ use translucid_profile::roots::falling_root;
 use translucid_profile::{Profile, TabulatedProfile};
 
 use super::watch::{Progress, Stopped};
-use super::{Contender, Group, Reference, Watch};
+use super::{Contender, Group, Reference};
 
-/// What is timed.
+/// Quantity that is timed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Quantity {
     /// Making the profile of a surface albedo and a mean free path.
@@ -63,7 +63,7 @@ impl Quantity {
 pub struct Timing {
     /// [`Contender::name`].
     pub contender: &'static str,
-    /// What was called.
+    /// Quantity that was called for.
     pub quantity: Quantity,
     /// Nanoseconds a call: the lower decile over the rounds.
     pub nanoseconds: f64,
@@ -77,8 +77,6 @@ pub struct Timing {
 const COUNT: usize = 1024;
 /// Time one task gets in one round, or one call where that takes longer.
 const TURN: Duration = Duration::from_micros(100);
-/// Rounds of a comparison.
-const ROUNDS: usize = 80;
 /// Share of the energy to which a model without a closed inverse is sampled.
 const SAMPLE_TOLERANCE: f64 = 1e-6;
 
@@ -91,48 +89,40 @@ struct Task<'a> {
     rounds: Vec<f64>,
 }
 
-/// Times all calls of contenders that are not fits, on this thread.
+/// Milliseconds that timing takes.
+pub(super) fn work(contenders: &[Contender], rounds: usize) -> u64 {
+    let tasks = contenders.iter().filter(|one| is_timed(one)).count() * Quantity::ALL.len();
+    (tasks * rounds) as u64 * TURN.as_micros() as u64 / 1000
+}
+
+/// Times all calls of contenders that are not fits, on this thread; none without rounds.
 ///
 /// All tasks take turns of a tenth of a millisecond, round after round, and the lower decile over the rounds counts:
 /// what else the machine does meanwhile falls on all alike, and little of it is left.
 /// Calls follow one another without depending on each other, behind a `dyn Profile`, as a renderer that swaps models
 /// has them; every figure includes a nanosecond or two of an empty call.
 /// Radii are drawn from the profile itself.
-///
-/// # Errors
-/// The work was stopped.
-pub fn time_contenders(
-    contenders: &[Contender],
-    reference: &Reference,
-    watch: Watch<'_>,
-) -> Result<Vec<Timing>, Stopped> {
-    timed(contenders, reference, &Progress::new(watch, work(contenders)))
-}
-
-/// What timing costs, in the units of progress.
-pub(super) fn work(contenders: &[Contender]) -> u64 {
-    let tasks = contenders.iter().filter(|one| is_timed(one)).count() * Quantity::ALL.len();
-    (tasks * ROUNDS) as u64 * TURN.as_micros() as u64 / 1000
-}
-
 pub(super) fn timed(
     contenders: &[Contender],
     reference: &Reference,
+    rounds: usize,
     progress: &Progress<'_>,
 ) -> Result<Vec<Timing>, Stopped> {
+    if rounds == 0 {
+        return Ok(Vec::new());
+    }
     let timed = contenders.iter().filter(|one| is_timed(one) && one.knows(reference.configuration));
     let mut tasks: Vec<Task<'_>> = timed.flat_map(|one| tasks_of(one, reference)).collect();
     for task in &mut tasks {
         progress.check()?;
         task.calls = calls_in_a_turn(&*task.call);
     }
-    let round_cost = work(contenders) / ROUNDS as u64;
-    for _ in 0..ROUNDS {
+    for _ in 0..rounds {
         progress.check()?;
         for task in &mut tasks {
             task.rounds.push(nanoseconds(&*task.call, task.calls) / task.calls as f64);
         }
-        progress.add(round_cost);
+        progress.add(work(contenders, 1));
     }
     Ok(tasks.iter_mut().map(Task::timing).collect())
 }
@@ -152,7 +142,7 @@ impl Task<'_> {
     }
 }
 
-/// What is timed of a model; nothing where it does not reach the surface albedo.
+/// Tasks of a model; none where it does not reach the surface albedo.
 fn tasks_of<'a>(contender: &'a Contender, reference: &'a Reference) -> Vec<Task<'a>> {
     let make = move || contender.profile(black_box(reference)).ok();
     let (Some(profile), Some(for_eval), Some(for_enclosed)) = (make(), make(), make()) else {
@@ -222,7 +212,7 @@ fn nanoseconds(call: &dyn Fn(usize) -> f64, calls: usize) -> f64 {
     start.elapsed().as_nanos() as f64
 }
 
-/// How many calls fill a turn.
+/// Number of calls that fill a turn.
 fn calls_in_a_turn(call: &dyn Fn(usize) -> f64) -> usize {
     let turn = TURN.as_nanos() as f64;
     let mut calls = 1;

@@ -1,9 +1,9 @@
-//! How the world outside takes part in a comparison.
+//! Progress of a comparison, and a way to stop it.
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
-/// Who watches long work, and may stop it.
+/// Observer of long work, who may stop it.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
     /// Set to true, from any thread, it ends the work within a fraction of a second.
@@ -51,7 +51,7 @@ impl<'a> Progress<'a> {
         (self.watch.progress)((done as f64 / self.total as f64).min(1.0));
     }
 
-    /// What sets the work an end.
+    /// Flag that sets the work an end.
     pub(super) fn stop(&self) -> &'a AtomicBool {
         self.watch.stop
     }

@@ -1,46 +1,40 @@
-//! A bitmap with others in it.
+//! A canvas as pixels.
 
-use std::io::Cursor;
+use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
+use ttf_parser::OutlineBuilder;
 
-/// The picture with another one turned to go upwards, its upper left corner then at a place \[px\].
-pub(crate) fn with_upright(picture: &[u8], lying: &[u8], at: [f64; 2]) -> Result<Vec<u8>, String> {
-    let mut picture = Bitmap::read(picture)?;
-    let lying = Bitmap::read(lying)?;
-    let [left, top] = at.map(|x| x.round() as usize);
-    for y in 0..lying.width.min(picture.height.saturating_sub(top)) {
-        for x in 0..lying.height.min(picture.width.saturating_sub(left)) {
-            let from = 4 * (x * lying.width + lying.width - 1 - y);
-            let to = 4 * ((top + y) * picture.width + left + x);
-            picture.pixels[to..to + 4].copy_from_slice(&lying.pixels[from..from + 4]);
-        }
-    }
-    picture.write()
-}
+use super::canvas::{Anchor, Canvas, Fill, Label, Pen, Shape};
+use super::text::Font;
+use crate::chart::{Shade, Theme};
 
-/// Rows of red, green, blue and opacity.
+/// Opaque pixels.
 pub(crate) struct Bitmap {
-    width: usize,
-    height: usize,
-    pixels: Vec<u8>,
+    pixels: Pixmap,
+    /// Pixels for one of the canvas.
+    scale: f32,
+    theme: Theme,
 }
 
 impl Bitmap {
-    /// Reads a picture as kuva writes them.
-    pub(crate) fn read(bytes: &[u8]) -> Result<Self, String> {
-        let mut reader =
-            png::Decoder::new(Cursor::new(bytes)).read_info().map_err(|error| error.to_string())?;
-        let mut pixels = vec![0; reader.output_buffer_size().ok_or("the picture is too large")?];
-        let frame = reader.next_frame(&mut pixels).map_err(|error| error.to_string())?;
-        if frame.color_type != png::ColorType::Rgba || frame.bit_depth != png::BitDepth::Eight {
-            return Err(String::from("the picture has other channels than expected"));
+    /// Draws a canvas, with so many pixels for one of its own; `None` where it has no pixel, or more than memory.
+    pub(crate) fn new(canvas: &Canvas, scale: f32) -> Option<Self> {
+        let [width, height] = canvas.size.map(|length| (length * f64::from(scale)).round() as u32);
+        let mut bitmap = Self { pixels: Pixmap::new(width, height)?, scale, theme: canvas.theme };
+        bitmap.pixels.fill(bitmap.color(Shade::BACKGROUND, 1.0));
+        for shape in &canvas.shapes {
+            bitmap.draw(shape);
         }
-        pixels.truncate(frame.buffer_size());
-        Ok(Self { width: frame.width as usize, height: frame.height as usize, pixels })
+        Some(bitmap)
     }
 
     /// Width and height.
-    pub(crate) fn size(&self) -> [usize; 2] {
-        [self.width, self.height]
+    pub(crate) fn size(&self) -> [u32; 2] {
+        [self.pixels.width(), self.pixels.height()]
+    }
+
+    /// Red, green and blue of all pixels, row by row.
+    pub(crate) fn codes(&self) -> Vec<u8> {
+        self.pixels.data().chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect()
     }
 
     /// Sets pixels, row by row in a rectangle of a width with its upper left corner at a place; what is outside is
@@ -51,41 +45,133 @@ impl Bitmap {
         width: usize,
         codes: impl Iterator<Item = [u8; 3]>,
     ) {
+        let [own_width, height] = self.size().map(|edge| edge as usize);
+        let data = self.pixels.data_mut();
         for (i, code) in codes.enumerate() {
             let (x, y) = (left + i % width, top + i / width);
-            if x < self.width && y < self.height {
-                let at = 4 * (y * self.width + x);
-                self.pixels[at..at + 3].copy_from_slice(&code);
+            if x < own_width && y < height {
+                let at = 4 * (y * own_width + x);
+                data[at..at + 3].copy_from_slice(&code);
             }
         }
     }
 
-    /// The pixels' red, green and blue.
-    pub(crate) fn opaque(&self) -> Vec<u8> {
-        self.pixels.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect()
+    fn draw(&mut self, shape: &Shape) {
+        match shape {
+            Shape::Line { points, pen } => self.stroke(path(points).finish(), pen),
+            Shape::Polygon { corners, fill } => {
+                let mut path = path(corners);
+                path.close();
+                self.fill(path.finish(), fill);
+            }
+            Shape::Disc { center: [x, y], radius, fill } => {
+                self.fill(PathBuilder::from_circle(*x as f32, *y as f32, *radius as f32), fill);
+            }
+            Shape::Words { text, label } => self.write(text, label),
+        }
     }
 
-    /// Writes the opaque picture, with the size on paper that the SVG has.
-    fn write(&self) -> Result<Vec<u8>, String> {
-        /// Pixels for a meter: 192 for an inch.
-        const PER_METER: u32 = 7559;
-        let size = [self.width, self.height].map(u32::try_from);
-        let [Ok(width), Ok(height)] = size else { return Err(String::from("the picture is too large")) };
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.set_pixel_dims(Some(png::PixelDimensions {
-            xppu: PER_METER,
-            yppu: PER_METER,
-            unit: png::Unit::Meter,
-        }));
-        let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-        writer
-            .write_image_data(&self.opaque())
-            .and_then(|()| writer.finish())
-            .map_err(|error| error.to_string())?;
-        Ok(bytes)
+    fn stroke(&mut self, path: Option<Path>, pen: &Pen) {
+        let Some(path) = path else { return };
+        let dash = pen.dash.iter().map(|length| *length as f32).collect();
+        let stroke = Stroke {
+            width: pen.width as f32,
+            line_join: tiny_skia::LineJoin::Round,
+            dash: StrokeDash::new(dash, 0.0),
+            ..Stroke::default()
+        };
+        let paint = self.paint(pen.shade, 1.0);
+        self.pixels.stroke_path(&path, &paint, &stroke, self.transform(), None);
+    }
+
+    fn fill(&mut self, path: Option<Path>, fill: &Fill) {
+        let Some(path) = path else { return };
+        let paint = self.paint(fill.shade, fill.opacity as f32);
+        self.pixels.fill_path(&path, &paint, FillRule::Winding, self.transform(), None);
+        if fill.rim > 0.0 {
+            self.stroke(Some(path), &Pen::solid(Shade::BACKGROUND, fill.rim));
+        }
+    }
+
+    /// Fills the glyphs of a text, one after the other.
+    fn write(&mut self, text: &str, label: &Label<'_>) {
+        let Label { font: Font { size, .. }, at: [x, y], .. } = *label;
+        let Some(face) = label.font.face() else { return };
+        let mut glyphs = Glyphs { path: PathBuilder::new(), x: 0.0 };
+        for c in text.chars() {
+            let glyph = face.glyph_index(c).unwrap_or_default();
+            face.outline_glyph(glyph, &mut glyphs);
+            glyphs.x += f32::from(face.glyph_hor_advance(glyph).unwrap_or(0));
+        }
+        let start = match label.anchor {
+            Anchor::Start => 0.0,
+            Anchor::Middle => -0.5 * glyphs.x,
+            Anchor::End => -glyphs.x,
+        };
+        let Some(path) = glyphs.path.finish() else { return };
+        let scale = size as f32 / f32::from(face.units_per_em());
+        let transform = self
+            .transform()
+            .pre_translate(x as f32, y as f32)
+            .pre_rotate(if label.upwards { -90.0 } else { 0.0 })
+            .pre_scale(scale, -scale)
+            .pre_translate(start, 0.0);
+        let paint = self.paint(Shade::TEXT, 1.0);
+        self.pixels.fill_path(&path, &paint, FillRule::Winding, transform, None);
+    }
+
+    fn transform(&self) -> Transform {
+        Transform::from_scale(self.scale, self.scale)
+    }
+
+    fn paint(&self, shade: Shade, opacity: f32) -> Paint<'static> {
+        let mut paint = Paint::default();
+        paint.set_color(self.color(shade, opacity));
+        paint
+    }
+
+    fn color(&self, shade: Shade, opacity: f32) -> Color {
+        let [red, green, blue] = shade.components(self.theme);
+        Color::from_rgba(red, green, blue, opacity).unwrap_or(Color::BLACK)
+    }
+}
+
+/// A path through points.
+fn path(points: &[[f64; 2]]) -> PathBuilder {
+    let mut path = PathBuilder::new();
+    for (i, &[x, y]) in points.iter().enumerate() {
+        let (x, y) = (x as f32, y as f32);
+        if i == 0 { path.move_to(x, y) } else { path.line_to(x, y) }
+    }
+    path
+}
+
+/// Outlines of glyphs beside each other, in units of the font with y upwards.
+struct Glyphs {
+    path: PathBuilder,
+    /// Left end of the next glyph.
+    x: f32,
+}
+
+impl OutlineBuilder for Glyphs {
+    fn move_to(&mut self, x: f32, y: f32) {
+        self.path.move_to(self.x + x, y);
+    }
+
+    fn line_to(&mut self, x: f32, y: f32) {
+        self.path.line_to(self.x + x, y);
+    }
+
+    fn quad_to(&mut self, x1: f32, y1: f32, x: f32, y: f32) {
+        self.path.quad_to(self.x + x1, y1, self.x + x, y);
+    }
+
+    fn curve_to(&mut self, x1: f32, y1: f32, x2: f32, y2: f32, x: f32, y: f32) {
+        self.path.cubic_to(self.x + x1, y1, self.x + x2, y2, self.x + x, y);
+    }
+
+    fn close(&mut self) {
+        self.path.close();
     }
 }
 
@@ -93,30 +179,41 @@ impl Bitmap {
 mod tests {
     use super::*;
 
-    /// A picture as kuva writes them.
-    fn picture(width: u32, height: u32, red: impl Fn(u32, u32) -> u32) -> Vec<u8> {
-        let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
-        let pixels: Vec<u8> =
-            places.flat_map(|(x, y)| [u8::try_from(red(x, y)).unwrap(), 255, 255, 255]).collect();
-        let mut bytes = Vec::new();
-        let mut encoder = png::Encoder::new(&mut bytes, width, height);
-        encoder.set_color(png::ColorType::Rgba);
-        encoder.set_depth(png::BitDepth::Eight);
-        encoder.write_header().unwrap().write_image_data(&pixels).unwrap();
-        bytes
+    /// Tells whether any pixel of a rectangle is dark.
+    fn is_dark(bitmap: &Bitmap, [left, top, right, bottom]: [usize; 4]) -> bool {
+        let (codes, width) = (bitmap.codes(), bitmap.size()[0] as usize);
+        (top..bottom).any(|y| (left..right).any(|x| codes[3 * (y * width + x)] < 100))
     }
 
     #[test]
-    fn what_lay_on_the_left_stands_at_the_bottom() {
-        let white = picture(10, 10, |_, _| 255);
-        // Left to right 0, 1, 2, 3; the lower row 100 more
-        let lying = picture(4, 2, |x, y| x + 100 * y);
-        let bytes = with_upright(&white, &lying, [3.0, 5.0]).unwrap();
-        let mut reader = png::Decoder::new(Cursor::new(bytes)).read_info().unwrap();
-        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-        reader.next_frame(&mut pixels).unwrap();
-        let red = |x: usize, y: usize| pixels[3 * (10 * y + x)];
-        assert_eq!([3, 4].map(|x| [5, 6, 7, 8].map(|y| red(x, y))), [[3, 2, 1, 0], [103, 102, 101, 100]]);
-        assert!([red(2, 5), red(5, 5), red(3, 4), red(3, 9)].iter().all(|&value| value == 255));
+    fn text_is_where_its_label_says() {
+        let label = Label {
+            text: "HHH",
+            at: [50.0, 50.0],
+            font: Font::regular(12.0),
+            anchor: Anchor::Start,
+            upwards: false,
+        };
+        let [right, left, up] =
+            [label, Label { anchor: Anchor::End, ..label }, Label { upwards: true, ..label }].map(|label| {
+                let mut canvas = Canvas::new([100.0, 100.0], Theme::Light);
+                canvas.text(label);
+                let bitmap = Bitmap::new(&canvas, 1.0).unwrap();
+                [[60, 38, 90, 51], [10, 38, 36, 51], [38, 10, 51, 36]].map(|area| is_dark(&bitmap, area))
+            });
+        assert_eq!([right, left, up], [[true, false, false], [false, true, false], [false, false, true]]);
+    }
+
+    #[test]
+    fn dashes_go_on_from_segment_to_segment() {
+        let fine: Vec<[f64; 2]> = (0..=180).map(|i| [10.0 + f64::from(i), 5.5]).collect();
+        let [solid, dashed] = [vec![fine[0], fine[180]], fine].map(|points| {
+            let mut canvas = Canvas::new([200.0, 10.0], Theme::Light);
+            canvas.line(&points, &Pen { shade: Shade::TEXT, width: 2.0, dash: &[7.0, 4.0] });
+            Bitmap::new(&canvas, 1.0).unwrap().codes()
+        });
+        let differing = solid.iter().zip(&dashed).filter(|(a, b)| a.abs_diff(**b) > 2).count();
+        assert_eq!(differing, 0);
+        assert!(solid[3 * (5 * 200 + 13)] < 100 && solid[3 * (5 * 200 + 19)] > 200);
     }
 }

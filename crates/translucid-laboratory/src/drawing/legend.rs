@@ -1,12 +1,12 @@
-//! The legend: what each ink of a chart stands for.
+//! The legend, which says what each ink of a chart stands for.
 
 use super::canvas::{Anchor, Canvas, Label, Pen};
-use super::text;
-use crate::chart::{Chart, Mark};
-use crate::ink::Style;
+use super::marks;
+use super::text::Font;
+use crate::chart::{Chart, Mark, Series};
+use crate::chart::{Ink, Style};
 
-/// Font size \[px\].
-pub(crate) const SIZE: u32 = 12;
+const FONT: Font = Font::regular(12.0);
 /// Length of a sample of a line \[px\].
 const SAMPLE: f64 = 36.0;
 /// From a sample to its text \[px\].
@@ -17,110 +17,85 @@ const BETWEEN: f64 = 6.0;
 /// Widest text before it is broken \[px\].
 const WIDEST: f64 = 158.0;
 
-/// An entry: the marks of all series with the same label and ink.
-struct Entry {
+/// The marks of all series with the same label and ink.
+struct LegendEntry<'a> {
+    label: &'a str,
+    ink: Ink,
     lines: Vec<String>,
-    style: Style,
-    has_line: bool,
-    has_marker: bool,
-    has_bar: bool,
-    is_band: bool,
-    is_histogram: bool,
+    marks: Vec<&'a Mark>,
 }
 
-/// What stands beside the plot.
-pub(crate) struct Legend {
-    entries: Vec<Entry>,
+/// Entries beside the plot.
+pub(crate) struct Legend<'a> {
+    entries: Vec<LegendEntry<'a>>,
 }
 
-impl Legend {
-    pub(crate) fn new(chart: &Chart) -> Self {
-        let mut entries: Vec<(&str, crate::Ink, Entry)> = Vec::new();
-        for series in chart.series.iter().filter(|series| !series.label.trim().is_empty()) {
-            let known =
-                entries.iter().position(|(label, ink, _)| *label == series.label && *ink == series.ink);
-            let index = known.unwrap_or_else(|| {
-                let lines = text::at_most(text::wrap(&series.label, f64::from(SIZE), WIDEST), 3);
-                let style = series.ink.style();
-                let entry = Entry {
-                    lines,
-                    style,
-                    has_line: false,
-                    has_marker: false,
-                    has_bar: false,
-                    is_band: false,
-                    is_histogram: false,
-                };
-                entries.push((&series.label, series.ink, entry));
-                entries.len() - 1
-            });
-            let entry = &mut entries[index].2;
-            match &series.mark {
-                Mark::Line => entry.has_line = true,
-                Mark::Steps => entry.is_histogram = true,
-                Mark::Points | Mark::LabelledPoints(_) => entry.has_marker = true,
-                Mark::PointsWithErrors(_) => [entry.has_marker, entry.has_bar] = [true; 2],
-                Mark::Band(_) => entry.is_band = true,
+impl<'a> Legend<'a> {
+    /// The legend of all series that have a label.
+    pub(crate) fn new(chart: &'a Chart) -> Self {
+        let mut entries: Vec<LegendEntry<'a>> = Vec::new();
+        for Series { label, ink, mark, .. } in chart.series.iter().filter(|one| !one.label.trim().is_empty())
+        {
+            match entries.iter_mut().find(|entry| entry.label == label && entry.ink == *ink) {
+                Some(entry) => entry.marks.push(mark),
+                None => {
+                    let lines = FONT.wrap(label, WIDEST, 3);
+                    entries.push(LegendEntry { label, ink: *ink, lines, marks: vec![mark] });
+                }
             }
         }
-        Self { entries: entries.into_iter().map(|(_, _, entry)| entry).collect() }
+        Self { entries }
     }
 
     /// Width \[px\], 0 where there is nothing to say.
     pub(crate) fn width(&self) -> f64 {
         let lines = self.entries.iter().flat_map(|entry| &entry.lines);
-        let widest = lines.map(|line| text::width(line, f64::from(SIZE))).fold(0.0, f64::max);
+        let widest = lines.map(|line| FONT.width(line)).fold(0.0, f64::max);
         if self.entries.is_empty() { 0.0 } else { SAMPLE + GAP + widest }
     }
 
     /// Draws the entries from a place downwards, as many as end above `bottom`.
     pub(crate) fn draw(&self, canvas: &mut Canvas, [x, top]: [f64; 2], bottom: f64) {
+        let write = |canvas: &mut Canvas, text: &str, y: f64| {
+            let at = [x + SAMPLE + GAP, y + 0.5 * LINE + FONT.half_height()];
+            canvas.text(Label { text, at, font: FONT, anchor: Anchor::Start, upwards: false });
+        };
         let mut y = top;
         for (i, entry) in self.entries.iter().enumerate() {
             let height = entry.lines.len() as f64 * LINE;
             if y + height > bottom {
-                let more = format!("and {} more", self.entries.len() - i);
-                draw_line(canvas, &more, [x + SAMPLE + GAP, y + 0.75 * LINE]);
-                return;
+                return write(canvas, &format!("and {} more", self.entries.len() - i), y);
             }
             entry.draw(canvas, [x, y + 0.5 * LINE]);
             for (k, line) in entry.lines.iter().enumerate() {
-                draw_line(
-                    canvas,
-                    line,
-                    [x + SAMPLE + GAP, y + (k as f64 + 0.5) * LINE + 0.36 * f64::from(SIZE)],
-                );
+                write(canvas, line, y + k as f64 * LINE);
             }
             y += height + BETWEEN;
         }
     }
 }
 
-fn draw_line(canvas: &mut Canvas, text: &str, at: [f64; 2]) {
-    canvas.text(&Label { text, at, size: SIZE, anchor: Anchor::Start, upwards: false, bold: false });
-}
-
-impl Entry {
-    /// Draws the sample, from a place to the right.
+impl LegendEntry<'_> {
+    /// Draws a sample of every mark, from a place to the right.
     fn draw(&self, canvas: &mut Canvas, [x, y]: [f64; 2]) {
-        let Style { shade, dash, marker, width, .. } = self.style;
-        let middle = x + 0.5 * SAMPLE;
-        if self.is_band || self.is_histogram {
-            let corners = [[x, y - 6.0], [x + SAMPLE, y - 6.0], [x + SAMPLE, y + 6.0], [x, y + 6.0]];
-            canvas.polygon(&corners, shade, super::BAND_OPACITY);
+        let Style { shade, dash, marker, width } = self.ink.style();
+        let has = |is: fn(&Mark) -> bool| self.marks.iter().any(|mark| is(mark));
+        let (right, middle) = (x + SAMPLE, x + 0.5 * SAMPLE);
+        let outline = [[x, y + 6.0], [x, y - 6.0], [right, y - 6.0], [right, y + 6.0]];
+        if has(|mark| matches!(mark, Mark::Band(_) | Mark::Steps)) {
+            canvas.polygon(outline.to_vec(), shade, marks::BAND_OPACITY);
         }
-        if self.is_histogram {
-            let outline = [[x, y + 6.0], [x, y - 6.0], [x + SAMPLE, y - 6.0], [x + SAMPLE, y + 6.0]];
-            canvas.line(&outline, &Pen::solid(shade, super::marks::STEP));
+        if has(|mark| matches!(mark, Mark::Steps)) {
+            canvas.line(&outline, &Pen::solid(shade, marks::STEP));
         }
-        if self.has_line {
-            canvas.line(&[[x, y], [x + SAMPLE, y]], &Pen { shade, width, dash });
+        if has(|mark| matches!(mark, Mark::Line)) {
+            canvas.line(&[[x, y], [right, y]], &Pen { shade, width, dash });
         }
-        if self.has_bar {
-            super::marks::error_bar(canvas, middle, [y - 7.0, y + 7.0], shade);
+        if has(|mark| matches!(mark, Mark::PointsWithErrors(_))) {
+            marks::error_bar(canvas, middle, [y - 7.0, y + 7.0], shade);
         }
-        if self.has_marker {
-            canvas.marker(marker, [middle, y], super::MARKER, shade);
+        if has(|mark| matches!(mark, Mark::Points | Mark::LabelledPoints(_) | Mark::PointsWithErrors(_))) {
+            canvas.marker(marker, [middle, y], marks::MARKER, shade);
         }
     }
 }

@@ -1,33 +1,22 @@
-//! The series of a chart on its plot.
+//! The marks of series on a plot.
 
+use super::area::Area;
 use super::canvas::{Canvas, Pen};
-use super::polyline::Area;
-use super::span::Span;
-use crate::axis::Axis;
+use super::plot::Plot;
+use crate::chart::Shade;
 use crate::chart::{Mark, Series};
-use crate::theme::Shade;
 
 /// Width of the outline of a histogram, which is never dashed: dashes and steps would be hard to tell apart \[px\].
 pub(crate) const STEP: f64 = 1.5;
+/// Radius of markers \[px\].
+pub(crate) const MARKER: f64 = 3.8;
+pub(crate) const BAND_OPACITY: f64 = 0.22;
 /// Half width of the caps of an error bar \[px\].
 const CAP: f64 = 3.0;
 /// Number of points from which markers get smaller.
 const MANY: f64 = 40.0;
 
-/// Where series are drawn.
-pub(crate) struct Plot<'a> {
-    pub(crate) axes: [&'a Axis; 2],
-    pub(crate) spans: [Span; 2],
-    pub(crate) area: Area,
-}
-
 impl Plot<'_> {
-    /// Where a point is \[px\], if it has a place on the axes.
-    pub(crate) fn place(&self, point: [f64; 2]) -> Option<[f64; 2]> {
-        let has_place = self.axes[0].has(point[0]) && self.axes[1].has(point[1]);
-        has_place.then(|| [self.spans[0].place(point[0]), self.spans[1].place(point[1])])
-    }
-
     /// Draws a series, but for its words.
     pub(crate) fn draw(&self, canvas: &mut Canvas, series: &Series) {
         let style = series.ink.style();
@@ -99,7 +88,7 @@ impl Plot<'_> {
             let back = run.iter().rev().map(|pair| pair[1]);
             let corners = self.area.part_of_polygon(&there.chain(back).collect::<Vec<_>>());
             if corners.len() > 2 {
-                canvas.polygon(&corners, shade, super::BAND_OPACITY);
+                canvas.polygon(corners, shade, BAND_OPACITY);
             }
         }
     }
@@ -109,7 +98,7 @@ impl Plot<'_> {
         for run in self.runs(outline) {
             let corners = self.area.part_of_polygon(&run);
             if corners.len() > 2 {
-                canvas.polygon(&corners, shade, super::BAND_OPACITY);
+                canvas.polygon(corners, shade, BAND_OPACITY);
             }
         }
     }
@@ -119,14 +108,8 @@ impl Plot<'_> {
         let places: Vec<[f64; 2]> = self.places(series).collect();
         let crowd = (MANY / places.len().max(1) as f64).sqrt().clamp(0.6, 1.0);
         for place in places {
-            canvas.marker(style.marker, place, crowd * super::MARKER, style.shade);
+            canvas.marker(style.marker, place, crowd * MARKER, style.shade);
         }
-    }
-
-    /// Where the points of a series are, of those inside the plot.
-    pub(crate) fn places(&self, series: &Series) -> impl Iterator<Item = [f64; 2]> {
-        let places = series.points.iter().filter_map(|&point| self.place(point));
-        places.filter(|&place| self.area.contains(place))
     }
 
     /// Draws the bar of ± the error.

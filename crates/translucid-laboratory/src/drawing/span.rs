@@ -1,6 +1,6 @@
 //! From numbers to places along an axis.
 
-use crate::axis::{Axis, Scale};
+use crate::chart::{Axis, Scale};
 
 /// A range of an axis and the pixels that it is drawn over.
 #[derive(Clone, Copy, Debug)]
@@ -23,7 +23,7 @@ impl Span {
         Self { scale: axis.scale, range, pixels }
     }
 
-    /// Where a number is \[px\]; far outside of the range only on the right side of it.
+    /// Place of a number \[px\]; far outside of the range only on the right side of it.
     pub(crate) fn place(&self, value: f64) -> f64 {
         const FAR: f64 = 1e4;
         let along = |x: f64| x;
@@ -36,7 +36,7 @@ impl Span {
         self.pixels[0] + t * (self.pixels[1] - self.pixels[0])
     }
 
-    /// Whether a number is in the range, but for rounding.
+    /// Tells whether a number is in the range, but for rounding.
     pub(crate) fn contains(&self, value: f64) -> bool {
         let [low, high] = self.range;
         let slack = match self.scale {

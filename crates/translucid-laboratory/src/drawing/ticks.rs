@@ -1,7 +1,7 @@
 //! Ticks: round numbers along an axis, and their text.
 
 use super::span::Span;
-use crate::axis::Scale;
+use crate::chart::Scale;
 
 /// The ticks of an axis.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -141,19 +141,8 @@ fn power_text(digit: i32, power: f64, decades: f64) -> String {
 
 /// A whole number in superscript digits.
 fn superscript(number: f64) -> String {
-    let digit = |c: char| match c {
-        '-' => '⁻',
-        '0' => '⁰',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        '4' => '⁴',
-        '5' => '⁵',
-        '6' => '⁶',
-        '7' => '⁷',
-        '8' => '⁸',
-        _ => '⁹',
-    };
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let digit = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
     format!("{number:.0}").chars().map(digit).collect()
 }
 

@@ -2,18 +2,17 @@
 
 use std::f64::consts::TAU;
 
+use super::area::Area;
 use super::canvas::{Anchor, Canvas, Label, Pen};
-use super::marks::Plot;
-use super::polyline::Area;
-use super::text;
+use super::plot::Plot;
+use super::text::Font;
+use crate::chart::Shade;
 use crate::chart::{Mark, Series};
-use crate::theme::Shade;
 
-/// Font size.
-const SIZE: u32 = 12;
+const FONT: Font = Font::regular(12.0);
 /// Most words of a chart; more could not be read.
 const MOST: usize = 300;
-/// How often each word looks for a better place, given the places of all others.
+/// Number of times that each word looks for a better place, given the places of all others.
 const SWEEPS: usize = 4;
 /// From a point to its words, at the nearest and for those that have to go further off \[px\].
 const NEAR: f64 = 8.0;
@@ -40,7 +39,7 @@ struct Word {
 #[derive(Clone, Copy, Debug)]
 struct Place {
     area: Area,
-    /// How much further off than the nearest.
+    /// Distance beyond the nearest places \[px\].
     off: f64,
 }
 
@@ -56,7 +55,6 @@ impl Place {
 
 /// Draws the words at the points of all series, with a thin line to those that are further off.
 pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
-    let size = f64::from(SIZE);
     let markers: Vec<Area> = all
         .iter()
         .filter(|series| !matches!(series.mark, Mark::Line | Mark::Steps | Mark::Band(_)))
@@ -72,7 +70,7 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
                 .filter_map(|word| word.place.map(|place| (place.area.grown(2.5), place.line(word.point))))
                 .collect();
             let cost = |place: &Place| {
-                let outside = words[i].width * size - overlap(&place.area, &plot.area);
+                let outside = words[i].width * FONT.size - overlap(&place.area, &plot.area);
                 let covered: f64 = taken.iter().map(|(other, _)| overlap(&place.area, other)).sum();
                 let hidden: f64 = markers.iter().map(|other| overlap(&place.area, other)).sum();
                 let line = place.line(words[i].point);
@@ -100,42 +98,40 @@ pub(crate) fn draw(canvas: &mut Canvas, plot: &Plot<'_>, all: &[Series]) {
         if *off > 0.0 {
             canvas.line(&Place { area: *area, off: *off }.line(*point), &Pen::solid(Shade::GRAY, 0.8));
         }
-        let at = [area.left, 0.5 * (area.top + area.bottom) + 0.36 * size];
-        canvas.text(&Label { text, at, size: SIZE, anchor: Anchor::Start, upwards: false, bold: false });
+        let at = [area.left, 0.5 * (area.top + area.bottom) + FONT.half_height()];
+        canvas.text(Label { text, at, font: FONT, anchor: Anchor::Start, upwards: false });
     }
 }
 
 /// The words of the points inside the plot.
 fn words(plot: &Plot<'_>, all: &[Series]) -> Vec<Word> {
-    let size = f64::from(SIZE);
     let widest = 0.6 * (plot.area.right - plot.area.left);
     let mut words = Vec::new();
     for series in all {
         let Mark::LabelledPoints(texts) = &series.mark else { continue };
         for (&point, text) in series.points.iter().zip(texts) {
             let place = plot.place(point).filter(|&place| plot.area.contains(place));
-            let text = text::at_most(text::wrap(text, size, widest), 1).concat();
+            let text = FONT.wrap(text, widest, 1).concat();
             if let Some(point) = place.filter(|_| !text.is_empty() && words.len() < MOST) {
-                words.push(Word { width: text::width(&text, size), text, point, place: None });
+                words.push(Word { width: FONT.width(&text), text, point, place: None });
             }
         }
     }
     words
 }
 
-/// Where words may stand, the best first.
+/// Places that words may have, the best first.
 fn places(word: &Word) -> impl Iterator<Item = Place> {
-    let size = f64::from(SIZE);
     FURTHER.into_iter().flat_map(move |off| {
         DIRECTIONS.into_iter().map(move |turn| {
             let (down, right) = (TAU / 16.0 * turn).sin_cos();
             let left = word.point[0] + (NEAR + off) * right + 0.5 * (right - 1.0) * word.width;
-            let middle = word.point[1] + (0.5 * size + 0.9 * NEAR + off) * down;
+            let middle = word.point[1] + (0.5 * FONT.size + 0.9 * NEAR + off) * down;
             let area = Area {
                 left,
                 right: left + word.width,
-                top: middle - 0.5 * size,
-                bottom: middle + 0.5 * size,
+                top: middle - 0.5 * FONT.size,
+                bottom: middle + 0.5 * FONT.size,
             };
             Place { area, off }
         })

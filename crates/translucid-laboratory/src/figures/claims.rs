@@ -1,4 +1,4 @@
-//! What the talk claims, with what came out.
+//! Claims of the talk, with what came out.
 
 use super::errors::versus;
 use super::{percent, section_of};
@@ -17,7 +17,7 @@ pub(super) fn section(comparison: &Comparison) -> Section {
     section_of("What the talk claims", blocks)
 }
 
-/// How many claims of the talk hold.
+/// Number of the talk's claims that hold, in words.
 fn summary(claims: &[Claim]) -> String {
     let of_the_talk: Vec<&Claim> = claims.iter().filter(|claim| claim.is_the_talks).collect();
     let held = of_the_talk.iter().filter(|claim| claim.holds() == Some(true)).count();

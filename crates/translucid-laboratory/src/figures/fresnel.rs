@@ -35,7 +35,7 @@ fn reflectance(side: Side, curves: &[&FresnelCurve]) -> Chart {
     )
 }
 
-/// Where charts end \[degrees\]: from inside all is reflected beyond the greatest critical angle, 50.3°.
+/// End of a chart \[degrees\]: from inside all is reflected beyond the greatest critical angle, 50.3°.
 fn end(side: Side) -> f64 {
     match side {
         Side::Outside => 90.0,

@@ -49,7 +49,7 @@ fn errors(comparison: &Comparison) -> Chart {
     chart.with_caption("Mean over the albedos, all radii.")
 }
 
-/// Where the light of sums leaves, beside the exact solution.
+/// Light of sums over the radius, beside the exact solution.
 fn curves(figure: &Reflectance, family: MixtureFamily) -> Option<Chart> {
     let a = figure.surface_albedo;
     let weight = |r: f64, reflectance: f64| 2.0 * PI * r * r * reflectance / a;

@@ -102,7 +102,7 @@ fn word(configuration: Configuration) -> &'static str {
     }
 }
 
-/// How a contender looks, the same in every figure: as its model, or by its place among all that are none.
+/// Ink of a contender, equal in every figure: that of its model, or one by its place among all that are none.
 fn ink(contender: &Contender) -> Ink {
     match contender.model {
         Some(model) if contender.is_model() => Ink::Model(model),

@@ -44,7 +44,7 @@ pub(super) fn section(comparison: &Comparison, configuration: Configuration) -> 
     section_of(title, blocks)
 }
 
-/// How well photons and the exact solution agree.
+/// Agreement of photons and the exact solution.
 fn agreement(figures: &[&Reflectance]) -> String {
     let one = |figure: &&&Reflectance| {
         let (chi_square, rings, probability) = figure.chi_square();

@@ -36,7 +36,7 @@ pub struct PicturePixel {
     pub radiance: [f32; 3],
     /// Coverage; 0 is background.
     pub alpha: f32,
-    /// What a display shows: sRGB-encoded, in \[0, 1\].
+    /// Values that a display shows: sRGB-encoded, in \[0, 1\].
     pub display: [f32; 3],
 }
 
@@ -71,12 +71,12 @@ impl Picture {
         &self.radiance
     }
 
-    /// What a display shows: sRGB-encoded, in \[0, 1\].
+    /// Values that a display shows: sRGB-encoded, in \[0, 1\].
     pub fn display(&self) -> &[[f32; 3]] {
         &self.display
     }
 
-    /// Whether a surface or a visible environment covers some of a pixel.
+    /// Tells whether a surface or a visible environment covers some of a pixel.
     fn is_covered(&self, index: usize) -> bool {
         self.alpha[index] > 0.0
     }

@@ -2,7 +2,8 @@
 
 use std::io;
 
-use crate::theme::Shade;
+use crate::chart::{Shade, Theme};
+use crate::png_bytes::encode_png;
 
 /// Relative difference at which [`difference_color`] is at its end: half as bright again as the reference.
 pub const DIFFERENCE_RANGE: f32 = 0.5;
@@ -43,11 +44,11 @@ impl Raster {
             return Self::new(width, height, self.pixels.clone());
         }
         let linear: Vec<[f32; 3]> = self.pixels.iter().map(|color| color.map(decode)).collect();
-        let [columns, rows] = [spans(self.width, width), spans(self.height, height)];
+        let [columns, rows] = [covers(self.width, width), covers(self.height, height)];
         // Each old row in the new width, then the new rows of those
         let narrow: Vec<[f32; 3]> = linear
             .chunks_exact(self.width)
-            .flat_map(|row| columns.iter().map(|span| span.mean(|x| row[x])))
+            .flat_map(|row| columns.iter().map(|cover| cover.mean(|x| row[x])))
             .collect();
         let pixels = rows.iter().flat_map(|span| {
             let narrow = &narrow;
@@ -67,24 +68,10 @@ impl Raster {
     /// There is no pixel, or more than the format can hold.
     pub fn png(&self) -> io::Result<Vec<u8>> {
         let codes: Vec<u8> = self.codes().flatten().collect();
-        encode_png([self.width, self.height], &codes)
+        let too_large = |_| io::Error::other("the picture is too large");
+        let [width, height] = [self.width, self.height].map(|edge| u32::try_from(edge).map_err(too_large));
+        encode_png([width?, height?], &codes, None)
     }
-}
-
-/// A PNG of three bytes a pixel that says which program has made it.
-pub(crate) fn encode_png(size: [usize; 2], codes: &[u8]) -> io::Result<Vec<u8>> {
-    let too_large = |_| io::Error::other("the picture is too large");
-    let [width, height] = size.map(|edge| u32::try_from(edge).map_err(too_large));
-    let mut bytes = Vec::new();
-    let mut encoder = png::Encoder::new(&mut bytes, width?, height?);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-    let software = format!("translucid {}", env!("CARGO_PKG_VERSION"));
-    encoder.add_text_chunk(String::from("Software"), software).map_err(io::Error::other)?;
-    let mut writer = encoder.write_header().map_err(io::Error::other)?;
-    writer.write_image_data(codes).and_then(|()| writer.finish()).map_err(io::Error::other)?;
-    Ok(bytes)
 }
 
 /// The color of a ꟻLIP error in \[0, 1\]: magma, from black for none to nearly white.
@@ -98,23 +85,18 @@ pub fn flip_color(error: f32) -> [f32; 3] {
 pub fn difference_color(difference: f32) -> [f32; 3] {
     let part = (difference / DIFFERENCE_RANGE).clamp(-1.0, 1.0);
     let end = if part < 0.0 { Shade::BLUE } else { Shade::VERMILION };
-    let [end, middle] = [end, Shade::BACKGROUND].map(|shade| components(shade.light));
+    let [end, middle] = [end, Shade::BACKGROUND].map(|shade| shade.components(Theme::Light));
     [0, 1, 2].map(|c| middle[c] + part.abs() * (end[c] - middle[c]))
 }
 
-/// Red, green and blue of "#rrggbb".
-fn components(color: &str) -> [f32; 3] {
-    [1, 3, 5].map(|at| f32::from(u8::from_str_radix(&color[at..at + 2], 16).unwrap_or(0)) / 255.0)
-}
-
-/// What a new pixel covers of the old ones along an axis.
-struct Span {
+/// Part of the old pixels along an axis that a new one covers.
+struct Cover {
     first: usize,
     /// Weights that add up to 1.
     weights: Vec<f32>,
 }
 
-impl Span {
+impl Cover {
     fn mean(&self, color: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
         let mut sum = [0.0; 3];
         for (i, &weight) in self.weights.iter().enumerate() {
@@ -127,19 +109,19 @@ impl Span {
     }
 }
 
-/// The spans of `new` pixels over `old` ones.
-fn spans(old: usize, new: usize) -> Vec<Span> {
+/// The covers of `new` pixels over `old` ones.
+fn covers(old: usize, new: usize) -> Vec<Cover> {
     let scale = old as f64 / new as f64;
-    let span = |i: usize| {
+    let cover_of = |i: usize| {
         let [left, right] = [i, i + 1].map(|edge| edge as f64 * scale);
         let first = (left as usize).min(old - 1);
         let last = (right.ceil() as usize).clamp(first + 1, old);
         let cover = |j: usize| ((j + 1) as f64).min(right) - (j as f64).max(left);
         let weights: Vec<f64> = (first..last).map(|j| cover(j).max(0.0)).collect();
         let sum: f64 = weights.iter().sum();
-        Span { first, weights: weights.into_iter().map(|weight| (weight / sum) as f32).collect() }
+        Cover { first, weights: weights.into_iter().map(|weight| (weight / sum) as f32).collect() }
     };
-    (0..new).map(span).collect()
+    (0..new).map(cover_of).collect()
 }
 
 /// sRGB to linear \[IEC 61966-2-1\].

@@ -1,10 +1,11 @@
 //! A contact sheet: pictures and their maps in columns, with words.
 
-use super::raster::{DIFFERENCE_RANGE, Raster, difference_color, encode_png, flip_color};
+use super::raster::{DIFFERENCE_RANGE, Raster, difference_color, flip_color};
+use crate::chart::{Shade, Theme};
 use crate::drawing::bitmap::Bitmap;
-use crate::drawing::canvas::{Anchor, Canvas, Label, Medium, Pen};
-use crate::drawing::text;
-use crate::theme::{Shade, Theme};
+use crate::drawing::canvas::{Anchor, Canvas, Label, Pen};
+use crate::drawing::text::Font;
+use crate::png_bytes::encode_png;
 
 /// Pixels of the sheet for one of the layout.
 const SCALE: f32 = 2.0;
@@ -16,10 +17,10 @@ const GAP: f64 = 18.0;
 const MARGIN: f64 = 28.0;
 /// Most columns beside each other.
 const ABREAST: usize = 5;
-/// Font sizes, and the height of a line of the small one \[px\].
-const TITLE: u32 = 22;
-const NAME: u32 = 16;
-const SMALL: u32 = 14;
+/// Fonts, and the height of a line of the small one \[px\].
+const TITLE: Font = Font::bold(22.0);
+const NAME: Font = Font::bold(16.0);
+const SMALL: Font = Font::regular(14.0);
 const LINE: f64 = 20.0;
 /// Height of the heading above a row of pictures \[px\].
 const HEADING: f64 = 30.0;
@@ -27,7 +28,7 @@ const HEADING: f64 = 30.0;
 const BAR: [f64; 2] = [260.0, 14.0];
 const LEGEND: f64 = 74.0;
 
-/// What stands in a column of a sheet.
+/// Column of a sheet.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SheetColumn {
     /// Its name.
@@ -60,7 +61,7 @@ impl Sheet {
     /// There is no column, a picture is empty, or the sheet cannot be drawn.
     pub fn png(&self) -> Result<Vec<u8>, String> {
         let layout = Layout::new(self).ok_or("there is no picture to show")?;
-        let mut canvas = Canvas::new(layout.size(), Theme::Light, Medium::Bitmap);
+        let mut canvas = Canvas::new(layout.size(), Theme::Light);
         self.draw_title(&mut canvas);
         for (index, column) in self.columns.iter().enumerate() {
             layout.draw_words(&mut canvas, index, column);
@@ -70,21 +71,21 @@ impl Sheet {
         }
         draw_legend(&mut canvas, layout.legend(), &self.judge);
 
-        let mut bitmap = Bitmap::read(&canvas.png(SCALE)?)?;
+        let mut bitmap = Bitmap::new(&canvas, SCALE).ok_or("the sheet is too large")?;
         for (index, column) in self.columns.iter().enumerate() {
             layout.paste(&mut bitmap, index, column);
         }
         paste_bars(&mut bitmap, layout.legend());
-        encode_png(bitmap.size(), &bitmap.opaque()).map_err(|error| error.to_string())
+        encode_png(bitmap.size(), &bitmap.codes(), None).map_err(|error| error.to_string())
     }
 
     fn draw_title(&self, canvas: &mut Canvas) {
         let at = [MARGIN, MARGIN + 18.0];
-        canvas.text(&Label { text: &self.title, at, size: TITLE, bold: true, ..PLAIN });
-        canvas.text(&Label { text: &self.subtitle, at: [MARGIN, MARGIN + 44.0], ..PLAIN });
+        canvas.text(Label { text: &self.title, at, font: TITLE, ..PLAIN });
+        canvas.text(Label { text: &self.subtitle, at: [MARGIN, MARGIN + 44.0], ..PLAIN });
     }
 
-    /// What the rows of maps show.
+    /// Writes above each row of maps what it shows.
     fn draw_headings(&self, canvas: &mut Canvas, layout: &Layout, band: usize) {
         let judge = &self.judge;
         let words = [
@@ -93,16 +94,15 @@ impl Sheet {
         ];
         for (row, words) in words.iter().enumerate() {
             let top = layout.map_top(band, row);
-            canvas.text(&Label { text: words, at: [MARGIN, top - 10.0], ..PLAIN });
+            canvas.text(Label { text: words, at: [MARGIN, top - 10.0], ..PLAIN });
         }
     }
 }
 
 /// Small text that begins at its place.
-const PLAIN: Label<'_> =
-    Label { text: "", at: [0.0; 2], size: SMALL, anchor: Anchor::Start, upwards: false, bold: false };
+const PLAIN: Label<'_> = Label { text: "", at: [0.0; 2], font: SMALL, anchor: Anchor::Start, upwards: false };
 
-/// Where things go \[px of the layout\].
+/// Places of everything \[px of the layout\].
 struct Layout {
     /// Columns beside each other.
     abreast: usize,
@@ -163,13 +163,11 @@ impl Layout {
     fn draw_words(&self, canvas: &mut Canvas, index: usize, column: &SheetColumn) {
         let (left, band) = (self.left(index), index / self.abreast);
         let top = self.top(band) + self.picture[1];
-        let fitting =
-            |words: &str, size: u32| text::at_most(text::wrap(words, f64::from(size), COLUMN), 1).concat();
-        let name = fitting(&column.name, NAME);
-        canvas.text(&Label { text: &name, at: [left, top + LINE], size: NAME, bold: true, ..PLAIN });
+        let name = NAME.wrap(&column.name, COLUMN, 1).concat();
+        canvas.text(Label { text: &name, at: [left, top + LINE], font: NAME, ..PLAIN });
         for (i, line) in column.lines.iter().enumerate() {
-            let line = fitting(line, SMALL);
-            canvas.text(&Label { text: &line, at: [left, top + LINE * (i + 2) as f64], ..PLAIN });
+            let line = SMALL.wrap(line, COLUMN, 1).concat();
+            canvas.text(Label { text: &line, at: [left, top + LINE * (i + 2) as f64], ..PLAIN });
         }
         for row in 0..2 {
             let words = if column.maps.is_none() { "the judge" } else { "" };
@@ -184,7 +182,7 @@ impl Layout {
         canvas.line(&corners, &Pen::solid(Shade::GRID, 2.0));
         let at = [0.5 * (left + right), 0.5 * (top + bottom) + 5.0];
         if self.picture[1] > LINE {
-            canvas.text(&Label { text: words, at, anchor: Anchor::Middle, ..PLAIN });
+            canvas.text(Label { text: words, at, anchor: Anchor::Middle, ..PLAIN });
         }
     }
 
@@ -219,10 +217,10 @@ fn draw_legend(canvas: &mut Canvas, top: f64, judge: &str) {
     ];
     for (offset, ends, title) in &scales {
         let left = MARGIN + offset;
-        canvas.text(&Label { text: title, at: [left, top + 14.0], ..PLAIN });
+        canvas.text(Label { text: title, at: [left, top + 14.0], ..PLAIN });
         let below = top + 24.0 + BAR[1] + 18.0;
-        canvas.text(&Label { text: &ends[0], at: [left, below], ..PLAIN });
-        canvas.text(&Label { text: &ends[1], at: [left + BAR[0], below], anchor: Anchor::End, ..PLAIN });
+        canvas.text(Label { text: &ends[0], at: [left, below], ..PLAIN });
+        canvas.text(Label { text: &ends[1], at: [left + BAR[0], below], anchor: Anchor::End, ..PLAIN });
     }
 }
 

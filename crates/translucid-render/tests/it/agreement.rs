@@ -174,7 +174,11 @@ fn depth_counts_from_the_camera() {
 #[test]
 fn fingerprint_sees_tangents() {
     let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X, Vec3::Y)], matte(GRAY));
-    let before = prepare(scene.clone()).fingerprint();
+    let fingerprint = |scene| {
+        let prepared = prepare(scene);
+        prepared.fingerprint(&prepared.view().expect("a valid view"))
+    };
+    let before = fingerprint(scene.clone());
     scene.objects[0].mesh.tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
-    assert_ne!(prepare(scene).fingerprint(), before);
+    assert_ne!(fingerprint(scene), before);
 }

@@ -120,7 +120,7 @@ fn points_without_room_are_noted() {
     scene.integrator = Integrator { point_memory: 1, ..scene.integrator };
     let renderer = prepare(scene);
     assert!(
-        renderer.notes()[0].starts_with("subsurface_normalization is left out: "),
+        renderer.notes()[0].to_string().starts_with("subsurface_normalization is left out: "),
         "{:?}",
         renderer.notes()
     );

@@ -13,7 +13,7 @@ use translucid_render::{PointPass, PointProgress};
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use crate::common::{
-    Renderer, distant, make_points, measure, on_threads, prepare, prepare_with_points, quad, sample_ray,
+    PreparedScene, distant, make_points, measure, on_threads, prepare, prepare_with_points, quad, sample_ray,
     scene, sphere, uniform_environment, with_points,
 };
 
@@ -33,7 +33,7 @@ fn translucent(model: Model) -> Material {
     }
 }
 
-fn point_based(mut scene: Scene, tolerance: f32) -> Renderer {
+fn point_based(mut scene: Scene, tolerance: f32) -> PreparedScene {
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = tolerance;
     prepare_with_points(scene, MEMORY).expect("enough memory")

@@ -10,15 +10,15 @@ use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albe
 use translucid_reference::body::{Body, Light as BodyLight, Medium, SPHERE_RINGS, Shape, Tally};
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::{Entry, Estimate};
-use translucid_render::Frame;
+use translucid_render::measure::Frame;
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceParameter,
 };
 use translucid_testing::power;
 
 use crate::common::{
-    Renderer, assert_agree, assert_within, distant, mean_of, measure, on_threads, picture, prepare, quad,
-    sample_ray, samples, scene, sphere, uniform_environment,
+    PreparedScene, assert_agree, assert_within, distant, mean_of, measure, on_threads, picture, prepare,
+    quad, sample_ray, samples, scene, sphere, uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.05);
@@ -66,7 +66,7 @@ fn even(seed: u64, index: u32) -> [f64; 4] {
 
 /// Mean radiance over cosine-distributed directions, which is the radiosity over π, at points with a normal that `place`
 /// draws by two random numbers.
-fn flux(renderer: &Renderer, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
+fn flux(renderer: &PreparedScene, samples: u32, place: impl Fn([f64; 2]) -> (Vec3, Vec3)) -> (Vec3, Vec3) {
     mean_of(samples, |seed, index| {
         let [u, v, x, y] = even(seed, index);
         let (point, normal) = place([x, y]);
@@ -272,7 +272,7 @@ fn notes_tell_what_a_walk_cannot_do() {
         (material.subsurface_scatter_anisotropy, material.subsurface_eta) = (g, eta);
         let mut scene = plane(material);
         scene.lights.push(distant(Vec3::Z));
-        prepare(scene).notes().to_vec()
+        prepare(scene).notes().iter().map(ToString::to_string).collect::<Vec<_>>()
     };
     assert!(notes(0.5, 1.0).is_empty());
     assert_eq!(

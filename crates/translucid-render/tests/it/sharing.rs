@@ -11,7 +11,7 @@ use translucid_scene::{
 };
 use translucid_testing::{bound, is_thorough};
 
-use crate::common::{matte, pictures, quad, scene, sphere, uniform_environment};
+use crate::common::{matte, pictures, prepare, quad, scene, sphere, uniform_environment};
 
 /// Edge of a region in pixels: some lie in one block, some across two.
 const REGION: u32 = 6;
@@ -128,10 +128,10 @@ fn sharing_keeps_the_mean_of_every_region() {
     ];
     let most = if is_thorough() { 6.0 } else { 9.0 };
     for (name, scene) in scenes {
-        let shared = pictures(&scene, seeds(), 2);
+        let shared = pictures(&prepare(scene.clone()), 0..seeds(), 2);
         let mut alone = scene;
         alone.integrator.subsurface_sharing = false;
-        let alone = pictures(&alone, seeds(), 2);
+        let alone = pictures(&prepare(alone), 0..seeds(), 2);
         let mut total = [0.0; 2];
         for (region, channel) in (0..regions()).flat_map(|r| (0..3).map(move |c| (r, c))) {
             let mean = |film| mean_of(film, region, channel);
@@ -157,7 +157,7 @@ fn sharing_takes_most_of_the_noise_away() {
         scene.integrator.subsurface_sharing = is_shared;
         // A lamp behind the bodies, as close as a pixel sees little of the body
         scene.camera.horizontal_fov = 0.25 * size() as f32;
-        let films = pictures(&scene, seeds(), 2);
+        let films = pictures(&prepare(scene), 0..seeds(), 2);
         let mut sum = 0.0;
         for (x, y) in (0..size()).flat_map(|y| (0..size()).map(move |x| (x, y))) {
             let (mean, error) = statistics(films.iter().map(|film| film.radiance(x, y).iter().sum()));
@@ -185,7 +185,7 @@ fn sharing_returns_the_surface_albedo_of_a_plane() {
         scene.camera.position = Vec3::new(0.0, -1.5, 2.0);
         scene.film = Film { width: size(), height: size(), ..Film::default() };
         scene.integrator.max_depth = 2;
-        let films = pictures(&scene, seeds(), 1);
+        let films = pictures(&prepare(scene), 0..seeds(), 1);
         for channel in 0..3 {
             let whole = |film: &FilmSums| {
                 (0..regions()).map(|region| mean_of(film, region, channel)).sum::<f64>()

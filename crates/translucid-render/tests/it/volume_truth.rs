@@ -17,7 +17,7 @@ use translucid_render::FilmSums;
 use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_scene};
 use translucid_testing::{asset, with_shared_assets};
 
-use crate::common::pictures;
+use crate::common::{pictures, prepare};
 
 /// Pixels of the picture here, and of the truth's for each of them.
 const SIZE: usize = 128;
@@ -104,7 +104,8 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
             if is_speck(truth, x, y) { Vec3::ZERO } else { Vec3::from_array(radiance) }
         })
     };
-    let renderings: Vec<Vec<Vec3>> = pictures(scene, SEEDS, samples).into_iter().map(means).collect();
+    let renderings: Vec<Vec<Vec3>> =
+        pictures(&prepare(scene.clone()), 0..SEEDS, samples).into_iter().map(means).collect();
     let truth = regions(|x, y| if is_speck(truth, x, y) { Vec3::ZERO } else { truth[y * SIZE + x] });
     let (mut compared, mut sums, mut wrong) = (0, [Vec3::ZERO; 2], Vec::new());
     for (region, expected) in truth.iter().enumerate() {

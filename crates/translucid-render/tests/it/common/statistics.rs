@@ -3,7 +3,7 @@
 use glam::Vec3;
 use translucid_testing::power;
 
-use super::rendering::{Renderer, sample_ray};
+use super::rendering::{PreparedScene, sample_ray};
 
 /// Independent blocks that the samples of a mean fall into, whose spread tells its error.
 const BLOCKS: u32 = 32;
@@ -37,7 +37,7 @@ pub(crate) fn mean_of(samples: u32, sample: impl Fn(u64, u32) -> Vec3) -> (Vec3,
 }
 
 /// Mean radiance along a ray with its standard error per channel.
-pub(crate) fn measure(renderer: &Renderer, origin: Vec3, direction: Vec3, samples: u32) -> (Vec3, Vec3) {
+pub(crate) fn measure(renderer: &PreparedScene, origin: Vec3, direction: Vec3, samples: u32) -> (Vec3, Vec3) {
     mean_of(samples, |seed, index| sample_ray(renderer, origin, direction, seed, index).radiance())
 }
 
