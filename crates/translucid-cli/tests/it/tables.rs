@@ -1,11 +1,9 @@
 //! `translucid profile` and `translucid sample`: the contract that scripts depend on.
 
-mod common;
-
 use std::io::Read;
 use std::process::Stdio;
 
-use common::{run, stderr, stdout, translucid};
+use crate::common::{run, stderr, stdout, translucid};
 use translucid_profile::{
     Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile,
     RefinedDiffusion, SumOfGaussians,
