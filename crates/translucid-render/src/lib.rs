@@ -14,7 +14,6 @@ mod ray;
 mod render;
 mod sampling;
 mod session;
-mod shim;
 mod subsurface;
 mod surface;
 mod world;

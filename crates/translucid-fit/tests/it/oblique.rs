@@ -1,6 +1,6 @@
 //! The profile of oblique light against the exact half space: the errors that its documentation states.
 
-#[path = "../examples/oblique_errors/beam.rs"]
+#[path = "../../examples/oblique_errors/beam.rs"]
 mod beam;
 
 use std::f64::consts::{LN_2, PI};

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albedo};
-use translucid_reference::body::{Body, Lighting, Interior, SPHERE_RINGS, Shape, Tally};
+use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, Tally};
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::{Estimate, Incidence};
 use translucid_render::measure::Frame;
@@ -129,7 +129,8 @@ fn plane_seen_along_the_normal_returns_the_albedo_of_a_pencil() {
 /// In the middle of a beam that falls perpendicularly, the light that leaves is what a pencil sends within its radius.
 #[test]
 fn beam_returns_the_enclosed_energy_of_the_exact_profile() {
-    let half_spaces = SINGLE_SCATTERING_ALBEDOS.map(|alpha| HalfSpace::new(alpha, Incidence::NORMAL).unwrap());
+    let half_spaces =
+        SINGLE_SCATTERING_ALBEDOS.map(|alpha| HalfSpace::new(alpha, Incidence::NORMAL).unwrap());
     for radius in [0.2_f32, 0.6, 1.5, 4.0] {
         let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 200.0, Vec3::Y * 200.0)], material());
         let irradiance = 1.0 / (std::f32::consts::PI * radius * radius);

@@ -2,14 +2,16 @@
 //!
 //! It is there with the feature `testing` alone.
 
-use glam::{Affine2, Mat3, Vec2, Vec3, Vec4};
-use translucid_profile::Model;
+mod everything;
 
+use glam::{Affine2, Vec3};
+
+use crate::material::{self, PARAMETERS};
 use crate::{
-    Camera, Channel, ColorInput, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh,
-    NormalMap, Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef,
-    Unit, Wrap,
+    Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Mesh, NormalMap, Object,
+    Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef,
 };
+pub use everything::scene_of_everything;
 
 /// Numbers that are likely to hurt.
 const NUMBERS: [f32; 12] =
@@ -236,12 +238,12 @@ fn visit_material(material: &mut Material, v: &mut Visitor<'_>) {
     for parameter in PARAMETERS {
         let place = format!("material {name}, {}", parameter.name);
         match parameter.slot(material) {
-            Parameter::Number(number) => v(&place, Slot::Number(number)),
-            Parameter::Scalar(ScalarInput { factor, texture }) => {
+            material::Slot::Number(number) => v(&place, Slot::Number(number)),
+            material::Slot::Scalar(ScalarInput { factor, texture }) => {
                 v(&place, Slot::Number(factor));
                 texture.iter_mut().for_each(|(texture, _)| visit_texture(&place, texture, v));
             }
-            Parameter::Color(ColorInput { factor, texture, vertex_color: _ }) => {
+            material::Slot::Color(ColorInput { factor, texture, vertex_color: _ }) => {
                 visit_vector(&place, factor, v);
                 texture.iter_mut().for_each(|texture| visit_texture(&place, texture, v));
             }

@@ -1,11 +1,9 @@
 //! The gallery keeps its word: every command of `docs/guide/gallery.md` renders, here a few pixels of it.
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{stderr, translucid};
+use crate::common::{stderr, translucid};
 
 fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()

@@ -1,11 +1,9 @@
 //! `translucid profile` and `translucid sample`: the contract that scripts depend on.
 
-mod common;
-
 use std::io::Read;
 use std::process::Stdio;
 
-use common::{run, stderr, stdout, translucid};
+use crate::common::{run, stderr, stdout, translucid};
 use translucid_profile::{
     Appearance, Configuration, Medium, Model, NormalizedDiffusion, Parameterization, Profile,
     RefinedDiffusion, SumOfGaussians,
@@ -254,7 +252,7 @@ fn output_file_replaces_stdout() {
     let printed = stdout(directory.path(), &format!("sample {MODEL} --count 5"));
     assert_eq!(stdout(directory.path(), &format!("sample {MODEL} --count 5 -o radii.csv")), "");
     assert_eq!(std::fs::read_to_string(directory.path().join("radii.csv")).unwrap(), printed);
-    assert_eq!(common::files(directory.path()), ["radii.csv"]);
+    assert_eq!(crate::common::files(directory.path()), ["radii.csv"]);
 }
 
 #[test]
@@ -295,7 +293,7 @@ fn interrupted_table_leaves_no_file() {
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
     assert!(stderr(&output).contains("radii.csv was not written"), "{}", stderr(&output));
-    assert!(common::files(directory.path()).is_empty());
+    assert!(crate::common::files(directory.path()).is_empty());
 }
 
 /// Every wrong command line: exit code 2, nothing on stdout, and the message names what is in brackets.

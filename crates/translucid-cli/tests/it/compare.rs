@@ -1,12 +1,10 @@
 //! `translucid compare`: the contract that scripts depend on.
 
-mod common;
-
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use common::{files, run, stderr, stdout, translucid};
+use crate::common::{files, run, stderr, stdout, translucid};
 use translucid_fit::l1_error;
 use translucid_profile::{
     Appearance, Configuration, ExactProfile, Model, Parameterization, Profile, fresnel_from_inside,
@@ -15,10 +13,10 @@ use translucid_profile::{
 
 /// Two models at one albedo: a second or two of work.
 const SMALL: &str = "compare --models normalized-diffusion,dipole --surface-albedo 0.5 --configuration searchlight \
-                     --photons 1e5 --samples 2000 --max-radius 8";
-/// Without the model that s(A) is for, and without photons: less.
-const SMALLER: &str =
-    "compare --models dipole --surface-albedo 0.5 --configuration searchlight --photons 0 --samples 0";
+                     --photons 1e5 --samples 2000 --timing-rounds 2 --max-radius 8";
+/// Without the model that s(A) is for, without photons and times: less.
+const SMALLER: &str = "compare --models dipole --surface-albedo 0.5 --configuration searchlight --photons 0 \
+                       --samples 0 --timing-rounds 0";
 
 const APPEARANCE: Appearance =
     Appearance { surface_albedo: 0.5, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
@@ -227,6 +225,7 @@ fn a_users_files_stay_and_the_default_directory_is_comparison() {
     // Nothing of what was not asked for
     let page = fs::read_to_string(directory.join("index.html")).unwrap();
     assert!(page.contains("No photons walked"));
+    assert!(!names.iter().any(|name| name.starts_with("error-against-time-")));
     assert!(
         !names.iter().any(|name| name.starts_with("scaling-searchlight") || name.starts_with("sampling-"))
     );
@@ -237,7 +236,7 @@ fn a_users_files_stay_and_the_default_directory_is_comparison() {
 fn interrupt_leaves_nothing_behind() {
     let temporary = tempfile::tempdir().unwrap();
     let mut child = translucid(temporary.path())
-        .args(["compare", "-o", "new", "--photons", "1e12"])
+        .args(["compare", "-o", "new", "--photons", "1e12", "--timing-rounds", "0", "--threads", "1"])
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();

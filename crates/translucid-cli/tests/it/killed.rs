@@ -1,14 +1,12 @@
 //! A rendering that is killed: its files stay whole, and it goes on to the same end.
 
-mod common;
-
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Stdio};
+use std::time::{Duration, Instant, SystemTime};
 
-use common::{BALL, directory_with_ball, exr_values, files, stderr, stdout, translucid};
+use crate::common::{BALL, directory_with_ball, exr_values, files, stderr, stdout, translucid};
 use translucid_render::{PointCloud, load_checkpoint};
 
 /// What goes on from where it was killed, and saves itself all the time.
@@ -34,7 +32,7 @@ fn killed_renderings_leave_whole_files_and_resume_to_the_same_bits() {
     let words = format!("{rendering} {GOING_ON} -o killed.exr");
     let mut attempts = Attempts::new(duration);
     let mut checkpoints = 0;
-    while attempts.kills < 20 {
+    while attempts.kills < kills([6, 30]) {
         let is_killed = attempts.attempt(&directory, &words);
         checkpoints += check_files(&directory);
         assert!(["killed.exr", "killed.png"].map(|name| directory.join(name).exists()) == [true; 2]);
@@ -63,7 +61,7 @@ fn killed_renderings_side_by_side_leave_whole_files_and_resume_to_the_same_bits(
     let words = format!("{rendering} {GOING_ON} -o killed");
     let [whole, killed] = ["whole", "killed"].map(|name| directory.join(name));
     let mut attempts = Attempts::new(duration);
-    while attempts.kills < 8 {
+    while attempts.kills < kills([3, 15]) {
         let is_killed = attempts.attempt(&directory, &words);
         if !is_killed {
             fs::remove_dir_all(&killed).unwrap();
@@ -102,7 +100,7 @@ fn killed_renderings_by_points_leave_whole_files_and_resume_to_the_same_bits() {
 
     let words = format!("{rendering} {GOING_ON} --points killed.points -o killed.exr");
     let mut attempts = Attempts::new(duration);
-    while attempts.kills < 8 {
+    while attempts.kills < kills([3, 15]) {
         if !attempts.attempt(&directory, &words) {
             for name in files(&directory).iter().filter(|name| name.starts_with("killed")) {
                 fs::remove_file(directory.join(name)).unwrap();
@@ -118,6 +116,59 @@ fn killed_renderings_by_points_leave_whole_files_and_resume_to_the_same_bits() {
     assert!(files(&directory).iter().all(|name| extension(name) != "part"));
 }
 
+/// Number of kills in this run: of all tests of this file 12, or 60 with the whole power.
+fn kills([quick, thorough]: [u32; 2]) -> u32 {
+    if translucid_testing::is_thorough() { thorough } else { quick }
+}
+
+/// Event that a killer waits for, from some moment of the command's time on.
+#[derive(Clone, Copy, Debug)]
+enum Event {
+    /// None: the moment itself, which may be before the first checkpoint.
+    Nothing,
+    /// A draft is there: a file is being written.
+    Draft,
+    /// A checkpoint has taken its place: the next has not begun.
+    Checkpoint,
+}
+
+impl Event {
+    /// Waits for the event in a directory and those in it, or for the end of the command.
+    fn wait(self, directory: &Path, child: &mut Child) {
+        let before = newest_checkpoint(directory);
+        while child.try_wait().unwrap().is_none() {
+            let is_there = match self {
+                Self::Nothing => true,
+                Self::Draft => !files_below(directory, "part").is_empty(),
+                Self::Checkpoint => newest_checkpoint(directory) > before,
+            };
+            if is_there {
+                return;
+            }
+            std::thread::sleep(Duration::from_micros(100));
+        }
+    }
+}
+
+/// Files with an extension in a directory and the directories in it, some of which may go away meanwhile.
+fn files_below(directory: &Path, extension: &str) -> Vec<PathBuf> {
+    let entries = |directory: &Path| -> Vec<PathBuf> {
+        fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path()).collect()
+    };
+    let mut paths = entries(directory);
+    let inner: Vec<PathBuf> =
+        paths.iter().filter(|path| path.is_dir()).flat_map(|path| entries(path)).collect();
+    paths.extend(inner);
+    paths.retain(|path| path.extension().is_some_and(|found| found == extension));
+    paths
+}
+
+/// Time of the last checkpoint, if there is one.
+fn newest_checkpoint(directory: &Path) -> Option<SystemTime> {
+    let checkpoints = files_below(directory, "checkpoint").into_iter();
+    checkpoints.filter_map(|path| fs::metadata(path).and_then(|found| found.modified()).ok()).max()
+}
+
 /// Runs of a command, most of which are killed.
 struct Attempts {
     /// About how long the command takes, undisturbed.
@@ -131,7 +182,8 @@ impl Attempts {
         Self { duration, runs: 0, kills: 0 }
     }
 
-    /// Runs the command and kills it at some moment of the time that it takes; false if it had ended by then.
+    /// Runs the command and kills it at the first event after some moment of the time that it takes; false if it had
+    /// ended by then.
     fn attempt(&mut self, directory: &Path, words: &str) -> bool {
         let mut command = translucid(directory);
         let mut child = command.args(words.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
@@ -139,6 +191,8 @@ impl Attempts {
         assert!(self.runs < 1000, "the command ends sooner than it is killed");
         // Weyl's sequence leaves no moment out for long.
         std::thread::sleep(self.duration.mul_f64((f64::from(self.runs) * 0.618_033_988_749_895).fract()));
+        let event = [Event::Nothing, Event::Draft, Event::Checkpoint][self.kills as usize % 3];
+        event.wait(directory, &mut child);
         child.kill().unwrap();
         let output = child.wait_with_output().unwrap();
         let is_killed = output.status.code().is_none();
@@ -165,7 +219,7 @@ fn check_files(directory: &Path) -> usize {
     names.iter().filter(|name| extension(name) == "checkpoint").count()
 }
 
-/// What a checkpoint or a file of points says that it belongs to.
+/// Fingerprint that a checkpoint or a file of points says that it belongs to.
 fn fingerprint(path: &Path) -> u64 {
     let bytes = fs::read(path).unwrap();
     u64::from_le_bytes(std::array::from_fn(|i| bytes[12 + i]))

@@ -1,8 +1,6 @@
 //! `translucid convert`: rows, units, the way there and back, and what wrong input is told.
 
-mod common;
-
-use common::{run, stderr, stdout, translucid};
+use crate::common::{run, stderr, stdout, translucid};
 
 fn here() -> std::path::PathBuf {
     std::env::temp_dir()

@@ -1,12 +1,10 @@
 //! `translucid render --subsurface a,b,c`: one scene with several models.
 
-mod common;
-
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-use common::{BALL, directory_with_ball, exr_values, files, run, stderr, stdout, translucid};
+use crate::common::{BALL, directory_with_ball, exr_values, files, run, stderr, stdout, translucid};
 
 const HEADER: &str = "model,against,samples,seconds,cpu_seconds,relative_mse,noise,mean_flip,max_flip";
 
@@ -250,7 +248,7 @@ fn interrupt_keeps_what_there_is_and_the_way_on() {
     use std::time::{Duration, Instant};
 
     let (_keep, directory) = directory_with_ball();
-    let words = "render ball.toml --spp 120 --size 128x80 --subsurface none,dipole -o two";
+    let words = "render ball.toml --spp 120 --size 80x56 --subsurface none,dipole -o two";
     let mut child = translucid(&directory)
         .args(words.split_whitespace())
         .stdout(Stdio::piped())

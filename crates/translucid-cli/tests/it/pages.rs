@@ -1,12 +1,9 @@
 //! The documentation keeps its word: commands print what the pages show, scenes load, links lead somewhere.
 
-mod common;
-mod markdown;
-
 use std::path::{Path, PathBuf};
 
-use common::{run, stderr};
-use markdown::{Code, Page, pages_below, root};
+use crate::common::{run, stderr};
+use crate::markdown::{Code, Page, pages_below, root};
 use translucid_profile::Model;
 use translucid_scene::SubsurfaceModel;
 

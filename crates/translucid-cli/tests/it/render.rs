@@ -1,11 +1,9 @@
 //! `translucid render`: files, exit codes, resuming, interruption.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 
-use common::{BALL, directory_with_ball, exr_values, files, run, stderr, stdout, translucid};
+use crate::common::{BALL, directory_with_ball, exr_values, files, run, stderr, stdout, translucid};
 
 #[test]
 fn render_writes_both_images_named_after_the_scene() {
@@ -120,7 +118,7 @@ fn interrupt_keeps_the_picture_and_the_way_on() {
     use std::time::Duration;
 
     let (_keep, directory) = directory_with_ball();
-    let words = "render ball.toml --spp 4000000 -v -o long.exr";
+    let words = "render ball.toml --spp 4000000 --threads 1 -v -o long.exr";
     let child = translucid(&directory)
         .args(words.split_whitespace())
         .stdout(Stdio::piped())

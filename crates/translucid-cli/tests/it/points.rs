@@ -1,11 +1,9 @@
 //! `translucid render` with the point-based method: files of points, other views, too little memory.
 
-mod common;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{BALL, exr_values, files, run, stderr, stdout};
+use crate::common::{BALL, exr_values, files, run, stderr, stdout};
 
 /// A directory with a ball whose points are few.
 fn directory() -> (tempfile::TempDir, PathBuf) {

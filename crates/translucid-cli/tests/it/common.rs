@@ -1,6 +1,4 @@
-//! What the tests of the command share: running it, and a scene that renders in a moment.
-
-#![allow(dead_code, reason = "every test file uses its own part of this")]
+//! Running the command, and a scene that renders in a moment.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
