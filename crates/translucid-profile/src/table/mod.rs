@@ -2,11 +2,11 @@
 
 pub(crate) mod albedo_table;
 pub(crate) mod albedo_table_f32;
-mod energy_profile;
 pub(crate) mod monotone_cell;
 pub(crate) mod radial_table;
 mod radial_table_build;
 mod radial_table_f32;
+mod sample_curve;
 pub(crate) mod sampled_profile;
 pub(crate) mod table_profile;
 pub(crate) mod tabulated_profile;

@@ -94,7 +94,7 @@ impl Naive {
     }
 }
 
-/// The same material under a beam whose angle outside has the cosine given.
+/// Makes the same material under a beam whose angle outside has the cosine given.
 struct NaiveOblique {
     material: Naive,
     cos_outside: f64,
