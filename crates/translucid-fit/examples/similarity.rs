@@ -1,8 +1,4 @@
-<<<<<<< HEAD
-//! How far similarity carries, and what its repair leaves: the tables of `docs/accuracy/similarity.md`.
-=======
-//! Errors of similarity, before and after its repair: the tables of `docs/similarity.md`.
->>>>>>> profile
+//! Errors of similarity, before and after its repair: the tables of `docs/accuracy/similarity.md`.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv

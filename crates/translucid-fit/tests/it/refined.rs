@@ -205,11 +205,8 @@ fn coefficients_are_at_an_optimum() {
         // Every other albedo of the generator's grid
         let mfp = Parameterization::Mfp;
         let ends = [1e-9, 1.0].map(|a| (a, judge(a, mfp, configuration)));
-        let judges: Vec<(f64, &Judge)> = judged(mfp, configuration)
-            .skip(1)
-            .step_by(2)
-            .chain(ends.iter().map(|(a, judge)| (*a, judge)))
-            .collect();
+        let mut judges: Vec<(f64, &Judge)> = judged(mfp, configuration).skip(1).step_by(2).collect();
+        judges.extend(ends.iter().map(|(a, judge)| (*a, judge)));
         let error = |generated: &Generated| {
             let errors = judges.iter();
             errors.map(|(a, judge)| judge.l1_error(&generated.mixture(*a), f64::INFINITY)).sum::<f64>() / 51.0

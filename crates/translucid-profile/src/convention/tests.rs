@@ -196,13 +196,8 @@ fn names_are_fit_for_a_command_line() {
     }
 }
 
-<<<<<<< HEAD
-/// What media return of the surface albedo that was asked for, in diffuse light and without a boundary: the figures of
-/// docs/guide/conventions.md.
-=======
 /// Media return other surface albedos than were asked for, in diffuse light and without a boundary: the figures of
-/// docs/conventions.md.
->>>>>>> profile
+/// docs/guide/conventions.md.
 #[test]
 fn inversions_of_the_albedo_differ_between_systems() {
     // OpenPBR and MaterialX: van de Hulst's approximation as C. Kulla and A. Conty 2017 invert it

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use crate::error::{ParameterError, require};
 use crate::math::monotone_cubic::monotone_slopes;
 use crate::profile::Profile;
-use crate::table::monotone_cell::{Cell, Knot};
+use crate::table::monotone_cell::{Cell, Knot, RadialCell};
 use crate::table::radial_table::Tail;
 use crate::table::sample_curve::{POINTS, SampleCurve, falling_rate};
 

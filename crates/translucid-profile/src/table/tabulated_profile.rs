@@ -6,11 +6,7 @@ use std::sync::Arc;
 use crate::SampledProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
 use crate::profile::{Profile, finite_quotient, methods_of};
-<<<<<<< HEAD
-use crate::table::energy_profile::EnergyProfile;
 use crate::table::precision::Number;
-=======
->>>>>>> profile
 use crate::table::radial_table::RadialTable;
 use crate::table::radial_table_build::{Built, build};
 

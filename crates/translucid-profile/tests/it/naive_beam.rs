@@ -93,62 +93,6 @@ impl Naive {
     }
 }
 
-<<<<<<< HEAD
-=======
-/// Makes the same material under a beam whose angle outside has the cosine given.
-struct NaiveOblique {
-    material: Naive,
-    cos_outside: f64,
-}
-
-impl NaiveOblique {
-    fn angle(&self) -> f64 {
-        (self.cos_outside.acos().sin() / self.material.eta).asin()
-    }
-
-    /// ∫ f dt, graded towards the point of the beam nearest to the exit, from `first` on.
-    fn along(&self, exit: [f64; 2], first: f64, f: impl Fn(f64) -> f64) -> f64 {
-        let (sin, _) = self.angle().sin_cos();
-        let nearest = (exit[0] * sin).max(first);
-        let off = (exit[0].hypot(exit[1]).powi(2) - (exit[0] * sin).powi(2)).sqrt();
-        let before = graded(off / 8.0, nearest - first, |x| f(nearest - x));
-        before + graded(off / 8.0, 60.0, |x| f(nearest + x))
-    }
-
-    fn multiple(&self, exit: [f64; 2]) -> f64 {
-        let c = self.material.moments();
-        let (sin, cos) = self.angle().sin_cos();
-        self.along(exit, 0.0, |t| self.material.dipole(c, t, t * cos, (exit[0] - t * sin).hypot(exit[1])))
-    }
-
-    fn single(&self, exit: [f64; 2]) -> f64 {
-        let (sin, cos) = self.angle().sin_cos();
-        let distance = |t: f64| (exit[0] - t * sin).hypot(exit[1]).hypot(t * cos);
-        let critical = (1.0 - 1.0 / self.material.eta.powi(2)).max(0.0).sqrt();
-        // The cosine of the exit rises with t: halve to where it passes the critical one
-        let (mut low, mut high) = (0.0, 1e3);
-        for _ in 0..200 {
-            let t = 0.5 * (low + high);
-            if t * cos < critical * distance(t) {
-                low = t;
-            } else {
-                high = t;
-            }
-        }
-        let first = if critical > 0.0 { high } else { 0.0 };
-        let f = |t: f64| {
-            let d = distance(t);
-            let cosine = ((exit[0] - t * sin) * sin - t * cos * cos) / d;
-            self.material.scattered(t, cosine, d, t * cos / d)
-        };
-        // t = first + x² removes the square root at the critical angle
-        let near = 0.1 * exit[0].hypot(exit[1]);
-        let start = graded(1e-3, near.sqrt(), |x| 2.0 * x * f(first + x * x));
-        start + self.along(exit, first + near, f)
-    }
-}
-
->>>>>>> profile
 fn close(found: f64, expected: f64, tolerance: f64, what: &str) {
     assert!((found / expected - 1.0).abs() < tolerance, "{what}: {found:e} {expected:e}");
 }
