@@ -7,9 +7,20 @@ use std::path::{Path, PathBuf};
 use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_scene::SubsurfaceModel;
 
-use super::report::{ERRORS, PAGE, SHEET, TITLE, map_names};
 use crate::failure::Failure;
 use crate::outputs::{Outputs, input_among, is_own, is_own_page};
+
+/// The files that are there once.
+pub(super) const PAGE: &str = "index.html";
+pub(super) const ERRORS: &str = "errors.csv";
+pub(super) const SHEET: &str = "sheet.png";
+/// Beginning of the page's title.
+pub(super) const TITLE: &str = "Side by side";
+
+/// Files of a model's maps: of ꟻLIP, and of the relative difference.
+pub(super) fn map_names(model: &str) -> [String; 2] {
+    [format!("{model}-flip.png"), format!("{model}-difference.png")]
+}
 
 /// A file's name and content.
 pub(super) type File = (String, Vec<u8>);

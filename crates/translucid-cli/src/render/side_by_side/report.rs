@@ -6,21 +6,9 @@ use translucid_laboratory::picture::{
 };
 use translucid_laboratory::{Block, Cell, DataTable, Page, Plate, Section};
 
-use super::directory::File;
+use super::directory::{ERRORS, File, PAGE, SHEET, TITLE, map_names};
 use crate::failure::Failure;
 use crate::progress::duration;
-
-/// The files that are there once.
-pub(super) const PAGE: &str = "index.html";
-pub(super) const ERRORS: &str = "errors.csv";
-pub(super) const SHEET: &str = "sheet.png";
-/// What the page's title begins with.
-pub(super) const TITLE: &str = "Side by side";
-
-/// Files of a model's maps: of ꟻLIP, and of the relative difference.
-pub(super) fn map_names(model: &str) -> [String; 2] {
-    [format!("{model}-flip.png"), format!("{model}-difference.png")]
-}
 
 /// The picture with one model, and what it took.
 pub(super) struct Entry {
