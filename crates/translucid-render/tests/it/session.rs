@@ -4,10 +4,11 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use translucid_render::{Edit, Event, Fraction, Outcome, Plan, PreparedScene, Session};
-use translucid_scene::{LoadOptions, SubsurfaceMethod, still_life};
+use translucid_scene::{LoadOptions, Material, ScalarInput, SubsurfaceMethod, still_life};
 
-use crate::common::on_threads;
+use crate::common::{on_threads, scene, sphere, uniform_environment};
 
 fn session() -> Session {
     let options = LoadOptions { size: Some([96, 54]), ..LoadOptions::default() };
@@ -81,8 +82,15 @@ fn session_goes_on_from_its_file() {
 
 #[test]
 fn observer_hears_of_points_previews_and_samples() {
-    let options = LoadOptions { size: Some([48, 27]), ..LoadOptions::default() };
-    let mut scene = still_life(&options).expect("built in");
+    let wax = Material {
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_radius: ScalarInput::constant(0.5),
+        ..Material::default()
+    };
+    let mut scene = scene(vec![sphere(1.0, 12)], wax);
+    (scene.film.width, scene.film.height) = (48, 27);
+    scene.camera.position = Vec3::Z * 4.0;
+    scene.environment = uniform_environment(Vec3::ONE);
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = 1.0;
     let prepared = PreparedScene::new(scene).expect("a valid scene");
