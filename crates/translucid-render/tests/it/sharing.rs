@@ -63,7 +63,7 @@ fn bodies(model: Model) -> Scene {
     scene.lights.push(Light::Rectangle {
         center: Vec3::new(3.0, 2.0, 3.0),
         edge_x: Vec3::new(-0.5, 0.7, 0.0),
-        edge_y: Vec3::new(-0.5, -0.3, 0.8),
+        edge_y: Vec3::new(-0.42, -0.3, 0.8),
         radiance: Vec3::new(19.0, 18.0, 17.0),
         visible: true,
     });

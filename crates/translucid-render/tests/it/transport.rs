@@ -172,7 +172,8 @@ fn normal_map_tilts_the_shading_normal() {
 #[test]
 fn background_is_black_and_transparent_unless_visible() {
     for visible in [false, true] {
-        let mut scene = scene(Vec::<Mesh>::new(), matte(GRAY));
+        let out_of_sight = quad(Vec3::Z * 50.0, Vec3::X, Vec3::Y);
+        let mut scene = scene(vec![out_of_sight], matte(GRAY));
         scene.environment = uniform_environment(GRAY).map(|e| translucid_scene::Environment { visible, ..e });
         let sample = sample_ray(&prepare(scene), Vec3::ZERO, Vec3::X, 0, 0);
         let expected = if visible { (GRAY, 1.0) } else { (Vec3::ZERO, 0.0) };
