@@ -7,12 +7,9 @@ use std::path::{Path, PathBuf};
 use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_scene::SubsurfaceModel;
 
-use super::report::{ERRORS, PAGE, SHEET, TITLE, map_names};
+use super::report::{ERRORS, File, PAGE, SHEET, TITLE, map_names};
 use crate::failure::Failure;
 use crate::outputs::{Outputs, input_among, is_own, is_own_page};
-
-/// A file's name and content.
-pub(super) type File = (String, Vec<u8>);
 
 /// A directory to write to.
 pub(super) struct Directory {

@@ -6,9 +6,11 @@ use translucid_laboratory::picture::{
 };
 use translucid_laboratory::{Block, Cell, DataTable, Page, Plate, Section};
 
-use super::directory::File;
 use crate::failure::Failure;
 use crate::progress::duration;
+
+/// A file's name and content.
+pub(super) type File = (String, Vec<u8>);
 
 /// The files that are there once.
 pub(super) const PAGE: &str = "index.html";
