@@ -13,7 +13,7 @@ const FLOORS: [&[&str]; 8] = [
     &["world"],
     &["surface", "light"],
     &["ray"],
-    &["sampling", "shim"],
+    &["sampling"],
 ];
 
 /// The floor that a module stands on, counted from the top.
