@@ -38,7 +38,7 @@ const TAIL_POINTS: usize = 3;
 /// let radii: Vec<f64> = (0..100).map(|i| 0.01 * 1.08_f64.powi(i)).collect();
 /// let reflectances: Vec<f64> = radii.iter().map(|&r| source.eval(r)).collect();
 /// let sampled = SampledProfile::new(&radii, &reflectances)?;
-/// assert!((sampled.total() - 0.8).abs() < 1e-5);
+/// assert!((sampled.surface_albedo() - 0.8).abs() < 1e-5);
 /// assert!((sampled.eval(1.234) / source.eval(1.234) - 1.0).abs() < 1e-5);
 /// # Ok(())
 /// # }

@@ -6,10 +6,10 @@
 use glam::Vec3;
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
 use translucid_scene::{ColorInput, Light, Material, ScalarInput, SubsurfaceModel};
-use translucid_testing::bound;
 
 use crate::common::{
-    assert_within, distant, measure, prepare, quad, sample_ray, samples, scene, sphere, uniform_environment,
+    assert_within, distant, measure, precision, prepare, quad, sample_ray, samples, scene, sphere,
+    uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
@@ -177,7 +177,7 @@ fn collimated_spot_reproduces_the_profile_in_rings() {
         let z = (mean - expected) / error;
         // By Student's t of 23 degrees of freedom a false alarm in 150, and 4 % over the six rings
         assert!(z.abs() < 3.0, "ring {inner}–{outer}: {mean} ± {error}, expected {expected}, z = {z}");
-        assert!(error < bound(0.05) * expected, "ring {inner}–{outer}: too noisy to tell, {mean} ± {error}");
+        assert!(error < precision() * expected, "ring {inner}–{outer}: too noisy to tell, {mean} ± {error}");
     }
 }
 

@@ -11,9 +11,10 @@ use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, Object, Pixels, ScalarInput, Scene,
     SubsurfaceModel, SubsurfaceTextureAt, TextureRef,
 };
-use translucid_testing::bound;
 
-use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
+use crate::common::{
+    assert_within, distant, measure, precision, prepare, quad, samples, scene, uniform_environment,
+};
 
 const POLICIES: [SubsurfaceTextureAt; 3] =
     [SubsurfaceTextureAt::Exit, SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both];
@@ -179,7 +180,7 @@ fn both_is_reciprocal_and_the_others_are_not() {
         // Both ways have the same distances of pairs
         if policy == SubsurfaceTextureAt::Both {
             assert!(z.abs().max_element() < 4.0, "{there:?} {back:?}, z = {z}");
-            assert!((there.1 / there.0).max_element() < bound(0.05) as f32, "too noisy to tell: {there:?}");
+            assert!((there.1 / there.0).max_element() < precision() as f32, "too noisy to tell: {there:?}");
         } else {
             assert!(relative.max_element() > 0.3, "{policy:?}: {there:?} {back:?}");
         }
