@@ -109,7 +109,7 @@ fn main() {
     // Under `cargo test --benches` only see that everything runs
     let in_earnest = std::env::args().any(|argument| argument == "--bench");
 
-    let mut tasks: Vec<Task> = rows().into_iter().flat_map(tasks_of).collect();
+    let mut tasks: Vec<Task> = rows().iter().flat_map(tasks_of).collect();
     tasks.extend(tasks_of_types());
     if in_earnest {
         tasks.iter_mut().for_each(|task| task.calls = calls_in_a_turn(&*task.call));
@@ -127,8 +127,8 @@ fn task(row: impl Into<String>, column: &'static str, call: impl Fn(usize) -> f6
 }
 
 /// Tasks of a model.
-fn tasks_of(row: Row) -> Vec<Task> {
-    let Row { name, make, knows_boundary } = row;
+fn tasks_of(row: &Row) -> Vec<Task> {
+    let Row { name, make, knows_boundary } = *row;
     let uniforms = uniforms();
     let table = TabulatedProfile::new(&*make(1.0));
     let radii: Vec<f64> = uniforms.iter().map(|u| table.sample(*u)).collect();
