@@ -5,6 +5,9 @@ use std::io;
 
 use crate::Region;
 
+/// Fills the values of a row: those of all channels of a pixel side by side.
+type FillRow<'a> = dyn Fn(u32, &mut [f64]) + Sync + 'a;
+
 /// A rectangle of pixels with named channels, whose values are asked for row by row.
 ///
 /// ```
@@ -33,7 +36,7 @@ pub struct Picture<'a> {
     pub software: String,
     /// Further notes about the making, by name.
     pub metadata: Vec<(String, MetadataValue)>,
-    fill_row: Box<dyn Fn(u32, &mut [f64]) + Sync + 'a>,
+    fill_row: Box<FillRow<'a>>,
 }
 
 impl<'a> Picture<'a> {

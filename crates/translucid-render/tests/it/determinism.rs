@@ -81,7 +81,8 @@ struct Way {
 }
 
 static WAYS: LazyLock<Vec<Way>> = LazyLock::new(|| {
-    let changes: [(&'static str, fn(&mut Scene)); 5] = [
+    type Change = fn(&mut Scene);
+    let changes: [(&'static str, Change); 5] = [
         ("shared", |scene| scene.integrator.subsurface_sharing = true),
         ("alone", |scene| scene.integrator.subsurface_sharing = false),
         ("normalized", |scene| {

@@ -21,7 +21,7 @@ const LEAST_COMPLEMENT: f64 = 1.0 / 8_589_934_592.0;
 /// Twin of [`RefinedDiffusion`](crate::RefinedDiffusion) in single precision.
 ///
 /// Every method lies within a relative 7e-8 of the `f64` profile of the same parameters wherever the result is a normal
-/// number; the worst that its tests find is 6.3e-8, and the rounding of a result alone is 6.0e-8.
+/// number; the rounding of a result alone is 6.0e-8.
 /// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
 /// The slice methods return bit for bit what the scalar ones do.
 ///

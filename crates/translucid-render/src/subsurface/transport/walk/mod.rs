@@ -25,6 +25,6 @@ mod flight;
 mod medium;
 mod phase_function;
 mod random;
-mod walk;
+mod scatter;
 
 pub(crate) use medium::{WalkMedium, WalkRecipe};

@@ -119,7 +119,7 @@ fn lights_have_the_same_ranges_in_files_and_in_code() {
         scene.lights[0] = spot(0.0, x);
     });
     check_all(&light("spot", &format!("{piece}inner_angle = ?")), &|scene, x| {
-        scene.lights[0] = spot(x, 45.0)
+        scene.lights[0] = spot(x, 45.0);
     });
     check_all(
         &light("beam", "origin = [0, 0, 0]\ndirection = [0, 1, 0]\nradius = ?\npower = 1"),
