@@ -7,10 +7,11 @@ use translucid_profile::{
     ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization, PhotonBeamDiffusion,
     Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
+use translucid_testing::power;
 
 /// Error of a table's cdf below the median, and of 1 − cdf above it, that its documentation promises.
 const PROMISED: f64 = 1e-4;
-/// What all but one of the models here reach.
+/// Error that all but one of the models here reach.
 const REACHED: f64 = 1e-5;
 
 fn diffusion(surface_albedo: f64, d: f64) -> NormalizedDiffusion {
@@ -188,22 +189,22 @@ fn pdf_is_the_slope_of_cdf_and_integrates_to_one() {
     }
 }
 
-/// Kolmogorov–Smirnov: with 100,000 samples √n D exceeds 2.2 by chance once in 8,000 (2 e^{−2·2.2²}), for the 49
+/// Kolmogorov–Smirnov: √n D exceeds 2.2 by chance once in 8,000 (2 e^{−2·2.2²}), for the 49
 /// profiles here once in 160. The numbers are fixed, so it either always passes or never does.
 #[test]
 fn samples_are_distributed_like_the_source() {
-    const COUNT: u32 = 100_000;
+    let count = power(100_000) as u32;
     for (name, source) in sources() {
         let table = TabulatedProfile::new(&*source);
         let mut state = 1u64;
-        let mut radii: Vec<f64> = (0..COUNT).map(|_| table.sample(uniform(&mut state))).collect();
+        let mut radii: Vec<f64> = (0..count).map(|_| table.sample(uniform(&mut state))).collect();
         radii.sort_by(f64::total_cmp);
         let steps = radii.iter().zip(0u32..).map(|(r, i)| {
             let within = source.enclosed(*r) / source.surface_albedo();
-            let (before, after) = (f64::from(i) / f64::from(COUNT), f64::from(i + 1) / f64::from(COUNT));
+            let (before, after) = (f64::from(i) / f64::from(count), f64::from(i + 1) / f64::from(count));
             (within - before).abs().max((within - after).abs())
         });
-        let statistic = steps.fold(0.0, f64::max) * f64::from(COUNT).sqrt();
+        let statistic = steps.fold(0.0, f64::max) * f64::from(count).sqrt();
         assert!(statistic < 2.2, "{name}: {statistic}");
     }
 }
@@ -375,7 +376,7 @@ fn views_are_distributions() {
 /// Kolmogorov–Smirnov, as [`samples_are_distributed_like_the_source`]: 8 trials, false alarm once in 1,000.
 #[test]
 fn samples_of_views_are_distributed_like_their_cdf() {
-    const COUNT: u32 = 100_000;
+    let count = power(100_000) as u32;
     for (name, model) in MODELS {
         let view = every_albedo(model);
         let view = view.at(0.7654, 2.0);
@@ -386,15 +387,15 @@ fn samples_of_views_are_distributed_like_their_cdf() {
                 let u = uniform(&mut state);
                 if limit.is_finite() { view.sample_within(u, limit) } else { view.sample(u) }
             };
-            let mut radii: Vec<f64> = (0..COUNT).map(|_| sample()).collect();
+            let mut radii: Vec<f64> = (0..count).map(|_| sample()).collect();
             radii.sort_by(f64::total_cmp);
             assert!(radii[radii.len() - 1] <= limit);
             let steps = radii.iter().zip(0u32..).map(|(r, i)| {
                 let within = view.cdf(*r) / view.cdf(limit);
-                let (before, after) = (f64::from(i) / f64::from(COUNT), f64::from(i + 1) / f64::from(COUNT));
+                let (before, after) = (f64::from(i) / f64::from(count), f64::from(i + 1) / f64::from(count));
                 (within - before).abs().max((within - after).abs())
             });
-            let statistic = steps.fold(0.0, f64::max) * f64::from(COUNT).sqrt();
+            let statistic = steps.fold(0.0, f64::max) * f64::from(count).sqrt();
             assert!(statistic < 2.2, "{name} {limit}: {statistic}");
         }
     }
@@ -443,7 +444,7 @@ fn single_precision_follows_double() {
     }
 }
 
-/// What is drawn below a radius has the density over the cdf there: the mean of 1/p over samples is the radius.
+/// Radii drawn below a radius have the density over the cdf there: the mean of 1/p over samples is the radius.
 #[test]
 fn sample_within_is_exact_in_single_precision() {
     for (name, model) in MODELS {
