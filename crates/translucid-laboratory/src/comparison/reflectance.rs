@@ -1,6 +1,6 @@
 //! Curves R(r) of one surface albedo.
 
-use translucid_profile::{Configuration, Profile, TabulatedProfile};
+use translucid_profile::{Configuration, Profile};
 
 use super::monte_carlo::{self, RingPoint, Walk};
 use super::{Contender, Reference};
@@ -72,11 +72,6 @@ impl Reflectance {
     /// The greatest distance of a ring from the exact solution, in standard errors; 0 without rings.
     pub fn greatest_deviate(&self) -> f64 {
         self.points.iter().map(|point| point.deviate().abs()).fold(0.0, f64::max)
-    }
-
-    /// The radius within which a share of the light leaves, by the exact solution.
-    pub fn quantile(reference: &Reference, share: f64) -> f64 {
-        TabulatedProfile::new(&reference.exact).quantile(share)
     }
 }
 

@@ -1,7 +1,5 @@
 //! Radii drawn from a profile against its density.
 
-use std::f64::consts::PI;
-
 use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
 
 use super::{Contender, Reference, chi_square_probability};
@@ -74,15 +72,14 @@ impl SampleTest {
 
         // Compare with what was promised
         let share = |i: usize| match edges.get(i + 1) {
-            Some(outer) => (profile.enclosed(*outer) - profile.enclosed(edges[i])) / profile.surface_albedo(),
-            None => profile.beyond(end) / profile.surface_albedo(),
+            Some(outer) => profile.cdf(*outer) - profile.cdf(edges[i]),
+            None => profile.complementary_cdf(end),
         };
         let expected: Vec<f64> = (0..=Self::BINS).map(|i| sampling.count as f64 * share(i)).collect();
         let chi_square = counts.iter().zip(&expected).map(|(n, e)| (*n as f64 - e).powi(2) / e).sum();
         let fine = |i: usize| 0.25 * step * i as f64;
-        let per_length = |r: f64| 2.0 * PI * profile.eval_times_r(r) / profile.surface_albedo();
         Ok(Self {
-            density: (0..=4 * Self::BINS).map(|i| [fine(i), per_length(fine(i))]).collect(),
+            density: (0..=4 * Self::BINS).map(|i| [fine(i), profile.pdf(fine(i))]).collect(),
             contender: contender.name,
             surface_albedo: reference.surface_albedo,
             own_sampler: profile.samples_directly(),

@@ -35,8 +35,8 @@ impl Bitmap {
     }
 
     /// Width and height.
-    pub(crate) fn size(&self) -> [u32; 2] {
-        [self.pixels.width(), self.pixels.height()]
+    pub(crate) fn size(&self) -> [usize; 2] {
+        [self.pixels.width(), self.pixels.height()].map(|edge| edge as usize)
     }
 
     /// Red, green and blue of all pixels, row by row.
@@ -52,7 +52,7 @@ impl Bitmap {
         width: usize,
         codes: impl Iterator<Item = [u8; 3]>,
     ) {
-        let [own_width, height] = self.size().map(|edge| edge as usize);
+        let [own_width, height] = self.size();
         let data = self.pixels.data_mut();
         for (i, code) in codes.enumerate() {
             let (x, y) = (left + i % width, top + i / width);
@@ -188,7 +188,7 @@ mod tests {
 
     /// Tells whether any pixel of a rectangle is dark.
     fn is_dark(bitmap: &Bitmap, [left, top, right, bottom]: [usize; 4]) -> bool {
-        let (codes, width) = (bitmap.codes(), bitmap.size()[0] as usize);
+        let (codes, width) = (bitmap.codes(), bitmap.size()[0]);
         (top..bottom).any(|y| (left..right).any(|x| codes[3 * (y * width + x)] < 100))
     }
 

@@ -68,9 +68,7 @@ impl Raster {
     /// There is no pixel, or more than the format can hold.
     pub fn png(&self) -> io::Result<Vec<u8>> {
         let codes: Vec<u8> = self.codes().flatten().collect();
-        let too_large = |_| io::Error::other("the picture is too large");
-        let [width, height] = [self.width, self.height].map(|edge| u32::try_from(edge).map_err(too_large));
-        encode_png([width?, height?], &codes, None)
+        encode_png([self.width, self.height], &codes, None)
     }
 }
 
