@@ -51,7 +51,7 @@ Examples:
 /// Puts the models beside the exact solution: curves, errors and times as a page, figures and tables
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Arguments {
+pub(crate) struct CompareArguments {
     /// Directory to write to; made if it is not there
     #[arg(short, long, value_name = "DIR", default_value = "comparison")]
     output: PathBuf,
@@ -116,7 +116,7 @@ const LEAST_ALBEDO: f64 = 1e-6;
 const DRAWING: f64 = 0.2;
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let settings = arguments.settings()?;
     let pool = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.threads.map_or(0, usize::from))
@@ -162,7 +162,7 @@ fn stopped(_: Stopped) -> Failure {
     }
 }
 
-/// What `--models` takes, and a model that it refuses with a reason.
+/// Values of `--models`, and a model that it refuses with a reason.
 fn names() -> Vec<PossibleValue> {
     let mut names: Vec<PossibleValue> = Contender::names().into_iter().map(PossibleValue::new).collect();
     names.push(PossibleValue::new(OBLIQUE.name()).hide(true));
@@ -172,8 +172,8 @@ fn names() -> Vec<PossibleValue> {
 /// A model that is not compared: its profile is no function of the radius alone.
 const OBLIQUE: Model = Model::NormalizedDiffusionOblique;
 
-impl Arguments {
-    /// What the options ask for.
+impl CompareArguments {
+    /// Settings that the options ask for.
     fn settings(&self) -> Result<Settings, Failure> {
         let albedos = &self.surface_albedo;
         if let Some(a) = albedos.iter().find(|a| !(LEAST_ALBEDO..=1.0).contains(*a)) {

@@ -48,7 +48,7 @@ Examples:
 /// Prints a material in the numbers of other renderers and engines
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES.replace("SYSTEMS", &names::all().join(", ")))]
-pub(crate) struct Arguments {
+pub(crate) struct ConvertArguments {
     /// A parameter of the system that the material comes from, once for each parameter; or `list` the systems
     #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE", required = true)]
     from: Vec<String>,
@@ -57,10 +57,10 @@ pub(crate) struct Arguments {
     surface_albedo: Vec<f64>,
     /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own
     #[arg(long, value_enum, default_value = "mm")]
-    unit: UnitName,
+    unit: LengthUnitName,
     /// Unit of lengths in the scene that the material goes to [default: that of --unit]
     #[arg(long, value_enum)]
-    to_unit: Option<UnitName>,
+    to_unit: Option<LengthUnitName>,
     /// Systems to print, comma-separated [default: all]
     #[arg(long, value_name = "SYSTEMS", value_delimiter = ',')]
     to: Vec<String>,
@@ -75,11 +75,11 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
     /// How to print
     #[arg(long, value_enum, default_value = "csv")]
-    format: output::Format,
+    format: output::SettingFormat,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UnitName {
+enum LengthUnitName {
     /// Millimeters
     Mm,
     /// Centimeters
@@ -88,7 +88,7 @@ enum UnitName {
     M,
 }
 
-impl UnitName {
+impl LengthUnitName {
     fn unit(self) -> Unit {
         match self {
             Self::Mm => Unit::Millimeter,
@@ -108,7 +108,7 @@ fn millimeters(unit: LengthUnit, scene: Unit) -> f64 {
 }
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if arguments.from == ["list"] {
         return output::print(&names::list());
     }
@@ -139,7 +139,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     output::write(&rows, arguments.format, arguments.output.as_deref())
 }
 
-impl Arguments {
+impl ConvertArguments {
     fn configuration(&self) -> Configuration {
         match self.configuration {
             ConfigurationName::Searchlight => Configuration::Searchlight,

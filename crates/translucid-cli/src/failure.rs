@@ -3,25 +3,25 @@
 use translucid_image::OutputError;
 use translucid_scene::SceneError;
 
-/// What kept a verb from its result.
+/// A reason why a verb has no result.
 #[derive(Debug)]
 pub(crate) enum Failure {
     /// A scene, mesh or image file is wrong, or an option does not fit it.
     Scene(SceneError),
     /// An option is wrong.
     Input {
-        /// What is wrong, with the value found and the values allowed.
+        /// The fault, with the value found and the values allowed.
         message: String,
-        /// What to do, if that is known.
+        /// Advice, if there is any.
         help: Option<String>,
     },
     /// A file given by the user cannot be written or resumed from, or there is nothing to denoise with.
     File(OutputError),
     /// The input was right, but the work could not be done.
     Work {
-        /// What went wrong.
+        /// The fault.
         message: String,
-        /// What to do, if that is known.
+        /// Advice, if there is any.
         help: Option<String>,
     },
     /// Ctrl-C: what there is has been written.

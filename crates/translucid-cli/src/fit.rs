@@ -48,14 +48,14 @@ Examples:
 /// Fits simple profiles to the exact one, and prints how far they are
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Arguments {
+pub(crate) struct FitArguments {
     /// How light enters the medium; for burley [default: all cases of the talk]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
     /// Length that the fit is in; for burley [default: all cases of the talk]
     #[arg(long, value_enum)]
     parameter: Option<ParameterName>,
-    /// What is fitted
+    /// Family of functions that is fitted
     #[arg(long, value_enum, required_unless_present = "table")]
     family: Option<FamilyName>,
     /// Number of exponentials, with --table also of Gaussians, 1 to 8 [default: 3, with --table 2]
@@ -94,7 +94,7 @@ enum FamilyName {
 }
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let terms = |default: u32| arguments.terms.unwrap_or(default) as usize;
     if let Some(path) = &arguments.table {
         return table::run(arguments, path, terms(2));
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
-impl Arguments {
+impl FitArguments {
     /// Whether every case that the talk has a polynomial for is asked for.
     fn is_all_of_the_talk(&self) -> bool {
         let [no_configuration, no_parameter] = [self.configuration.is_none(), self.parameter.is_none()];
@@ -135,7 +135,7 @@ impl Arguments {
     }
 }
 
-/// What is fitted to the exact half space.
+/// Task of fitting a family to the exact half space.
 #[derive(Clone, Copy, Debug)]
 struct Case {
     configuration: ConfigurationName,

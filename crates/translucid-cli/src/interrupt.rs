@@ -25,7 +25,7 @@ pub(crate) fn settle() -> bool {
 /// group.
 const ONE_PRESS: Duration = Duration::from_millis(300);
 
-/// What to print at the first Ctrl-C; nothing before it is caught.
+/// Words to print at the first Ctrl-C; none before it is caught.
 static MESSAGE: Mutex<Option<&'static str>> = Mutex::new(None);
 
 /// From now on the first Ctrl-C prints `message` and sets [`STOP`].

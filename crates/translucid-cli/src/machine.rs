@@ -1,4 +1,4 @@
-//! What the operating system knows about this process and its machine; `None` where it does not say.
+//! Facts that the operating system knows about this process and its machine; `None` where it does not say.
 
 use std::fs;
 

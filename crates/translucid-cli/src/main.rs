@@ -42,12 +42,12 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Render(render::Arguments),
-    Profile(profile::Arguments),
-    Sample(sample::Arguments),
-    Reference(reference::Arguments),
-    Fit(fit::Arguments),
-    Compare(compare::Arguments),
-    Convert(convert::Arguments),
+    Profile(profile::ProfileArguments),
+    Sample(sample::SampleArguments),
+    Reference(reference::ReferenceArguments),
+    Fit(fit::FitArguments),
+    Compare(compare::CompareArguments),
+    Convert(convert::ConvertArguments),
 }
 
 const EXAMPLES: &str = "\

@@ -25,7 +25,7 @@ Examples:
 /// Prints a reflectance profile as a table
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Arguments {
+pub(crate) struct ProfileArguments {
     #[command(flatten)]
     model: ModelArguments,
     #[command(flatten)]
@@ -35,7 +35,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &ProfileArguments) -> Result<(), Failure> {
     arguments.table.spare(arguments.model.table_file())?;
     let profile = arguments.model.profile()?;
     let columns = ["r", "reflectance", "enclosed"];

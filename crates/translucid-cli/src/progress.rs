@@ -12,7 +12,7 @@ const LINE_INTERVAL: Duration = Duration::from_secs(5);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
-/// What work is counted in.
+/// Unit that work is counted in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Unit {
     /// Camera paths of a rendering.
@@ -29,11 +29,11 @@ pub(crate) enum Unit {
 pub(crate) struct Meter {
     unit: Unit,
     start: Instant,
-    /// What was there at the start, from an earlier run.
+    /// Units that an earlier run has done.
     done_before: u64,
     /// When the time is up, if it is limited.
     deadline: Option<Instant>,
-    /// What is being worked at, with a colon; empty where there is one thing only.
+    /// Name of the piece of work, with a colon; empty where there is one only.
     name: String,
     display: Display,
 }
@@ -121,7 +121,7 @@ impl Meter {
     }
 }
 
-/// What there is to show.
+/// State of the work, as it is shown.
 struct State {
     /// Part of the work done, in [0, 1].
     fraction: f64,

@@ -22,7 +22,7 @@ Examples:
 /// Draws radii from a reflectance profile
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
-pub(crate) struct Arguments {
+pub(crate) struct SampleArguments {
     #[command(flatten)]
     model: ModelArguments,
     /// Number of radii
@@ -36,7 +36,7 @@ pub(crate) struct Arguments {
 }
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &SampleArguments) -> Result<(), Failure> {
     arguments.table.spare(arguments.model.table_file())?;
     let profile = arguments.model.profile_to_sample()?;
     let radius = |index| [profile.sample(random(arguments.seed, index))];

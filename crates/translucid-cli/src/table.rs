@@ -18,13 +18,13 @@ pub(crate) struct TableArguments {
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// How to write numbers
-    #[arg(long, value_enum, default_value_t = Format::Csv)]
-    format: Format,
+    #[arg(long, value_enum, default_value_t = TableFormat::Csv)]
+    format: TableFormat,
 }
 
 /// Text formats of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
+pub(crate) enum TableFormat {
     /// Comma-separated values after a header line
     Csv,
     /// An array with one object a row
@@ -117,18 +117,18 @@ impl<W: Write> Write for Guarded<W> {
 
 fn write_rows<const N: usize>(
     out: &mut impl Write,
-    format: Format,
+    format: TableFormat,
     columns: [&str; N],
     rows: impl Iterator<Item = [f64; N]>,
 ) -> io::Result<()> {
     match format {
-        Format::Csv => {
+        TableFormat::Csv => {
             writeln!(out, "{}", columns.join(","))?;
             for row in rows {
                 writeln!(out, "{}", row.map(exact).join(","))?;
             }
         }
-        Format::Json => {
+        TableFormat::Json => {
             let mut separator = "[";
             for row in rows {
                 let mut number = 0;
@@ -180,7 +180,7 @@ mod tests {
     #[test]
     fn json_of_no_rows_is_an_empty_array() {
         let mut out = Vec::new();
-        write_rows(&mut out, Format::Json, ["r"], std::iter::empty()).unwrap();
+        write_rows(&mut out, TableFormat::Json, ["r"], std::iter::empty()).unwrap();
         assert_eq!(String::from_utf8(out).unwrap(), "[]\n");
     }
 }

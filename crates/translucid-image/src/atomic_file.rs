@@ -17,7 +17,7 @@ use crate::OutputError;
 
 /// Writes a file through `write`, beside its target first; then the new file takes the target's place.
 ///
-/// What stood at `path` stays as it was if anything fails. A symbolic link keeps pointing where it did,
+/// An older file at `path` stays as it was if anything fails. A symbolic link keeps pointing where it did,
 /// and the file that it points to is replaced.
 ///
 /// # Errors

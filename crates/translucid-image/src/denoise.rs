@@ -46,7 +46,7 @@ type Handle = *mut c_void;
 pub struct Denoised {
     /// Radiance of each pixel, row by row, multiplied by coverage; finite and at least 0.
     pub radiance: Vec<[f32; 3]>,
-    /// What has denoised it, with its version.
+    /// Program that has denoised it, with its version.
     pub by: String,
 }
 

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 pub struct OutputError {
     /// The file, where it is about one.
     pub path: Option<PathBuf>,
-    /// What is wrong; no final stop.
+    /// The fault, without a final stop.
     pub message: String,
-    /// What to do, if that is known.
+    /// Advice, if there is any.
     pub help: Option<String>,
 }
 

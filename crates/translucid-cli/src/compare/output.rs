@@ -18,7 +18,7 @@ use crate::outputs::is_own_page;
 pub(super) const PAGE: &str = "index.html";
 /// Names that another program may well have given its own files.
 const COMMON_NAMES: [&str; 3] = [PAGE, "errors.csv", "timing.csv"];
-/// What a comparison's page is called.
+/// Title of a comparison's page.
 const TITLE: &str = "Reflectance profiles compared";
 
 /// A directory to write to.
@@ -29,7 +29,7 @@ pub(super) struct Output {
 }
 
 /// A file's name and content.
-pub(super) type File = (String, Vec<u8>);
+pub(super) type NamedFile = (String, Vec<u8>);
 
 impl Output {
     /// Makes the directory and finds out whether files can be written there, before the work.
@@ -72,7 +72,7 @@ impl Output {
     }
 
     /// Writes all files, the page first: it says whose the others are.
-    pub(super) fn write(&self, files: &[File]) -> Result<(), Failure> {
+    pub(super) fn write(&self, files: &[NamedFile]) -> Result<(), Failure> {
         for (name, content) in files {
             let path = self.directory.join(name);
             write_atomically(&path, |out| out.write_all(content)).map_err(Failure::late)?;
@@ -82,7 +82,7 @@ impl Output {
 }
 
 /// Draws everything: the page, three files a chart, one a table.
-pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<File>, Failure> {
+pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<NamedFile>, Failure> {
     let charts: Vec<&Chart> = report.page.charts().collect();
     let done = AtomicUsize::new(0);
     let drawn = charts.par_iter().map(|chart| {
@@ -99,7 +99,7 @@ pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<V
         progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / charts.len() as f64);
         Ok(files)
     });
-    let drawn: Vec<[File; 3]> = drawn.collect::<Result<_, Failure>>()?;
+    let drawn: Vec<[NamedFile; 3]> = drawn.collect::<Result<_, Failure>>()?;
     let mut files = vec![(String::from(PAGE), report.page.html().into_bytes())];
     files.extend(drawn.into_iter().flatten());
     let tables = report.page.tables().chain(&report.tables);

@@ -13,7 +13,7 @@ use crate::table::exact;
 
 /// How rows are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Format {
+pub(crate) enum SettingFormat {
     /// Comma-separated values after a header line
     Csv,
     /// An array with one object a row
@@ -23,11 +23,11 @@ pub(crate) enum Format {
 }
 
 /// Writes the rows to a file or to stdout.
-pub(super) fn write(rows: &[Row], format: Format, path: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) -> Result<(), Failure> {
     let text = match format {
-        Format::Csv => csv(rows),
-        Format::Json => json(rows),
-        Format::Text => paragraphs(rows),
+        SettingFormat::Csv => csv(rows),
+        SettingFormat::Json => json(rows),
+        SettingFormat::Text => paragraphs(rows),
     };
     if let Some(path) = path {
         translucid_image::check_writable(path)?;

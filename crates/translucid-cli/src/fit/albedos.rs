@@ -31,7 +31,7 @@ pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failur
     output.write(&burley_report(case, &fit), &burley_tables(&fit))
 }
 
-/// The same for the three cases that the talk has polynomials for; the columns begin with the case.
+/// Fits normalized diffusion in the three cases that the talk has polynomials for; the columns begin with the case.
 pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> Result<(), Failure> {
     output.check(&BURLEY_FILES, None)?;
     let cases = Case::of_the_talk(max_radius);
@@ -80,7 +80,7 @@ fn burley_errors(fit: &ScalingCase) -> [Errors; 3] {
     ]
 }
 
-/// What came out, and whether it is what the talk says.
+/// Report on a fit, and on whether it is what the talk says.
 fn burley_report(case: &Case, fit: &ScalingCase) -> String {
     let mut text = case.heading();
     text += &format!("fitted: {}\n", fit.fitted);
@@ -206,7 +206,7 @@ impl Case {
         }
     }
 
-    /// What was fitted to what.
+    /// First lines of a report: family, configuration, length and norm.
     fn heading(&self) -> String {
         let family = match self.family {
             FamilyName::Burley => "normalized diffusion",
@@ -233,7 +233,7 @@ impl Case {
         )
     }
 
-    /// What the talk says its fit is for, where that is something else.
+    /// Case that the talk says its fit is for, where that is another.
     fn talk_note(&self) -> &'static str {
         match (self.parameter, self.configuration) {
             (ParameterName::Dmfp, ConfigurationName::Diffuse) => {

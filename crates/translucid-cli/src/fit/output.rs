@@ -4,13 +4,13 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_laboratory::{Chart, Theme};
 
 use crate::failure::Failure;
 use crate::messages;
-use crate::table::exact;
+use crate::table::{TableFormat, exact};
 
 #[derive(Args, Debug)]
 pub(super) struct OutputArguments {
@@ -19,16 +19,7 @@ pub(super) struct OutputArguments {
     output: Option<PathBuf>,
     /// How to write the table on stdout
     #[arg(long, value_enum, default_value = "csv", conflicts_with = "output")]
-    format: Format,
-}
-
-/// Text formats of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum Format {
-    /// Comma-separated values after a header line
-    Csv,
-    /// An array with one object a row
-    Json,
+    format: TableFormat,
 }
 
 /// A value of a table.
@@ -69,7 +60,7 @@ impl Table {
         Self { file, columns: columns.iter().map(|name| (*name).to_owned()).collect(), rows: Vec::new() }
     }
 
-    /// The same with columns before the others, which have one word in all rows.
+    /// Puts columns before the others, which have one word in all rows.
     pub(super) fn with_words(mut self, words: &[(&str, &str)]) -> Self {
         self.columns.splice(0..0, words.iter().map(|(name, _)| (*name).to_owned()));
         for row in &mut self.rows {
@@ -149,8 +140,8 @@ impl OutputArguments {
     /// Prints a table; a reader that closes stdout early is no error.
     fn print(&self, table: &Table) -> Result<(), Failure> {
         let text = match self.format {
-            Format::Csv => table.csv(),
-            Format::Json => table.json(),
+            TableFormat::Csv => table.csv(),
+            TableFormat::Json => table.json(),
         };
         let mut out = io::stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

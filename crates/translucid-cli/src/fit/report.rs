@@ -9,7 +9,7 @@ use super::output::{Table, Value};
 
 /// Errors of one fit up to each of [`R_MAX`].
 pub(super) struct Errors {
-    /// What was fitted, in one word.
+    /// Name of the fit, in one word.
     pub(super) name: &'static str,
     pub(super) summaries: [ErrorSummary; 3],
 }

@@ -9,7 +9,7 @@ use translucid_laboratory::{Chart, Ink, ResidualScale, Residuals, residual_chart
 use translucid_profile::{Model, ParameterError, Profile};
 use translucid_scene::{Place, SceneError};
 
-use super::Arguments;
+use super::FitArguments;
 use super::output::{Table, Value};
 use crate::failure::Failure;
 use crate::table::exact;
@@ -22,7 +22,7 @@ const LEAST_ERROR: f64 = 1e-250;
 const MOST_SAMPLES: usize = 100_000;
 
 /// Fits normalized diffusion, exponentials and Gaussians to the samples of a file.
-pub(super) fn run(arguments: &Arguments, path: &Path, terms: usize) -> Result<(), Failure> {
+pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result<(), Failure> {
     let files = ["parameters.csv", "residuals.csv", "residuals.svg", "residuals.png"];
     let (samples, errors) = load(path)?;
     if samples.len() <= 2 * terms {
@@ -98,7 +98,7 @@ struct Weighed<'a> {
     errors: Errors,
 }
 
-/// What is printed of a fit.
+/// Fit as it is printed.
 struct Fit {
     name: &'static str,
     parameters: Vec<(String, Estimate)>,

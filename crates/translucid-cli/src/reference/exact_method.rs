@@ -7,13 +7,13 @@ use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering
 use translucid_reference::walk::{PhaseFunction, Problem};
 use translucid_reference::{Estimate, Incidence};
 
-use super::{Arguments, COLUMNS};
+use super::{COLUMNS, ReferenceArguments};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit};
 use crate::table::exact;
 
 /// Prints the solution, albedo by albedo.
-pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     refuse_what_is_not_solved(arguments, problem)?;
     let albedos = albedos(arguments, problem)?;
     let solve = |&(_, alpha): &(Option<f64>, f64)| Solution::new(arguments, problem, alpha);
@@ -45,7 +45,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
 }
 
 /// Says of what is not solved what to use instead.
-fn refuse_what_is_not_solved(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let parameters = problem.parameters();
     let refuse = |what: String| {
         Err(Failure::input(format!("the exact method knows no {what}"))
@@ -68,7 +68,7 @@ fn refuse_what_is_not_solved(arguments: &Arguments, problem: &Problem) -> Result
 }
 
 /// Surface albedo, where it was given, and single-scattering albedo of every part of the table.
-fn albedos(arguments: &Arguments, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
+fn albedos(arguments: &ReferenceArguments, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
     let parameters = problem.parameters();
     if !arguments.single_scattering_albedo.is_empty() {
         return Ok(arguments.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
@@ -89,7 +89,7 @@ enum Solution {
 }
 
 impl Solution {
-    fn new(arguments: &Arguments, problem: &Problem, alpha: f64) -> Result<Self, Failure> {
+    fn new(arguments: &ReferenceArguments, problem: &Problem, alpha: f64) -> Result<Self, Failure> {
         let parameters = problem.parameters();
         let solution = match (parameters.incidence, arguments.azimuth) {
             (Incidence::Pencil { cos_theta }, Some(degrees)) => {

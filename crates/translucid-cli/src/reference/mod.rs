@@ -39,7 +39,7 @@ Examples:
 /// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES, group(ArgGroup::new("albedos").required(true)))]
-pub(crate) struct Arguments {
+pub(crate) struct ReferenceArguments {
     /// How to find the truth
     #[arg(long, value_enum, default_value_t = Method::Exact)]
     method: Method,
@@ -112,7 +112,7 @@ enum Method {
 enum PhaseFunctionName {
     /// With the mean cosine --g
     HenyeyGreenstein,
-    /// Of particles much smaller than the wavelength
+    /// Particles much smaller than the wavelength
     Rayleigh,
 }
 
@@ -128,7 +128,7 @@ const COLUMNS: [&str; 6] =
     ["surface_albedo", "single_scattering_albedo", "r", "reflectance", "enclosed", "standard_error"];
 
 /// Runs the verb.
-pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+pub(crate) fn run(arguments: &ReferenceArguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
     arguments.walk.pool()?.install(|| match arguments.method {
@@ -137,7 +137,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     })
 }
 
-impl Arguments {
+impl ReferenceArguments {
     /// Checks what both methods share, and turns lengths into mean free paths.
     fn problem(&self) -> Result<Problem, Failure> {
         require_positive("--mfp", self.mfp)?;

@@ -11,7 +11,7 @@ use translucid_reference::walk::{
     Control, Forecast, Goal, Layout, PhaseFunction, Problem, Side, TableError, WhiteTable,
 };
 
-use super::{Arguments, COLUMNS};
+use super::{COLUMNS, ReferenceArguments};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
 use crate::table::exact;
@@ -102,7 +102,7 @@ pub(crate) fn parse_photons(text: &str) -> Result<u64, String> {
 }
 
 /// Walks, and prints what the table says.
-pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failure> {
+pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let walk = &arguments.walk;
     if let Some(error) = walk.error.filter(|error| !(*error > 0.0 && *error < 1.0)) {
         return Err(Failure::input(format!("--error is {}, but must be in (0, 1)", exact(error))));
@@ -114,7 +114,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
     spare_tables(arguments)?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 
-    let mut work = Work::start(arguments, problem)?;
+    let mut work = WalkWork::start(arguments, problem)?;
     work.walk()?;
     let interrupted = interrupt::settle();
     work.save()?;
@@ -134,7 +134,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
 }
 
 /// Refuses to print the table over the files of photons.
-fn spare_tables(arguments: &Arguments) -> Result<(), Failure> {
+fn spare_tables(arguments: &ReferenceArguments) -> Result<(), Failure> {
     let walk = &arguments.walk;
     let Some(output) = arguments.table.output() else { return Ok(()) };
     // A file that is not there yet is told by its directory and name
@@ -158,8 +158,8 @@ fn spare_tables(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// A walk on its way.
-struct Work<'a> {
-    arguments: &'a Arguments,
+struct WalkWork<'a> {
+    arguments: &'a ReferenceArguments,
     table: WhiteTable,
     /// Radii in mean free paths.
     radii: Vec<f64>,
@@ -176,8 +176,8 @@ enum Albedos {
     Surface(Vec<f64>),
 }
 
-impl<'a> Work<'a> {
-    fn start(arguments: &'a Arguments, problem: &Problem) -> Result<Self, Failure> {
+impl<'a> WalkWork<'a> {
+    fn start(arguments: &'a ReferenceArguments, problem: &Problem) -> Result<Self, Failure> {
         // Radii and bins
         let count = arguments.radii.count();
         if count > MOST_RADII {
@@ -326,7 +326,7 @@ impl<'a> Work<'a> {
 }
 
 impl Albedos {
-    fn new(arguments: &Arguments, problem: &Problem) -> Result<Self, Failure> {
+    fn new(arguments: &ReferenceArguments, problem: &Problem) -> Result<Self, Failure> {
         if !arguments.single_scattering_albedo.is_empty() {
             let highest = WhiteTable::HIGHEST_REFERENCE_ALBEDO;
             if let Some(&alpha) = arguments.single_scattering_albedo.iter().find(|&&alpha| alpha > highest) {
@@ -369,7 +369,7 @@ impl Albedos {
     }
 
     /// The albedo at which to walk: the highest that is needed.
-    fn reference(&self, arguments: &Arguments, problem: &Problem) -> Result<f64, Failure> {
+    fn reference(&self, arguments: &ReferenceArguments, problem: &Problem) -> Result<f64, Failure> {
         // Photons that survive tell of low albedos, too: those that hardly scatter would leave few
         let highest = |list: &mut dyn Iterator<Item = f64>| list.fold(LOWEST_REFERENCE, f64::max);
         match self {
@@ -392,7 +392,7 @@ fn out_of_reach(surface_albedo: f64) -> Failure {
 }
 
 /// Finds an albedo a little above the one that makes a surface albedo, by short walks.
-fn pilot(arguments: &Arguments, problem: &Problem, surface_albedo: f64) -> Result<f64, Failure> {
+fn pilot(arguments: &ReferenceArguments, problem: &Problem, surface_albedo: f64) -> Result<f64, Failure> {
     // By similarity a medium scatters like an isotropic one of the reduced albedo
     let reduced = half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight);
     let g = problem.parameters().phase_function.mean_cosine();
@@ -436,7 +436,7 @@ fn pilot(arguments: &Arguments, problem: &Problem, surface_albedo: f64) -> Resul
 
 /// The lines of the printed table.
 fn rows(
-    arguments: &Arguments,
+    arguments: &ReferenceArguments,
     table: &WhiteTable,
     radii: &[f64],
     albedos: &Albedos,
@@ -489,8 +489,8 @@ fn sectors(azimuth: f64, radii: usize) -> u32 {
     (most - most / 3..=most).rev().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(most)
 }
 
-/// What an earlier run left in the file, if it is wanted and there.
-fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
+/// Table that an earlier run left in the file, if it is wanted and there.
+fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, Failure> {
     let walk = &arguments.walk;
     let Some(path) = &walk.table_file else { return Ok(None) };
     match (walk.resume, path.exists()) {
@@ -516,7 +516,7 @@ fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
     }
 }
 
-fn foreign_table(arguments: &Arguments, what: &str) -> Failure {
+fn foreign_table(arguments: &ReferenceArguments, what: &str) -> Failure {
     let walk = &arguments.walk;
     let resumed = walk.table_file.as_ref().filter(|path| walk.resume && path.exists());
     let path = resumed.or(walk.merge.first()).map_or(String::new(), |path| path.display().to_string());
@@ -531,7 +531,7 @@ fn table_failure(error: TableError) -> Failure {
     }
 }
 
-fn radius_error(arguments: &Arguments, error: &translucid_profile::ParameterError) -> Failure {
+fn radius_error(arguments: &ReferenceArguments, error: &translucid_profile::ParameterError) -> Failure {
     let value = error.value * if error.parameter.contains("radi") { arguments.mfp } else { 1.0 };
     if error.parameter.contains('×') {
         let most = MOST_CELLS / 18 / 3;

@@ -22,7 +22,7 @@ pub(crate) fn stdout(directory: &Path, words: &str) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// What the command printed on stderr.
+/// Standard error of the command.
 pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }

@@ -36,7 +36,7 @@ fn contents(directory: &Path) -> HashMap<String, Vec<u8>> {
     files(directory).into_iter().map(|name| (name.clone(), fs::read(directory.join(name)).unwrap())).collect()
 }
 
-/// What is timed, and the page that shows it.
+/// Tells whether a file is about times, or the page that shows them.
 fn is_timed(name: &str) -> bool {
     name.starts_with("error-against-time-") || ["timing.csv", "times.csv", "index.html"].contains(&name)
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant, SystemTime};
 use crate::common::{BALL, directory_with_ball, exr_values, files, stderr, stdout, translucid};
 use translucid_render::{PointCloud, load_checkpoint};
 
-/// What goes on from where it was killed, and saves itself all the time.
+/// Options to go on from where a rendering was killed, and to save it all the time.
 const GOING_ON: &str = "--checkpoint 0.01 --resume";
 
 /// Whatever moment the process is killed at, by a signal that it cannot catch, the picture is the old one or the new

@@ -1,4 +1,4 @@
-//! What the tests of the documentation read of Markdown: blocks of code, headings and links.
+//! Markdown as far as the tests of the documentation read it: blocks of code, headings and links.
 
 use std::path::{Path, PathBuf};
 
@@ -111,7 +111,7 @@ impl Page {
         self.prose().flat_map(spans).collect()
     }
 
-    /// What a link after `#` may name: the headings as GitHub names them.
+    /// Names that a link may have after `#`: the headings as GitHub names them.
     pub(crate) fn anchors(&self) -> Vec<String> {
         let mut anchors: Vec<String> = Vec::new();
         for (_, line) in self.prose() {

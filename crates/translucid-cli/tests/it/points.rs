@@ -16,7 +16,7 @@ fn directory() -> (tempfile::TempDir, PathBuf) {
     (directory, path)
 }
 
-/// What the command says when it refuses.
+/// Words of the command when it refuses.
 fn refusal(directory: &Path, words: &str) -> String {
     let output = run(directory, words);
     assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));

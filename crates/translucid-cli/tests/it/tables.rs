@@ -136,7 +136,7 @@ fn sample_follows_every_model() {
     }
 }
 
-/// What `profile` prints reads back as a table with the same profile.
+/// Tables that `profile` prints read back as a table with the same profile.
 #[test]
 fn profile_reads_a_table_of_its_own() {
     let directory = tempfile::tempdir().unwrap();
