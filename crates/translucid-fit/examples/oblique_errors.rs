@@ -1,4 +1,4 @@
-//! How far the profiles of oblique light are from the exact half space (g = 0, η = 1), as a table in Markdown.
+//! Distance of the profiles of oblique light from the exact half space (g = 0, η = 1), as a table in Markdown.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example oblique_errors
@@ -11,13 +11,18 @@
 
 #![allow(clippy::print_stdout, reason = "the table goes to standard output")]
 
+#[path = "oblique_errors/beam.rs"]
+mod beam;
+
 use std::f64::consts::{LN_2, PI};
 
 use translucid_profile::{
-    Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusion,
-    ObliquePhotonBeamDiffusion, Parameterization, RefinedDiffusion, half_space_single_scattering_albedo,
+    Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusion, Parameterization,
+    PhotonBeamDiffusion, RefinedDiffusion, half_space_single_scattering_albedo,
 };
 use translucid_reference::exact::ObliqueHalfSpace;
+
+use beam::ObliqueBeam;
 
 const ALBEDOS: [f64; 6] = [0.1, 0.2, 0.5, 0.8, 0.9, 0.98];
 const DEGREES: [f64; 7] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 85.0];
@@ -61,7 +66,7 @@ fn row(errors: &[[f64; 2]]) -> String {
     errors.iter().map(cell).collect::<Vec<_>>().join(" | ")
 }
 
-/// Of each model as it is, and at the exact energy.
+/// Errors of each model as it is, and at the exact energy.
 fn errors(surface_albedo: f64, degrees: f64, cells: [u32; 2]) -> [[f64; 2]; NAMES.len()] {
     let cos_theta = if degrees == 0.0 { 1.0 } else { degrees.to_radians().cos() };
     let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();
@@ -86,8 +91,11 @@ fn errors(surface_albedo: f64, degrees: f64, cells: [u32; 2]) -> [[f64; 2]; NAME
         errors_of(&|r, _| normalized.eval(r)),
         errors_of(&on_plane),
         // It reaches no albedo beyond some 0.96
-        match ObliquePhotonBeamDiffusion::new(&appearance, 1.0, cos_theta) {
-            Ok(beam) => errors_of(&|r, phi| beam.eval(r, phi)),
+        match PhotonBeamDiffusion::new(&appearance, 1.0) {
+            Ok(profile) => {
+                let beam = ObliqueBeam::new(profile.medium(), cos_theta);
+                errors_of(&|r, phi| beam.eval(r, phi))
+            }
             Err(_) => [f64::NAN; 2],
         },
     ]

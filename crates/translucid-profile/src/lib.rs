@@ -16,13 +16,13 @@
 //! - [`SumOfGaussians`]: one to six Gaussians fitted to the exact half space, for those who blur textures or screens.
 //! - [`ExactProfile`]: the exact half space (g = 0, η = 1), from tables.
 //! - [`Model`]: all of these by name, made of one [`Appearance`] or [`Medium`]; [`Profile`] is what they share.
-//! - [`SampledProfile`]: the profile through points that somebody measured or simulated.
+//! - [`SampledProfile`]: the profile through samples or energies that somebody measured or simulated.
 //! - [`TabulatedProfile`], [`AlbedoTable`] and its twin [`AlbedoTableF32`]: any profile as a table, for one surface
 //!   albedo or for all, with cdf, quantile and sampling in constant time.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free
 //!   path, in each [`Parameterization`] and [`Configuration`] (P. H. Christensen and B. Burley 2015).
-//! - [`PhotonBeamDiffusion`] and [`ObliquePhotonBeamDiffusion`]: dipoles along the refracted beam, and exact single
-//!   scattering beside them (R. Habel et al. 2013).
+//! - [`PhotonBeamDiffusion`]: dipoles along the refracted beam, and exact single scattering beside them (R. Habel et al.
+//!   2013).
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
 //! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
 //!   into the parameters of a profile.
@@ -104,15 +104,15 @@ pub use model::directional_dipole::single_precision::{DirectionalDipoleF32, Dire
 pub use model::exact::ExactProfile;
 pub use model::oblique::ObliqueDiffusion;
 pub use model::oblique::single_precision::{ObliqueDiffusionF32, ObliqueDiffusionTable};
-pub use model::photon_beam_diffusion::{
-    BeamMultipleScattering, BeamSingleScattering, ObliquePhotonBeamDiffusion, PhotonBeamDiffusion,
-};
+pub use model::photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use model::quantized_diffusion::QuantizedDiffusion;
 pub use model::refined::RefinedDiffusion;
+pub use model::refined::single_precision::RefinedDiffusionF32;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
 pub use profile::Profile;
-pub use table::albedo_table::{AlbedoTable, ProfileView};
-pub use table::albedo_table_f32::{AlbedoTableF32, ProfileViewF32};
+pub use table::albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
+pub use table::precision::Precision;
 pub use table::sampled_profile::SampledProfile;
+pub use table::table_profile::TableProfile;
 pub use table::tabulated_profile::TabulatedProfile;

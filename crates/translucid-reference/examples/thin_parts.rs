@@ -192,7 +192,7 @@ impl Models {
         // A diffuse profile is that of light from all angles: such light falls on one face
         let tally = truth(Kind::Slab, self.a, size, Lighting::Uniform);
         let truths = [tally.scattered_through(0), tally.scattered_through(1)];
-        let faces = |profile: &dyn Profile| vec![profile.total(), profile.beyond(size)];
+        let faces = |profile: &dyn Profile| vec![profile.surface_albedo(), profile.beyond(size)];
         self.side_row("slab", thinness, &truths, faces, |profile| radial_energy(profile, Kind::Slab, size))
     }
 
@@ -238,7 +238,7 @@ impl Models {
 fn radial_energy(profile: &dyn Profile, kind: Kind, size: f64) -> f64 {
     match kind {
         Kind::Sphere => profile.enclosed(size),
-        Kind::Slab => profile.total() + profile.beyond(size),
+        Kind::Slab => profile.surface_albedo() + profile.beyond(size),
         Kind::Wedge(_) => {
             // Radii at which the energy beyond falls evenly, and half of what each ring has at both of its ends
             let longest = 40.0 * size.max(profile.scale());

@@ -14,7 +14,7 @@
 //! to that of the selection by power: the time to the same error.
 //! The ways take turns, seed by seed, on one thread.
 //! A second table has the time of single calls, in nanoseconds, from random points of the hall.
-//! `--write` puts both into `docs/many-lights.md`.
+//! `--write` puts both into `docs/speed/many-lights.md`.
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
@@ -69,12 +69,12 @@ fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread pool");
     let tables = pool.install(|| [pictures(&options), calls(&options)]);
     if options.write {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/many-lights.md");
-        let document = std::fs::read_to_string(&path).expect("docs/many-lights.md is there");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/many-lights.md");
+        let document = std::fs::read_to_string(&path).expect("docs/speed/many-lights.md is there");
         let names = ["pictures", "calls"];
         let document =
             names.iter().zip(tables).fold(document, |d, (name, table)| between_marks(&d, name, &table));
-        std::fs::write(&path, document).expect("docs/many-lights.md can be written");
+        std::fs::write(&path, document).expect("docs/speed/many-lights.md can be written");
     }
 }
 

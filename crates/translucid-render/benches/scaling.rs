@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-render --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
 //! ```
 //!
-//! Prints the tables of `docs/scaling.md`, which says what their columns are; `--write` puts them there.
+//! Prints the tables of `docs/speed/scaling.md`, which says what their columns are; `--write` puts them there.
 //! The scene is made here: a ball with bumps, 2 across and seen whole, in normalized diffusion under a lamp and a sky.
 //! What lights cost is the business of the bench `lights`.
 
@@ -51,7 +51,7 @@ fn main() {
 
 /// Puts the tables between the marks of the document.
 fn write(tables: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scaling.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/scaling.md");
     let document =
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));

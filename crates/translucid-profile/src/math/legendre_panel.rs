@@ -53,7 +53,7 @@ pub(crate) struct LegendrePanel {
 }
 
 impl LegendrePanel {
-    /// Where the integrand is to be evaluated.
+    /// Points at which the integrand is to be evaluated.
     pub(crate) fn nodes() -> &'static [f64; POINTS] {
         &RULE.nodes
     }
@@ -70,12 +70,6 @@ impl LegendrePanel {
             *c /= (2 * k + 1) as f64;
         }
         Self { reduced }
-    }
-
-    /// The polynomial at x.
-    pub(crate) fn value(&self, x: f64) -> f64 {
-        let p = legendre(x);
-        (0..POINTS).map(|k| (2 * k + 1) as f64 * self.reduced[k] * p[k]).sum()
     }
 
     /// Integral over [−1, 1].
@@ -98,17 +92,6 @@ impl LegendrePanel {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn value_is_exact_for_polynomials() {
-        for power in 0..POINTS as i32 {
-            let panel = LegendrePanel::new(&LegendrePanel::nodes().map(|x| x.powi(power)));
-            for i in 0..=20 {
-                let x = f64::from(i) / 10.0 - 1.0;
-                assert!((panel.value(x) - x.powi(power)).abs() < 4e-15, "power {power} at {x}");
-            }
-        }
-    }
 
     #[test]
     fn integral_to_is_exact_for_polynomials() {

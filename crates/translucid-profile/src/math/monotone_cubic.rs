@@ -8,7 +8,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MonotoneCubic {
     xs: Vec<f64>,
-    /// Of each interval: value, slope, and half the second and a sixth of the third derivative at its beginning.
+    /// Coefficients of each interval: value, slope, and half the second and a sixth of the third derivative at its beginning.
     cubics: Vec<[f64; 4]>,
 }
 
@@ -27,10 +27,6 @@ impl MonotoneCubic {
         Self { xs: xs.to_vec(), cubics: (0..xs.len()).map(cubic).collect() }
     }
 
-    pub(crate) fn abscissae(&self) -> &[f64] {
-        &self.xs
-    }
-
     /// Number of the point at or before x; 0 before the first.
     pub(crate) fn interval(&self, x: f64) -> usize {
         self.xs.partition_point(|start| *start <= x).saturating_sub(1)
@@ -44,7 +40,7 @@ impl MonotoneCubic {
         value + t * (slope + t * (square + t * cube))
     }
 
-    /// Of each interval: beginning and coefficients.
+    /// Beginning and coefficients of each interval.
     pub(crate) fn intervals(&self) -> impl Iterator<Item = (f64, [f64; 4])> {
         self.xs.iter().copied().zip(self.cubics.iter().copied())
     }

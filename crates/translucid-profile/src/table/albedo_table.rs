@@ -10,15 +10,14 @@
 //! where w(A) goes through the rows' medians as a monotone cubic.
 //! A mixture is sampled by choosing one of the two and sampling that: as exactly as a row.
 
-use std::f64::consts::PI;
-
 use crate::error::{ParameterError, require};
 use crate::math::monotone_cubic::MonotoneCubic;
-use crate::profile::{Profile, finite_quotient};
+use crate::profile::{Profile, finite_quotient, methods_of};
+use crate::table::precision::{Number, Precision};
 use crate::table::radial_table::RadialTable;
-use crate::table::tabulated_profile::{TabulatedProfile, UNIT_RADIUS_MIN};
+use crate::table::tabulated_profile::TabulatedProfile;
 
-/// Rows that [`AlbedoTable::for_every_albedo`] makes.
+/// Number of rows that [`AlbedoTable::for_every_albedo`] makes.
 const ROWS: usize = 80;
 /// Least albedo of its rows.
 const LEAST_ALBEDO: f64 = 1e-3;
@@ -26,9 +25,13 @@ const LEAST_ALBEDO: f64 = 1e-3;
 /// A model's profiles for every surface albedo, in constant time.
 ///
 /// Below the first row and above the last one the shape is that of the row.
+/// A table is made in double precision; [`AlbedoTableF32`] is one for the inner loop of a renderer, whose views differ by
+/// 1e-5 of a value and less.
 ///
 /// ```
-/// use translucid_profile::{AlbedoTable, Configuration, NormalizedDiffusion, Parameterization, Profile};
+/// use translucid_profile::{
+///     AlbedoTable, AlbedoTableF32, Configuration, NormalizedDiffusion, Parameterization, Profile,
+/// };
 ///
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// let model = |surface_albedo| {
@@ -42,32 +45,38 @@ const LEAST_ALBEDO: f64 = 1e-3;
 /// let expected = NormalizedDiffusion::new(0.4321, 2.0, Parameterization::Mfp, Configuration::Searchlight)?;
 /// assert!((profile.cdf(3.0) - expected.cdf(3.0)).abs() < 1e-5);
 /// assert!((profile.eval(3.0) / expected.eval(3.0) - 1.0).abs() < 1e-4);
+///
+/// let single = AlbedoTableF32::from(&table);
+/// let profile = single.at(0.4321, 2.0);
+/// let r_max = profile.truncation_radius(1e-3);
+/// let r = profile.sample_within(0.7, r_max);
+/// assert!(r < r_max && profile.pdf(r) > 0.0);
 /// # Ok(())
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct AlbedoTable {
-    rows: Vec<Row>,
-    /// Median radius as a function of the albedo.
-    median: MonotoneCubic,
+pub struct AlbedoTable<T: Precision = f64> {
+    /// Albedos of the rows, apart from them: what is searched lies together.
+    surface_albedos: Vec<f64>,
+    rows: Vec<Row<T>>,
 }
+
+/// An [`AlbedoTable`] in single precision.
+pub type AlbedoTableF32 = AlbedoTable<f32>;
 
 #[derive(Clone, Debug)]
-pub(crate) struct Row {
-    pub(crate) profile: TabulatedProfile,
+struct Row<T: Precision> {
+    /// 1 / (albedo of the next row − this one); 0 for the last.
+    inverse_width: f64,
+    /// Median radius for length 1 as a cubic in the albedo's excess over the row's.
+    median: [f64; 4],
     /// Median radius in the unit of the row's table.
-    pub(crate) unit_median: f64,
-}
-
-/// Which rows a profile is a mixture of.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Place {
-    pub(crate) lower: usize,
-    pub(crate) upper: usize,
-    /// Share of the upper row.
-    pub(crate) mix: f64,
-    /// Median radius for length 1.
-    pub(crate) median: f64,
+    unit_median: f64,
+    /// Least radius that counts for the density per area, in that unit.
+    unit_radius_min: T,
+    /// The row's [`TabulatedProfile::cdf_error`].
+    cdf_error: f64,
+    table: RadialTable<T>,
 }
 
 impl AlbedoTable {
@@ -95,7 +104,7 @@ impl AlbedoTable {
         {
             *black = next.scaled(1.0, 0.0)?;
         }
-        Ok(Self::from_rows(surface_albedos, profiles))
+        Ok(Self::from_rows(surface_albedos, &profiles))
     }
 
     /// Makes rows for all the surface albedos that the model reaches, closer to each other towards 0 and 1.
@@ -122,60 +131,80 @@ impl AlbedoTable {
     }
 
     /// Rows from tables of length 1 in the order of their albedos.
-    pub(crate) fn from_rows(surface_albedos: &[f64], profiles: Vec<TabulatedProfile>) -> Self {
+    fn from_rows(surface_albedos: &[f64], profiles: &[TabulatedProfile]) -> Self {
         let medians: Vec<f64> = profiles.iter().map(|profile| profile.quantile(0.5)).collect();
-        let row = |profile: TabulatedProfile| Row { unit_median: profile.table().quantile(0.5), profile };
+        let median = MonotoneCubic::new(surface_albedos, &medians);
+        let row = |(i, (profile, (_, median))): (usize, (&TabulatedProfile, (f64, [f64; 4])))| {
+            let table = profile.table();
+            Row {
+                median,
+                inverse_width: surface_albedos
+                    .get(i + 1)
+                    .map_or(0.0, |next| 1.0 / (next - surface_albedos[i])),
+                unit_median: table.quantile(0.5),
+                unit_radius_min: if table.is_finite_at_0() { f64::UNIT_RADIUS_MIN } else { 0.0 },
+                cdf_error: profile.cdf_error(),
+                table: table.clone(),
+            }
+        };
         Self {
-            rows: profiles.into_iter().map(row).collect(),
-            median: MonotoneCubic::new(surface_albedos, &medians),
+            surface_albedos: surface_albedos.to_vec(),
+            rows: profiles.iter().zip(median.intervals()).enumerate().map(row).collect(),
         }
     }
+}
 
+impl From<&AlbedoTable> for AlbedoTableF32 {
+    fn from(table: &AlbedoTable) -> Self {
+        let row = |row: &Row<f64>| Row {
+            inverse_width: row.inverse_width,
+            median: row.median,
+            unit_median: row.unit_median,
+            unit_radius_min: if row.unit_radius_min > 0.0 { f32::UNIT_RADIUS_MIN } else { 0.0 },
+            cdf_error: row.cdf_error,
+            table: RadialTable::from(&row.table),
+        };
+        Self { surface_albedos: table.surface_albedos.clone(), rows: table.rows.iter().map(row).collect() }
+    }
+}
+
+impl<T: Precision> AlbedoTable<T> {
     /// Surface albedos of the rows.
     pub fn surface_albedos(&self) -> &[f64] {
-        self.median.abscissae()
+        &self.surface_albedos
     }
 
     /// The worst of the rows' [`TabulatedProfile::cdf_error`].
     pub fn cdf_error_of_rows(&self) -> f64 {
-        self.rows.iter().map(|row| row.profile.cdf_error()).fold(0.0, f64::max)
+        self.rows.iter().map(|row| row.cdf_error).fold(0.0, f64::max)
     }
 
     /// The profile of a surface albedo A ∈ \[0, 1\] and a length \[L\].
     ///
-    /// The albedo is clamped to \[0, 1\] and the length to \[1e-150, 1e150\]; NaN counts as the least.
-    pub fn at(&self, surface_albedo: f64, length: f64) -> ProfileView<'_> {
-        let surface_albedo = surface_albedo.max(0.0).min(1.0);
-        let place = self.place(surface_albedo);
-        let length = place.median * length.max(1e-150).min(1e150);
-        let scaled = |row: &'_ Row| length / row.unit_median;
-        let (lower, upper) = (&self.rows[place.lower], &self.rows[place.upper]);
+    /// The albedo is clamped to \[0, 1\] and the length to \[1e-150, 1e150\], in single precision to \[1e-18, 1e18\];
+    /// NaN counts as the least.
+    #[inline]
+    pub fn at(&self, surface_albedo: T, length: T) -> ProfileView<'_, T> {
+        let surface_albedo = surface_albedo.max(T::ZERO).min(T::ONE);
+        let length = length.max(T::LENGTHS[0]).min(T::LENGTHS[1]);
+        // Rows are close to each other: in single precision their difference from A would have few digits
+        let wide = surface_albedo.wide();
+        let i = self.surface_albedos.partition_point(|start| *start <= wide).saturating_sub(1);
+        let excess = (wide - self.surface_albedos[i]).max(0.0);
+        let (lower, upper) = (&self.rows[i], &self.rows[(i + 1).min(self.rows.len() - 1)]);
+        let [value, slope, square, cube] = lower.median;
+        let median = value + excess * (slope + excess * (square + excess * cube));
+        let mix = (excess * lower.inverse_width).min(1.0);
+        let inverse = 1.0 / (median * length.wide());
+        let scales = [lower, upper].map(|row| T::nearest(row.unit_median * inverse));
+        let radius_min = lower.unit_radius_min.min(upper.unit_radius_min) / scales[0];
         ProfileView {
-            rows: [lower.profile.table(), upper.profile.table()],
-            lengths: [scaled(lower), scaled(upper)],
-            shares: [1.0 - place.mix, place.mix],
+            rows: [&lower.table, &upper.table],
+            scales,
+            shares: [T::nearest(1.0 - mix), T::nearest(mix)],
+            radius_min: radius_min.max(T::MIN_POSITIVE),
             surface_albedo,
         }
-    }
-
-    pub(crate) fn rows(&self) -> &[Row] {
-        &self.rows
-    }
-
-    pub(crate) fn median(&self) -> &MonotoneCubic {
-        &self.median
-    }
-
-    /// Where a surface albedo is.
-    pub(crate) fn place(&self, surface_albedo: f64) -> Place {
-        let albedos = self.surface_albedos();
-        let last = albedos.len() - 1;
-        let lower = self.median.interval(surface_albedo);
-        let upper = (lower + 1).min(last);
-        let width = albedos[upper] - albedos[lower];
-        let mix =
-            if width > 0.0 { ((surface_albedo - albedos[lower]) / width).max(0.0).min(1.0) } else { 0.0 };
-        Place { lower, upper, mix, median: self.median.eval(surface_albedo) }
     }
 }
 
@@ -198,65 +227,137 @@ fn greatest_albedo(
 
 /// A profile at one surface albedo and length: a mixture of two rows of an [`AlbedoTable`].
 ///
-/// Densities, cdf and sampling belong to one distribution, exactly.
+/// Densities, cdf and sampling belong to one distribution: up to rounding, sampling is exact for what is evaluated.
+/// They do not contain the surface albedo: R(r) is A times [`pdf_area`](Self::pdf_area).
 /// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an
 /// infinity.
 #[derive(Clone, Copy, Debug)]
-pub struct ProfileView<'a> {
-    rows: [&'a RadialTable; 2],
-    /// The rows' units of length \[L\].
-    lengths: [f64; 2],
+pub struct ProfileView<'a, T: Precision = f64> {
+    rows: [&'a RadialTable<T>; 2],
+    /// Reciprocals of the rows' units of length \[L⁻¹\].
+    scales: [T; 2],
     /// The rows' shares in the mixture.
-    shares: [f64; 2],
-    surface_albedo: f64,
+    shares: [T; 2],
+    /// Radii below this count as this for the density per area \[L\].
+    radius_min: T,
+    surface_albedo: T,
 }
 
-impl ProfileView<'_> {
+/// A [`ProfileView`] in single precision.
+pub type ProfileViewF32<'a> = ProfileView<'a, f32>;
+
+impl<T: Precision> ProfileView<'_, T> {
     /// Surface albedo A = ∫ R 2πr dr.
-    pub fn surface_albedo(&self) -> f64 {
+    #[inline]
+    pub fn surface_albedo(self) -> T {
         self.surface_albedo
     }
 
-    /// Reflectance profile R(r) \[L⁻²\].
-    ///
-    /// r below the least normal number 2.2e-308 counts as that number, and R above the greatest number as that
-    /// one.
-    pub fn eval(&self, r: f64) -> f64 {
-        let r = self.resolved(r);
-        finite_quotient(self.eval_times_r(r), r)
-    }
-
-    /// Profile times radius, r R(r) \[L⁻¹\].
-    pub fn eval_times_r(&self, r: f64) -> f64 {
-        self.surface_albedo * (self.pdf(r) / (2.0 * PI))
-    }
-
     /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\]: the slope of [`cdf`](Self::cdf).
-    pub fn pdf(&self, r: f64) -> f64 {
-        let [a, b] = self.of_rows(|row, length| row.density(r / length) / length);
-        (a + b).min(f64::MAX)
+    #[inline]
+    pub fn pdf(self, r: T) -> T {
+        let r = r.max(T::ZERO);
+        let row = |i: usize| self.shares[i] * self.scales[i] * self.rows[i].density(r * self.scales[i]);
+        if self.shares[1] == T::ZERO { row(0) } else { row(0) + row(1) }
     }
 
-    /// Density per area p_a(r) = R(r)/A \[L⁻²\], at r = 0 as [`eval`](Self::eval).
-    pub fn pdf_area(&self, r: f64) -> f64 {
-        let r = self.resolved(r);
-        finite_quotient(self.pdf(r) / (2.0 * PI), r)
+    /// Density per area p_a(r) = R(r)/A \[L⁻²\].
+    ///
+    /// So that it stays finite, r below the least normal number, 2.2e-308 or 1.2e-38, counts as that number and a
+    /// density above the greatest number as that one.
+    #[inline]
+    pub fn pdf_area(self, r: T) -> T {
+        let r = r.max(self.radius_min);
+        (self.pdf(r) * T::INVERSE_TURN / r).min(T::MAX)
     }
 
     /// Share of the energy that leaves within r, with the digits of a small r.
-    pub fn cdf(&self, r: f64) -> f64 {
-        let [a, b] = self.of_rows(|row, length| row.within(r / length));
+    #[inline]
+    pub fn cdf(self, r: T) -> T {
+        let [a, b] = self.shares_within(r);
         a + b
     }
 
     /// Share of the energy that leaves beyond r, with the digits of a large r.
-    pub fn complementary_cdf(&self, r: f64) -> f64 {
-        let [a, b] = self.of_rows(|row, length| row.beyond(r / length));
-        a + b
+    #[inline]
+    pub fn complementary_cdf(self, r: T) -> T {
+        let r = r.max(T::ZERO);
+        let row = |i: usize| self.shares[i] * self.rows[i].beyond(r * self.scales[i]);
+        if self.shares[1] == T::ZERO { row(0) } else { row(0) + row(1) }
+    }
+
+    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its
+    /// quantile.
+    ///
+    /// Not monotone in u: two strata overlap in r.
+    /// u is clamped to \[0, 1\]; NaN counts as 0.
+    #[inline]
+    pub fn sample(self, u: T) -> T {
+        let u = u.max(T::ZERO).min(T::ONE);
+        let is_lower = u < self.shares[0] || self.shares[1] <= T::ZERO;
+        // Chosen first, so that one quantile is taken
+        let i = usize::from(!is_lower);
+        let u = if is_lower {
+            u / self.shares[0]
+        } else {
+            (u - self.shares[0]) / self.shares[1].max(T::MIN_POSITIVE)
+        };
+        self.row_quantile(i, u)
+    }
+
+    /// A radius beyond which the share `tail` of the energy or less leaves \[L\]: hardly farther out than need be.
+    ///
+    /// The tail is clamped to \[2.2e-308, 1\], in single precision to \[2⁻³³, 1\]; NaN counts as 1.
+    #[inline]
+    pub fn truncation_radius(self, tail: T) -> T {
+        let row = |i: usize| self.rows[i].quantile_complement(tail) / self.scales[i];
+        if self.shares[1] > T::ZERO { row(0).max(row(1)) } else { row(0) }
+    }
+
+    /// Radius of density p(r)/cdf(`r_max`) on \[0, `r_max`\] for a random number u uniform on [0, 1) \[L\].
+    ///
+    /// Like [`sample`](Self::sample) not monotone in u. u is clamped to \[0, 1\]; NaN counts as 0.
+    #[inline]
+    pub fn sample_within(self, u: T, r_max: T) -> T {
+        let [lower, upper] = self.shares_within(r_max);
+        let energy = u.max(T::ZERO).min(T::ONE) * (lower + upper);
+        let is_lower = energy < lower || upper <= T::ZERO;
+        let i = usize::from(!is_lower);
+        let u = (if is_lower { energy } else { energy - lower }) / self.shares[i].max(T::MIN_POSITIVE);
+        self.row_quantile(i, u).min(r_max.max(T::ZERO))
+    }
+
+    /// Shares of all energy that are within r, row by row.
+    #[inline(always)]
+    fn shares_within(&self, r: T) -> [T; 2] {
+        let r = r.max(T::ZERO);
+        let row = |i: usize| self.shares[i] * self.rows[i].within(r * self.scales[i]);
+        [row(0), if self.shares[1] == T::ZERO { T::ZERO } else { row(1) }]
+    }
+
+    #[inline(always)]
+    fn row_quantile(&self, i: usize, u: T) -> T {
+        self.rows[i].quantile(u) / self.scales[i]
+    }
+}
+
+impl ProfileView<'_> {
+    /// Reflectance profile R(r) \[L⁻²\].
+    ///
+    /// r below the least normal number 2.2e-308 counts as that number, and R above the greatest number as that
+    /// one.
+    pub fn eval(self, r: f64) -> f64 {
+        let r = r.max(self.radius_min);
+        finite_quotient(self.eval_times_r(r), r)
+    }
+
+    /// Profile times radius, r R(r) \[L⁻¹\].
+    pub fn eval_times_r(self, r: f64) -> f64 {
+        self.surface_albedo * (self.pdf(r) * f64::INVERSE_TURN)
     }
 
     /// Energy that leaves within r: A cdf(r).
-    pub fn enclosed(&self, r: f64) -> f64 {
+    pub fn enclosed(self, r: f64) -> f64 {
         self.surface_albedo * self.cdf(r)
     }
 
@@ -264,10 +365,10 @@ impl ProfileView<'_> {
     /// Newton between the rows' quantiles.
     ///
     /// u is clamped to \[0, 1\]; NaN counts as 0. u = 1 gives the radius of the complement 2.2e-308.
-    pub fn quantile(&self, u: f64) -> f64 {
+    pub fn quantile(self, u: f64) -> f64 {
         let u = u.max(0.0).min(1.0);
         if u < 0.5 {
-            self.solve(self.quantiles(|row| row.quantile(u)), |r| self.cdf(r) - u)
+            self.solve(|row| row.quantile(u), |r| self.cdf(r) - u)
         } else {
             self.quantile_complement(1.0 - u)
         }
@@ -276,68 +377,17 @@ impl ProfileView<'_> {
     /// Radius beyond which the share u ∈ \[0, 1\] of the energy leaves \[L\], with every digit of the tail.
     ///
     /// u is clamped to \[2.2e-308, 1\]; NaN counts as 1.
-    pub fn quantile_complement(&self, u: f64) -> f64 {
+    pub fn quantile_complement(self, u: f64) -> f64 {
         let u = u.min(1.0).max(f64::MIN_POSITIVE);
         if u > 0.5 {
             return self.quantile(1.0 - u);
         }
-        self.solve(self.quantiles(|row| row.quantile_complement(u)), |r| u - self.complementary_cdf(r))
+        self.solve(|row| row.quantile_complement(u), |r| u - self.complementary_cdf(r))
     }
 
-    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its
-    /// quantile.
-    ///
-    /// Cheaper than [`quantile`](Self::quantile), but not monotone in u: two strata overlap in r.
-    /// u is clamped to \[0, 1\]; NaN counts as 0.
-    pub fn sample(&self, u: f64) -> f64 {
-        let u = u.max(0.0).min(1.0);
-        let [lower, upper] = self.shares;
-        if u < lower || upper <= 0.0 {
-            self.row_quantile(0, u / lower)
-        } else {
-            self.row_quantile(1, (u - lower) / upper)
-        }
-    }
-
-    /// A radius beyond which the share `tail` of the energy or less leaves \[L\]: hardly farther out than need be.
-    ///
-    /// The tail is clamped to \[2.2e-308, 1\]; NaN counts as 1.
-    pub fn truncation_radius(&self, tail: f64) -> f64 {
-        let [a, b] = self.quantiles(|row| row.quantile_complement(tail));
-        if self.shares[1] > 0.0 { a.max(b) } else { a }
-    }
-
-    /// Radius of density p(r)/cdf(`r_max`) on \[0, `r_max`\] for a random number u uniform on [0, 1) \[L\].
-    ///
-    /// Like [`sample`](Self::sample) not monotone in u. u is clamped to \[0, 1\]; NaN counts as 0.
-    pub fn sample_within(&self, u: f64, r_max: f64) -> f64 {
-        let [lower, upper] = self.of_rows(|row, length| row.within(r_max / length));
-        let energy = u.max(0.0).min(1.0) * (lower + upper);
-        let r = if energy < lower || upper <= 0.0 {
-            self.row_quantile(0, energy / self.shares[0])
-        } else {
-            self.row_quantile(1, (energy - lower) / self.shares[1])
-        };
-        r.min(r_max.max(0.0))
-    }
-
-    /// A function of both rows, times their shares.
-    #[inline(always)]
-    fn of_rows(&self, f: impl Fn(&RadialTable, f64) -> f64) -> [f64; 2] {
-        [0, 1].map(|i| self.shares[i] * f(self.rows[i], self.lengths[i]))
-    }
-
-    fn row_quantile(&self, i: usize, u: f64) -> f64 {
-        (self.rows[i].quantile(u) * self.lengths[i]).min(f64::MAX)
-    }
-
-    /// Quantiles of both rows \[L\].
-    fn quantiles(&self, f: impl Fn(&RadialTable) -> f64) -> [f64; 2] {
-        [0, 1].map(|i| (f(self.rows[i]) * self.lengths[i]).min(f64::MAX))
-    }
-
-    /// Root between two radii of a function that rises with the density.
-    fn solve(&self, ends: [f64; 2], excess: impl Fn(f64) -> f64) -> f64 {
+    /// Root between the radii of both rows of a function that rises with the density.
+    fn solve(&self, quantile: impl Fn(&RadialTable) -> f64, excess: impl Fn(f64) -> f64) -> f64 {
+        let ends = [0, 1].map(|i| quantile(self.rows[i]) / self.scales[i]);
         let (mut low, mut high) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
         let mut r = self.shares[0] * ends[0] + self.shares[1] * ends[1];
         for _ in 0..60 {
@@ -356,41 +406,28 @@ impl ProfileView<'_> {
         }
         r
     }
-
-    /// The radius at which R and its density per area can be told.
-    fn resolved(&self, r: f64) -> f64 {
-        let is_finite = self.rows.iter().all(|row| row.is_finite_at_0());
-        let least = if is_finite { UNIT_RADIUS_MIN * self.lengths[0] } else { 0.0 };
-        r.max(f64::MIN_POSITIVE).max(least)
-    }
 }
 
 impl Profile for ProfileView<'_> {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
+    methods_of!(|own| (*own); all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
     fn scale(&self) -> f64 {
-        self.lengths[0]
+        1.0 / self.scales[0]
     }
 
     fn evaluations_to_build(&self) -> u32 {
         0
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }

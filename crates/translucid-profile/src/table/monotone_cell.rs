@@ -24,9 +24,30 @@
 /// Weights beyond this, or below its reciprocal, are taken for noise.
 const WEIGHT_MAX: f64 = 256.0;
 
-/// A cdf between two radii.
+/// A cdf between two radii, in the arithmetic of one precision.
+pub trait RadialCell<T>: Clone + std::fmt::Debug + PartialEq + Send + Sync {
+    /// Shares of all energy before the cell, in it, and after it.
+    fn shares(&self) -> [T; 3];
+
+    /// Density per length.
+    fn density(&self, x: T) -> T;
+
+    /// Share of all energy within x.
+    fn within(&self, x: T) -> T;
+
+    /// Share of all energy beyond x.
+    fn beyond(&self, x: T) -> T;
+
+    /// x within which the share u of all energy is, for a u in the cell.
+    fn quantile(&self, u: T) -> T;
+
+    /// x beyond which the share v of all energy is, for a v in the cell.
+    fn quantile_complement(&self, v: T) -> T;
+}
+
+/// A cdf between two radii in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cell {
+pub struct Cell {
     /// Where the cell begins.
     pub(crate) start: f64,
     /// 1 / (end − start).
@@ -101,50 +122,6 @@ impl Cell {
         rest * rest + theta * ((slope_in + weight * slope_out) * rest + weight * theta)
     }
 
-    /// Density per length.
-    #[inline(always)]
-    pub(crate) fn density(&self, x: f64) -> f64 {
-        let Self { slope_in, slope_out, weight, .. } = self;
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let outer = weight * theta;
-        let q = self.denominator(theta, rest);
-        let numerator = slope_in * rest * rest + outer * (2.0 * rest + slope_out * outer);
-        self.share * self.inverse_width * (numerator / (q * q))
-    }
-
-    /// Share of all energy within x.
-    #[inline(always)]
-    pub(crate) fn within(&self, x: f64) -> f64 {
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let numerator = theta * (self.slope_in * rest + self.weight * theta);
-        self.within + self.share * (numerator / self.denominator(theta, rest))
-    }
-
-    /// Share of all energy beyond x.
-    #[inline(always)]
-    pub(crate) fn beyond(&self, x: f64) -> f64 {
-        let theta = self.theta(x);
-        let rest = 1.0 - theta;
-        let numerator = rest * (rest + self.weight * self.slope_out * theta);
-        self.beyond + self.share * (numerator / self.denominator(theta, rest))
-    }
-
-    /// x within which the share u of all energy is, for a u in the cell.
-    #[inline(always)]
-    pub(crate) fn quantile(&self, u: f64) -> f64 {
-        let s = self.part_of_share(u - self.within);
-        self.inverse(s, 1.0 - s)
-    }
-
-    /// x beyond which the share v of all energy is, for a v in the cell.
-    #[inline(always)]
-    pub(crate) fn quantile_complement(&self, v: f64) -> f64 {
-        let rest = self.part_of_share(v - self.beyond);
-        self.inverse(1.0 - rest, rest)
-    }
-
     #[inline(always)]
     fn part_of_share(&self, energy: f64) -> f64 {
         (energy / self.share.max(f64::MIN_POSITIVE)).max(0.0).min(1.0)
@@ -159,6 +136,52 @@ impl Cell {
         // Of the two forms of the root the one without a difference
         let (numerator, other) = if b >= 0.0 { (2.0 * s, b + root) } else { (root - b, 2.0 * weight * rest) };
         self.start + numerator / ((numerator + other).max(f64::MIN_POSITIVE) * self.inverse_width)
+    }
+}
+
+impl RadialCell<f64> for Cell {
+    #[inline(always)]
+    fn shares(&self) -> [f64; 3] {
+        [self.within, self.share, self.beyond]
+    }
+
+    #[inline(always)]
+    fn density(&self, x: f64) -> f64 {
+        let Self { slope_in, slope_out, weight, .. } = self;
+        let theta = self.theta(x);
+        let rest = 1.0 - theta;
+        let outer = weight * theta;
+        let q = self.denominator(theta, rest);
+        let numerator = slope_in * rest * rest + outer * (2.0 * rest + slope_out * outer);
+        self.share * self.inverse_width * (numerator / (q * q))
+    }
+
+    #[inline(always)]
+    fn within(&self, x: f64) -> f64 {
+        let theta = self.theta(x);
+        let rest = 1.0 - theta;
+        let numerator = theta * (self.slope_in * rest + self.weight * theta);
+        self.within + self.share * (numerator / self.denominator(theta, rest))
+    }
+
+    #[inline(always)]
+    fn beyond(&self, x: f64) -> f64 {
+        let theta = self.theta(x);
+        let rest = 1.0 - theta;
+        let numerator = rest * (rest + self.weight * self.slope_out * theta);
+        (self.beyond + self.share * (numerator / self.denominator(theta, rest))).min(1.0)
+    }
+
+    #[inline(always)]
+    fn quantile(&self, u: f64) -> f64 {
+        let s = self.part_of_share(u - self.within);
+        self.inverse(s, 1.0 - s)
+    }
+
+    #[inline(always)]
+    fn quantile_complement(&self, v: f64) -> f64 {
+        let rest = self.part_of_share(v - self.beyond);
+        self.inverse(1.0 - rest, rest)
     }
 }
 

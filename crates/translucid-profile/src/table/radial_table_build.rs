@@ -7,7 +7,7 @@
 use std::cell::Cell as Counter;
 use std::f64::consts::PI;
 
-use crate::table::monotone_cell::{Cell, Knot};
+use crate::table::monotone_cell::{Cell, Knot, RadialCell};
 use crate::table::radial_table::{RadialTable, Tail};
 use crate::{NormalizedDiffusion, Profile};
 

@@ -5,13 +5,10 @@ use std::sync::Arc;
 
 use crate::SampledProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
-use crate::profile::{Profile, finite_quotient};
-use crate::table::energy_profile::EnergyProfile;
+use crate::profile::{Profile, finite_quotient, methods_of};
+use crate::table::precision::Number;
 use crate::table::radial_table::RadialTable;
 use crate::table::radial_table_build::{Built, build};
-
-/// Radii below this many units of length count as this many for a profile that is finite at r = 0.
-pub(crate) const UNIT_RADIUS_MIN: f64 = 1e-150;
 
 /// A profile as a table in the radius.
 ///
@@ -59,7 +56,7 @@ impl TabulatedProfile {
         let Built { table, length, error, evaluations } = build(source);
         Self {
             table: Arc::new(table),
-            surface_albedo: source.total(),
+            surface_albedo: source.surface_albedo(),
             length,
             inverse_length: 1.0 / length,
             cdf_error: error,
@@ -95,23 +92,21 @@ impl TabulatedProfile {
     /// ```
     ///
     /// # Errors
-    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not
-    /// greater than the one before; an energy is less than the one before or not finite; the last ring does not
-    /// have less than the one before, per length. The error names the value and, as its limit, the index.
+    /// As [`SampledProfile::from_enclosed`].
     pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
-        Ok(Self::new(&EnergyProfile::from_enclosed(radii, enclosed)?))
+        Ok(Self::new(&SampledProfile::from_enclosed(radii, enclosed)?))
     }
 
     /// The profile of which both samples and energies within radii are known; it keeps both.
     ///
     /// # Errors
-    /// As [`from_samples`](Self::from_samples) and [`from_enclosed`](Self::from_enclosed).
+    /// As [`SampledProfile::from_samples_and_enclosed`].
     pub fn from_samples_and_enclosed(
         radii: &[f64],
         reflectances: &[f64],
         enclosed: &[f64],
     ) -> Result<Self, ParameterError> {
-        Ok(Self::new(&EnergyProfile::from_samples_and_enclosed(radii, reflectances, enclosed)?))
+        Ok(Self::new(&SampledProfile::from_samples_and_enclosed(radii, reflectances, enclosed)?))
     }
 
     /// A table that is there already; its error against a source is not known here.
@@ -233,29 +228,19 @@ impl TabulatedProfile {
     /// The radius at which R and its density per area can be told.
     #[inline(always)]
     fn resolved(&self, r: f64) -> f64 {
-        let least = if self.table.is_finite_at_0() { UNIT_RADIUS_MIN * self.length } else { 0.0 };
+        let least = if self.table.is_finite_at_0() { f64::UNIT_RADIUS_MIN * self.length } else { 0.0 };
         r.max(f64::MIN_POSITIVE).max(least)
     }
 }
 
 impl Profile for TabulatedProfile {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
+    methods_of!(|own| own; all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -265,5 +250,9 @@ impl Profile for TabulatedProfile {
 
     fn evaluations_to_build(&self) -> u32 {
         self.evaluations
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }

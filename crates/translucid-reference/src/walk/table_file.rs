@@ -1,4 +1,4 @@
-//! Files of tables. `docs/reference-table.md` describes every member.
+//! Files of tables. `docs/guide/white-tables.md` describes every member.
 
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
@@ -47,7 +47,7 @@ const UNIFORM_COSINE: &str = "uniform-cosine";
 impl WhiteTable {
     /// Writes the table as an NPZ archive, from which [`WhiteTable::read`] makes an equal one.
     ///
-    /// `numpy.load` opens the archive; `docs/reference-table.md` says what is in it. Equal tables make equal bytes.
+    /// `numpy.load` opens the archive; `docs/guide/white-tables.md` says what is in it. Equal tables make equal bytes.
     ///
     /// # Errors
     /// `out` does not take all bytes. A file written directly is then cut short: an application writes it beside its

@@ -25,7 +25,7 @@ fn pair(surface_albedo: f64, configuration: Configuration) -> Pair {
 impl Pair {
     /// Error of the energy within r, in parts of all energy.
     fn energy_error(&self, r: f64) -> f64 {
-        (self.table.enclosed(r) - self.solution.enclosed(r).value).abs() / self.table.total()
+        (self.table.enclosed(r) - self.solution.enclosed(r).value).abs() / self.table.surface_albedo()
     }
 
     /// Relative error of R(r).
@@ -35,7 +35,7 @@ impl Pair {
 
     /// The least R error that is promised for the albedo.
     fn promised_profile_error(&self) -> f64 {
-        if self.table.total() < 0.02 { 1e-3 } else { 5e-5 }
+        if self.table.surface_albedo() < 0.02 { 1e-3 } else { 5e-5 }
     }
 }
 

@@ -12,7 +12,6 @@ use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
 use crate::ray::Geometry;
-use crate::shim::V as _;
 use crate::subsurface::transport::points::{Making, PointCloud, PointProgress, PointsError};
 use crate::subsurface::{Note, SubsurfaceSet};
 use crate::surface::{self, SurfaceTables};

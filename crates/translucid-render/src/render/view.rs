@@ -9,7 +9,6 @@ use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
 use super::pixel_rect::PixelRect;
 use crate::ray::Ray;
 use crate::sampling::{Frame, concentric_disk};
-use crate::shim::V as _;
 
 /// Entries of the inverse filter table.
 const FILTER_TABLE: usize = 2048;

@@ -1,8 +1,8 @@
 //! Light samples and paths have to agree on what light meets on its way: emitters that are clear or partly
 //! opaque, absorbing media, lights that the camera does not see, scenes far from the origin.
 //!
-//! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5
-//! per comparison).
+//! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in
+//! 2,700 comparisons).
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
 
@@ -29,7 +29,7 @@ fn floor_and(mesh: Mesh, material: Material) -> Scene {
     scene
 }
 
-/// What a floor reflects under the middle of a square lamp of edge 2 and radiance 1 at height ½ (the form
+/// Radiance of a floor under the middle of a square lamp of edge 2 and radiance 1 at height ½ (the form
 /// factor of emitting_mesh_lights_like_a_rectangle with b = 2): light samples and paths share the work.
 fn near_lamp() -> Vec3 {
     let root = 2.0 / 5.0_f32.sqrt();

@@ -1,16 +1,23 @@
 //! Same scene and seed, same bytes: at any number of threads, however the work is interrupted.
 
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::{Mat3, Vec3};
-use translucid_render::{FilmSums, Goal, Outcome};
+use translucid_render::{FilmSums, Goal, Outcome, Progress};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    Unit,
+    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit,
 };
 
-use crate::common::{on_threads, prepare, render, render_until};
+use crate::common::{on_threads, prepare, prepare_with_points, render, render_until};
+
+const MEMORY: u64 = 1 << 30;
+/// Size of the film in pixels, which is no multiple of that of blocks and tiles.
+const WIDTH: u32 = 37;
+const HEIGHT: u32 = 25;
+const SAMPLES: u32 = 5;
 
 /// A bumpy translucent sheet with a glossy interface, lit by a rectangle and the sky.
 fn scene() -> Scene {
@@ -44,7 +51,7 @@ fn scene() -> Scene {
             lens_radius: 0.05,
             focus_distance: 5.0,
         },
-        film: Film { width: 50, height: 34, ..Film::default() },
+        film: Film { width: WIDTH, height: HEIGHT, ..Film::default() },
         integrator: Integrator::default(),
         objects: vec![Object { name: "sheet".into(), mesh, material: 0, subsurface_group: 0 }],
         materials: vec![material],
@@ -66,49 +73,109 @@ fn scene() -> Scene {
     }
 }
 
-fn rendered(threads: usize, steps: &[u32]) -> FilmSums {
+/// A way of light below the surface, and the picture of one thread that nobody has disturbed.
+struct Way {
+    name: &'static str,
+    scene: Scene,
+    reference: FilmSums,
+}
+
+static WAYS: LazyLock<Vec<Way>> = LazyLock::new(|| {
+    let changes: [(&'static str, fn(&mut Scene)); 5] = [
+        ("shared", |scene| scene.integrator.subsurface_sharing = true),
+        ("alone", |scene| scene.integrator.subsurface_sharing = false),
+        ("normalized", |scene| {
+            scene.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy;
+        }),
+        ("walk", |scene| scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk),
+        ("points", |scene| {
+            scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+            scene.integrator.point_tolerance = 0.5;
+        }),
+    ];
+    let way = |(name, change): (&'static str, fn(&mut Scene))| {
+        let mut scene = scene();
+        change(&mut scene);
+        let reference = rendered(&scene, 1, &[SAMPLES]);
+        Way { name, scene, reference }
+    };
+    changes.into_iter().map(way).collect()
+});
+
+fn empty_film() -> FilmSums {
+    FilmSums::new(WIDTH, HEIGHT)
+}
+
+/// The picture of a scene made ready and rendered on so many threads, in steps to these numbers of samples.
+fn rendered(scene: &Scene, threads: usize, steps: &[u32]) -> FilmSums {
     on_threads(threads, || {
-        let renderer = prepare(scene());
-        let mut film = FilmSums::new(50, 34);
+        let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        let mut film = empty_film();
         for &samples in steps {
-            assert_eq!(render(&renderer, &mut film, samples), Outcome::Finished);
+            assert_eq!(render(&prepared, &mut film, samples), Outcome::Finished);
         }
         film
     })
 }
 
-#[test]
-fn threads_and_interruptions_leave_no_trace() {
-    let reference = rendered(1, &[24]);
-    assert!(reference.radiance(25, 20).iter().sum::<f64>() > 0.0);
-    assert!(reference == rendered(2, &[24]), "two threads");
-    assert!(reference == rendered(5, &[1, 2, 9, 24]), "five threads in steps");
-}
-
-#[test]
-fn stop_keeps_a_film_that_can_be_continued() {
-    let renderer = prepare(scene());
-    let mut film = FilmSums::new(50, 34);
+/// A film whose rendering on so many threads somebody has stopped after a third.
+fn interrupted(scene: &Scene, threads: usize) -> FilmSums {
+    let mut film = empty_film();
     let stop = AtomicBool::new(false);
-    let goal = Goal { samples: 24, deadline: None };
-    let stop_soon = |progress: translucid_render::Progress| {
+    let stop_soon = |progress: Progress| {
         if progress.samples_done * 3 > progress.samples_total {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    assert_eq!(render_until(&renderer, &mut film, goal, &stop_soon, &stop), Outcome::Interrupted);
-    assert!(film.samples() < 24);
-    assert_eq!(render(&renderer, &mut film, 24), Outcome::Finished);
-    assert!(film == rendered(1, &[24]));
+    let goal = Goal { samples: SAMPLES, deadline: None };
+    let outcome = on_threads(threads, || {
+        let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        render_until(&prepared, &mut film, goal, &stop_soon, &stop)
+    });
+    assert_eq!(outcome, Outcome::Interrupted);
+    assert!(film.samples() < SAMPLES);
+    film
+}
+
+/// Ways that have pictures of their own, or the tests below would tell nothing of one of them.
+#[test]
+fn ways_differ() {
+    for (index, way) in WAYS.iter().enumerate() {
+        assert!(way.reference.radiance(18, 12).iter().sum::<f64>() > 0.0, "{}", way.name);
+        for other in &WAYS[..index] {
+            assert!(way.reference != other.reference, "{} {}", way.name, other.name);
+        }
+    }
+}
+
+#[test]
+fn threads_and_steps_leave_no_trace() {
+    for Way { name, scene, reference } in WAYS.iter() {
+        assert!(*reference == rendered(scene, 2, &[SAMPLES]), "{name}, two threads");
+        assert!(*reference == rendered(scene, 3, &[1, 2, SAMPLES]), "{name}, three threads in steps");
+    }
+}
+
+#[test]
+fn interrupted_film_is_continued_on_other_threads() {
+    for Way { name, scene, reference } in WAYS.iter() {
+        let mut film = interrupted(scene, 2);
+        let outcome = on_threads(3, || {
+            let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+            render(&prepared, &mut film, SAMPLES)
+        });
+        assert_eq!(outcome, Outcome::Finished);
+        assert!(film == *reference, "{name}");
+    }
 }
 
 #[test]
 fn deadline_ends_the_rendering_in_time() {
-    let renderer = prepare(scene());
-    let mut film = FilmSums::new(50, 34);
+    let prepared = prepare(scene());
+    let mut film = empty_film();
     let start = Instant::now();
     let goal = Goal { samples: 1 << 22, deadline: Some(start + Duration::from_millis(200)) };
-    assert_eq!(render_until(&renderer, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
+    assert_eq!(render_until(&prepared, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
     assert!(start.elapsed() < Duration::from_secs(20));
     assert!(film.samples() > 0);
 }

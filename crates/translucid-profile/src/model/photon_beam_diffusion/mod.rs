@@ -4,27 +4,15 @@
 //! R. Habel, P. H. Christensen and W. Jarosz, *Photon Beam Diffusion: A Hybrid Monte Carlo Method for Subsurface
 //! Scattering*, Eurographics Symposium on Rendering 2013; restated in M. Pharr, W. Jakob and G. Humphreys,
 //! *Physically Based Rendering*, third edition 2016, section 15.5.
-//!
-//! Made for a surface albedo and tabulated it takes 270 µs (η = 1) where it took 450: polynomials stand for the integrals
-//! over the beam (`energy_table`, `near_field`), and virtual sources are vector code (`total`).
 
-mod beam_dipole;
-mod energy_table;
 mod multiple_scattering;
-mod near_field;
-mod oblique;
-mod sampling;
 mod single_scattering;
-mod total;
 
-use beam_dipole::BeamDipole;
+use multiple_scattering::DipoleBeam;
 use single_scattering::Ways;
 
 pub use multiple_scattering::BeamMultipleScattering;
-pub use oblique::ObliquePhotonBeamDiffusion;
 pub use single_scattering::BeamSingleScattering;
-
-use total::TOTAL_POINTS;
 
 use crate::error::{require, require_fraction};
 use crate::medium::diffusion_boundary::DiffusionBoundary;
@@ -36,7 +24,7 @@ use crate::{Appearance, Medium, ParameterError, Profile};
 /// Multiple scattering ([`BeamMultipleScattering`]) takes the reduced quantities σ'_s, σ'_t, α' and isotropic
 /// scattering; single scattering ([`BeamSingleScattering`]) is exact, with the medium's own σ_s, σ_t and the
 /// phase function of Henyey and Greenstein.
-/// Both integrals over the beam converge to 11 digits, where the paper takes 3 to 5 random samples.
+/// Both integrals over the beam converge to 8 digits, where the paper takes 3 to 5 random samples.
 ///
 /// # Accuracy
 /// Without a boundary and with g = 0 the mean error ∫|R − R_exact| 2πr dr/A at the same A and mean free path is
@@ -53,7 +41,7 @@ use crate::{Appearance, Medium, ParameterError, Profile};
 /// let appearance =
 ///     Appearance { surface_albedo: 0.5, length: 2.0, parameterization: Parameterization::Mfp, g: 0.0 };
 /// let profile = PhotonBeamDiffusion::new(&appearance, 1.4)?;
-/// assert!((profile.total() - 0.5).abs() < 1e-12);
+/// assert!((profile.surface_albedo() - 0.5).abs() < 1e-12);
 /// let sum = profile.multiple_scattering().eval(1.0) + profile.single_scattering().eval(1.0);
 /// assert_eq!(profile.eval(1.0), sum);
 /// # Ok(())
@@ -71,7 +59,7 @@ pub struct PhotonBeamDiffusion {
 }
 
 impl PhotonBeamDiffusion {
-    /// Of a surface albedo A ∈ [0, 1] and a length, under a boundary of relative index η ∈ [0.5, 3].
+    /// The profile of a surface albedo A ∈ [0, 1] and a length, under a boundary of relative index η ∈ [0.5, 3].
     ///
     /// # Errors
     /// A parameter is outside its range, or the surface albedo is more than the model reaches, which the error's
@@ -82,7 +70,7 @@ impl PhotonBeamDiffusion {
         Ok(Self::of(&found.medium, parts, found.evaluations))
     }
 
-    /// Of a medium, under a boundary of relative index η ∈ [0.5, 3].
+    /// The profile of a medium, under a boundary of relative index η ∈ [0.5, 3].
     ///
     /// # Errors
     /// η is outside its range.
@@ -91,10 +79,9 @@ impl PhotonBeamDiffusion {
     }
 
     fn of(medium: &Medium, parts: Parts, inversion_evaluations: u32) -> Self {
-        let dipole = BeamDipole::of_medium(medium, &parts.boundary);
         Self {
             medium: *medium,
-            multiple: BeamMultipleScattering::of(dipole, medium.transport_mfp()),
+            multiple: BeamMultipleScattering::of(medium, &parts.boundary),
             single: BeamSingleScattering::of(medium, parts.ways),
             inversion_evaluations,
         }
@@ -107,12 +94,11 @@ impl PhotonBeamDiffusion {
     ///   + 2πα ∫₀¹ T(μ) p(−μ) μ/(1 + μ) dμ
     /// ```
     ///
-    /// in transport mean free paths, s = σ_tr; K is what κ takes away, of which a double integral of a smooth
-    /// function has no closed form.
+    /// in transport mean free paths, s = σ_tr; K is the part that κ takes away, a double integral of a smooth function.
     ///
     /// # Errors
     /// A parameter is outside its range.
-    pub fn surface_albedo(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
         require_fraction("absorbed", absorbed)?;
         Ok(Parts::new(g, eta)?.total(absorbed))
     }
@@ -146,8 +132,8 @@ impl Profile for PhotonBeamDiffusion {
         self.multiple.beyond(r) + self.single.beyond(r)
     }
 
-    fn total(&self) -> f64 {
-        self.multiple.total() + self.single.total()
+    fn surface_albedo(&self) -> f64 {
+        self.multiple.surface_albedo() + self.single.surface_albedo()
     }
 
     /// The transport mean free path.
@@ -157,11 +143,11 @@ impl Profile for PhotonBeamDiffusion {
 
     fn evaluations_to_build(&self) -> u32 {
         let parts = self.multiple.evaluations_to_build() + self.single.evaluations_to_build();
-        parts + self.inversion_evaluations * TOTAL_POINTS
+        parts + self.inversion_evaluations * DipoleBeam::TOTAL_EVALUATIONS
     }
 }
 
-/// What does not depend on absorption.
+/// The parts of the model that do not depend on absorption.
 struct Parts {
     g: f64,
     boundary: DiffusionBoundary,
@@ -172,14 +158,14 @@ impl Parts {
     fn new(g: f64, eta: f64) -> Result<Self, ParameterError> {
         require(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
         let boundary = DiffusionBoundary::new(require_eta(eta)?)?;
-        Ok(Self { g, boundary, ways: Ways::along_the_normal(g, eta) })
+        Ok(Self { g, boundary, ways: Ways::new(g, eta) })
     }
 
     /// Surface albedo of a reduced albedo 1 − `absorbed`.
     fn total(&self, absorbed: f64) -> f64 {
         let alpha_prime = 1.0 - absorbed;
         let alpha = alpha_prime / (alpha_prime + (1.0 - self.g) * absorbed);
-        BeamDipole::new(alpha_prime, absorbed, &self.boundary).total(1.0) + alpha * self.ways.total
+        DipoleBeam::new(absorbed, alpha_prime, &self.boundary).total() + alpha * self.ways.total()
     }
 }
 
@@ -202,13 +188,17 @@ mod tests {
             for g in [-0.8, 0.0, 0.8] {
                 for a in [0.0, 1e-12, 1e-3, 0.3, 0.9] {
                     let profile = PhotonBeamDiffusion::new(&appearance(a, 3.0, g), eta).expect("reached");
-                    assert!((profile.total() - a).abs() < 1e-12, "{eta} {g} {a}: {}", profile.total());
+                    assert!(
+                        (profile.surface_albedo() - a).abs() < 1e-12,
+                        "{eta} {g} {a}: {}",
+                        profile.surface_albedo()
+                    );
                     assert!((profile.medium().mfp() / 3.0 - 1.0).abs() < 1e-13);
                 }
             }
         }
         let white = PhotonBeamDiffusion::new(&appearance(1.0, 1.0, 0.0), 1.0).expect("reached");
-        assert!(white.medium().sigma_a() > 0.0 && (white.total() - 1.0).abs() < 1e-12);
+        assert!(white.medium().sigma_a() > 0.0 && (white.surface_albedo() - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -216,24 +206,24 @@ mod tests {
         let error = PhotonBeamDiffusion::new(&appearance(0.99, 1.0, 0.9), 1.0).expect_err("too much");
         let most = error.limit.expect("a limit");
         let medium = Medium::new(0.0, 1.0, 0.9).expect("valid");
-        let white = PhotonBeamDiffusion::from_medium(&medium, 1.0).expect("valid").total();
+        let white = PhotonBeamDiffusion::from_medium(&medium, 1.0).expect("valid").surface_albedo();
         assert!((most - white).abs() < 1e-14 && most < 0.95, "{error}");
         assert!(PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 3.1).is_err());
         assert!(PhotonBeamDiffusion::from_medium(&medium, f64::NAN).is_err());
     }
 
-    /// As the documentation has them.
+    /// The figures of the documentation.
     #[test]
     fn albedos_are_too_high_for_their_media() {
         let half = PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 1.0).expect("reached");
         assert!((half.medium().alpha_prime() - 0.912).abs() < 5e-4, "{}", half.medium().alpha_prime());
         for (g, expected) in [(0.0, 1.093), (-0.9, 1.406), (0.9, 0.946)] {
-            let white = PhotonBeamDiffusion::surface_albedo(0.0, g, 1.0).expect("valid");
+            let white = PhotonBeamDiffusion::surface_albedo_from_absorbed(0.0, g, 1.0).expect("valid");
             assert!((white - expected).abs() < 5e-4, "{g}: {white}");
         }
     }
 
-    /// What makes the inversion unique.
+    /// So that the inversion is unique.
     #[test]
     fn total_rises_with_the_albedo() {
         for eta in [0.5, 1.0, 1.4, 3.0] {
@@ -272,8 +262,8 @@ mod tests {
                     "{a} {length} {g} {r}: {values:?}"
                 );
                 assert!(
-                    values[2] <= profile.total() * (1.0 + 1e-11)
-                        && values[3] <= profile.total() * (1.0 + 1e-11)
+                    values[2] <= profile.surface_albedo() * (1.0 + 1e-11)
+                        && values[3] <= profile.surface_albedo() * (1.0 + 1e-11)
                 );
             }
         }

@@ -1,15 +1,29 @@
-//! Multiple scattering of photon beam diffusion.
+//! Multiple scattering of photon beam diffusion: a dipole at every depth of the beam.
+//!
+//! Lengths are in transport mean free paths 1/σ'_t here, so that σ_tr stands for σ_tr/σ'_t.
 
-use std::cell::Cell;
 use std::f64::consts::PI;
 
-use super::beam_dipole::{BeamDipole, Exit, R_MAX, R_MIN};
-use super::energy_table::{EnergyTable, R_LAST};
-use super::near_field::NearField;
 use super::require_eta;
-use super::total::TOTAL_POINTS;
+use crate::math::elementary::{Single, exp_negative};
+use crate::math::legendre_panel::{LegendrePanel, POINTS};
+use crate::math::quadrature::{integrate, shared_gauss_legendre};
 use crate::medium::diffusion_boundary::DiffusionBoundary;
+use crate::model::dipole::source_pair::SourcePair;
 use crate::{Medium, ParameterError, Profile};
+
+/// Depth to which the beam is followed: e^{−t} is 1e-11 there.
+const DEPTH: f64 = 25.0;
+/// Below this radius R(r) is its logarithm.
+const R_MIN: f64 = 1e-10;
+/// Above this radius R(r) does not change any more.
+const R_MAX: f64 = 1e100;
+/// ln r where panels of the energies meet: at most e^3.5 apart near the beam, then as the exponentials let them.
+const LN_R: [f64; 11] = [-15.0, -11.5, -8.0, -4.0, -1.0, 0.0, 1.0, 1.7, 2.2, 2.56, 2.89];
+/// Distance from the exit beyond which κ is 1: e^{−2d_r} is 4e-11 there.
+const KAPPA_DISTANCE: f64 = 12.0;
+/// Points in distance and cosine of the integral of what κ takes away.
+const KAPPA_POINTS: [usize; 2] = [20, 10];
 
 /// Light scattered more than once, as photon beam diffusion has it: dipoles along the refracted beam.
 ///
@@ -28,65 +42,32 @@ use crate::{Medium, ParameterError, Profile};
 /// At A = 0.5 (η = 1, g = 0, single scattering added) the mean error against the exact solution is 7.1 % with it, and
 /// 15.8 % without it, which is [`QuantizedDiffusion`](crate::QuantizedDiffusion) (bench `model_errors`).
 ///
-/// R(r) has a logarithm at r = 0, and 11 digits at every radius.
+/// R(r) has a logarithm at r = 0; 8 digits are right at every radius.
 #[derive(Clone, Debug)]
 pub struct BeamMultipleScattering {
-    pub(super) dipole: BeamDipole,
-    pub(super) transport_mfp: f64,
+    beam: DipoleBeam,
+    transport_mfp: f64,
     total: f64,
-    energies: EnergyTable,
-    evaluations_to_build: u32,
+    energies: Energies,
 }
 
 impl BeamMultipleScattering {
-    /// Of a medium, under a boundary of relative index η = n_inside/n_outside ∈ [0.5, 3].
+    /// Multiple scattering in a medium under a boundary of relative index η = n_inside/n_outside ∈ [0.5, 3].
     ///
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        require_eta(eta)?;
-        let dipole = BeamDipole::of_medium(medium, &DiffusionBoundary::new(eta)?);
-        Ok(Self::of(dipole, medium.transport_mfp()))
+        Ok(Self::of(medium, &DiffusionBoundary::new(require_eta(eta)?)?))
     }
 
-    pub(super) fn of(dipole: BeamDipole, transport_mfp: f64) -> Self {
-        let dipoles = Cell::new(0);
-        let reflectance = |r| {
-            dipoles.set(dipoles.get() + BeamDipole::points(r));
-            dipole.eval(Exit::along_the_normal(r))
-        };
-        let first = within_the_logarithm(&dipole, EnergyTable::r_first());
-        let near = NearField::new(reflectance);
-        let energies = EnergyTable::new(first, dipole.beyond_without_kappa(R_LAST), |r| {
-            near.eval(r).unwrap_or_else(|| reflectance(r))
-        });
-        let evaluations_to_build = dipoles.get() + TOTAL_POINTS;
-        Self { dipole, transport_mfp, total: dipole.total(1.0), energies, evaluations_to_build }
-    }
-
-    /// Profile R(r) in σ'_t², r > 0 in transport mean free paths.
-    fn reflectance(&self, r: f64) -> f64 {
-        if (EnergyTable::r_first()..=R_LAST).contains(&r) {
-            return self.energies.reflectance(r);
-        }
-        self.dipole.eval(Exit::along_the_normal(r))
-    }
-
-    /// Energies within and beyond r, in transport mean free paths.
-    fn within_and_beyond(&self, r: f64) -> (f64, f64) {
-        if r < EnergyTable::r_first() {
-            let within = within_the_logarithm(&self.dipole, r);
-            (within, self.total - within)
-        } else if r > R_LAST {
-            let beyond = self.dipole.beyond_without_kappa(r);
-            (self.total - beyond, beyond)
-        } else {
-            self.energies.within_and_beyond(r)
-        }
+    pub(super) fn of(medium: &Medium, boundary: &DiffusionBoundary) -> Self {
+        let beam = DipoleBeam::new(medium.sigma_a() / medium.sigma_t_prime(), medium.alpha_prime(), boundary);
+        let total = beam.total();
+        Self { beam, transport_mfp: medium.transport_mfp(), total, energies: Energies::new(&beam, total) }
     }
 
     /// r in transport mean free paths, not negative.
-    pub(super) fn relative(&self, r: f64) -> f64 {
+    fn relative(&self, r: f64) -> f64 {
         (r.max(0.0) / self.transport_mfp).min(R_MAX)
     }
 }
@@ -95,18 +76,28 @@ impl Profile for BeamMultipleScattering {
     /// 0 at r = 0, where R has a logarithm only.
     fn eval_times_r(&self, r: f64) -> f64 {
         let r = self.relative(r);
-        if r > 0.0 { (r * self.reflectance(r) / self.transport_mfp).min(f64::MAX) } else { 0.0 }
+        if r > 0.0 { (r * self.beam.reflectance(r) / self.transport_mfp).min(f64::MAX) } else { 0.0 }
     }
 
     fn enclosed(&self, r: f64) -> f64 {
-        self.within_and_beyond(self.relative(r)).0
+        let r = self.relative(r);
+        match self.energies.within_and_beyond(r) {
+            Some([within, _]) => within,
+            None if r < 1.0 => self.beam.within_logarithm(r),
+            None => self.total - self.beam.beyond_kappa(r),
+        }
     }
 
     fn beyond(&self, r: f64) -> f64 {
-        self.within_and_beyond(self.relative(r)).1
+        let r = self.relative(r);
+        match self.energies.within_and_beyond(r) {
+            Some([_, beyond]) => beyond,
+            None if r < 1.0 => self.total - self.beam.within_logarithm(r),
+            None => self.beam.beyond_kappa(r),
+        }
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -116,14 +107,191 @@ impl Profile for BeamMultipleScattering {
     }
 
     fn evaluations_to_build(&self) -> u32 {
-        self.evaluations_to_build
+        DipoleBeam::TOTAL_EVALUATIONS + self.energies.evaluations
     }
 }
 
-/// ∫₀^r 2πr' (R(r) + c ln(r/r')) dr' for small r.
-fn within_the_logarithm(dipole: &BeamDipole, r: f64) -> f64 {
-    let value = dipole.eval(Exit::along_the_normal(r.max(R_MIN * R_MIN)));
-    PI * r * r * (value + 0.5 * dipole.logarithm(1.0))
+/// A medium and its boundary as the dipoles along a beam see them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DipoleBeam {
+    /// α'².
+    alpha_squared: f64,
+    /// σ_tr.
+    sigma_tr: f64,
+    /// Height z_b = 2 A_F D of the extrapolated boundary.
+    z_b: f64,
+    /// C_φ/D.
+    fluence_weight: f64,
+    /// C_E.
+    flux_weight: f64,
+}
+
+impl DipoleBeam {
+    /// How many dipoles [`total`](Self::total) takes.
+    pub(super) const TOTAL_EVALUATIONS: u32 = (KAPPA_POINTS[0] * KAPPA_POINTS[1]) as u32;
+
+    /// The beam in a medium of 1 − α' and α', each with its digits.
+    pub(super) fn new(absorbed: f64, alpha_prime: f64, boundary: &DiffusionBoundary) -> Self {
+        // Grosjean's diffusion coefficient (2σ_a + σ'_s)/(3σ'_t²)
+        let diffusion_coefficient = (1.0 + absorbed) / 3.0;
+        Self {
+            alpha_squared: alpha_prime * alpha_prime,
+            sigma_tr: (absorbed / diffusion_coefficient).sqrt(),
+            z_b: 2.0 * boundary.mismatch * diffusion_coefficient,
+            fluence_weight: boundary.fluence / diffusion_coefficient,
+            flux_weight: boundary.flux,
+        }
+    }
+
+    /// The real source at the depth t and its image at the height t + 2z_b.
+    fn sources(&self, t: f64) -> SourcePair {
+        SourcePair::new(self.sigma_tr, t, t + 2.0 * self.z_b)
+    }
+
+    /// Exitance, less 1/4π, at the distance d_r from the real source of a dipole at the depth t whose light fades by
+    /// e^{−`fading`} besides.
+    fn exitance(&self, t: f64, d_r: f64, fading: f64) -> f64 {
+        let Self { sigma_tr: s, z_b, fluence_weight, flux_weight, .. } = *self;
+
+        // Go to the image, which is farther by d_v − d_r: a difference that keeps its digits
+        let d_v = (d_r * d_r + 4.0 * z_b * (t + z_b)).sqrt();
+        let farther = 4.0 * z_b * (t + z_b) / (d_v + d_r);
+        let (arrives, _) = exp_negative::<Single>(fading + s * d_r);
+        let (more, less) = exp_negative::<Single>(s * farther);
+
+        // Compute fluence e^{−s d_r}/d_r − e^{−s d_v}/d_v
+        let (near, far) = (1.0 / d_r, 1.0 / d_v);
+        let fluence = near * (less + more * farther * far);
+
+        // Compute flux
+        let flux = t * (1.0 + s * d_r) * near * near * near
+            + (t + 2.0 * z_b) * (1.0 + s * d_v) * more * far * far * far;
+        arrives * (fluence_weight * fluence + flux_weight * flux)
+    }
+
+    /// R(r), r > 0.
+    fn reflectance(&self, r: f64) -> f64 {
+        let near = r.max(R_MIN);
+        let sum = integrate_along_beam(near, |t, d_r| {
+            let (_, kappa) = exp_negative::<Single>(2.0 * (t + d_r));
+            kappa * self.exitance(t, d_r, t)
+        });
+        let logarithm = (near / r.max(f64::MIN_POSITIVE)).ln();
+        self.alpha_squared / (4.0 * PI) * sum + self.logarithm() * logarithm
+    }
+
+    /// Slope of R over ln(1/r) at r = 0: there κ ≈ 2(t + d_r), and the flux C_E t/4πd_r³ of the real source goes like
+    /// 4t C_E/4πt² where t ≫ r.
+    fn logarithm(&self) -> f64 {
+        self.alpha_squared * self.flux_weight / PI
+    }
+
+    /// Energy within a small r: ∫₀^r 2πr' (R(r) + c ln(r/r')) dr' with the slope c of the logarithm.
+    fn within_logarithm(&self, r: f64) -> f64 {
+        PI * r * r * (self.reflectance(r.max(R_MIN * R_MIN)) + 0.5 * self.logarithm())
+    }
+
+    /// Energy beyond an r so large that κ = 1: each dipole's is elementary.
+    fn beyond_kappa(&self, r: f64) -> f64 {
+        let sum = integrate_along_beam(r, |t, _| {
+            let sources = self.sources(t);
+            let beyond =
+                self.fluence_weight * sources.fluence_beyond(r) + self.flux_weight * sources.flux_beyond(r);
+            exp_negative::<Single>(t).0 * beyond
+        });
+        self.alpha_squared * sum
+    }
+
+    /// ∫₀^∞ R 2πr dr.
+    pub(super) fn total(&self) -> f64 {
+        // Without κ each dipole's energy falls like e^{−st}
+        let shallowest = self.sources(0.0);
+        let all =
+            self.fluence_weight * shallowest.fluence_total() + self.flux_weight * shallowest.flux_total();
+
+        // κ takes e^{−2(t + d_r)} away: about the exit, with d_r = ρ, t = ρμ and r dr dt = ρ² dρ dμ, nothing is singular
+        let [distances, cosines] = KAPPA_POINTS.map(shared_gauss_legendre);
+        let taken = integrate(distances, 0.0, KAPPA_DISTANCE, |rho| {
+            let at_distance =
+                integrate(cosines, 0.0, 1.0, |mu| self.exitance(rho * mu, rho, 3.0 * rho * mu + 2.0 * rho));
+            0.5 * rho * rho * at_distance
+        });
+        self.alpha_squared * (all / (1.0 + self.sigma_tr) - taken)
+    }
+}
+
+/// ∫₀^∞ f(t, d_r) dt for an integrand that falls like e^{−t}.
+///
+/// It varies on the scale of d_r = √(r² + t²), which y in t = r sinh y, d_r = r cosh y = dt/dy takes away.
+fn integrate_along_beam(r: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
+    let y_max = (DEPTH / r).asinh();
+    let rule = shared_gauss_legendre(points_along_beam(y_max));
+    integrate(rule, 0.0, y_max, |y| {
+        let (e, complement) = exp_negative::<Single>(y);
+        let (t, d_r) = (0.5 * r * complement * (1.0 + e) / e, 0.5 * r * (1.0 / e + e));
+        d_r * f(t, d_r)
+    })
+}
+
+/// Gauss–Legendre points with which integrals along a beam of this length in y have 8 digits.
+fn points_along_beam(y_max: f64) -> usize {
+    (13.0 + 1.2 * y_max) as usize
+}
+
+/// Energies within and beyond a radius: polynomials through 2πr² R over ln r, integrated.
+///
+/// All sums are of positive numbers, from either end, so that both ends keep their digits.
+#[derive(Clone, Debug)]
+struct Energies {
+    panels: Vec<LegendrePanel>,
+    /// Energy within the inner radius of each panel, and within the last radius.
+    within: Vec<f64>,
+    /// Energy beyond the inner radius of each panel, and beyond the last radius.
+    beyond: Vec<f64>,
+    /// The factor by which they add up to the total, 1 to 8 digits.
+    scale: f64,
+    /// How many dipoles they took.
+    evaluations: u32,
+}
+
+impl Energies {
+    fn new(beam: &DipoleBeam, total: f64) -> Self {
+        let mut evaluations = 0;
+        let mut panels = Vec::with_capacity(LN_R.len() - 1);
+        for ends in LN_R.windows(2) {
+            let (center, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
+            let rings: [f64; POINTS] = LegendrePanel::nodes().map(|x| {
+                let r = (center + half * x).exp();
+                evaluations += points_along_beam((DEPTH / r).asinh()) as u32;
+                half * 2.0 * PI * r * r * beam.reflectance(r)
+            });
+            panels.push(LegendrePanel::new(&rings));
+        }
+        let [first, last] = [LN_R[0], LN_R[LN_R.len() - 1]].map(f64::exp);
+        let mut within = vec![beam.within_logarithm(first)];
+        within.extend(panels.iter().scan(within[0], |sum, panel| {
+            *sum += panel.integral();
+            Some(*sum)
+        }));
+        let mut beyond = vec![beam.beyond_kappa(last)];
+        beyond.extend(panels.iter().rev().scan(beyond[0], |sum, panel| {
+            *sum += panel.integral();
+            Some(*sum)
+        }));
+        beyond.reverse();
+        let sum = beyond[0] + within[0];
+        Self { panels, within, beyond, scale: if sum > 0.0 { total / sum } else { 1.0 }, evaluations }
+    }
+
+    /// Energies within and beyond r, if it lies in a panel.
+    fn within_and_beyond(&self, r: f64) -> Option<[f64; 2]> {
+        let x = r.ln();
+        let i = LN_R.partition_point(|end| *end <= x).checked_sub(1)?;
+        let (panel, left, right) = (self.panels.get(i)?, LN_R[i], LN_R[i + 1]);
+        let part = panel.integral_to((2.0 * x - (left + right)) / (right - left));
+        let (within, beyond) = (self.within[i] + part, self.beyond[i + 1] + (panel.integral() - part));
+        Some([self.scale * within, self.scale * beyond])
+    }
 }
 
 #[cfg(test)]
@@ -139,13 +307,13 @@ mod tests {
         })
     }
 
-    /// The closed form, with its double integral, against the table and the energy beyond it.
+    /// The total's double integral against the panels and the energy beyond them.
     #[test]
     fn energies_sum_to_the_total() {
         for (absorbed, eta, multiple) in media() {
             for r in [1e-12, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, 17.9] {
                 let sum = multiple.enclosed(r) + multiple.beyond(r);
-                assert!((sum / multiple.total() - 1.0).abs() < 1e-11, "{absorbed} {eta} {r}: {sum}");
+                assert!((sum / multiple.surface_albedo() - 1.0).abs() < 1e-8, "{absorbed} {eta} {r}: {sum}");
             }
         }
     }
@@ -166,15 +334,28 @@ mod tests {
         }
     }
 
-    /// The polynomials against the integral over the beam, which has 11 digits itself.
     #[test]
-    fn reflectance_is_the_integral_over_the_beam() {
-        for (absorbed, eta, multiple) in media() {
-            for i in 0..=600 {
-                let r = 0.9e-10 * (20.0 / 0.9e-10_f64).powf(f64::from(i) / 600.0);
-                let expected = multiple.dipole.eval(Exit::along_the_normal(r));
-                let off = (multiple.reflectance(r) / expected - 1.0).abs();
-                assert!(off < 1e-11, "{absorbed} {eta} {r}: {off:e}");
+    fn logarithm_goes_on_below_the_least_radius() {
+        for (absorbed, eta, BeamMultipleScattering { beam, .. }) in media() {
+            let slope = (beam.reflectance(R_MIN) - beam.reflectance(2.0 * R_MIN)) / 2.0_f64.ln();
+            assert!((slope / beam.logarithm() - 1.0).abs() < 1e-6, "{absorbed} {eta}: {slope}");
+            let jump =
+                beam.reflectance(R_MIN * (1.0 - 1e-12)) / beam.reflectance(R_MIN * (1.0 + 1e-12)) - 1.0;
+            assert!(jump.abs() < 1e-9, "{absorbed} {eta}: {jump:e}");
+        }
+    }
+
+    /// Without absorption dipoles of strength t + z_b leave R ~ r^−3 far away: α'²/4π ∫ e^{−t} {C_φ/D 2z_b (t +
+    /// z_b) + C_E (2t + 2z_b)} dt = α'²/4π (1 + z_b)(2 z_b C_φ/D + 2 C_E).
+    #[test]
+    fn reflectance_far_away_is_that_of_one_dipole() {
+        for eta in [0.6, 1.0, 1.4] {
+            let beam = DipoleBeam::new(0.0, 1.0, &DiffusionBoundary::new(eta).expect("valid"));
+            let DipoleBeam { z_b, fluence_weight, flux_weight, .. } = beam;
+            let expected = (1.0 + z_b) * (2.0 * z_b * fluence_weight + 2.0 * flux_weight) / (4.0 * PI);
+            for r in [1e8_f64, 1e15] {
+                let found = beam.reflectance(r) * r.powi(3);
+                assert!((found / expected - 1.0).abs() < 1e-8, "{eta} at {r}: {found} {expected}");
             }
         }
     }

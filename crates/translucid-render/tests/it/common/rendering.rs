@@ -2,12 +2,13 @@
 //!
 //! All that the tests call of the renderer stands here, but for what single tests are about.
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 pub(crate) use translucid_render::PreparedScene;
 use translucid_render::{
-    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, PointsError, Progress, measure,
+    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, PointsError, Progress, View, measure,
 };
 use translucid_scene::Scene;
 
@@ -32,6 +33,20 @@ pub(crate) fn picture(scene: &Scene, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(scene.film.width, scene.film.height);
     assert_eq!(render(&prepare(scene.clone()), &mut film, samples), Outcome::Finished);
     film
+}
+
+/// Renders the picture that a scene states with other seeds.
+pub(crate) fn pictures(prepared: &PreparedScene, seeds: Range<u64>, samples: u32) -> Vec<FilmSums> {
+    let Scene { camera, film, .. } = *prepared.scene();
+    let seeded = |seed| {
+        let view = View::new(camera, film, seed).expect("a valid view");
+        let live = LiveFilm::new(FilmSums::new(film.width, film.height));
+        let goal = Goal { samples, deadline: None };
+        let outcome = prepared.render(&view, &live, goal, &|_| {}, &AtomicBool::new(false));
+        assert_eq!(outcome, Outcome::Finished);
+        live.into_sums()
+    };
+    seeds.map(seeded).collect()
 }
 
 /// Renders until each pixel has so many samples.
@@ -64,6 +79,16 @@ pub(crate) fn make_points(prepared: &PreparedScene, memory: u64) -> Result<Point
 pub(crate) fn with_points(mut prepared: PreparedScene, points: &PointCloud) -> PreparedScene {
     prepared.set_points(points);
     prepared
+}
+
+/// Makes a scene ready to be rendered, with points if it asks for them, within so many bytes.
+pub(crate) fn prepare_with_points(scene: Scene, memory: u64) -> Result<PreparedScene, PointsError> {
+    let prepared = prepare(scene);
+    if !prepared.wants_points() {
+        return Ok(prepared);
+    }
+    let points = make_points(&prepared, memory)?;
+    Ok(with_points(prepared, &points))
 }
 
 /// Runs on a pool of so many threads.
