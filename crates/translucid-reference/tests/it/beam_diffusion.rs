@@ -40,7 +40,8 @@ fn single_scattering_is_exact() {
 /// else: a few units of R in 1e4 to 1e5.
 #[test]
 fn single_scattering_under_a_boundary_is_the_limit_at_the_entry() {
-    for eta in [0.8, 1.4] {
+    let indices = if is_thorough() { &[0.8, 1.4][..] } else { &[1.4] };
+    for &eta in indices {
         let medium = Medium::from_mfp(0.9, 1.0, 0.0).expect("valid");
         let exact = oblique(0.9, eta, 1.0);
         let single = BeamSingleScattering::from_medium(&medium, eta).expect("valid");

@@ -17,7 +17,7 @@ use translucid_profile::{
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 use translucid_reference::walk::{Control, Layout, Parameters, Problem, Region, Side, WhiteTable};
-use translucid_testing::{bound, power};
+use translucid_testing::{bound, is_thorough, power};
 
 use crate::solutions::{half_space, oblique};
 
@@ -124,6 +124,10 @@ fn errors_at_equal_surface_albedo_are_what_they_are() {
         let burley =
             NormalizedDiffusion::new(albedo, 1.0, Parameterization::Mfp, Configuration::Searchlight).unwrap();
         for (column, degrees) in DEGREES.into_iter().enumerate() {
+            // Every angle at one albedo, every albedo at two angles
+            if !is_thorough() && alpha != 0.9 && degrees % 60.0 != 0.0 {
+                continue;
+            }
             let cos_theta = cosine(degrees);
             let exact = Exact::of(alpha, cos_theta);
             let found = [
