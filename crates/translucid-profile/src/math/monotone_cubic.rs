@@ -8,7 +8,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MonotoneCubic {
     xs: Vec<f64>,
-    /// Of each interval: value, slope, and half the second and a sixth of the third derivative at its beginning.
+    /// Value, slope, half the second and a sixth of the third derivative at the beginning of each interval.
     cubics: Vec<[f64; 4]>,
 }
 
@@ -40,7 +40,7 @@ impl MonotoneCubic {
         value + t * (slope + t * (square + t * cube))
     }
 
-    /// Of each interval: beginning and coefficients.
+    /// Beginning and coefficients of each interval.
     pub(crate) fn intervals(&self) -> impl Iterator<Item = (f64, [f64; 4])> {
         self.xs.iter().copied().zip(self.cubics.iter().copied())
     }
