@@ -84,6 +84,9 @@ pub(crate) struct Arguments {
     /// Number of radii that are drawn from each model; 0 for none
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     samples: u64,
+    /// Number of rounds in which calls are timed, at most 1000; 0 for no times
+    #[arg(long, value_name = "N", default_value_t = 80, value_parser = clap::value_parser!(u16).range(..=1000))]
+    timing_rounds: u16,
     /// Seed of the photons and of the radii
     #[arg(long, value_name = "S", default_value_t = 0)]
     seed: u64,
@@ -225,6 +228,7 @@ impl Arguments {
             photons: self.photons,
             seed: self.seed,
             samples: self.samples,
+            timing_rounds: usize::from(self.timing_rounds),
             ..Settings::default()
         })
     }

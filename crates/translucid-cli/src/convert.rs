@@ -34,7 +34,7 @@ Lengths are in --unit where a system takes them in scene units; Unreal's are alw
 HDRP's in mm.
 
 Systems: SYSTEMS.
-Their parameters and rules: --from list, and docs/conventions.md.
+Their parameters and rules: --from list, and docs/guide/conventions.md.
 
 Examples:
   translucid convert --from list

@@ -1,6 +1,6 @@
 //! Why a verb ended without its result.
 
-use translucid_render::{DenoiseError, OutputError};
+use translucid_image::OutputError;
 use translucid_scene::SceneError;
 
 /// What kept a verb from its result.
@@ -15,7 +15,7 @@ pub(crate) enum Failure {
         /// What to do, if that is known.
         help: Option<String>,
     },
-    /// A file given by the user cannot be written or resumed from.
+    /// A file given by the user cannot be written or resumed from, or there is nothing to denoise with.
     File(OutputError),
     /// The input was right, but the work could not be done.
     Work {
@@ -44,8 +44,7 @@ impl Failure {
 
     /// A file that could be written when the work began, but not when it ended.
     pub(crate) fn late(error: OutputError) -> Self {
-        let message = format!("{}: {}", error.path.display(), error.message);
-        Self::Work { message, help: error.help }
+        Self::Work { message: error.located_message(), help: error.help }
     }
 
     /// Adds advice to a wrong option.
@@ -69,12 +68,6 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Self::Scene(error)
-    }
-}
-
-impl From<DenoiseError> for Failure {
-    fn from(DenoiseError { message, help }: DenoiseError) -> Self {
-        Self::Input { message, help }
     }
 }
 

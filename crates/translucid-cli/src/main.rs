@@ -12,6 +12,7 @@ mod machine;
 mod messages;
 mod model;
 mod outputs;
+mod picture;
 mod points;
 mod presets;
 mod profile;
@@ -20,7 +21,6 @@ mod radii;
 mod reference;
 mod render;
 mod sample;
-mod session;
 mod table;
 
 use std::process::ExitCode;

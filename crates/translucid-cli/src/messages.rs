@@ -21,7 +21,8 @@ pub(crate) fn print_failure(failure: &Failure) {
             print(Level::ERROR, message, None, help.as_deref());
         }
         Failure::File(error) => {
-            print(Level::ERROR, &error.message, Some(&Place::file(&error.path)), error.help.as_deref());
+            let place = error.path.as_deref().map(Place::file);
+            print(Level::ERROR, &error.message, place.as_ref(), error.help.as_deref());
         }
         Failure::Interrupted { help } => print(Level::WARNING, "interrupted", None, Some(help)),
     }

@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use translucid_profile::{
-    AlbedoTable, Appearance, Configuration, Medium, Model, NormalizedDiffusion, ParameterError,
-    Parameterization, Profile, ProfileView, SumOfGaussians, TabulatedProfile,
+    Appearance, Configuration, Medium, Model, ParameterError, Parameterization, Profile, SumOfGaussians,
+    TabulatedProfile,
 };
 use translucid_scene::{SubsurfaceModel, load_profile_table};
 
@@ -115,61 +115,6 @@ pub(crate) struct ModelArguments {
     g: f64,
 }
 
-/// A table's profile, together with the table.
-struct TableProfile {
-    table: AlbedoTable,
-    surface_albedo: f64,
-    length: f64,
-}
-
-impl TableProfile {
-    fn view(&self) -> ProfileView<'_> {
-        self.table.at(self.surface_albedo, self.length)
-    }
-}
-
-impl Profile for TableProfile {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.view().eval_times_r(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.view().enclosed(r)
-    }
-
-    fn beyond(&self, r: f64) -> f64 {
-        self.view().beyond(r)
-    }
-
-    fn total(&self) -> f64 {
-        self.surface_albedo
-    }
-
-    fn scale(&self) -> f64 {
-        self.view().scale()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.view().evaluations_to_build()
-    }
-}
-
-/// What draws radii.
-pub(crate) enum Sampler {
-    ClosedForm(NormalizedDiffusion),
-    Table(TabulatedProfile),
-}
-
-impl Sampler {
-    /// Radius for a random number uniform on [0, 1).
-    pub(crate) fn sample(&self, u: f64) -> f64 {
-        match self {
-            Self::ClosedForm(profile) => profile.sample(u),
-            Self::Table(table) => table.sample(u),
-        }
-    }
-}
-
 fn parse_terms(text: &str) -> Result<usize, String> {
     let most = SumOfGaussians::MAX_TERMS;
     let terms = text.parse().ok().filter(|terms| (1..=most).contains(terms));
@@ -191,14 +136,14 @@ impl ModelArguments {
         self.table.as_deref()
     }
 
-    /// What draws radii from the profile that the options describe.
-    pub(crate) fn sampler(&self) -> Result<Sampler, Failure> {
+    /// The profile that the options describe in a form that is sampled in constant time: normalized diffusion in closed
+    /// form, every other one as a table.
+    pub(crate) fn profile_to_sample(&self) -> Result<Box<dyn Profile>, Failure> {
         let profile = self.profile()?;
         if self.table.is_none() && self.model == ModelName::NORMALIZED_DIFFUSION {
-            let closed_form = NormalizedDiffusion::from_d(profile.total(), profile.scale());
-            return closed_form.map(Sampler::ClosedForm).map_err(|error| Failure::input(error.to_string()));
+            return Ok(profile);
         }
-        Ok(Sampler::Table(TabulatedProfile::new(&*profile)))
+        Ok(Box::new(TabulatedProfile::new(&*profile)))
     }
 
     /// The profile that the options describe.
@@ -229,8 +174,8 @@ impl ModelArguments {
                 return gaussians(&similar, configuration, terms).map_err(fail);
             }
             let profile = model.profile_of_medium(&medium, configuration, self.eta).map_err(fail)?;
-            if profile.total() > 1.0 + 1e-6 {
-                let total = profile.total();
+            if profile.surface_albedo() > 1.0 + 1e-6 {
+                let total = profile.surface_albedo();
                 messages::print_note(&format!("{model} sends back {total:.3} times the light that enters"));
             }
             return Ok(profile);
@@ -252,7 +197,7 @@ impl ModelArguments {
         // Normalized diffusion takes what a table takes: any albedo in [0, 1], and any length
         let like = Model::NormalizedDiffusion;
         like.profile(&appearance, Configuration::default(), 1.0).map_err(|e| self.name_option(like, e))?;
-        Ok(Box::new(TableProfile { table, surface_albedo, length }))
+        Ok(Box::new(table.into_profile(surface_albedo, length)))
     }
 
     fn appearance(&self) -> Result<Appearance, Failure> {

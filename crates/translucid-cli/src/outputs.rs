@@ -5,10 +5,8 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use translucid_render::{
-    Denoised, FilmSums, ImageInfo, OutputError, check_writable, write_denoised_png, write_exr,
-    write_exr_with_denoised, write_png,
-};
+use translucid_image::{Denoised, DisplayTransform, OutputError, check_writable};
+use translucid_render::{FilmSums, ImageInfo};
 use translucid_scene::Film;
 
 use crate::failure::Failure;
@@ -100,9 +98,9 @@ impl Outputs {
         info: &ImageInfo,
     ) -> Result<(), OutputError> {
         if let Some(exr) = &self.exr {
-            write_exr(exr, film, info)?;
+            film.layers_picture(info).save_exr(exr)?;
         }
-        write_png(&self.png, film, settings, info)
+        film.display_picture(info).save_png(&self.png, display_of(settings))
     }
 
     /// Writes the images with a denoised picture: beside the layers in the float image, in place of the display image.
@@ -114,10 +112,15 @@ impl Outputs {
         info: &ImageInfo,
     ) -> Result<(), OutputError> {
         if let Some(exr) = &self.exr {
-            write_exr_with_denoised(exr, film, denoised, info)?;
+            film.layers_picture_with(denoised, info).save_exr(exr)?;
         }
-        write_denoised_png(&self.png, film, denoised, settings, info)
+        film.denoised_display_picture(denoised, info).save_png(&self.png, display_of(settings))
     }
+}
+
+/// The way to a display that a scene's film asks for.
+fn display_of(film: &Film) -> DisplayTransform {
+    DisplayTransform { exposure: film.exposure, tone_mapping: film.tone_mapping }
 }
 
 /// The first of some files that is one of the inputs, whatever paths both go by, or will be when both are there.

@@ -4,21 +4,13 @@ use std::path::Path;
 use std::sync::OnceLock;
 use std::time::Instant;
 
-use translucid_render::{PointCloud, PointPass, PointProgress, Renderer, check_writable};
+use translucid_image::check_writable;
+use translucid_render::{PointCloud, PointPass, PointProgress, PointsError, PreparedScene};
 use translucid_scene::Scene;
 
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
-
-/// How points are to be made.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct PointOptions<'a> {
-    /// File that they are kept in, if any.
-    pub(crate) file: Option<&'a Path>,
-    /// Whether to print errors and warnings only.
-    pub(crate) quiet: bool,
-}
 
 /// Finds out before the work whether points can be kept where they shall be.
 pub(crate) fn check(scene: &Scene, file: Option<&Path>) -> Result<(), Failure> {
@@ -38,55 +30,65 @@ pub(crate) fn check(scene: &Scene, file: Option<&Path>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The renderer with the points that its scene asks for.
-pub(crate) fn prepare(renderer: Renderer, options: PointOptions<'_>) -> Result<Renderer, Failure> {
-    if !renderer.wants_points() {
-        return Ok(renderer);
+/// The scene with the points that it asks for, which are kept in a file if one is named.
+pub(crate) fn prepare(
+    mut prepared: PreparedScene,
+    file: Option<&Path>,
+    quiet: bool,
+) -> Result<PreparedScene, Failure> {
+    if !prepared.wants_points() {
+        return Ok(prepared);
     }
-    let points = match options.file {
+    let points = match file {
         Some(file) if file.exists() => {
-            let points = PointCloud::load(file, renderer.points_fingerprint())?;
-            if !options.quiet {
+            let points = PointCloud::load(file, prepared.points_fingerprint())?;
+            if !quiet {
                 messages::line(&format!("took {} points from {}", points.len(), file.display()));
             }
             points
         }
-        _ => make(&renderer, options)?,
+        _ => make(&prepared, file, quiet)?,
     };
-    Ok(renderer.with_points(&points))
+    prepared.set_points(&points);
+    Ok(prepared)
+}
+
+/// Points that do not fit into memory.
+pub(crate) fn failure(error: PointsError) -> Failure {
+    Failure::input(error.message).with_help(error.help)
 }
 
 /// Makes the points and keeps them.
-fn make(renderer: &Renderer, options: PointOptions<'_>) -> Result<PointCloud, Failure> {
+fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<PointCloud, Failure> {
     let start = Instant::now();
     let meter = || {
-        if options.quiet { Meter::quiet(Unit::Samples, 0, None) } else { Meter::new(Unit::Samples, 0, None) }
+        if quiet { Meter::quiet(Unit::Samples, 0, None) } else { Meter::new(Unit::Samples, 0, None) }
     };
     let meters: [OnceLock<Meter>; 2] = [const { OnceLock::new() }; 2];
     let report = |progress: PointProgress| {
         let pass = usize::from(progress.pass == PointPass::Irradiance);
         let meter = meters[pass].get_or_init(|| {
             meters[0].get().into_iter().for_each(Meter::finish);
-            if !options.quiet {
+            if !quiet {
                 messages::line(["laying points over surfaces", "light that enters at the points"][pass]);
             }
             meter()
         });
         meter.update(progress.done, progress.total);
     };
-    let made = renderer.make_points(memory(renderer.scene()), &report, &interrupt::STOP);
+    let made = prepared.make_points(memory(prepared.scene()), &report, &interrupt::STOP);
     meters.iter().filter_map(OnceLock::get).for_each(Meter::finish);
-    let Some(points) = made.map_err(|error| Failure::input(error.message).with_help(error.help))? else {
+    let Some(points) = made.map_err(failure)? else {
         let help = String::from("the points were not ready: repeat the command to make them anew");
         return Err(Failure::Interrupted { help });
     };
-    if !options.quiet {
+    if !quiet {
         let seconds = duration(start.elapsed().as_secs_f64());
         messages::line(&format!("{} points with their light in {seconds}", points.len()));
     }
-    if let Some(file) = options.file {
+    if let Some(file) = file {
         points.save(file).map_err(Failure::late)?;
-        if !options.quiet {
+        if !quiet {
             messages::line(&format!("kept them in {}", file.display()));
         }
     }

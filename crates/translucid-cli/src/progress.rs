@@ -75,11 +75,6 @@ impl Meter {
         Self { display, ..Self::quiet(unit, done_before, deadline) }
     }
 
-    /// Time since the start.
-    pub(crate) fn elapsed(&self) -> Duration {
-        self.start.elapsed()
-    }
-
     /// Shows that `done` of `total` units are done. Any thread may call it at any time.
     pub(crate) fn update(&self, done: u64, total: u64) {
         match &self.display {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use clap::{Args, ValueEnum};
-use translucid_render::Denoiser;
+use translucid_image::Denoiser;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };
@@ -15,8 +15,8 @@ use translucid_scene::{
 use crate::failure::Failure;
 use crate::model::ModelName;
 use crate::outputs::Outputs;
+use crate::picture::{self, Task};
 use crate::presets::print_presets;
-use crate::session::{self, Session};
 use crate::{machine, messages, points};
 
 /// Most samples per pixel, as the scene's settings have it.
@@ -68,6 +68,10 @@ pub(crate) struct Arguments {
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     size: Option<[u32; 2]>,
+    /// Render these pixels only, from (X0, Y0) at the top left to just before (X1, Y1): they are those of the whole
+    /// picture, bit for bit, and the file has their size
+    #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_region)]
+    region: Option<[u32; 4]>,
     /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     spp: Option<u32>,
@@ -155,6 +159,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
+        if arguments.region.is_some() {
+            let message = "--region is not for comparisons, but --subsurface has several models";
+            return Err(Failure::input(message).with_help("leave --region out, or name one model"));
+        }
         if arguments.points.is_some() {
             let message = "--points keeps the points of one model, but --subsurface has several";
             return Err(Failure::input(message).with_help("leave --points out, or name one model"));
@@ -192,10 +200,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         ));
     }
     let denoising = if arguments.denoise { BYTES_PER_DENOISED_PIXEL } else { 0 };
-    require_memory(&scene, session::BYTES_PER_PIXEL + denoising)?;
-    session::render(
+    require_memory(&scene, picture::BYTES_PER_PIXEL + denoising)?;
+    picture::render(
         scene,
-        &Session {
+        &Task {
             scene_name: scene_name(arguments),
             outputs,
             limit: arguments.time,
@@ -204,6 +212,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             checkpoint_interval: arguments.checkpoint_interval(),
             points: arguments.points.clone(),
             denoiser,
+            region: arguments.region,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: None,
@@ -311,6 +320,17 @@ fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok([edge(width)?, edge(height)?])
 }
 
+fn parse_region(text: &str) -> Result<[u32; 4], String> {
+    let wrong =
+        || String::from("a region is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200");
+    let numbers: Vec<u32> =
+        text.split(',').map(|text| text.trim().parse().ok()).collect::<Option<_>>().ok_or_else(wrong)?;
+    match numbers[..] {
+        [x0, y0, x1, y1] if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
+        _ => Err(wrong()),
+    }
+}
+
 fn parse_method(text: &str) -> Result<SubsurfaceMethod, String> {
     SubsurfaceMethod::from_name(text)
         .ok_or_else(|| String::from("the methods are ray-traced and point-based"))
@@ -347,6 +367,14 @@ mod tests {
         assert_eq!(parse_size("1X16384"), Ok([1, 16384]));
         for wrong in ["", "960", "x", "0x1", "16385x1", "-1x1", "1x1x1", "1.5x2", "99999999999x1"] {
             assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn region_is_half_open_and_not_empty() {
+        assert_eq!(parse_region("1, 2,3,4"), Ok([1, 2, 3, 4]));
+        for wrong in ["", "1,2,3", "1,2,3,4,5", "3,2,3,4", "1,4,3,4", "-1,0,1,1", "a,b,c,d", "1.5,0,2,2"] {
+            assert!(parse_region(wrong).is_err(), "{wrong}");
         }
     }
 

@@ -38,7 +38,7 @@ pub(crate) struct Arguments {
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.table.spare(arguments.model.table_file())?;
-    let sampler = arguments.model.sampler()?;
-    let radius = |index| [sampler.sample(random(arguments.seed, index))];
+    let profile = arguments.model.profile_to_sample()?;
+    let radius = |index| [profile.sample(random(arguments.seed, index))];
     arguments.table.write(["r"], (0..arguments.count).map(radius))
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
-use translucid_render::write_atomically;
+use translucid_image::write_atomically;
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -39,7 +39,7 @@ impl TableArguments {
 
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_render::check_writable(path)?))
+        self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_image::check_writable(path)?))
     }
 
     /// Refuses to write over a file that is read, whatever paths both go by.
@@ -86,7 +86,7 @@ impl TableArguments {
         columns: [&str; N],
         rows: impl Iterator<Item = [f64; N]>,
     ) -> Result<(), Failure> {
-        translucid_render::check_writable(path)?;
+        translucid_image::check_writable(path)?;
         interrupt::catch("\nstopping")?;
         let written = write_atomically(path, |out| write_rows(&mut Guarded(out), self.format, columns, rows));
         match written {

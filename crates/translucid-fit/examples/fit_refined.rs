@@ -3,6 +3,8 @@
 //! ```text
 //! cargo run --release -p translucid-fit --example fit_refined > target/refined_coefficients.rs
 //! mv target/refined_coefficients.rs crates/translucid-profile/src/model/refined/coefficients.rs
+//! cargo run --release -p translucid-fit --example fit_refined -- length > target/length_coefficients.rs
+//! mv target/length_coefficients.rs crates/translucid-profile/src/medium/length_coefficients.rs
 //! ```
 //!
 //! Not straight to its place: the shell would empty the file before the crate is compiled, which needs it.
@@ -14,6 +16,8 @@
 //! 3. Move all coefficients together: the sum of √(x² + ε²) over the differences x, by least squares whose weights
 //!    1/√(x² + ε²) are made anew as ε falls, is the sum of |x| in the end.
 //! 4. Round, and judge what has been rounded.
+//!
+//! The second file has the polynomials for ℓ/ℓ_d, least squares of their relative error.
 
 #![allow(clippy::print_stdout, reason = "the generated file goes to standard output")]
 
@@ -42,6 +46,10 @@ const UNIT: f64 = 1e-4;
 const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
 
 fn main() {
+    if std::env::args().nth(1).as_deref() == Some("length") {
+        print_lengths();
+        return;
+    }
     let fits = [Configuration::Searchlight, Configuration::Diffuse].map(Coefficients::fit);
     print_header(&fits);
     print_tables("SEARCHLIGHT", &fits[0]);
@@ -102,12 +110,12 @@ impl Coefficients {
         };
         Errors(percents.into_iter().map(error).collect())
     }
+}
 
-    fn configuration_in_words(&self) -> &'static str {
-        match self.configuration {
-            Configuration::Searchlight => "searchlight",
-            Configuration::Diffuse => "diffuse transmission",
-        }
+fn in_words(configuration: Configuration) -> &'static str {
+    match configuration {
+        Configuration::Searchlight => "searchlight",
+        Configuration::Diffuse => "diffuse transmission",
     }
 }
 
@@ -147,9 +155,9 @@ fn fit_length(configuration: Configuration) -> Vec<f64> {
 }
 
 /// Greatest relative error of the polynomial for (ℓ/ℓ_d) / (1 − A).
-fn worst_of_length(fit: &Coefficients) -> f64 {
-    let (albedos, ratios) = ratios_of_lengths(fit.configuration);
-    let error = |(a, ratio): (&f64, &f64)| (polynomial(&fit.length, *a) / ratio - 1.0).abs();
+fn worst_of_length(length: &[f64], configuration: Configuration) -> f64 {
+    let (albedos, ratios) = ratios_of_lengths(configuration);
+    let error = |(a, ratio): (&f64, &f64)| (polynomial(length, *a) / ratio - 1.0).abs();
     albedos.iter().zip(&ratios).map(error).fold(0.0, f64::max)
 }
 
@@ -189,7 +197,7 @@ fn print_header(fits: &[Coefficients; 2]) {
         "//! `cargo run --release -p translucid-fit --example fit_refined > target/refined_coefficients.rs`."
     );
     println!("//!");
-    println!("//! Domain: A ∈ [0, 1], for ℓ_d A ∈ [0, 1). Lengths are in mean free paths.");
+    println!("//! Domain: A ∈ [0, 1]. Lengths are in mean free paths.");
     println!(
         "//! Fitted for the least sum of L1 errors ∫|R_fit − R| 2πr dr / ∫ R 2πr dr over A = 0, 0.01, … 1."
     );
@@ -210,18 +218,17 @@ fn print_header(fits: &[Coefficients; 2]) {
             let columns = [near, middle, all, errors.worst_to(98), errors.worst_to(99)].into_iter();
             let columns = columns.chain([20, 50, 80].map(|percent| errors.at(percent)));
             let columns: Vec<String> = columns.map(|error| format!("{:.2}", 100.0 * error)).collect();
-            println!("//! | {}, {length} | {} |", fit.configuration_in_words(), columns.join(" | "));
+            println!("//! | {}, {length} | {} |", in_words(fit.configuration), columns.join(" | "));
         }
     }
     println!("//!");
     for fit in fits {
         let ends = fit.errors(Parameterization::Mfp, [0, 100]);
         println!(
-            "//! {}: {:.2} in the limit A = 0, {:.2} at A = 1; ℓ/ℓ_d is off by a share of {:.0e} at most.",
-            fit.configuration_in_words(),
+            "//! {}: {:.2} in the limit A = 0, {:.2} at A = 1.",
+            in_words(fit.configuration),
             100.0 * ends.at(0),
             100.0 * ends.at(100),
-            worst_of_length(fit),
         );
     }
     println!("//!");
@@ -229,7 +236,7 @@ fn print_header(fits: &[Coefficients; 2]) {
 }
 
 fn print_tables(name: &str, fit: &Coefficients) {
-    let words = fit.configuration_in_words();
+    let words = in_words(fit.configuration);
     println!();
     println!("/// Weights of all terms but the last, which takes what is left of 1: {words}.");
     let columns = fit.shape.weights[0].len();
@@ -242,9 +249,34 @@ fn print_tables(name: &str, fit: &Coefficients) {
     println!("pub(crate) const {name}_RATES: [[f64; {columns}]; {}] = [", fit.shape.rates.len());
     fit.shape.rates.iter().for_each(|row| println!("    {},", array(row)));
     println!("];");
-    println!();
-    println!("/// (ℓ/ℓ_d) / (1 − A), with D after Grosjean: {words}.");
-    println!("pub(crate) const {name}_LENGTH: [f64; {}] = {};", fit.length.len(), array(&fit.length));
+}
+
+/// Prints the file of the polynomials for ℓ/ℓ_d.
+fn print_lengths() {
+    let fits = [("SEARCHLIGHT", Configuration::Searchlight), ("DIFFUSE", Configuration::Diffuse)]
+        .map(|(name, configuration)| (name, configuration, fit_length(configuration)));
+    println!(
+        "//! Polynomials of the surface albedo A for ℓ/ℓ_d, the mean free path over the diffuse one, of the half space (g = 0,"
+    );
+    println!("//! η = 1).");
+    println!("//!");
+    println!("//! Generated by");
+    println!(
+        "//! `cargo run --release -p translucid-fit --example fit_refined -- length > target/length_coefficients.rs`."
+    );
+    println!("//!");
+    println!("//! Domain: A ∈ [0, 1). Least squares of the relative error against the exact half space.");
+    for (_, configuration, length) in &fits {
+        let worst = worst_of_length(length, *configuration);
+        println!("//! {}: off by a share of {worst:.0e} at most.", in_words(*configuration));
+    }
+    println!("//!");
+    println!("//! Coefficients are those of 1, A, A², …");
+    for (name, configuration, length) in &fits {
+        println!();
+        println!("/// (ℓ/ℓ_d) / (1 − A), with D after Grosjean: {}.", in_words(*configuration));
+        println!("pub(crate) const {name}: [f64; {}] = {};", length.len(), array(length));
+    }
 }
 
 fn array(numbers: &[f64]) -> String {

@@ -272,7 +272,7 @@ fn print_header(fits: &[Coefficients; 2]) {
     }
     println!("//!");
     println!(
-        "//! More errors are in `docs/similarity.md`, as `--example similarity` of the same crate prints them."
+        "//! More errors are in `docs/accuracy/similarity.md`, as `--example similarity` of the same crate prints them."
     );
     println!("//!");
     println!(

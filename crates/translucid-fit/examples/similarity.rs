@@ -1,4 +1,4 @@
-//! How far similarity carries, and what its repair leaves: the tables of `docs/similarity.md`.
+//! How far similarity carries, and what its repair leaves: the tables of `docs/accuracy/similarity.md`.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
@@ -50,7 +50,7 @@ fn main() {
 
 /// A profile that was made for ℓ = 1 from a length.
 fn error(point: &Point, profile: &dyn Profile, length: f64) -> f64 {
-    point.l1_error(|r| profile.enclosed(r / length) / profile.total())
+    point.l1_error(|r| profile.enclosed(r / length) / profile.surface_albedo())
 }
 
 /// Errors of all contenders at one point.

@@ -58,7 +58,7 @@ impl Judge {
         let radius = |i: i32| reference.scale() * (f64::from(i) / Self::NODES_PER_OCTAVE).exp2();
         let range = step(Self::OCTAVES.start)..=step(Self::OCTAVES.end);
         let nodes = range.map(|i| Node::new(reference, radius(i))).collect();
-        Self { nodes, total: reference.total() }
+        Self { nodes, total: reference.surface_albedo() }
     }
 
     /// Distance of a profile from the reference, as [`l1_error`].
@@ -84,7 +84,8 @@ impl Judge {
                 .sum();
             let last = differences.last().map_or(0.0, |node| node.enclosed);
             let end = self.nodes.last().map_or(0.0, |node| node.r);
-            let beyond_last = if r_max > end { ((fit.total() - self.total) - last).abs() } else { 0.0 };
+            let beyond_last =
+                if r_max > end { ((fit.surface_albedo() - self.total) - last).abs() } else { 0.0 };
             quotient(within_first + wrong + beyond_last, self.enclosed(r_max))
         })
     }

@@ -69,7 +69,7 @@ impl Target {
     /// # Errors
     /// The reference has no energy.
     pub fn new(reference: &dyn Profile) -> Result<Self, ParameterError> {
-        let (total, scale) = (reference.total(), reference.scale());
+        let (total, scale) = (reference.surface_albedo(), reference.scale());
         if !(total > 0.0 && total.is_finite()) {
             return Err(ParameterError::new("total", total, "greater than 0"));
         }

@@ -79,7 +79,7 @@ impl<F: Family> Profile for Mixture<F> {
         self.sum(r, |x, _| F::beyond(x))
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 

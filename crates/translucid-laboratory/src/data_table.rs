@@ -29,6 +29,13 @@ impl From<String> for Cell {
     }
 }
 
+/// A row of cells from words and numbers.
+macro_rules! row {
+    ($($cell:expr),+ $(,)?) => { vec![$($crate::Cell::from($cell)),+] };
+}
+
+pub(crate) use row;
+
 /// A table with named columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DataTable {

@@ -45,6 +45,5 @@ mod random;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, Theme, residual_chart};
 pub use data_table::{Cell, DataTable};
-pub use drawing::ChartError;
 pub use page::{Block, Page, Plate, Section};
 pub use random::random;

@@ -1,4 +1,4 @@
-//! The Rust of the pages on models, as tests.
+//! The Rust of the pages on models and on the library, as tests.
 //!
 //! `cargo test --doc` compiles and runs what a page shows; nothing else sees this.
 
@@ -37,3 +37,6 @@ struct RandomWalk;
 
 #[doc = include_str!("../../../docs/models/tables.md")]
 struct Tables;
+
+#[doc = include_str!("../../../docs/guide/library.md")]
+struct Library;

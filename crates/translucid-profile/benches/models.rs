@@ -12,11 +12,10 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use translucid_profile::roots::falling_root;
 use translucid_profile::{
     Appearance, BetterDipole, Configuration, DirectionalDipoleAverage, ExactProfile, NormalizedDiffusion,
-    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
-    SumOfGaussians, TabulatedProfile,
+    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion,
+    RefinedDiffusionF32, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
 
 /// Arguments a task goes through.
@@ -24,62 +23,30 @@ const COUNT: usize = 1024;
 /// Time one task gets in one round, or one call where that takes longer.
 const TURN: Duration = Duration::from_micros(300);
 const ROUNDS: usize = 200;
-/// Share of the energy to which a model without a closed inverse is sampled.
-const SAMPLE_TOLERANCE: f64 = 1e-6;
 
 /// The talk's boundary and phase function, at a middling albedo.
 const APPEARANCE: Appearance =
     Appearance { surface_albedo: 0.8, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
 
-/// A model: its name, how it is made for an η, and how it is sampled where it knows a way of its own.
+/// A model: its name, and how it is made for an η.
 struct Row {
     name: &'static str,
     make: fn(f64) -> Box<dyn Profile>,
     /// Whether η and g are parameters.
     knows_boundary: bool,
-    sampler: Option<Box<dyn Fn(f64) -> f64>>,
 }
 
 /// The row that the ratios refer to.
 const YARDSTICK: &str = "normalized diffusion";
 
 fn rows() -> Vec<Row> {
-    let physical = |name, make| Row { name, make, knows_boundary: true, sampler: None };
-    let normalized = normalized_diffusion();
-    let (two, six) = (gaussians(2), gaussians(6));
-    let exact_one = exact();
-    let refined_one = refined();
+    let physical = |name, make| Row { name, make, knows_boundary: true };
     vec![
-        Row {
-            name: YARDSTICK,
-            make: |_| Box::new(normalized_diffusion()),
-            knows_boundary: false,
-            sampler: Some(Box::new(move |u| normalized.sample(u))),
-        },
-        Row {
-            name: "normalized diffusion, refined",
-            make: |_| Box::new(refined()),
-            knows_boundary: false,
-            sampler: Some(Box::new(move |u| refined_one.sample(u))),
-        },
-        Row {
-            name: "two Gaussians",
-            make: |_| Box::new(gaussians(2)),
-            knows_boundary: false,
-            sampler: Some(Box::new(move |u| two.sample(u))),
-        },
-        Row {
-            name: "six Gaussians",
-            make: |_| Box::new(gaussians(6)),
-            knows_boundary: false,
-            sampler: Some(Box::new(move |u| six.sample(u))),
-        },
-        Row {
-            name: "exact, from its table",
-            make: |_| Box::new(exact()),
-            knows_boundary: false,
-            sampler: Some(Box::new(move |u| exact_one.tabulated().sample(u))),
-        },
+        Row { name: YARDSTICK, make: |_| Box::new(normalized_diffusion()), knows_boundary: false },
+        Row { name: "normalized diffusion, refined", make: |_| Box::new(refined()), knows_boundary: false },
+        Row { name: "two Gaussians", make: |_| Box::new(gaussians(2)), knows_boundary: false },
+        Row { name: "six Gaussians", make: |_| Box::new(gaussians(6)), knows_boundary: false },
+        Row { name: "exact, from its table", make: |_| Box::new(exact()), knows_boundary: false },
         physical("standard dipole", |eta| Box::new(StandardDipole::new(&appearance(), eta).expect(VALID))),
         physical("better dipole", |eta| Box::new(BetterDipole::new(&appearance(), eta).expect(VALID))),
         physical("directional dipole, averaged", |eta| {
@@ -109,6 +76,11 @@ fn normalized_diffusion() -> NormalizedDiffusion {
 fn refined() -> RefinedDiffusion {
     let Appearance { surface_albedo, length, parameterization, .. } = appearance();
     RefinedDiffusion::new(surface_albedo, length, parameterization, Configuration::Searchlight).expect(VALID)
+}
+
+fn refined_twin() -> RefinedDiffusionF32 {
+    let Appearance { surface_albedo, length, .. } = appearance();
+    RefinedDiffusionF32::new(surface_albedo as f32, length as f32, Configuration::Searchlight)
 }
 
 fn gaussians(terms: usize) -> SumOfGaussians {
@@ -156,24 +128,21 @@ fn task(row: impl Into<String>, column: &'static str, call: impl Fn(usize) -> f6
 
 /// What is timed of a model.
 fn tasks_of(row: Row) -> Vec<Task> {
-    let Row { name, make, knows_boundary, sampler } = row;
+    let Row { name, make, knows_boundary } = row;
     let uniforms = uniforms();
     let table = TabulatedProfile::new(&*make(1.0));
     let radii: Vec<f64> = uniforms.iter().map(|u| table.sample(*u)).collect();
 
-    let mut tasks = vec![task(name, "build", move |_| make(black_box(1.0)).total())];
+    let mut tasks = vec![task(name, "build", move |_| make(black_box(1.0)).surface_albedo())];
     if knows_boundary {
-        tasks.push(task(name, "build, η = 1.4", move |_| make(black_box(1.4)).total()));
+        tasks.push(task(name, "build, η = 1.4", move |_| make(black_box(1.4)).surface_albedo()));
     }
     let (source, at) = (make(1.0), radii.clone());
     tasks.push(task(name, "eval", move |i| source.eval(at[i])));
     let (source, at) = (make(1.0), radii.clone());
     tasks.push(task(name, "enclosed", move |i| source.enclosed(at[i])));
     let (source, at) = (make(1.0), uniforms.clone());
-    tasks.push(match sampler {
-        Some(sample) => task(name, "sample", move |i| sample(at[i])),
-        None => task(name, "sample", move |i| sample_by_search(&*source, at[i])),
-    });
+    tasks.push(task(name, "sample", move |i| source.sample(at[i])));
 
     let source = make(1.0);
     tasks.push(task(name, "tabulate", move |_| TabulatedProfile::new(&*source).surface_albedo()));
@@ -191,6 +160,13 @@ fn tasks_of_types() -> Vec<Task> {
     let radii: Vec<f64> = uniforms().into_iter().map(|u| p.quantile(u)).collect();
     let row = "normalized diffusion, its own type";
     let own = |f: fn(NormalizedDiffusion, f64) -> f64, at: Vec<f64>| move |i: usize| f(p, at[i]);
+    let (refined, twin) = (refined(), refined_twin());
+    let [refined_row, twin_row] = ["normalized diffusion, refined, its own type", "its twin in f32"];
+    let own_refined = |f: fn(RefinedDiffusion, f64) -> f64, at: Vec<f64>| move |i: usize| f(refined, at[i]);
+    let of_twin = |f: fn(RefinedDiffusionF32, f32) -> f32, at: Vec<f64>| {
+        let at: Vec<f32> = at.into_iter().map(|x| x as f32).collect();
+        move |i: usize| f64::from(f(twin, at[i]))
+    };
     let table = TabulatedProfile::new(&p);
     let table_row = "a table, its own type";
     let (a, b, c) = (table.clone(), table.clone(), table);
@@ -198,8 +174,14 @@ fn tasks_of_types() -> Vec<Task> {
     vec![
         task(row, "build", |_| normalized_diffusion().d()),
         task(row, "eval", own(|p, r| p.eval(r), radii.clone())),
-        task(row, "enclosed", own(|p, r| p.enclosed(r), radii)),
+        task(row, "enclosed", own(|p, r| p.enclosed(r), radii.clone())),
         task(row, "sample", own(|p, u| p.sample(u), uniforms())),
+        task(refined_row, "eval", own_refined(|p, r| p.eval(r), radii.clone())),
+        task(refined_row, "enclosed", own_refined(|p, r| p.enclosed(r), radii.clone())),
+        task(refined_row, "sample", own_refined(|p, u| p.sample(u), uniforms())),
+        task(twin_row, "eval", of_twin(|p, r| p.eval(r), radii.clone())),
+        task(twin_row, "enclosed", of_twin(|p, r| p.cdf(r), radii)),
+        task(twin_row, "sample", of_twin(|p, u| p.sample(u), uniforms())),
         task("an empty call", "eval", |i| i as f64),
         task(table_row, "eval", move |i| a.eval(at[i])),
         task(table_row, "enclosed", move |i| b.enclosed(at_too[i])),
@@ -212,18 +194,6 @@ fn uniforms() -> Vec<f64> {
     (1..=COUNT as u64)
         .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
         .collect()
-}
-
-/// Radius within which the share u leaves, for a model that can only say its `enclosed`: a search in r/(r + scale).
-fn sample_by_search(profile: &dyn Profile, u: f64) -> f64 {
-    let radius = |x: f64| profile.scale() * (1.0 - x) / x;
-    let (target, total) = (u * profile.total(), profile.total());
-    let x = falling_root(
-        |x| profile.enclosed(radius(x)) - target,
-        [total - target, -target],
-        |_| SAMPLE_TOLERANCE * total,
-    );
-    radius(x)
 }
 
 /// Nanoseconds for some calls, whose arguments repeat after [`COUNT`].
@@ -272,7 +242,7 @@ fn print_tables(tasks: &[Task]) {
     print_table(tasks, &rows, &tabulated, &["build", "eval", "enclosed", "sample"]);
     println!(
         "\nEvery figure includes an empty call. `sample` is exact for normalized diffusion, Gaussians and tables, and \
-         else a search for {SAMPLE_TOLERANCE:e} of the energy."
+         else a search."
     );
 }
 

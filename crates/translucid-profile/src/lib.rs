@@ -107,10 +107,12 @@ pub use model::oblique::single_precision::{ObliqueDiffusionF32, ObliqueDiffusion
 pub use model::photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use model::quantized_diffusion::QuantizedDiffusion;
 pub use model::refined::RefinedDiffusion;
+pub use model::refined::single_precision::RefinedDiffusionF32;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
 pub use profile::Profile;
 pub use table::albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
 pub use table::precision::Precision;
 pub use table::sampled_profile::SampledProfile;
+pub use table::table_profile::TableProfile;
 pub use table::tabulated_profile::TabulatedProfile;

@@ -1,6 +1,8 @@
-//! What every reflectance profile can be asked.
+//! The trait of reflectance profiles: values, energies, and the distribution of radii with its samples.
 
-use crate::NormalizedDiffusion;
+use std::f64::consts::PI;
+
+use crate::math::roots::falling_root;
 
 /// A radially symmetric reflectance profile R(r): exitance at the distance r from the point where one unit of flux has
 /// entered the medium \[L⁻²\].
@@ -8,9 +10,30 @@ use crate::NormalizedDiffusion;
 /// Lengths are in one unit that the caller chose when the profile was made.
 /// What the boundary reflects from outside is no part of the unit; what it reflects from inside is accounted for.
 ///
+/// Energies are parts of the surface albedo A: [`enclosed`](Self::enclosed) within a radius, [`beyond`](Self::beyond)
+/// it.
+/// Shares are parts of 1: [`cdf`](Self::cdf) within a radius, [`complementary_cdf`](Self::complementary_cdf) beyond it,
+/// with their density [`pdf`](Self::pdf) and their inverse [`quantile`](Self::quantile).
+/// A model gives its energies, and shares follow; models with closed forms replace what follows by those.
+/// A profile that returns nothing has no shares of its own: all counts as leaving at r = 0, where it has none in closed
+/// form.
+///
 /// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
-/// For inner loops tabulate the profile: the trait serves those who
+/// For inner loops tabulate the profile ([`TabulatedProfile`](crate::TabulatedProfile)): the trait serves those who
 /// swap models, and some models cost microseconds a call.
+///
+/// ```
+/// use translucid_profile::{Appearance, BetterDipole, Parameterization, Profile};
+///
+/// # fn main() -> Result<(), translucid_profile::ParameterError> {
+/// let jade = Appearance { surface_albedo: 0.6, length: 1.5, parameterization: Parameterization::Mfp, g: 0.0 };
+/// let dipole: Box<dyn Profile> = Box::new(BetterDipole::new(&jade, 1.0)?);
+/// let r = dipole.sample(0.7); // one random number in, one radius out
+/// assert!((dipole.cdf(r) - 0.7).abs() < 1e-11);
+/// assert!((dipole.eval(r) / dipole.pdf_area(r) - 0.6).abs() < 1e-11); // the weight of a sample
+/// # Ok(())
+/// # }
+/// ```
 pub trait Profile: Send + Sync {
     /// Profile times radius, r R(r) \[L⁻¹\], finite everywhere: models that grow like 1/r have a limit at r = 0.
     fn eval_times_r(&self, r: f64) -> f64;
@@ -25,52 +48,118 @@ pub trait Profile: Send + Sync {
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr', with the digits of a small r.
     fn enclosed(&self, r: f64) -> f64;
 
-    /// Energy that leaves beyond r, `total() - enclosed(r)` with the digits of a large r.
+    /// Energy that leaves beyond r, `surface_albedo() - enclosed(r)` with the digits of a large r.
     fn beyond(&self, r: f64) -> f64;
 
-    /// All the energy that leaves, ∫₀^∞ R 2πr dr: the surface albedo A.
-    fn total(&self) -> f64;
+    /// Surface albedo A = ∫₀^∞ R 2πr dr: all the energy that leaves.
+    ///
+    /// Where the model makes more than there is, it is greater than 1.
+    fn surface_albedo(&self) -> f64;
 
     /// A length near which much of the energy leaves, greater than 0 \[L\]: where a table starts to look.
     fn scale(&self) -> f64;
 
-    /// What making this profile cost: how many times its kernel (one exponential of depth or radius, one trial of an
+    /// Cost of making this profile: how many times its kernel (one exponential of depth or radius, one trial of an
     /// inversion) was evaluated. 0 where there is nothing to do but to store the parameters.
     fn evaluations_to_build(&self) -> u32;
+
+    /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\].
+    fn pdf(&self, r: f64) -> f64 {
+        share_of(self.surface_albedo(), 2.0 * PI * self.eval_times_r(r)).unwrap_or(0.0)
+    }
+
+    /// Density per area p_a(r) = R(r)/A \[L⁻²\], at r = 0 as [`eval`](Self::eval).
+    fn pdf_area(&self, r: f64) -> f64 {
+        share_of(self.surface_albedo(), self.eval(r)).unwrap_or(0.0)
+    }
+
+    /// Share of the energy that leaves within r, with the digits of a small r.
+    fn cdf(&self, r: f64) -> f64 {
+        share_of(self.surface_albedo(), self.enclosed(r)).map_or(1.0, |share| share.min(1.0))
+    }
+
+    /// Share of the energy that leaves beyond r, with the digits of a large r.
+    fn complementary_cdf(&self, r: f64) -> f64 {
+        share_of(self.surface_albedo(), self.beyond(r)).map_or(0.0, |share| share.min(1.0))
+    }
+
+    /// Radius within which the share u ∈ [0, 1] of the energy leaves \[L\]: the inverse of [`cdf`](Self::cdf).
+    ///
+    /// Without a closed form it is a search of some ten steps, to 1e-12 of the lesser of u and 1 − u.
+    /// u is clamped to [0, 1], NaN counts as 0, and u = 1 gives the radius of the complement 2.2e-308.
+    fn quantile(&self, u: f64) -> f64 {
+        let u = u.max(0.0).min(1.0);
+        if u > 0.5 {
+            return self.quantile_complement(1.0 - u);
+        }
+        radius_where(self.scale(), |r| self.cdf(r) - u, [1.0 - u, -u], 1e-12 * u)
+    }
+
+    /// Radius beyond which the share v ∈ [0, 1] of the energy leaves \[L\]: `quantile(1 − v)` with every digit of the
+    /// tail.
+    ///
+    /// v is clamped to [2.2e-308, 1]; NaN counts as 1.
+    fn quantile_complement(&self, v: f64) -> f64 {
+        let v = v.min(1.0).max(f64::MIN_POSITIVE);
+        if v > 0.5 {
+            return self.quantile(1.0 - v);
+        }
+        // In logarithms, where an exponential tail is a straight line
+        let excess = |share: f64| v.ln() - share.max(LEAST_SHARE).ln();
+        let at_ends = [excess(0.0), excess(1.0)];
+        radius_where(self.scale(), |r| excess(self.complementary_cdf(r)), at_ends, 1e-12)
+    }
+
+    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\].
+    ///
+    /// It need not rise with u: where a mixture is sampled term by term, strata of u overlap in r.
+    /// u is clamped to [0, 1]; NaN counts as 0.
+    fn sample(&self, u: f64) -> f64 {
+        self.quantile(u)
+    }
+
+    /// Whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
+    /// search.
+    ///
+    /// Where it is not, a [`TabulatedProfile`](crate::TabulatedProfile) of the profile pays from a few dozen samples on.
+    fn samples_directly(&self) -> bool {
+        false
+    }
 }
 
-impl Profile for NormalizedDiffusion {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
-
-    fn beyond(&self, r: f64) -> f64 {
-        self.surface_albedo() * self.complementary_cdf(r)
-    }
-
-    fn total(&self) -> f64 {
-        self.surface_albedo()
-    }
-
-    fn scale(&self) -> f64 {
-        self.d()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        0
-    }
+/// Methods of [`Profile`] that a part of the type has, or the type itself, under the same names.
+macro_rules! methods_of {
+    (|$this:ident| $part:expr; all) => {
+        $crate::profile::methods_of!(
+            |$this| $part; eval_times_r, eval, enclosed, pdf, pdf_area, cdf, complementary_cdf, quantile,
+            quantile_complement, sample
+        );
+    };
+    (|$this:ident| $part:expr; $($method:ident),+) => {
+        $(fn $method(&self, x: f64) -> f64 {
+            let $this = self;
+            $part.$method(x)
+        })+
+    };
 }
+pub(crate) use methods_of;
 
 /// numerator / r, at most `f64::MAX`.
 #[inline(always)]
 pub(crate) fn finite_quotient(numerator: f64, r: f64) -> f64 {
     (numerator / r.max(f64::MIN_POSITIVE)).min(f64::MAX)
+}
+
+/// A part of a whole, at least 0 and at most `f64::MAX`; none where there is no whole.
+fn share_of(whole: f64, part: f64) -> Option<f64> {
+    (whole > 0.0).then(|| (part / whole).max(0.0).min(f64::MAX))
+}
+
+/// Least share of which a logarithm is taken: less than every normal number.
+const LEAST_SHARE: f64 = 5e-324;
+
+/// The radius where a function is 0 that falls with x = scale/(scale + r), by its values at x = 0 and x = 1.
+fn radius_where(scale: f64, f: impl Fn(f64) -> f64, at_ends: [f64; 2], tolerance: f64) -> f64 {
+    let radius = |x: f64| (scale * ((1.0 - x) / x)).min(f64::MAX);
+    radius(falling_root(|x| f(radius(x)), at_ends, |_| tolerance))
 }

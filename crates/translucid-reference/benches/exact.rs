@@ -4,22 +4,25 @@
 //! The goals are 10 ms for `one_albedo` and 1 s for `set_of_albedos`.
 
 use divan::{Bencher, black_box};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
 fn main() {
     divan::main();
 }
 
-const ENTRIES: [(&str, Entry); 3] =
-    [("searchlight", Entry::NORMAL), ("diffuse", Entry::Cosine), ("uniform", Entry::UniformCosine)];
+const INCIDENCES: [(&str, Incidence); 3] = [
+    ("searchlight", Incidence::NORMAL),
+    ("diffuse", Incidence::Cosine),
+    ("uniform", Incidence::UniformCosine),
+];
 
-fn entry(name: &str) -> Entry {
-    ENTRIES.iter().find(|(known, _)| *known == name).expect("a name of the list").1
+fn incidence(name: &str) -> Incidence {
+    INCIDENCES.iter().find(|(known, _)| *known == name).expect("a name of the list").1
 }
 
 fn names() -> impl Iterator<Item = &'static str> {
-    ENTRIES.iter().map(|(name, _)| *name)
+    INCIDENCES.iter().map(|(name, _)| *name)
 }
 
 /// 200 radii from 1e-3 to 100 mean free paths, evenly spaced in the logarithm.
@@ -30,27 +33,27 @@ fn radii() -> impl Iterator<Item = f64> {
 /// Solves for α = 0.9.
 #[divan::bench(args = names())]
 fn solve(name: &str) -> HalfSpace {
-    HalfSpace::new(black_box(0.9), entry(name)).expect("valid parameters")
+    HalfSpace::new(black_box(0.9), incidence(name)).expect("valid parameters")
 }
 
 /// R(r) at 200 radii of a solved half space.
 #[divan::bench]
 fn eval_at_200_radii(bencher: Bencher<'_, '_>) {
-    let half_space = HalfSpace::new(0.9, Entry::NORMAL).expect("valid parameters");
+    let half_space = HalfSpace::new(0.9, Incidence::NORMAL).expect("valid parameters");
     bencher.bench_local(|| radii().map(|r| half_space.eval(black_box(r)).value).sum::<f64>());
 }
 
 /// Enclosed energy at 200 radii of a solved half space.
 #[divan::bench]
 fn enclosed_at_200_radii(bencher: Bencher<'_, '_>) {
-    let half_space = HalfSpace::new(0.9, Entry::NORMAL).expect("valid parameters");
+    let half_space = HalfSpace::new(0.9, Incidence::NORMAL).expect("valid parameters");
     bencher.bench_local(|| radii().map(|r| half_space.enclosed(black_box(r)).value).sum::<f64>());
 }
 
 /// One albedo from scratch, R(r) at 200 radii.
 #[divan::bench(args = names())]
 fn one_albedo(name: &str) -> f64 {
-    let half_space = HalfSpace::new(black_box(0.9), entry(name)).expect("valid parameters");
+    let half_space = HalfSpace::new(black_box(0.9), incidence(name)).expect("valid parameters");
     radii().map(|r| half_space.eval(r).value).sum()
 }
 
@@ -59,7 +62,7 @@ fn one_albedo(name: &str) -> f64 {
 fn set_of_albedos(name: &str) -> f64 {
     (1..100)
         .map(|i| {
-            let half_space = HalfSpace::from_surface_albedo(f64::from(i) / 100.0, entry(name));
+            let half_space = HalfSpace::from_surface_albedo(f64::from(i) / 100.0, incidence(name));
             let half_space = half_space.expect("valid parameters");
             radii().map(|r| half_space.eval(r).value).sum::<f64>()
         })

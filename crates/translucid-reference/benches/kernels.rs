@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-reference --bench kernels [-- --write]
 //! ```
 //!
-//! Prints the tables of `docs/kernels.md`, which says what their columns are; `--write` puts them there.
+//! Prints the tables of `docs/speed/kernels.md`, which says what their columns are; `--write` puts them there.
 //! Times are CPU times of the threads, the best of several runs.
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
@@ -54,7 +54,7 @@ fn main() {
 
 /// Puts the tables between the marks of the document.
 fn write(text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/kernels.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/kernels.md");
     let document =
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
@@ -63,7 +63,7 @@ fn write(text: &str) {
     std::fs::write(&path, document).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
-/// What one core can do, in operations on single elements of a vector per nanosecond, and bytes per nanosecond.
+/// Peak rates of one core, in operations on single elements of a vector per nanosecond, and bytes per nanosecond.
 struct Rates {
     /// Single precision with the widest instructions, AVX2 and the baseline.
     single: [Option<f64>; 3],

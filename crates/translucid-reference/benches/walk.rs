@@ -7,14 +7,14 @@
 
 use std::time::Instant;
 
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Walker};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
     let hg = |g| PhaseFunction::HenyeyGreenstein { g };
     let matched = Parameters::default();
-    let cosine = Parameters { entry: Entry::Cosine, ..matched };
+    let cosine = Parameters { incidence: Incidence::Cosine, ..matched };
     let milk = Parameters { eta: 1.4, phase_function: hg(0.8), ..matched };
     println!("{:32} {:>8} {:>12} {:>13} {:>10}", "", "albedo", "collisions", "ns/collision", "ns/photon");
     for (name, parameters, albedos) in [

@@ -1,4 +1,4 @@
-//! What one walk for all albedos costs, and how it scales over the cores.
+//! Cost of one walk for all albedos, and how it scales over the cores.
 //!
 //! `cargo bench -p translucid-reference --bench white_table`.
 //! The first table is the set of surface albedos 0.01, 0.02, … 0.99 from a single run, until every ring that holds at
@@ -8,7 +8,7 @@
 
 use std::time::{Duration, Instant};
 
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Control, Forecast, Goal, Layout, Parameters, Problem, Side, WhiteTable};
 
@@ -17,24 +17,24 @@ fn radii() -> Vec<f64> {
     (0..22).map(|i| 0.05 * (4.0f64 / 3.0).powi(i)).collect()
 }
 
-fn table(entry: Entry, reference_albedo: f64) -> WhiteTable {
-    let problem = Problem::new(Parameters { entry, ..Parameters::default() }).expect("valid parameters");
+fn table(incidence: Incidence, reference_albedo: f64) -> WhiteTable {
+    let problem = Problem::new(Parameters { incidence, ..Parameters::default() }).expect("valid parameters");
     let layout = Layout::new(&radii(), 1).expect("increasing radii");
     WhiteTable::new(problem, layout, reference_albedo).expect("an albedo below 1")
 }
 
 fn main() {
-    for (name, entry) in [("searchlight", Entry::NORMAL), ("diffuse", Entry::Cosine)] {
-        set_of_albedos(name, entry);
+    for (name, incidence) in [("searchlight", Incidence::NORMAL), ("diffuse", Incidence::Cosine)] {
+        set_of_albedos(name, incidence);
     }
     scaling();
 }
 
-fn set_of_albedos(name: &str, entry: Entry) {
+fn set_of_albedos(name: &str, incidence: Incidence) {
     let albedos: Vec<f64> = (1..100)
-        .map(|i| single_scattering_albedo(f64::from(i) / 100.0, 1.0, entry).expect("an albedo in (0, 1)"))
+        .map(|i| single_scattering_albedo(f64::from(i) / 100.0, 1.0, incidence).expect("an albedo in (0, 1)"))
         .collect();
-    let mut table = table(entry, albedos[98]);
+    let mut table = table(incidence, albedos[98]);
     let worst = |table: &WhiteTable| {
         let mut worst = 0.0f64;
         for &albedo in &albedos {
@@ -64,7 +64,7 @@ fn scaling() {
     for _ in 0..4 {
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            let mut table = table(Entry::NORMAL, 0.99);
+            let mut table = table(Incidence::NORMAL, 0.99);
             let (start, cpu) = (Instant::now(), cpu_time());
             pool.install(|| table.run(1, 30_000_000, &Control::default())).expect("photons enough");
             (start.elapsed().as_secs_f64(), (cpu_time() - cpu).as_secs_f64())

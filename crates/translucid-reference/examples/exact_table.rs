@@ -5,7 +5,7 @@
 //! ```
 //!
 //! A row is one surface albedo, rows are equidistant in the angle θ with 1 − A = cos⁴θ, and between them logarithms are interpolated.
-//! Of each cell of radii (one from 0 to the first octave, then 2^j in each octave) a row holds the logarithms of its
+//! For each cell of radii (one from 0 to the first octave, then 2^j in each octave) a row holds the logarithms of its
 //! share of the energy and of its weight, of each end that of the density per length: see `exact_table.rs` and
 //! `monotone_cell.rs` of `translucid-profile`, which read them.
 
@@ -14,7 +14,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use translucid_profile::{Configuration, ParameterError};
-use translucid_reference::{Entry, exact::HalfSpace};
+use translucid_reference::{Incidence, exact::HalfSpace};
 
 /// Rows of a table.
 const ROWS: usize = 49;
@@ -30,7 +30,7 @@ const FAR_TOLERANCE: f64 = 1e-10;
 /// Logarithms below this are of nothing.
 const LEAST_LOGARITHM: f64 = -600.0;
 
-/// What is known at a radius, in parts of all energy.
+/// Figures at a radius, in parts of all energy.
 #[derive(Clone, Copy)]
 struct Knot {
     r: f64,
@@ -62,13 +62,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
 /// The half spaces of the rows. The first stands for A → 0, where all light is scattered once.
 fn half_spaces(configuration: Configuration) -> Result<Vec<HalfSpace>, ParameterError> {
-    let entry = Entry::from(configuration);
+    let incidence = Incidence::from(configuration);
     let row = |i: usize| {
         let sine = (0.5 * PI * i as f64 / (ROWS - 1) as f64).sin();
         if i == 0 {
-            return HalfSpace::new(1e-12, entry);
+            return HalfSpace::new(1e-12, incidence);
         }
-        HalfSpace::from_surface_albedo(sine * sine * (2.0 - sine * sine), entry)
+        HalfSpace::from_surface_albedo(sine * sine * (2.0 - sine * sine), incidence)
     };
     (0..ROWS).map(row).collect()
 }
@@ -115,7 +115,7 @@ fn table(configuration: Configuration, name: &str) -> Result<Vec<u8>, Box<dyn st
     Ok(bytes)
 }
 
-/// How many times an octave is halved, and where its cells begin.
+/// Number of times that an octave is halved, and the start of its cells.
 fn octave(rows: &[HalfSpace], exponent: i32) -> (u32, Vec<f64>) {
     let start = f64::from(exponent).exp2();
     for bits in 0.. {

@@ -41,7 +41,7 @@ const STEPS: [[Side; 2]; 8] = [
 const HARMONIC: Mean = |a, b| 2.0 * a * b / (a + b);
 const GEOMETRIC: Mean = |a, b| (a * b).sqrt();
 const ARITHMETIC: Mean = |a, b| 0.5 * (a + b);
-/// Of the single-scattering albedos.
+/// Means of the single-scattering albedos.
 const INSIDE: Mean = |a, b| {
     let [a, b] = [a, b].map(|a| half_space_single_scattering_albedo(a, Configuration::Diffuse));
     translucid_profile::half_space_surface_albedo((a * b).sqrt(), Configuration::Diffuse)

@@ -1,4 +1,4 @@
-//! How much light thin and curved parts return, by a walk of photons and by the models of a flat half space.
+//! Light that thin and curved parts return, by a walk of photons and by the models of a flat half space.
 //!
 //! ```text
 //! cargo run --release -p translucid-reference --example thin_parts
@@ -28,7 +28,7 @@ use translucid_profile::{
     d_from_surface_albedo, half_space_single_scattering_albedo,
 };
 use translucid_reference::Estimate;
-use translucid_reference::body::{Body, Light, Medium, SPHERE_RINGS, Shape, Tally};
+use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, Tally};
 
 const ALBEDOS: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
 /// d over size.
@@ -55,7 +55,7 @@ const RADIAL: [Model; 8] = [
 enum Kind {
     Sphere,
     Slab,
-    /// With its angle.
+    /// Wedge with its angle.
     Wedge(f64),
 }
 
@@ -77,7 +77,7 @@ fn main() {
         for models in &media {
             for thinness in THINNESSES {
                 let size = models.d / thinness;
-                let truth = truth(kind, models.a, size, Light::Uniform);
+                let truth = truth(kind, models.a, size, Lighting::Uniform);
                 let energies = models.energies(kind, size);
                 println!("{}", even_row(models.a, thinness, &truth, &energies));
                 summary.add(&truth, &energies, models.a);
@@ -107,9 +107,9 @@ fn body(kind: Kind, size: f64) -> Shape {
     }
 }
 
-fn truth(kind: Kind, a: f64, size: f64, light: Light) -> Tally {
+fn truth(kind: Kind, a: f64, size: f64, light: Lighting) -> Tally {
     let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
-    let medium = Medium { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
+    let medium = Interior { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
     Body::new(body(kind, size), medium, light).expect("an albedo in (0, 1)").walk(PHOTONS, 1)
 }
 
@@ -148,14 +148,14 @@ impl Models {
         }
     }
 
-    /// What every model returns of even light, the oblique one first.
+    /// Light that every model returns of even light, the oblique one first.
     fn energies(&self, kind: Kind, size: f64) -> Vec<f64> {
         let mut energies = vec![self.oblique_energy(kind, size)];
         energies.extend(self.radial.iter().map(|profile| radial_energy(profile.as_ref(), kind, size)));
         energies
     }
 
-    /// The same of light followed by its direction, which counts by the share q of the way that lies along the surface
+    /// Light that is returned when it is followed by its direction, which counts by the share q of the way that lies along the surface
     /// at the entry.
     fn oblique_energy(&self, kind: Kind, size: f64) -> f64 {
         let longest = 60.0 * self.d;
@@ -190,16 +190,16 @@ impl Models {
     fn slab_row(&self, thinness: f64) -> String {
         let size = self.d / thinness;
         // A diffuse profile is that of light from all angles: such light falls on one face
-        let tally = truth(Kind::Slab, self.a, size, Light::Uniform);
+        let tally = truth(Kind::Slab, self.a, size, Lighting::Uniform);
         let truths = [tally.scattered_through(0), tally.scattered_through(1)];
-        let faces = |profile: &dyn Profile| vec![profile.total(), profile.beyond(size)];
+        let faces = |profile: &dyn Profile| vec![profile.surface_albedo(), profile.beyond(size)];
         self.side_row("slab", thinness, &truths, faces, |profile| radial_energy(profile, Kind::Slab, size))
     }
 
     /// Rings of a sphere under parallel light.
     fn sphere_row(&self, thinness: f64) -> String {
         let size = self.d / thinness;
-        let tally = truth(Kind::Sphere, self.a, size, Light::Distant);
+        let tally = truth(Kind::Sphere, self.a, size, Lighting::Distant);
         let truths: Vec<Estimate> = (0..SPHERE_RINGS).map(|ring| tally.scattered_through(ring)).collect();
         let rings = |profile: &dyn Profile| sphere_rings(profile, 0.5 * size);
         self.side_row("sphere", thinness, &truths, rings, |profile| {
@@ -238,7 +238,7 @@ impl Models {
 fn radial_energy(profile: &dyn Profile, kind: Kind, size: f64) -> f64 {
     match kind {
         Kind::Sphere => profile.enclosed(size),
-        Kind::Slab => profile.total() + profile.beyond(size),
+        Kind::Slab => profile.surface_albedo() + profile.beyond(size),
         Kind::Wedge(_) => {
             // Radii at which the energy beyond falls evenly, and half of what each ring has at both of its ends
             let longest = 40.0 * size.max(profile.scale());

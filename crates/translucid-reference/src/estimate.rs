@@ -1,14 +1,12 @@
-//! A number and how far it may be off.
+//! Figures with their errors.
 
 /// A figure with its error, in the same unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// The figure.
+    /// Value of the figure.
     pub value: f64,
-    /// How far it may be off, at least 0.
-    ///
-    /// Of an exact solution: an estimate of the greatest numerical error.
-    /// Of a walk: the standard error, one standard deviation of the figure.
+    /// Error, at least 0: for an exact solution an estimate of the greatest numerical error, for a walk the standard
+    /// error, one standard deviation of the figure.
     pub error: f64,
 }
 
@@ -16,7 +14,18 @@ impl Estimate {
     /// A figure without an error.
     pub const ZERO: Self = Self { value: 0.0, error: 0.0 };
 
-    /// The error as a part of the value; infinite for a value of 0 with an error.
+    /// Sum of two parts of a profile, which is neither below 0 nor infinite.
+    pub(crate) fn plus(self, other: Self) -> Self {
+        let value = (self.value + other.value).clamp(0.0, f64::MAX);
+        Self { value, error: (self.error + other.error).min(f64::MAX) }
+    }
+
+    /// Energy that is at most 1: nothing leaves that has not entered.
+    pub(crate) fn at_most_1(self) -> Self {
+        Self { value: self.value.min(1.0), ..self }
+    }
+
+    /// Error as a part of the value; infinite for a value of 0 with an error.
     pub fn relative_error(self) -> f64 {
         if self.error == 0.0 { 0.0 } else { self.error / self.value.abs() }
     }

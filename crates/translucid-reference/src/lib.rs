@@ -21,11 +21,11 @@
 //! Approximate profiles (`translucid-profile`), fits, colors, files of tables other than the walk's own.
 
 pub mod body;
-mod entry;
 mod estimate;
 pub mod exact;
+mod incidence;
 mod split_mix;
 pub mod walk;
 
-pub use entry::{Entry, specular_reflectance};
 pub use estimate::Estimate;
+pub use incidence::{Incidence, specular_reflectance};

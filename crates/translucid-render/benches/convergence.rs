@@ -14,10 +14,9 @@
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use translucid_render::{FilmSums, Goal, Renderer, layer};
+use translucid_render::{FilmSums, PreparedScene, layer, measure};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, load_scene};
 
 struct Case {
@@ -72,11 +71,12 @@ fn load(case: &Case, model: Option<SubsurfaceModel>) -> Option<Scene> {
 fn run(case: &Case, scene: &Scene, reference_samples: u32) {
     let (width, height) = (scene.film.width, scene.film.height);
     let start = cpu_seconds();
-    let renderer = Renderer::new(scene.clone());
+    let renderer = PreparedScene::new(scene.clone()).expect("a valid scene");
     println!("{}: {width}×{height}, prepared in {:.2} CPU s", case.name, cpu_seconds() - start);
     let mut other_seed = scene.clone();
     other_seed.integrator.seed ^= 0x5eed;
-    let (reference, seconds) = render(&Renderer::new(other_seed), width, height, reference_samples);
+    let (reference, seconds) =
+        render(&PreparedScene::new(other_seed).expect("a valid scene"), width, height, reference_samples);
     println!("reference: {reference_samples} spp in {seconds:.0} CPU s");
     println!("| spp | CPU s | CPU s per sample per pixel of the frame | relMSE |");
     println!("|---|---|---|---|");
@@ -87,11 +87,10 @@ fn run(case: &Case, scene: &Scene, reference_samples: u32) {
     }
 }
 
-fn render(renderer: &Renderer, width: u32, height: u32, samples: u32) -> (FilmSums, f64) {
+fn render(renderer: &PreparedScene, width: u32, height: u32, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(width, height);
     let start = cpu_seconds();
-    let goal = Goal { samples, deadline: None };
-    renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 

@@ -14,10 +14,9 @@
 use std::f32::consts::TAU;
 use std::io::{BufWriter, Write};
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{LoadOptions, load_scene};
 
 fn main() {
@@ -51,11 +50,11 @@ fn render(path: &Path) {
     let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
     step("load", start);
     let start = now();
-    let renderer = Renderer::new(scene);
+    let renderer = PreparedScene::new(scene).expect("a valid scene");
     step("prepare", start);
     let start = now();
     let mut film = FilmSums::new(256, 256);
-    renderer.render(&mut film, Goal { samples: 1, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(&renderer, &mut film, 1).expect("a valid view");
     step("render", start);
     println!(
         "{triangles} triangles, {:.0} bytes of peak memory each",

@@ -14,18 +14,18 @@
 //! to that of the selection by power: the time to the same error.
 //! The ways take turns, seed by seed, on one thread.
 //! A second table has the time of single calls, in nanoseconds, from random points of the hall.
-//! `--write` puts both into `docs/many-lights.md`.
+//! `--write` puts both into `docs/speed/many-lights.md`.
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use glam::{Mat3, Vec3};
-use translucid_render::{EmissiveTriangle, FilmSums, Goal, LightSelection, LightSet, Renderer};
+use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
+use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     ShapeParameters, Unit, build_shape,
@@ -69,12 +69,12 @@ fn main() {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread pool");
     let tables = pool.install(|| [pictures(&options), calls(&options)]);
     if options.write {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/many-lights.md");
-        let document = std::fs::read_to_string(&path).expect("docs/many-lights.md is there");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/many-lights.md");
+        let document = std::fs::read_to_string(&path).expect("docs/speed/many-lights.md is there");
         let names = ["pictures", "calls"];
         let document =
             names.iter().zip(tables).fold(document, |d, (name, table)| between_marks(&d, name, &table));
-        std::fs::write(&path, document).expect("docs/many-lights.md can be written");
+        std::fs::write(&path, document).expect("docs/speed/many-lights.md can be written");
     }
 }
 
@@ -247,14 +247,15 @@ fn pictures(options: &Options) -> String {
         let seeded = |seed: u64| {
             let mut scene = scene.clone();
             scene.integrator.seed = seed;
-            Renderer::new(scene)
+            PreparedScene::new(scene).expect("a valid scene")
         };
         let reference = render(&seeded(0xface), options.reference_samples).0;
         let ways = ways(lamps);
         let mut totals = vec![(0.0, 0.0); ways.len()];
         for seed in 0..options.seeds {
             for (way, total) in ways.iter().zip(&mut totals) {
-                let renderer = seeded(seed).with_light_selection(*way);
+                let mut renderer = seeded(seed);
+                measure::select_lights(&mut renderer, *way);
                 let (film, seconds) = render(&renderer, options.samples);
                 *total = (total.0 + seconds, total.1 + relative_mse(&film, &reference));
             }
@@ -351,11 +352,10 @@ fn nanoseconds<T>(inputs: &[T], mut call: impl FnMut(&T)) -> f64 {
     1e9 * (cpu_seconds() - start) / (f64::from(rounds) * inputs.len() as f64)
 }
 
-fn render(renderer: &Renderer, samples: u32) -> (FilmSums, f64) {
+fn render(renderer: &PreparedScene, samples: u32) -> (FilmSums, f64) {
     let mut film = FilmSums::new(SIZE[0], SIZE[1]);
     let start = cpu_seconds();
-    let goal = Goal { samples, deadline: None };
-    renderer.render(&mut film, goal, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
     (film, cpu_seconds() - start)
 }
 

@@ -33,7 +33,8 @@ use std::time::Instant;
 
 use glam::Vec3;
 use translucid_profile::NormalizedDiffusion;
-use translucid_render::{Frame, Geometry, Hit, Ray, TILE_SIZE};
+use translucid_render::measure::Frame;
+use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
 use translucid_scene::{Mesh, Object, load_ply};
 
 const MESHES: [&str; 2] = ["dragon_198k", "dragon_870k"];

@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-render --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
 //! ```
 //!
-//! Prints the tables of `docs/scaling.md`, which says what their columns are; `--write` puts them there.
+//! Prints the tables of `docs/speed/scaling.md`, which says what their columns are; `--write` puts them there.
 //! The scene is made here: a ball with bumps, 2 across and seen whole, in normalized diffusion under a lamp and a sky.
 //! What lights cost is the business of the bench `lights`.
 
@@ -13,12 +13,11 @@
 use std::f32::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 use glam::{Mat3, Vec3};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     SubsurfaceModel, Unit,
@@ -52,7 +51,7 @@ fn main() {
 
 /// Puts the tables between the marks of the document.
 fn write(tables: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/scaling.md");
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/scaling.md");
     let document =
         std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
@@ -70,7 +69,7 @@ fn by_triangles(numbers: Vec<u64>) -> String {
         let scene = scene(triangles, USUAL_LENGTH);
         let number = scene.objects[0].mesh.triangles.len();
         let start = cpu_seconds();
-        let renderer = Renderer::new(scene);
+        let renderer = PreparedScene::new(scene).expect("a valid scene");
         let prepare = cpu_seconds() - start;
         let sample = Measured::of(&renderer).micros;
         let first = *first.get_or_insert(sample);
@@ -89,10 +88,11 @@ fn by_length() -> String {
         "| mean free path over diameter | CPU µs a sample | … without sharing | relative variance of a sample | … without sharing | time to the same error over that without |\n|---|---|---|---|---|---|\n",
     );
     for length in [1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0, 10.0] {
-        let shared = Measured::of(&Renderer::new(scene(USUAL_TRIANGLES, length)));
+        let shared =
+            Measured::of(&PreparedScene::new(scene(USUAL_TRIANGLES, length)).expect("a valid scene"));
         let mut alone = scene(USUAL_TRIANGLES, length);
         alone.integrator.subsurface_sharing = false;
-        let alone = Measured::of(&Renderer::new(alone));
+        let alone = Measured::of(&PreparedScene::new(alone).expect("a valid scene"));
         let _ = writeln!(
             text,
             "| {length:e} | {:.2} | {:.2} | {:.4} | {:.4} | {:.3} |",
@@ -110,7 +110,7 @@ fn by_threads() -> String {
     let mut text =
         String::from("| threads | wall s | CPU s | faster by | of the threads |\n|---|---|---|---|---|\n");
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let renderer = Renderer::new(scene(USUAL_TRIANGLES, USUAL_LENGTH));
+    let renderer = PreparedScene::new(scene(USUAL_TRIANGLES, USUAL_LENGTH)).expect("a valid scene");
     let mut first = None;
     let mut threads = 1;
     while threads <= processors {
@@ -142,7 +142,7 @@ struct Measured {
 }
 
 impl Measured {
-    fn of(renderer: &Renderer) -> Self {
+    fn of(renderer: &PreparedScene) -> Self {
         let once = || {
             let start = cpu_seconds();
             picture(renderer, SAMPLES);
@@ -167,9 +167,9 @@ impl Measured {
     }
 }
 
-fn picture(renderer: &Renderer, samples: u32) -> FilmSums {
+fn picture(renderer: &PreparedScene, samples: u32) -> FilmSums {
     let mut film = FilmSums::new(SIZE, SIZE);
-    renderer.render(&mut film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(renderer, &mut film, samples).expect("a valid view");
     film
 }
 

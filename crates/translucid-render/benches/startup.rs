@@ -16,11 +16,10 @@ use std::collections::HashSet;
 use std::fs;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-use translucid_render::bsdf::MaterialTables;
-use translucid_render::{FilmSums, Goal, Renderer};
+use translucid_render::measure::bsdf::MaterialTables;
+use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     LoadOptions, Scene, ShapeParameters, build_shape, load_scene, shape_names, still_life,
 };
@@ -108,11 +107,11 @@ fn run(case: &Case, options: &LoadOptions, runs: usize) {
         let scene = load(case, options);
         let loaded = now();
         triangles = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
-        let renderer = Renderer::new(scene);
+        let renderer = PreparedScene::new(scene).expect("a valid scene");
         let prepared = now();
         let film = &renderer.scene().film;
         let mut film = FilmSums::new(film.width, film.height);
-        renderer.render(&mut film, Goal { samples: 1, deadline: None }, &|_| {}, &AtomicBool::new(false));
+        measure::add_samples(&renderer, &mut film, 1).expect("a valid view");
         let rendered = now();
         loading = loading.least(between(start, loaded));
         preparing = preparing.least(between(loaded, prepared));

@@ -23,8 +23,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use translucid_image::DisplayTransform;
 use translucid_profile::Model;
-use translucid_render::{FilmSums, Goal, ImageInfo, PointPass, Renderer, layer, write_png};
+use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, layer, measure};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, load_scene, still_life};
 
 const MODELS: [Model; 2] = [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined];
@@ -110,11 +111,11 @@ fn load(name: &str, model: Model, size: u32) -> Option<Scene> {
 fn compare(name: &str, model: Model, scene: &Scene, options: &Options) {
     let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
     println!("\n### {name}, {model}, {triangles} triangles, {0}×{0} pixels\n", options.size);
-    let ray_traced = Renderer::new(scene.clone());
+    let ray_traced = PreparedScene::new(scene.clone()).expect("a valid scene");
     let other_seed = |seed| {
         let mut scene = scene.clone();
         scene.integrator.seed = seed;
-        render(&Renderer::new(scene), options.reference / 2).0
+        render(&PreparedScene::new(scene).expect("a valid scene"), options.reference / 2).0
     };
     let halves = [other_seed(0x5eed), other_seed(0xfeed)];
     let floor = relative_mse(&halves[0], &subsurface(&halves[1])) / 4.0;
@@ -143,7 +144,7 @@ fn compare(name: &str, model: Model, scene: &Scene, options: &Options) {
 /// A row of the table.
 fn point_based(scene: Scene, reference: &[[f64; 3]], options: &Options, name: &str) {
     let tolerance = scene.integrator.point_tolerance;
-    let renderer = Renderer::new(scene);
+    let mut renderer = PreparedScene::new(scene).expect("a valid scene");
     let start = cpu_seconds();
     let second_pass = std::sync::OnceLock::new();
     let report = |progress: translucid_render::PointProgress| {
@@ -160,7 +161,7 @@ fn point_based(scene: Scene, reference: &[[f64; 3]], options: &Options, name: &s
     };
     let middle = *second_pass.get().unwrap_or(&end);
     let count = points.len();
-    let renderer = renderer.with_points(&points);
+    renderer.set_points(&points);
     let (film, seconds) = render(&renderer, options.samples);
     let error = relative_mse(&film, reference);
     println!(
@@ -173,11 +174,11 @@ fn point_based(scene: Scene, reference: &[[f64; 3]], options: &Options, name: &s
     save(&film, renderer.scene(), options, name);
 }
 
-fn render(renderer: &Renderer, samples: u32) -> (FilmSums, f64) {
+fn render(renderer: &PreparedScene, samples: u32) -> (FilmSums, f64) {
     let film = &renderer.scene().film;
     let mut sums = FilmSums::new(film.width, film.height);
     let start = cpu_seconds();
-    renderer.render(&mut sums, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    measure::add_samples(renderer, &mut sums, samples).expect("a valid view");
     (sums, cpu_seconds() - start)
 }
 
@@ -212,9 +213,11 @@ fn save(film: &FilmSums, scene: &Scene, options: &Options, name: &str) {
         samples: film.samples(),
         seconds: 0.0,
         command: String::from("example point_based"),
+        region: None,
     };
     let path = directory.join(format!("{name}.png"));
-    write_png(&path, film, &scene.film, &info).unwrap_or_else(|error| panic!("{error}"));
+    let display = DisplayTransform { exposure: scene.film.exposure, tone_mapping: scene.film.tone_mapping };
+    film.display_picture(&info).save_png(&path, display).unwrap_or_else(|error| panic!("{error}"));
 }
 
 /// CPU time of the process in all its threads; wall time where the system does not tell.

@@ -22,7 +22,7 @@ use translucid_profile::{
     Appearance, Configuration, DirectionalDipole, NormalizedDiffusion, ObliqueDiffusionF32,
     ObliqueDiffusionTable, Parameterization, RefinedDiffusion, half_space_single_scattering_albedo,
 };
-use translucid_reference::body::{Body, Light, Medium, SPHERE_RINGS as RINGS, Shape};
+use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS as RINGS, Shape};
 
 const ALBEDOS: [f64; 2] = [0.5, 0.9];
 /// In mean free paths.
@@ -38,11 +38,11 @@ fn main() {
         let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
         let models = Models::new(a);
         for radius in RADII {
-            for light in [Light::Distant, Light::Uniform] {
+            for light in [Lighting::Distant, Lighting::Uniform] {
                 let truth = Truth::walk(alpha, radius, light);
                 let radiosities = models.radiosities(radius, light);
                 println!("| {a} | {radius} | {light:?} | {} |", summary(&truth, &radiosities));
-                if light == Light::Distant {
+                if light == Lighting::Distant {
                     profiles.push((a, radius, truth, radiosities));
                 }
             }
@@ -98,14 +98,14 @@ struct Truth {
 }
 
 impl Truth {
-    fn walk(alpha: f64, radius: f64, light: Light) -> Self {
-        let medium = Medium { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
-        let body = Body::new(Shape::Sphere { radius }, medium, light).expect("an albedo in (0, 1)");
+    fn walk(alpha: f64, radius: f64, light: Lighting) -> Self {
+        let interior = Interior { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
+        let body = Body::new(Shape::Sphere { radius }, interior, light).expect("an albedo in (0, 1)");
         let tally = body.walk(PHOTONS, 1);
         // Of πρ² of distant flux at irradiance 1, or 4πρ² of uniform, on 4πρ²/RINGS of area
         let per_share = match light {
-            Light::Distant => RINGS as f64 / 4.0,
-            Light::Uniform => RINGS as f64,
+            Lighting::Distant => RINGS as f64 / 4.0,
+            Lighting::Uniform => RINGS as f64,
         };
         // The walk counts rings from the light, the tables by rising cosine
         let ring = |i: usize| tally.scattered_through(RINGS - 1 - i);
@@ -159,12 +159,12 @@ impl Models {
         ]
     }
 
-    fn radiosities(&self, radius: f64, light: Light) -> Radiosities {
+    fn radiosities(&self, radius: f64, light: Lighting) -> Radiosities {
         let rings: Vec<[f64; NAMES.len()]> = match light {
-            Light::Distant => {
+            Lighting::Distant => {
                 (0..RINGS).into_par_iter().map(|ring| self.under_distant(radius, ring)).collect()
             }
-            Light::Uniform => vec![self.under_uniform(radius); RINGS],
+            Lighting::Uniform => vec![self.under_uniform(radius); RINGS],
         };
         std::array::from_fn(|model| std::array::from_fn(|ring| rings[ring][model]))
     }

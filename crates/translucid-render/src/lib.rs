@@ -7,24 +7,23 @@
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
 mod light;
-mod output;
+#[doc(hidden)]
+pub mod measure;
 mod path;
 mod ray;
 mod render;
 mod sampling;
+mod session;
 mod subsurface;
 mod surface;
 mod world;
 
-pub use light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
-pub use output::{
-    CheckpointInfo, DENOISER_VARIABLE, DenoiseError, Denoised, Denoiser, ImageInfo, OutputError,
-    check_writable, display_from_linear, load_checkpoint, save_checkpoint, write_atomically,
-    write_denoised_png, write_exr, write_exr_with_denoised, write_png,
-};
 pub use ray::{Geometry, Hit, Ray};
-pub use render::film::{FilmSums, PixelSample, TILE_SIZE, TileSums, layer};
-pub use render::renderer::{Goal, Outcome, Progress, Renderer};
-pub use sampling::Frame;
+pub use render::{
+    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LayerSizeError, LiveFilm, Outcome,
+    PixelRect, PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
+};
+pub use session::{CheckpointPlan, Event, Observer, Plan, Rendering, RunningSession, Session, SessionError};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
-pub use surface::bsdf;
+pub use subsurface::{KernelNote, MaterialNote, NearestParameter, Note, SubsurfaceProfileError};
+pub use world::{PixelSample, layer};

@@ -3,7 +3,10 @@
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
-use crate::Wrap;
+use rayon::prelude::*;
+
+use crate::interval::{WholeInterval, refusal};
+use crate::{SceneError, Wrap};
 
 /// How stored values relate to linear light.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,7 +26,7 @@ pub enum Pixels {
     Float(Vec<[f32; 4]>),
 }
 
-/// A decoded image of `width × height` pixels, both at least 1.
+/// A decoded image of `width × height` pixels, both in [1, 32768], at most 2²⁸ together.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Image {
     /// Name for messages, usually the file's.
@@ -92,6 +95,47 @@ impl Image {
         match &self.pixels {
             Pixels::Byte(pixels) => pixels.iter().map(|&p| self.decode(p)).fold(least, greater),
             Pixels::Float(pixels) => pixels.iter().copied().fold(least, greater),
+        }
+    }
+
+    /// Longest edge in pixels.
+    pub(crate) const LONGEST_EDGE: usize = 32_768;
+    /// Most pixels.
+    pub(crate) const MOST_PIXELS: usize = 1 << 28;
+
+    /// Checks the size, and that every value is finite.
+    ///
+    /// # Errors
+    /// There are no pixels or too many, as many as `width × height` they are not, or a value is not finite.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.check().map_err(|error| error.within_named("image", &self.name))
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        let edge = WholeInterval::new(1, Self::LONGEST_EDGE as u64);
+        edge.check("width", self.width)?;
+        edge.check("height", self.height)?;
+        let (width, count) = (self.width as usize, self.width as usize * self.height as usize);
+        let length = match &self.pixels {
+            Pixels::Byte(pixels) => pixels.len(),
+            Pixels::Float(pixels) => pixels.len(),
+        };
+        if count > Self::MOST_PIXELS {
+            let must_be = format!("at most {}", Self::MOST_PIXELS);
+            return Err(refusal("width * height", count, must_be));
+        }
+        if length != count {
+            return Err(refusal("pixels.len()", length, format!("width * height = {count}")));
+        }
+        let Pixels::Float(pixels) = &self.pixels else { return Ok(()) };
+        let is_bad = |pixel: &[f32; 4]| !pixel.iter().fold(true, |all, value| all & value.is_finite());
+        match pixels.par_iter().position_first(is_bad) {
+            Some(i) => Err(refusal(
+                format_args!("pixel ({}, {})", i % width, i / width),
+                format_args!("{:?}", pixels[i]),
+                "finite",
+            )),
+            None => Ok(()),
         }
     }
 

@@ -2,9 +2,9 @@
 //!
 //! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in
 //! world space, materials with OpenPBR names, images, lights.
-//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or a built-in shape.
-//! A scene that exists is valid: every index is in range, every number finite and within its
-//! documented range, so a renderer needs no checks of its own.
+//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or from code.
+//! A scene from a file is valid, and one that is made in code if [`Scene::validate`] says so: every index is in range,
+//! every number finite and within its documented range, so a renderer needs no checks of its own.
 //!
 //! # Units
 //! Lengths are in the scene's own unit ([`Scene::unit`]); colors are linear Rec. 709; angles in files
@@ -13,24 +13,22 @@
 //! # Out of scope
 //! Tracing rays, sampling, and any knowledge of how a picture is computed.
 
+#[cfg(any(test, feature = "testing"))]
+pub mod broken;
 mod camera;
 mod error;
-mod frame_mesh;
 mod image;
+mod interval;
 mod light;
 mod load;
 mod material;
 mod mesh;
-mod nearest;
 mod preset;
 mod profile_table;
-mod repair;
 mod scene;
 mod settings;
 mod shapes;
 mod still_life;
-#[cfg(test)]
-mod test_assets;
 mod texture;
 
 pub use camera::Camera;
@@ -46,15 +44,15 @@ pub use material::{
     Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
     SubsurfaceTextureAt,
 };
-pub use mesh::{Mesh, Triangle};
+pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use preset::{Preset, preset, presets};
 pub use profile_table::{ProfileRow, ProfileTable};
-pub use repair::repair_mesh;
 pub use scene::{Object, Scene, Unit};
-pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod, ToneMapping};
+pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod};
 pub use shapes::{
     FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_meaning,
     shape_names, shape_parameters,
 };
 pub use still_life::still_life;
 pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};
+pub use translucid_image::ToneMapping;

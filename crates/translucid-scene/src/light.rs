@@ -1,6 +1,9 @@
 //! Lights that are not emissive meshes.
 
-use glam::{Mat3, Vec3};
+use glam::{DMat3, Mat3, Vec3};
+
+use crate::SceneError;
+use crate::interval::{Interval, check_index, refusal};
 
 /// A light with its placement. Colors are linear Rec. 709 and non-negative.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,4 +79,132 @@ pub struct Environment {
     pub world_from_environment: Mat3,
     /// Whether the camera sees it; if not the background is black with alpha 0.
     pub visible: bool,
+}
+
+/// White light from everywhere, which the camera sees.
+impl Default for Environment {
+    fn default() -> Self {
+        Self { radiance: Vec3::ONE, image: None, world_from_environment: Mat3::IDENTITY, visible: true }
+    }
+}
+
+/// Largest cosine between two directions that count as perpendicular.
+const PERPENDICULAR: f64 = 1e-3;
+/// Largest difference between 1 and the square of a length that counts as 1.
+const UNIT: f64 = 0.02;
+
+impl Light {
+    /// Range of the angular radius of a distant light, in degrees.
+    pub(crate) const ANGULAR_RADIUS: Interval = Interval::below(0.0, 90.0);
+    /// Range of the outer angle of a spot, in degrees.
+    pub(crate) const OUTER_ANGLE: Interval = Interval::above(0.0, 180.0);
+
+    /// Range of the inner angle of a spot, in degrees.
+    pub(crate) fn inner_angle_within(outer_angle: f32) -> Interval {
+        Interval::below(0.0, f64::from(outer_angle))
+    }
+
+    /// The light's kind as scene files write it.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Rectangle { .. } => "rectangle",
+            Self::Sphere { .. } => "sphere",
+            Self::Distant { .. } => "distant",
+            Self::Spot { .. } => "spot",
+            Self::Beam { .. } => "beam",
+        }
+    }
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// A number is out of its range, a direction is not a unit vector, or the edges of a rectangle are not
+    /// perpendicular.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.check().map_err(|error| error.within(format_args!("{} light", self.kind())))
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        let point = |field, value: Vec3| Interval::PLACE.check_all(field, value.to_array());
+        let color = |field, value: Vec3| Interval::LIGHT.check_all(field, value.to_array());
+        let radius = |value| Interval::REACH.check("radius", value);
+        match *self {
+            Self::Rectangle { center, edge_x, edge_y, radiance, visible: _ } => {
+                point("center", center)?;
+                check_edges(edge_x, edge_y)?;
+                color("radiance", radiance)
+            }
+            Self::Sphere { center, radius: r, radiance, visible: _ } => {
+                point("center", center)?;
+                radius(r)?;
+                color("radiance", radiance)
+            }
+            Self::Distant { direction, angular_radius, irradiance } => {
+                check_unit("direction", direction)?;
+                Self::ANGULAR_RADIUS.check("angular_radius", angular_radius)?;
+                color("irradiance", irradiance)
+            }
+            Self::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                point("position", position)?;
+                check_unit("direction", direction)?;
+                Self::OUTER_ANGLE.check("outer_angle", outer_angle)?;
+                Self::inner_angle_within(outer_angle).check("inner_angle", inner_angle)?;
+                color("intensity", intensity)
+            }
+            Self::Beam { origin, direction, radius: r, power } => {
+                point("origin", origin)?;
+                check_unit("direction", direction)?;
+                radius(r)?;
+                color("power", power)
+            }
+        }
+    }
+}
+
+fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
+    if (direction.as_dvec3().length_squared() - 1.0).abs() <= UNIT {
+        return Ok(());
+    }
+    Err(refusal(field, direction, "a vector of length 1"))
+}
+
+fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
+    for (field, edge) in [("edge_x", x), ("edge_y", y)] {
+        Interval::PLACE.check_all(field, edge.to_array())?;
+        if edge == Vec3::ZERO {
+            return Err(refusal(field, edge, "a vector that is not zero"));
+        }
+    }
+    let (x, y) = (x.as_dvec3(), y.as_dvec3());
+    // Components near the least number in single precision have no digits left for an angle.
+    let rounding = f64::from(f32::from_bits(4)) * (x.length() + y.length());
+    if x.dot(y).abs() <= PERPENDICULAR * x.length() * y.length() + rounding {
+        return Ok(());
+    }
+    Err(refusal("edge_y", y, "perpendicular to edge_x"))
+}
+
+impl Environment {
+    /// Checks every field in a scene of so many images.
+    ///
+    /// # Errors
+    /// A radiance is out of its range, there is no image of that index, or the matrix is not a rotation.
+    pub fn validate(&self, images: usize) -> Result<(), SceneError> {
+        self.check(images).map_err(|error| error.within("environment"))
+    }
+
+    fn check(&self, images: usize) -> Result<(), SceneError> {
+        Interval::LIGHT.check_all("radiance", self.radiance.to_array())?;
+        if let Some(image) = self.image {
+            check_index("image", image, images, "images")?;
+        }
+        let matrix = self.world_from_environment.as_dmat3();
+        let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
+        let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
+        if turns && matrix.determinant() > 0.0 {
+            return Ok(());
+        }
+        Err(refusal("world_from_environment", self.world_from_environment, "a rotation"))
+    }
 }

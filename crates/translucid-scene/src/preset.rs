@@ -3,12 +3,12 @@
 use glam::DVec3;
 use translucid_profile::half_space_surface_albedo;
 
-use crate::nearest::nearest;
+use crate::error::nearest;
 use crate::{ColorInput, Configuration, Material, ScalarInput, SceneError, SubsurfaceParameter, Unit};
 
-/// Where a preset's numbers come from.
+/// Numbers of a preset's inside, measured or chosen.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Medium {
+enum PresetNumbers {
     /// Reduced scattering σ'_s and absorption σ_a for red, green, blue [1/mm].
     Measured { sigma_s_prime: [f64; 3], sigma_a: [f64; 3] },
     /// Surface albedo A and mean free path ℓ for red, green, blue [mm].
@@ -28,7 +28,7 @@ pub struct Preset {
     source: &'static str,
     eta: f32,
     roughness: f32,
-    medium: Medium,
+    numbers: PresetNumbers,
 }
 
 impl Preset {
@@ -59,9 +59,9 @@ impl Preset {
     /// Surface albedo A for red, green, blue, in [0, 1].
     #[must_use]
     pub fn surface_albedo(&self) -> DVec3 {
-        match self.medium {
-            Medium::Chosen { surface_albedo, .. } => surface_albedo.into(),
-            Medium::Measured { sigma_s_prime, sigma_a } => {
+        match self.numbers {
+            PresetNumbers::Chosen { surface_albedo, .. } => surface_albedo.into(),
+            PresetNumbers::Measured { sigma_s_prime, sigma_a } => {
                 let channel = |i: usize| {
                     let alpha_prime = sigma_s_prime[i] / (sigma_s_prime[i] + sigma_a[i]);
                     half_space_surface_albedo(alpha_prime, Configuration::Diffuse)
@@ -74,9 +74,9 @@ impl Preset {
     /// Mean free path ℓ for red, green, blue \[mm\].
     #[must_use]
     pub fn mfp_in_millimeters(&self) -> DVec3 {
-        match self.medium {
-            Medium::Chosen { mfp, .. } => mfp.into(),
-            Medium::Measured { sigma_s_prime, sigma_a } => {
+        match self.numbers {
+            PresetNumbers::Chosen { mfp, .. } => mfp.into(),
+            PresetNumbers::Measured { sigma_s_prime, sigma_a } => {
                 1.0 / (DVec3::from(sigma_s_prime) + DVec3::from(sigma_a))
             }
         }
@@ -148,7 +148,13 @@ const fn measured(
     sigma_a: [f64; 3],
     [eta, roughness]: [f32; 2],
 ) -> Preset {
-    Preset { name, source: JENSEN, eta, roughness, medium: Medium::Measured { sigma_s_prime, sigma_a } }
+    Preset {
+        name,
+        source: JENSEN,
+        eta,
+        roughness,
+        numbers: PresetNumbers::Measured { sigma_s_prime, sigma_a },
+    }
 }
 
 const fn liquid(name: &'static str, sigma_s_prime: [f64; 3], sigma_a: [f64; 3]) -> Preset {
@@ -161,7 +167,7 @@ const fn by_eye(
     mfp: [f64; 3],
     [eta, roughness]: [f32; 2],
 ) -> Preset {
-    Preset { name, source: BY_EYE, eta, roughness, medium: Medium::Chosen { surface_albedo, mfp } }
+    Preset { name, source: BY_EYE, eta, roughness, numbers: PresetNumbers::Chosen { surface_albedo, mfp } }
 }
 
 const fn alias(name: &'static str, source: &'static str, preset: Preset) -> Preset {

@@ -1,11 +1,18 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
-use crate::{Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, ProfileTable};
+use rayon::prelude::*;
+
+use crate::interval::check_index;
+use crate::{Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, ProfileTable, SceneError};
+
+/// Most triangles of a scene: 3 GiB of indices.
+pub(crate) const MOST_TRIANGLES: usize = 1 << 28;
 
 /// Length unit of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Unit {
     /// Millimeters.
+    #[default]
     Millimeter,
     /// Centimeters.
     Centimeter,
@@ -49,7 +56,7 @@ impl Unit {
 ///
 /// Loaders bake transforms into vertices (mirrored ones flip the winding, so that the geometric normal
 /// still points out), and a mesh with several materials becomes several objects.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Object {
     /// Name for messages and subsurface sets.
     pub name: String,
@@ -57,12 +64,29 @@ pub struct Object {
     pub mesh: Mesh,
     /// Index into [`Scene::materials`].
     pub material: usize,
-    /// Objects with the same number share subsurface scattering: light may enter one and leave another.
+    /// Group of objects that share subsurface scattering: light may enter one and leave another. Any number.
     pub subsurface_group: u32,
 }
 
 /// Everything needed to make a picture.
-#[derive(Clone, Debug)]
+///
+/// [`validate`](Self::validate) says what is wrong with a scene made in code; a scene from a file is valid.
+/// The default has a camera, a film and no objects.
+///
+/// ```
+/// use translucid_scene::{Environment, Material, Object, Scene, ShapeParameters, build_shape};
+///
+/// let mesh = build_shape("sphere", &ShapeParameters::new())?;
+/// let scene = Scene {
+///     objects: vec![Object { name: "ball".into(), mesh, ..Object::default() }],
+///     materials: vec![Material::default()],
+///     environment: Some(Environment::default()),
+///     ..Scene::default()
+/// };
+/// scene.validate()?;
+/// # Ok::<(), translucid_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug, Default)]
 pub struct Scene {
     /// Length unit of every number below.
     pub unit: Unit,
@@ -84,4 +108,157 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Light from infinity in all directions; `None` is black.
     pub environment: Option<Environment>,
+}
+
+impl Object {
+    /// Checks the mesh, and the material's index in a scene of so many materials.
+    ///
+    /// # Errors
+    /// There is no such material, or the mesh is not valid.
+    pub fn validate(&self, materials: usize) -> Result<(), SceneError> {
+        self.check(materials).map_err(|error| error.within_named("object", &self.name))
+    }
+
+    fn check(&self, materials: usize) -> Result<(), SceneError> {
+        check_index("material", self.material, materials, "materials")?;
+        self.mesh.validate()
+    }
+}
+
+/// The checks of parts take time in proportion to the part: an edit need not check more.
+impl Scene {
+    /// Checks everything that a renderer relies on: every index, every range, every mesh.
+    ///
+    /// # Errors
+    /// Something is out of its range or dangling: the message names its place, its value and what it must be.
+    ///
+    /// ```
+    /// use translucid_scene::{Film, LoadOptions, still_life};
+    ///
+    /// let mut scene = still_life(&LoadOptions::default())?;
+    /// scene.materials[0].base_weight = f32::NAN;
+    /// let name = &scene.materials[0].name;
+    /// let message = scene.validate().unwrap_err().message;
+    /// assert_eq!(message, format!("material {name}, base_weight = NaN: must be in [0, 1]"));
+    /// # Ok::<(), translucid_scene::SceneError>(())
+    /// ```
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.camera.validate()?;
+        self.film.validate()?;
+        self.integrator.validate()?;
+        self.validate_environment()?;
+        first_error(self.materials.len(), |i| self.validate_material(i))?;
+        first_error(self.lights.len(), |i| self.validate_light(i))?;
+        self.validate_objects()?;
+        first_error(self.images.len(), |i| self.validate_image(i))?;
+        first_error(self.profile_tables.len(), |i| self.validate_profile_table(i))
+    }
+
+    /// Checks all objects, their meshes and the number of their triangles.
+    ///
+    /// # Errors
+    /// There are no objects, one of them is broken, or there are more than 2²⁸ triangles.
+    pub fn validate_objects(&self) -> Result<(), SceneError> {
+        if self.objects.is_empty() {
+            return Err(SceneError::new("the scene has no objects, but must have at least one"));
+        }
+        self.validate_triangle_count()?;
+        first_error(self.objects.len(), |i| self.validate_object(i))
+    }
+
+    /// Checks the number of triangles of all objects, without looking at them.
+    ///
+    /// # Errors
+    /// There are more than 2²⁸.
+    pub fn validate_triangle_count(&self) -> Result<(), SceneError> {
+        let lengths = self.objects.iter().map(|object| object.mesh.triangles.len());
+        let count = lengths.fold(0_usize, usize::saturating_add);
+        if count <= MOST_TRIANGLES {
+            return Ok(());
+        }
+        Err(SceneError::new(format!(
+            "the scene has {count} triangles, but at most {MOST_TRIANGLES} are allowed"
+        )))
+    }
+
+    /// Checks one object.
+    ///
+    /// # Errors
+    /// There is no such object, or it is broken.
+    pub fn validate_object(&self, index: usize) -> Result<(), SceneError> {
+        let object = get(&self.objects, index, "object")?;
+        let label = || label("object", index, &self.objects, |object| &object.name);
+        object.check(self.materials.len()).map_err(|error| error.within(label()))
+    }
+
+    /// Checks one material.
+    ///
+    /// # Errors
+    /// There is no such material, or it is broken.
+    pub fn validate_material(&self, index: usize) -> Result<(), SceneError> {
+        let material = get(&self.materials, index, "material")?;
+        let label = || label("material", index, &self.materials, |material| &material.name);
+        let (images, tables) = (self.images.len(), self.profile_tables.len());
+        material.check(images, tables).map_err(|error| error.within(label()))
+    }
+
+    /// Checks one image.
+    ///
+    /// # Errors
+    /// There is no such image, or it is broken.
+    pub fn validate_image(&self, index: usize) -> Result<(), SceneError> {
+        let image = get(&self.images, index, "image")?;
+        let label = || label("image", index, &self.images, |image| &image.name);
+        image.check().map_err(|error| error.within(label()))
+    }
+
+    /// Checks one profile table.
+    ///
+    /// # Errors
+    /// There is no such table, or it is broken.
+    pub fn validate_profile_table(&self, index: usize) -> Result<(), SceneError> {
+        get(&self.profile_tables, index, "profile table")?.validate()
+    }
+
+    /// Checks one light.
+    ///
+    /// # Errors
+    /// There is no such light, or it is broken.
+    pub fn validate_light(&self, index: usize) -> Result<(), SceneError> {
+        let light = get(&self.lights, index, "light")?;
+        light.check().map_err(|error| error.within(format_args!("light {index} ({})", light.kind())))
+    }
+
+    /// Checks the environment, if there is one.
+    ///
+    /// # Errors
+    /// It is broken.
+    pub fn validate_environment(&self) -> Result<(), SceneError> {
+        self.environment.as_ref().map_or(Ok(()), |environment| environment.validate(self.images.len()))
+    }
+}
+
+/// The first error of so many checks.
+fn first_error(
+    count: usize,
+    check: impl Fn(usize) -> Result<(), SceneError> + Sync,
+) -> Result<(), SceneError> {
+    (0..count).into_par_iter().find_map_first(|i| check(i).err()).map_or(Ok(()), Err)
+}
+
+fn get<'a, T>(list: &'a [T], index: usize, thing: &str) -> Result<&'a T, SceneError> {
+    let count = list.len();
+    list.get(index).ok_or_else(|| SceneError::new(format!("there is no {thing} {index} of {count}")))
+}
+
+/// Words for a thing in a list: its name, with its index where others have the name, too, or it has none.
+fn label<T>(thing: &str, index: usize, list: &[T], name: impl Fn(&T) -> &str) -> String {
+    let own = name(&list[index]);
+    if own.is_empty() {
+        return format!("{thing} {index}");
+    }
+    match list.iter().filter(|other| name(other) == own).count() {
+        1 => format!("{thing} {own}"),
+        _ => format!("{thing} {own} (index {index})"),
+    }
 }

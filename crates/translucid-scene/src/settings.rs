@@ -1,5 +1,10 @@
 //! Settings of the film and of the light transport.
 
+use translucid_image::ToneMapping;
+
+use crate::SceneError;
+use crate::interval::{Interval, WholeInterval};
+
 /// Reconstruction filter of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilterKind {
@@ -9,17 +14,6 @@ pub enum FilterKind {
     Gaussian,
     /// Blackman–Harris window, four terms.
     BlackmanHarris,
-}
-
-/// How linear radiance becomes display values in a PNG.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ToneMapping {
-    /// Clip to [0, 1], sRGB transfer curve.
-    Srgb,
-    /// Khronos PBR Neutral: colors below the shoulder stay as they are.
-    Neutral,
-    /// AgX: a filmic curve whose highlights lose saturation.
-    Agx,
 }
 
 /// Image size, filter and display transform.
@@ -33,7 +27,7 @@ pub struct Film {
     pub filter: FilterKind,
     /// Half the filter's extent in pixels, in (0, 8]; 0.5 is one pixel for the box.
     pub filter_radius: f32,
-    /// Exposure of the PNG in stops; the EXR is untouched.
+    /// Exposure of the PNG in stops, in [−32, 32]; the EXR is untouched.
     pub exposure: f32,
     /// Display transform of the PNG.
     pub tone_mapping: ToneMapping,
@@ -49,6 +43,30 @@ impl Default for Film {
             exposure: 0.0,
             tone_mapping: ToneMapping::Neutral,
         }
+    }
+}
+
+impl Film {
+    /// Range of `width` and `height`.
+    pub(crate) const EDGE: WholeInterval = WholeInterval::new(1, 16_384);
+    /// Range of `filter_radius`.
+    pub(crate) const FILTER_RADIUS: Interval = Interval::above(0.0, 8.0);
+    /// Range of `exposure`.
+    pub(crate) const EXPOSURE: Interval = Interval::closed(-32.0, 32.0);
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// A number is out of its range.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.check().map_err(|error| error.within("film"))
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        Self::EDGE.check("width", self.width)?;
+        Self::EDGE.check("height", self.height)?;
+        Self::FILTER_RADIUS.check("filter_radius", self.filter_radius)?;
+        Self::EXPOSURE.check("exposure", self.exposure)
     }
 }
 
@@ -90,7 +108,7 @@ pub struct Integrator {
     /// Largest number of scattering events on a path, in [1, 1024]; 1 is direct light only.
     /// A subsurface event (exit to entry) counts as one.
     pub max_depth: u32,
-    /// Of these, the largest number of diffuse or subsurface events.
+    /// Largest number of these events that are diffuse or subsurface, in [0, 1024].
     pub max_diffuse_depth: u32,
     /// Whether a glossy or transmissive event after a diffuse one may meet light (caustics).
     pub caustics: bool,
@@ -125,5 +143,37 @@ impl Default for Integrator {
             point_memory: 2048,
             seed: 0,
         }
+    }
+}
+
+impl Integrator {
+    /// Range of `samples_per_pixel`.
+    pub(crate) const SAMPLES: WholeInterval = WholeInterval::new(1, 1 << 24);
+    /// Range of `max_depth`.
+    pub(crate) const DEPTH: WholeInterval = WholeInterval::new(1, 1024);
+    /// Range of `max_diffuse_depth`.
+    pub(crate) const DIFFUSE_DEPTH: WholeInterval = WholeInterval::new(0, 1024);
+    /// Range of `subsurface_tail`.
+    pub(crate) const TAIL: Interval = Interval::above(0.0, 0.1);
+    /// Range of `point_tolerance`.
+    pub(crate) const TOLERANCE: Interval = Interval::closed(0.001, 1.0);
+    /// Range of `point_memory`.
+    pub(crate) const MEMORY: WholeInterval = WholeInterval::new(1, 1 << 20);
+
+    /// Checks every field.
+    ///
+    /// # Errors
+    /// A number is out of its range.
+    pub fn validate(&self) -> Result<(), SceneError> {
+        self.check().map_err(|error| error.within("integrator"))
+    }
+
+    fn check(&self) -> Result<(), SceneError> {
+        Self::SAMPLES.check("samples_per_pixel", self.samples_per_pixel)?;
+        Self::DEPTH.check("max_depth", self.max_depth)?;
+        Self::DIFFUSE_DEPTH.check("max_diffuse_depth", self.max_diffuse_depth)?;
+        Self::TAIL.check("subsurface_tail", self.subsurface_tail)?;
+        Self::TOLERANCE.check("point_tolerance", self.point_tolerance)?;
+        Self::MEMORY.check("point_memory", self.point_memory)
     }
 }

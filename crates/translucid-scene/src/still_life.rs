@@ -51,7 +51,7 @@ mod tests {
         assert!(scene.images.is_empty(), "the still life must not need files");
     }
 
-    /// What stands on the table touches it: neither floats nor sinks in by more than 0.5 mm.
+    /// Things on the table touch it: they neither float nor sink in by more than 0.5 mm.
     #[test]
     fn still_life_stands_on_its_table() {
         let scene = still_life(&LoadOptions::default()).expect("valid");

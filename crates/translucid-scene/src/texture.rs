@@ -2,7 +2,17 @@
 
 use glam::{Affine2, Vec2, Vec3};
 
-/// What happens to texture coordinates outside [0, 1].
+use crate::SceneError;
+use crate::interval::{Interval, check_index};
+
+/// Range of the factor on an image or vertex colors of a color: the product is clamped where it is evaluated.
+pub(crate) const TEXTURED_COLOR: Interval = Interval::FACTOR;
+/// Range of the factor on an image of a scalar: it may be a length.
+pub(crate) const TEXTURED_SCALAR: Interval = Interval::LENGTH;
+/// Range of every number of a mapping of texture coordinates.
+pub(crate) const MAPPING: Interval = Interval::DIRECTION;
+
+/// Treatment of texture coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Wrap {
     /// Repeat the image.
@@ -50,6 +60,12 @@ impl TextureRef {
     #[must_use]
     pub fn coordinates(&self, uv: Vec2) -> Vec2 {
         self.image_from_uv.transform_point2(uv)
+    }
+
+    /// Checks the texture of a parameter in a scene of so many images.
+    pub(crate) fn check(&self, parameter: &str, images: usize) -> Result<(), SceneError> {
+        check_index(&format!("{parameter}.texture.image"), self.image, images, "images")?;
+        MAPPING.check_all(&format!("{parameter}.texture.image_from_uv"), self.image_from_uv.to_cols_array())
     }
 }
 

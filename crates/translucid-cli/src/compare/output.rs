@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
+use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_laboratory::figures::Report;
 use translucid_laboratory::{Chart, Theme};
-use translucid_render::{OutputError, check_writable, write_atomically};
 
 use crate::failure::Failure;
 use crate::interrupt;

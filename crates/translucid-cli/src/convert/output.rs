@@ -5,7 +5,7 @@ use std::io::{self, Write as _};
 use std::path::Path;
 
 use clap::ValueEnum;
-use translucid_render::write_atomically;
+use translucid_image::write_atomically;
 
 use super::rows::Row;
 use crate::failure::Failure;
@@ -30,7 +30,7 @@ pub(super) fn write(rows: &[Row], format: Format, path: Option<&Path>) -> Result
         Format::Text => paragraphs(rows),
     };
     if let Some(path) = path {
-        translucid_render::check_writable(path)?;
+        translucid_image::check_writable(path)?;
         return write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(Failure::late);
     }
     print(&text)

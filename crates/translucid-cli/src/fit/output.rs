@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
+use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_laboratory::{Chart, Theme};
-use translucid_render::{OutputError, check_writable, write_atomically};
 
 use crate::failure::Failure;
 use crate::messages;

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use rayon::prelude::*;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
 use translucid_reference::walk::{PhaseFunction, Problem};
-use translucid_reference::{Entry, Estimate};
+use translucid_reference::{Estimate, Incidence};
 
 use super::{Arguments, COLUMNS};
 use crate::failure::Failure;
@@ -74,7 +74,7 @@ fn albedos(arguments: &Arguments, problem: &Problem) -> Result<Vec<(Option<f64>,
         return Ok(arguments.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
     }
     let invert = |&surface_albedo: &f64| {
-        let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.entry);
+        let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
         alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| arguments.name_option(error))
     };
     arguments.surface_albedo.iter().map(invert).collect()
@@ -91,12 +91,12 @@ enum Solution {
 impl Solution {
     fn new(arguments: &Arguments, problem: &Problem, alpha: f64) -> Result<Self, Failure> {
         let parameters = problem.parameters();
-        let solution = match (parameters.entry, arguments.azimuth) {
-            (Entry::Pencil { cos_theta }, Some(degrees)) => {
+        let solution = match (parameters.incidence, arguments.azimuth) {
+            (Incidence::Pencil { cos_theta }, Some(degrees)) => {
                 ObliqueHalfSpace::new(alpha, parameters.eta, cos_theta)
                     .map(|solution| Self::Directed(Box::new(solution), degrees.to_radians()))
             }
-            _ => HalfSpace::with_boundary(alpha, parameters.eta, parameters.entry).map(Self::Radial),
+            _ => HalfSpace::with_boundary(alpha, parameters.eta, parameters.incidence).map(Self::Radial),
         };
         solution.map_err(|error| arguments.name_option(error))
     }

@@ -6,7 +6,7 @@ mod walk_method;
 pub(crate) use walk_method::parse_photons;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use translucid_reference::Entry;
+use translucid_reference::Incidence;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
 
 use crate::failure::Failure;
@@ -164,17 +164,17 @@ impl Arguments {
             phase_function,
             eta: self.eta,
             thickness: self.thickness.unwrap_or(f64::INFINITY) / self.mfp,
-            entry: self.entry()?,
+            incidence: self.incidence()?,
             spot_radius: self.spot_radius / self.mfp,
         })
         .map_err(|error| self.name_option(error))
     }
 
-    fn entry(&self) -> Result<Entry, Failure> {
+    fn incidence(&self) -> Result<Incidence, Failure> {
         let Some(degrees) = self.incidence_angle else {
             return Ok(match self.configuration {
-                Some(ConfigurationName::Searchlight) => Entry::NORMAL,
-                Some(ConfigurationName::Diffuse) | None => Entry::Cosine,
+                Some(ConfigurationName::Searchlight) => Incidence::NORMAL,
+                Some(ConfigurationName::Diffuse) | None => Incidence::Cosine,
             });
         };
         if self.configuration == Some(ConfigurationName::Diffuse) {
@@ -188,7 +188,7 @@ impl Arguments {
         if let Some(azimuth) = self.azimuth.filter(|azimuth| !azimuth.is_finite()) {
             return Err(Failure::input(format!("--azimuth is {}, but must be finite", exact(azimuth))));
         }
-        Ok(Entry::Pencil { cos_theta: degrees.to_radians().cos() })
+        Ok(Incidence::Pencil { cos_theta: degrees.to_radians().cos() })
     }
 
     /// A parameter's error in the words of the command line.

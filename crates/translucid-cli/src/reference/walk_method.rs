@@ -109,7 +109,7 @@ pub(super) fn run(arguments: &Arguments, problem: &Problem) -> Result<(), Failur
     }
     arguments.table.check()?;
     if let Some(path) = &walk.table_file {
-        translucid_render::check_writable(path)?;
+        translucid_image::check_writable(path)?;
     }
     spare_tables(arguments)?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
@@ -358,7 +358,7 @@ impl Albedos {
             return Ok(Self::Surface(arguments.surface_albedo.clone()));
         }
         let invert = |&surface_albedo: &f64| {
-            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.entry);
+            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
             let alpha = alpha.map_err(|error| arguments.name_option(error))?;
             if alpha > WhiteTable::HIGHEST_REFERENCE_ALBEDO {
                 return Err(out_of_reach(surface_albedo));
@@ -511,7 +511,7 @@ fn earlier_table(arguments: &Arguments) -> Result<Option<WhiteTable>, Failure> {
 
 fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
     match path {
-        Some(path) => table.save(path).map_err(|error| Failure::work(error.to_string())),
+        Some(path) => translucid_image::write_atomically(path, |out| table.write(out)).map_err(Failure::late),
         None => Ok(()),
     }
 }

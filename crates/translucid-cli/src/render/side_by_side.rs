@@ -7,14 +7,15 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use translucid_image::display_from_linear;
 use translucid_laboratory::picture::{Picture, PicturePixel};
-use translucid_render::{FilmSums, display_from_linear, layer};
+use translucid_render::{FilmSums, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::{Arguments, inputs, require_memory, scene, scene_name};
 use crate::failure::Failure;
 use crate::model::ModelName;
-use crate::session::{self, Part, Rendering, Session};
+use crate::picture::{self, Part, Rendering, Task};
 use crate::{interrupt, messages};
 use directory::Directory;
 use report::{Entry, Report};
@@ -98,7 +99,7 @@ fn require_size(scene: &Scene, models: usize) -> Result<(), Failure> {
         return Err(Failure::input(message).with_help("choose a smaller --size, or one model"));
     }
     // The film, its first half, and the pictures of all models
-    require_memory(scene, 2 * session::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL)
+    require_memory(scene, 2 * picture::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL)
 }
 
 /// Renders the scene with one model after the other.
@@ -123,7 +124,7 @@ fn render_all(
         };
         let film = scene.film;
         let goal = scene.integrator.samples_per_pixel;
-        let session = Session {
+        let task = Task {
             scene_name: scene_name(arguments),
             outputs: directory.outputs(model),
             limit: arguments.time,
@@ -132,6 +133,7 @@ fn render_all(
             checkpoint_interval: arguments.checkpoint_interval(),
             points: None,
             denoiser: None,
+            region: None,
             quiet: arguments.quiet,
             verbose: arguments.verbose,
             part: Some(Part {
@@ -139,7 +141,7 @@ fn render_all(
                 first_half: directory.first_half(model),
             }),
         };
-        entries.push(entry(model, &session::render(scene, &session)?, &film, goal));
+        entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
     }
     Ok(entries)
 }
@@ -149,8 +151,8 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
     let first_half = rendering.first_half.as_ref().filter(|_| rendering.is_finished);
     Entry {
         model: model.name().to_owned(),
-        picture: picture(&rendering.film, settings),
-        first_half: first_half.map(|half| (picture(half, settings), [half.samples(), goal])),
+        picture: compared(&rendering.film, settings),
+        first_half: first_half.map(|half| (compared(half, settings), [half.samples(), goal])),
         samples: rendering.film.samples(),
         seconds: rendering.seconds,
         cpu_seconds: rendering.cpu_seconds,
@@ -159,7 +161,7 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
 }
 
 /// A film as a picture; its background is black.
-fn picture(film: &FilmSums, settings: &Film) -> Picture {
+fn compared(film: &FilmSums, settings: &Film) -> Picture {
     let exposure = settings.exposure.exp2();
     let pixels = pixels(film).map(|(x, y)| {
         let radiance = film.radiance(x, y).map(|value| value as f32);

@@ -198,10 +198,10 @@ impl Case {
 
     /// The point of a surface albedo, solved.
     pub(crate) fn exact(self, surface_albedo: f64) -> Point {
-        let entry = self.configuration.into();
-        let alpha =
-            exact::single_scattering_albedo(surface_albedo, self.eta, entry).expect("an albedo in (0, 1)");
-        let half_space = HalfSpace::with_boundary(alpha, self.eta, entry).expect("an albedo in (0, 1)");
+        let incidence = self.configuration.into();
+        let alpha = exact::single_scattering_albedo(surface_albedo, self.eta, incidence)
+            .expect("an albedo in (0, 1)");
+        let half_space = HalfSpace::with_boundary(alpha, self.eta, incidence).expect("an albedo in (0, 1)");
         let total = half_space.total().value;
         let enclosed = radii().into_iter().map(|r| half_space.enclosed(r).value / total);
         let shares = differences(enclosed);
@@ -241,7 +241,7 @@ impl Case {
         let parameters = Parameters {
             phase_function: PhaseFunction::HenyeyGreenstein { g },
             eta,
-            entry: configuration.into(),
+            incidence: configuration.into(),
             ..Parameters::default()
         };
         let problem = Problem::new(parameters).expect("valid parameters");

@@ -13,15 +13,15 @@
 
 mod blocks;
 mod charts;
-mod documents;
 mod generated;
+mod pages;
 mod tables;
 
 use std::path::Path;
 use std::process::ExitCode;
 
-use documents::Documents;
 use generated::Generated;
+use pages::Documents;
 use translucid_laboratory::comparison::{Comparison, Watch};
 
 fn main() -> ExitCode {

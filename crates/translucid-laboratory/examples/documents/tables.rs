@@ -242,9 +242,9 @@ pub(crate) fn errors_of_tables(references: &References) -> Result<String, String
         let (mut cdf, mut density) = (0.0f64, 0.0f64);
         for i in 0..=4000 {
             let r = 1e-5 * 1e7f64.powf(f64::from(i) / 4000.0);
-            let share = profile.enclosed(r) / profile.total();
+            let share = profile.enclosed(r) / profile.surface_albedo();
             cdf = cdf.max((table.cdf(r) - share).abs());
-            if share > 1e-6 && profile.beyond(r) / profile.total() > 1e-6 {
+            if share > 1e-6 && profile.beyond(r) / profile.surface_albedo() > 1e-6 {
                 density = density.max((table.eval(r) / profile.eval(r) - 1.0).abs());
             }
         }

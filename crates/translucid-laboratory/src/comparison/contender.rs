@@ -12,12 +12,6 @@ use super::Reference;
 /// A profile, or why there is none.
 pub type Made = Result<Box<dyn Profile>, ParameterError>;
 
-/// Draws a radius for a number uniform on [0, 1).
-pub type Sampler = Box<dyn Fn(f64) -> f64 + Send + Sync>;
-
-/// Makes the sampler of a model that has a way of its own.
-type MakeSampler = Box<dyn Fn(&Reference) -> Result<Sampler, ParameterError> + Send + Sync>;
-
 /// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
@@ -64,7 +58,6 @@ pub struct Contender {
     /// The profile of a medium, whose total is what the model makes of it.
     from_medium: Option<fn(&Medium) -> Made>,
     configurations: &'static [Configuration],
-    sampler: Option<MakeSampler>,
 }
 
 const SEARCHLIGHT: &[Configuration] = &[Configuration::Searchlight];
@@ -78,13 +71,7 @@ impl Contender {
     pub fn all() -> Vec<Self> {
         let mut all = models();
         all.extend(GAUSSIANS.iter().zip(1..).map(|(names, terms)| gaussians(*names, terms)));
-        all.push(Self {
-            sampler: Some(Box::new(|reference| {
-                let profile = exact_table(reference)?;
-                Ok(Box::new(move |u| profile.tabulated().sample(u)))
-            })),
-            ..fitted(Model::Exact, |reference| Ok(Box::new(exact_table(reference)?)))
-        });
+        all.push(fitted(Model::Exact, |reference| Ok(Box::new(exact_table(reference)?))));
         all.extend(fits());
         all
     }
@@ -125,23 +112,13 @@ impl Contender {
         }
     }
 
-    /// Sampler of radii: the model's own where it has one, else that of its table.
+    /// The profile in a form that is sampled in constant time: itself where it is, else its table.
     ///
     /// # Errors
     /// As [`profile`](Self::profile).
-    pub fn sampler(&self, reference: &Reference) -> Result<Sampler, ParameterError> {
-        match &self.sampler {
-            Some(own) => own(reference),
-            None => {
-                let table = TabulatedProfile::new(&*self.profile(reference)?);
-                Ok(Box::new(move |u| table.sample(u)))
-            }
-        }
-    }
-
-    /// Tells whether [`sampler`](Self::sampler) is the model's own.
-    pub fn has_own_sampler(&self) -> bool {
-        self.sampler.is_some()
+    pub fn profile_to_sample(&self, reference: &Reference) -> Made {
+        let profile = self.profile(reference)?;
+        Ok(if profile.samples_directly() { profile } else { Box::new(TabulatedProfile::new(&*profile)) })
     }
 }
 
@@ -165,7 +142,6 @@ macro_rules! physical_titled {
             }),
             from_medium: Some(|medium| Ok(Box::new($profile::from_medium(medium, 1.0)?))),
             configurations: SEARCHLIGHT,
-            sampler: None,
         }
     };
 }
@@ -183,20 +159,8 @@ macro_rules! with_single_scattering {
 /// The models, but for those that the others bring, and their variants.
 fn models() -> Vec<Contender> {
     vec![
-        Contender {
-            sampler: Some(Box::new(|reference| {
-                let profile = normalized_diffusion(reference)?;
-                Ok(Box::new(move |u| profile.sample(u)))
-            })),
-            ..fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(normalized_diffusion(reference)?)))
-        },
-        Contender {
-            sampler: Some(Box::new(|reference| {
-                let profile = refined(reference)?;
-                Ok(Box::new(move |u| profile.sample(u)))
-            })),
-            ..fitted(Model::NormalizedDiffusionRefined, |reference| Ok(Box::new(refined(reference)?)))
-        },
+        fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(normalized_diffusion(reference)?))),
+        fitted(Model::NormalizedDiffusionRefined, |reference| Ok(Box::new(refined(reference)?))),
         physical!(Dipole, StandardDipole),
         physical!(BetterDipole, BetterDipole),
         with_single_scattering!(
@@ -232,7 +196,6 @@ fn fitted(model: Model, make: impl Fn(&Reference) -> Made + Send + Sync + 'stati
         make: Box::new(make),
         from_medium: None,
         configurations: BOTH,
-        sampler: None,
     }
 }
 
@@ -247,7 +210,7 @@ fn composed(
         let total = |absorbed: f64| {
             // The trials are of reduced albedos in [0, 1], which are media
             let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, 0.0);
-            medium.and_then(|medium| from_medium(&medium)).map_or(0.0, |profile| profile.total())
+            medium.and_then(|medium| from_medium(&medium)).map_or(0.0, |profile| profile.surface_albedo())
         };
         from_medium(&appearance(reference.surface_albedo).medium(total)?.medium)
     };
@@ -260,7 +223,6 @@ fn composed(
         make: Box::new(make),
         from_medium: Some(from_medium),
         configurations: SEARCHLIGHT,
-        sampler: None,
     }
 }
 
@@ -277,16 +239,11 @@ const GAUSSIANS: [[&str; 2]; SumOfGaussians::MAX_TERMS] = [
 fn gaussians([name, title]: [&'static str; 2], terms: usize) -> Contender {
     let make = move |reference: &Reference| -> Made { Ok(Box::new(sum_of_gaussians(reference, terms)?)) };
     let is_model = terms == SumOfGaussians::DEFAULT_TERMS;
-    let sampler = move |reference: &Reference| -> Result<Sampler, ParameterError> {
-        let profile = sum_of_gaussians(reference, terms)?;
-        Ok(Box::new(move |u| profile.sample(u)))
-    };
     Contender {
         name,
         title,
         group: if is_model { Group::Model } else { Group::Variant },
         terms: Some(terms),
-        sampler: Some(Box::new(sampler)),
         ..fitted(Model::Gaussians, make)
     }
 }
@@ -305,20 +262,12 @@ fn fits() -> Vec<Contender> {
             title: "normalized diffusion from the dmfp",
             group: Group::Variant,
             configurations: SEARCHLIGHT,
-            sampler: Some(Box::new(|reference| {
-                let profile = from_dmfp(reference)?;
-                Ok(Box::new(move |u| profile.sample(u)))
-            })),
             ..fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(from_dmfp(reference)?)))
         },
         Contender {
             name: "normalized-diffusion-refined-from-dmfp",
             title: "normalized diffusion refined, from the dmfp",
             group: Group::Variant,
-            sampler: Some(Box::new(|reference| {
-                let profile = refined_from_dmfp(reference)?;
-                Ok(Box::new(move |u| profile.sample(u)))
-            })),
             ..fitted(Model::NormalizedDiffusionRefined, |reference| {
                 Ok(Box::new(refined_from_dmfp(reference)?))
             })
@@ -363,8 +312,8 @@ impl<P: Profile> Profile for WithSingleScattering<P> {
         self.0.beyond(r) + self.1.beyond(r)
     }
 
-    fn total(&self) -> f64 {
-        self.0.total() + self.1.total()
+    fn surface_albedo(&self) -> f64 {
+        self.0.surface_albedo() + self.1.surface_albedo()
     }
 
     fn scale(&self) -> f64 {
@@ -446,9 +395,12 @@ mod tests {
                 for contender in Contender::all().iter().filter(|one| one.knows(configuration)) {
                     let profile = contender.profile(&reference).unwrap();
                     let name = contender.name;
-                    assert!((profile.total() - surface_albedo).abs() < 1e-8, "{name}: {}", profile.total());
-                    let sample = contender.sampler(&reference).unwrap();
-                    let r = sample(0.6);
+                    assert!(
+                        (profile.surface_albedo() - surface_albedo).abs() < 1e-8,
+                        "{name}: {}",
+                        profile.surface_albedo()
+                    );
+                    let r = contender.profile_to_sample(&reference).unwrap().sample(0.6);
                     assert!(r > 0.0 && r < 40.0, "{name}: {r}");
                     assert_eq!(
                         contender.knows_media(),

@@ -30,7 +30,7 @@ mod watch;
 
 pub use chi_square::chi_square_probability;
 pub use claims::{Claim, Comparand, claims};
-pub use contender::{Contender, Group, Inversion, Made, Sampler};
+pub use contender::{Contender, Group, Inversion, Made};
 pub use errors::{ErrorRow, ErrorTable, R_MAX, Summary, talk_albedos};
 pub use fresnel::{FresnelCurve, Side, fresnel_curves};
 pub use mixtures::{MixtureErrors, MixtureFamily};

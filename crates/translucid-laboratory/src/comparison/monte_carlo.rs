@@ -133,7 +133,7 @@ fn radii(max_radius: f64) -> Vec<f64> {
 
 fn empty_table(configuration: Configuration, albedo: f64, max_radius: f64) -> Result<WhiteTable, TableError> {
     let make = || -> Result<WhiteTable, ParameterError> {
-        let problem = Problem::new(Parameters { entry: configuration.into(), ..Parameters::default() })?;
+        let problem = Problem::new(Parameters { incidence: configuration.into(), ..Parameters::default() })?;
         WhiteTable::new(problem, Layout::around(&radii(max_radius))?, albedo)
     };
     Ok(make()?)

@@ -57,7 +57,7 @@ impl SampleTest {
         sampling: Sampling,
     ) -> Result<Self, ParameterError> {
         let profile = contender.profile(reference)?;
-        let sample = contender.sampler(reference)?;
+        let sampled = contender.profile_to_sample(reference)?;
         let end = TabulatedProfile::new(&*profile).quantile(0.99);
         let step = end / Self::BINS as f64;
         let edges: Vec<f64> = (0..=Self::BINS).map(|i| step * i as f64).collect();
@@ -65,7 +65,7 @@ impl SampleTest {
         // Count radii
         let mut counts = vec![0u64; Self::BINS + 1];
         for i in 0..sampling.count {
-            let r = sample(random(sampling.seed, i));
+            let r = sampled.sample(random(sampling.seed, i));
             // Where rounding puts a radius beside an edge, the edge decides
             let near = ((r / step) as usize).min(Self::BINS);
             let bin = if near > 0 && r < edges[near] { near - 1 } else { near };
@@ -74,18 +74,18 @@ impl SampleTest {
 
         // Compare with what was promised
         let share = |i: usize| match edges.get(i + 1) {
-            Some(outer) => (profile.enclosed(*outer) - profile.enclosed(edges[i])) / profile.total(),
-            None => profile.beyond(end) / profile.total(),
+            Some(outer) => (profile.enclosed(*outer) - profile.enclosed(edges[i])) / profile.surface_albedo(),
+            None => profile.beyond(end) / profile.surface_albedo(),
         };
         let expected: Vec<f64> = (0..=Self::BINS).map(|i| sampling.count as f64 * share(i)).collect();
         let chi_square = counts.iter().zip(&expected).map(|(n, e)| (*n as f64 - e).powi(2) / e).sum();
         let fine = |i: usize| 0.25 * step * i as f64;
-        let per_length = |r: f64| 2.0 * PI * profile.eval_times_r(r) / profile.total();
+        let per_length = |r: f64| 2.0 * PI * profile.eval_times_r(r) / profile.surface_albedo();
         Ok(Self {
             density: (0..=4 * Self::BINS).map(|i| [fine(i), per_length(fine(i))]).collect(),
             contender: contender.name,
             surface_albedo: reference.surface_albedo,
-            own_sampler: contender.has_own_sampler(),
+            own_sampler: profile.samples_directly(),
             edges,
             counts,
             expected,

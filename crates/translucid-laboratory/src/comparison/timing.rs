@@ -3,7 +3,6 @@
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
-use translucid_profile::roots::falling_root;
 use translucid_profile::{Profile, TabulatedProfile};
 
 use super::watch::{Progress, Stopped};
@@ -18,7 +17,7 @@ pub enum Quantity {
     Eval,
     /// Energy within r.
     Enclosed,
-    /// Drawing a radius: by the model's own way, or else by a search in its `enclosed` for 1e-6 of the energy.
+    /// Drawing a radius: in closed form where the model has one, or else by a search in its energies.
     Sample,
     /// Making a table of a profile.
     Tabulate,
@@ -77,8 +76,6 @@ pub struct Timing {
 const COUNT: usize = 1024;
 /// Time one task gets in one round, or one call where that takes longer.
 const TURN: Duration = Duration::from_micros(100);
-/// Share of the energy to which a model without a closed inverse is sampled.
-const SAMPLE_TOLERANCE: f64 = 1e-6;
 
 /// Something that is timed, and its nanoseconds per call in each round.
 struct Task<'a> {
@@ -145,7 +142,9 @@ impl Task<'_> {
 /// Tasks of a model; none where it does not reach the surface albedo.
 fn tasks_of<'a>(contender: &'a Contender, reference: &'a Reference) -> Vec<Task<'a>> {
     let make = move || contender.profile(black_box(reference)).ok();
-    let (Some(profile), Some(for_eval), Some(for_enclosed)) = (make(), make(), make()) else {
+    let (Some(profile), Some(for_eval), Some(for_enclosed), Some(for_sample)) =
+        (make(), make(), make(), make())
+    else {
         return Vec::new();
     };
     let uniforms = uniforms();
@@ -159,21 +158,14 @@ fn tasks_of<'a>(contender: &'a Contender, reference: &'a Reference) -> Vec<Task<
         rounds: Vec::new(),
     };
 
-    let mut tasks = vec![task(Quantity::Build, Box::new(move |_| make().map_or(0.0, |one| one.total())))];
+    let mut tasks =
+        vec![task(Quantity::Build, Box::new(move |_| make().map_or(0.0, |one| one.surface_albedo())))];
     let at = radii.clone();
     tasks.push(task(Quantity::Eval, Box::new(move |i| for_eval.eval(at[i]))));
     let at = radii.clone();
     tasks.push(task(Quantity::Enclosed, Box::new(move |i| for_enclosed.enclosed(at[i]))));
-    let own = contender.sampler(reference).ok().filter(|_| contender.has_own_sampler());
-    if let (Some(searched), at) = (make(), uniforms.clone()) {
-        tasks.push(task(
-            Quantity::Sample,
-            match own {
-                Some(sample) => Box::new(move |i| sample(at[i])),
-                None => Box::new(move |i| sample_by_search(&*searched, at[i])),
-            },
-        ));
-    }
+    let at = uniforms.clone();
+    tasks.push(task(Quantity::Sample, Box::new(move |i| for_sample.sample(at[i]))));
     tasks
         .push(task(Quantity::Tabulate, Box::new(move |_| TabulatedProfile::new(&*profile).surface_albedo())));
     let (boxed, at): (Box<dyn Profile>, _) = (Box::new(table.clone()), radii.clone());
@@ -189,18 +181,6 @@ fn uniforms() -> Vec<f64> {
     (1..=COUNT as u64)
         .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
         .collect()
-}
-
-/// Radius within which the share u leaves, for a model that can only say its `enclosed`: a search in r/(r + scale).
-fn sample_by_search(profile: &dyn Profile, u: f64) -> f64 {
-    let radius = |x: f64| profile.scale() * (1.0 - x) / x;
-    let (target, total) = (u * profile.total(), profile.total());
-    let x = falling_root(
-        |x| profile.enclosed(radius(x)) - target,
-        [total - target, -target],
-        |_| SAMPLE_TOLERANCE * total,
-    );
-    radius(x)
 }
 
 /// Nanoseconds for some calls, whose arguments repeat after [`COUNT`].

@@ -1,5 +1,7 @@
 //! A canvas as pixels.
 
+use std::io;
+
 use tiny_skia::{Color, FillRule, Paint, Path, PathBuilder, Pixmap, Stroke, StrokeDash, Transform};
 use ttf_parser::OutlineBuilder;
 
@@ -16,15 +18,20 @@ pub(crate) struct Bitmap {
 }
 
 impl Bitmap {
-    /// Draws a canvas, with so many pixels for one of its own; `None` where it has no pixel, or more than memory.
-    pub(crate) fn new(canvas: &Canvas, scale: f32) -> Option<Self> {
+    /// Draws a canvas, with so many pixels for one of its own.
+    ///
+    /// # Errors
+    /// It has no pixel, or more than memory.
+    pub(crate) fn new(canvas: &Canvas, scale: f32) -> io::Result<Self> {
         let [width, height] = canvas.size.map(|length| (length * f64::from(scale)).round() as u32);
-        let mut bitmap = Self { pixels: Pixmap::new(width, height)?, scale, theme: canvas.theme };
+        let too_large = || io::Error::other("the picture is empty or too large");
+        let pixels = Pixmap::new(width, height).ok_or_else(too_large)?;
+        let mut bitmap = Self { pixels, scale, theme: canvas.theme };
         bitmap.pixels.fill(bitmap.color(Shade::BACKGROUND, 1.0));
         for shape in &canvas.shapes {
             bitmap.draw(shape);
         }
-        Some(bitmap)
+        Ok(bitmap)
     }
 
     /// Width and height.

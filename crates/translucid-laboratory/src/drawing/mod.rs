@@ -13,7 +13,7 @@ pub(crate) mod text;
 mod ticks;
 mod words;
 
-use std::fmt;
+use std::io;
 
 use translucid_profile::Model;
 
@@ -40,21 +40,6 @@ const TITLE: Font = Font::bold(16.0);
 /// From line to line of the title \[px\].
 const TITLE_LINE: f64 = 22.0;
 
-/// Reason why a chart has no PNG.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ChartError {
-    chart: String,
-    reason: String,
-}
-
-impl fmt::Display for ChartError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "cannot draw the chart \"{}\": {}", self.chart, self.reason)
-    }
-}
-
-impl std::error::Error for ChartError {}
-
 impl Chart {
     /// The chart as an SVG document that needs no font of its own.
     pub fn svg(&self, theme: Theme) -> String {
@@ -64,13 +49,10 @@ impl Chart {
     /// The chart as a PNG on white, with twice the pixels that the SVG is wide and high, for print.
     ///
     /// # Errors
-    /// The picture cannot be encoded.
-    pub fn png(&self) -> Result<Vec<u8>, ChartError> {
-        let fail = |reason| ChartError { chart: self.name.clone(), reason };
-        let bitmap = Bitmap::new(&draw(self, Theme::Light), PNG_SCALE);
-        let bitmap = bitmap.ok_or_else(|| fail(String::from("it is too large")))?;
+    /// The picture cannot be encoded, which would be a defect.
+    pub fn png(&self) -> io::Result<Vec<u8>> {
+        let bitmap = Bitmap::new(&draw(self, Theme::Light), PNG_SCALE)?;
         encode_png(bitmap.size(), &bitmap.codes(), Some(PIXELS_PER_METER))
-            .map_err(|error| fail(error.to_string()))
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::section_of;
 use crate::comparison::{Comparison, FresnelCurve, Side};
-use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
+use crate::data_table::row;
+use crate::{Axis, Block, Chart, DataTable, Ink, Mark, Section, Series};
 
 pub(super) fn section(comparison: &Comparison) -> Section {
     let mut blocks = vec![Block::Text(String::from(
@@ -71,12 +72,7 @@ fn table(curves: &[FresnelCurve]) -> DataTable {
         DataTable::new("fresnel-greatest", "Where Schlick's approximation is farthest off", &columns);
     for curve in curves {
         let [degrees, off] = curve.greatest_difference();
-        table.push([
-            Cell::from(curve.side.name()),
-            Cell::from(curve.eta),
-            Cell::from(off),
-            Cell::from(degrees),
-        ]);
+        table.rows.push(row![curve.side.name(), curve.eta, off, degrees]);
     }
     table
 }

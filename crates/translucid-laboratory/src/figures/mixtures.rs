@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use translucid_profile::Configuration;
 
-use super::{curve, line, middle, section_of, word};
+use super::{curve, line, middle, radii, section_of, word};
 use crate::comparison::{Comparison, MixtureErrors, MixtureFamily, Reflectance};
 use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
 
@@ -53,11 +53,9 @@ fn errors(comparison: &Comparison) -> Chart {
 fn curves(figure: &Reflectance, family: MixtureFamily) -> Option<Chart> {
     let a = figure.surface_albedo;
     let weight = |r: f64, reflectance: f64| 2.0 * PI * r * r * reflectance / a;
-    let end = figure.radii.last().copied().unwrap_or(1.0);
-    let (x, y) = (Axis::logarithmic("r", "ℓ").between(0.02, end), Axis::linear("2πr² R(r) / A", ""));
     let name = format!("mixtures-{}", family.name());
     let title = format!("Sums of {}, A = {a}, {}", family.title(), word(figure.configuration));
-    let mut chart = Chart::new(&name, &title, x, y);
+    let mut chart = Chart::new(&name, &title, radii(figure), Axis::linear("2πr² R(r) / A", ""));
     for terms in [1, 2, 3, 4, 6] {
         if let Some(curve) = curve(figure, &family.contender(terms)) {
             let label = format!("{terms} {}", family.title());

@@ -12,7 +12,7 @@ mod scaling;
 use translucid_profile::{Configuration, Model};
 
 use crate::comparison::{Comparison, Contender, Curve, Reflectance};
-use crate::{Block, DataTable, Ink, Mark, Page, Section, Series};
+use crate::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Section, Series};
 
 /// A comparison as something to read.
 #[derive(Clone, Debug, PartialEq)]
@@ -138,6 +138,31 @@ fn middle(comparison: &Comparison, configuration: Configuration) -> Option<&Refl
 fn line(label: &str, ink: Ink, figure: &Reflectance, height: impl Fn(usize) -> f64) -> Series {
     let points = figure.radii.iter().enumerate().map(|(i, r)| [*r, height(i)]).collect();
     Series::new(label, ink, Mark::Line, points)
+}
+
+/// The least radius of logarithmic axes, in mean free paths.
+const LEAST_RADIUS: f64 = 0.02;
+
+/// A logarithmic axis of the radii of a figure.
+fn radii(figure: &Reflectance) -> Axis {
+    let end = figure.radii.last().copied().unwrap_or(1.0);
+    Axis::logarithmic("r", "ℓ").between(LEAST_RADIUS, end)
+}
+
+/// The chart with the contenders and the exact solution above them, by the height of each curve at an index.
+fn with_curves(
+    mut chart: Chart,
+    comparison: &Comparison,
+    figure: &Reflectance,
+    height: impl Fn(&Curve, usize) -> f64,
+) -> Chart {
+    for contender in shown(comparison) {
+        if let Some(curve) = curve(figure, contender.name) {
+            chart.series.push(line(contender.title, ink(contender), figure, |i| height(curve, i)));
+        }
+    }
+    let exact = |i: usize| height(&figure.exact, i);
+    chart.with(line("exact solution", Ink::Reference, figure, exact))
 }
 
 /// The curve of a contender.

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use translucid_profile::Configuration;
 
-use super::{curve, ink, line, section_of, shown, word};
-use crate::comparison::{Comparison, Reflectance, RingPoint, Walk};
+use super::{LEAST_RADIUS, radii, section_of, with_curves, word};
+use crate::comparison::{Comparison, Curve, Reflectance, RingPoint, Walk};
 use crate::{Axis, Block, Chart, Ink, Mark, Section, Series};
 
 /// Charts of all albedos in one configuration.
@@ -90,11 +90,10 @@ fn linear(comparison: &Comparison, figure: &Reflectance) -> Chart {
 
 /// Both axes logarithmic.
 fn logarithmic(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::logarithmic("R(r)", "ℓ⁻²"));
-    let end = figure.radii.last().copied().unwrap_or(1.0);
-    let low = at(figure, end).max(1e-9 * at(figure, 0.02));
-    let chart =
-        chart(figure, "logarithmic", x.between(0.02, end), y.between(0.4 * low, 1.5 * at(figure, 0.02)));
+    let top = at(figure, LEAST_RADIUS);
+    let low = at(figure, f64::INFINITY).max(1e-9 * top);
+    let y = Axis::logarithmic("R(r)", "ℓ⁻²").between(0.4 * low, 1.5 * top);
+    let chart = chart(figure, "logarithmic", radii(figure), y);
     let caption =
         format!("R(r) at A = {}, {}, logarithmic axes.", figure.surface_albedo, word(figure.configuration));
     with_series(comparison, figure, chart, |_, reflectance| reflectance).with_caption(&caption)
@@ -104,11 +103,10 @@ fn logarithmic(comparison: &Comparison, figure: &Reflectance) -> Chart {
 fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
     let a = figure.surface_albedo;
     let weight = |r: f64, reflectance: f64| 2.0 * PI * r * r * reflectance / a;
-    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::linear("2πr² R(r) / A", ""));
-    let end = figure.radii.last().copied().unwrap_or(1.0);
     let exact = figure.radii.iter().zip(&figure.exact.reflectance).map(|(r, value)| weight(*r, *value));
     let top = exact.fold(0.0, f64::max);
-    let chart = chart(figure, "energy", x.between(0.02, end), y.between(0.0, 1.6 * top));
+    let chart =
+        chart(figure, "energy", radii(figure), Axis::linear("2πr² R(r) / A", "").between(0.0, 1.6 * top));
     let caption = format!(
         "Where the light leaves at A = {a}, {}: 2πr² R(r)/A, the share of it per e-fold of the radius.",
         word(figure.configuration)
@@ -118,9 +116,8 @@ fn energy(comparison: &Comparison, figure: &Reflectance) -> Chart {
 
 /// R(r) in units of the exact one.
 fn ratio(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let (x, y) = (Axis::logarithmic("r", "ℓ"), Axis::linear("R(r) / exact R(r)", ""));
-    let end = figure.radii.last().copied().unwrap_or(1.0);
-    let chart = chart(figure, "ratio", x.between(0.02, end), y.between(0.5, 1.5));
+    let chart =
+        chart(figure, "ratio", radii(figure), Axis::linear("R(r) / exact R(r)", "").between(0.5, 1.5));
     let caption = format!(
         "R(r) divided by the exact one at A = {}, {}; the points are photons in rings, divided by the exact mean over \
          the ring.",
@@ -156,25 +153,14 @@ fn with_series(
     mut chart: Chart,
     height: impl Fn(f64, f64) -> f64,
 ) -> Chart {
-    for contender in shown(comparison) {
-        if let Some(curve) = curve(figure, contender.name) {
-            let y = |i: usize| height(figure.radii[i], curve.reflectance[i]);
-            chart.series.push(line(contender.title, ink(contender), figure, y));
-        }
-    }
-    let y = |i: usize| height(figure.radii[i], figure.exact.reflectance[i]);
-    chart.series.push(line("exact solution", Ink::Reference, figure, y));
+    let y = |curve: &Curve, i: usize| height(figure.radii[i], curve.reflectance[i]);
+    chart = with_curves(chart, comparison, figure, y);
     if !figure.points.is_empty() {
         let point = |point: &RingPoint| [point.r, height(point.r, point.reflectance)];
         let error = |point: &RingPoint| height(point.r, point.standard_error);
-        let errors = figure.points.iter().map(error).collect();
+        let errors = Mark::PointsWithErrors(figure.points.iter().map(error).collect());
         let points = figure.points.iter().map(point).collect();
-        chart.series.push(Series::new(
-            "photons, ± 1 standard error",
-            Ink::Reference,
-            Mark::PointsWithErrors(errors),
-            points,
-        ));
+        chart.series.push(Series::new("photons, ± 1 standard error", Ink::Reference, errors, points));
     }
     chart
 }

@@ -1,8 +1,9 @@
 //! Distribution functions, and radii that were drawn from them.
 
-use super::{curve, ink, line, middle, section_of, shown, word};
-use crate::comparison::{Comparison, Reflectance, SampleTest};
-use crate::{Axis, Block, Cell, Chart, DataTable, Ink, Mark, Section, Series};
+use super::{ink, middle, radii, section_of, with_curves, word};
+use crate::comparison::{Comparison, Curve, Reflectance, SampleTest};
+use crate::data_table::row;
+use crate::{Axis, Block, Chart, DataTable, Ink, Mark, Section, Series};
 
 /// Distribution functions at the middle albedo.
 pub(super) fn cdf_section(comparison: &Comparison) -> Section {
@@ -25,40 +26,21 @@ pub(super) fn cdf_section(comparison: &Comparison) -> Section {
 }
 
 fn cdf(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let a = figure.surface_albedo;
-    let configuration = word(figure.configuration);
-    let end = figure.radii.last().copied().unwrap_or(1.0);
-    let x = Axis::logarithmic("r", "ℓ").between(0.02, end);
+    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
     let y = Axis::linear("share within r", "").between(0.0, 1.0);
-    let name = format!("cdf-{configuration}");
-    let mut chart = Chart::new(&name, &format!("Distribution functions, A = {a}, {configuration}"), x, y);
-    for contender in shown(comparison) {
-        if let Some(curve) = curve(figure, contender.name) {
-            let share = |i: usize| curve.enclosed[i] / a;
-            chart.series.push(line(contender.title, ink(contender), figure, share));
-        }
-    }
-    let share = |i: usize| figure.exact.enclosed[i] / a;
-    chart.series.push(line("exact solution", Ink::Reference, figure, share));
-    chart.with_caption("The share of the light that leaves within r, of all that leaves.")
+    let title = format!("Distribution functions, A = {a}, {configuration}");
+    let chart = Chart::new(&format!("cdf-{configuration}"), &title, radii(figure), y);
+    with_curves(chart, comparison, figure, |curve, i| curve.enclosed[i] / a)
+        .with_caption("The share of the light that leaves within r, of all that leaves.")
 }
 
 fn cdf_difference(comparison: &Comparison, figure: &Reflectance) -> Chart {
-    let a = figure.surface_albedo;
-    let configuration = word(figure.configuration);
-    let end = figure.radii.last().copied().unwrap_or(1.0);
-    let x = Axis::logarithmic("r", "ℓ").between(0.02, end);
+    let (a, configuration) = (figure.surface_albedo, word(figure.configuration));
     let y = Axis::linear("share within r, model − exact", "%");
     let title = format!("Distribution functions less the exact one, A = {a}, {configuration}");
-    let mut chart = Chart::new(&format!("cdf-difference-{configuration}"), &title, x, y);
-    for contender in shown(comparison) {
-        if let Some(curve) = curve(figure, contender.name) {
-            let off = |i: usize| 100.0 * (curve.enclosed[i] - figure.exact.enclosed[i]) / a;
-            chart.series.push(line(contender.title, ink(contender), figure, off));
-        }
-    }
-    chart.series.push(line("exact solution", Ink::Reference, figure, |_| 0.0));
-    chart.with_caption(
+    let chart = Chart::new(&format!("cdf-difference-{configuration}"), &title, radii(figure), y);
+    let off = |curve: &Curve, i: usize| 100.0 * (curve.enclosed[i] - figure.exact.enclosed[i]) / a;
+    with_curves(chart, comparison, figure, off).with_caption(
         "Above zero, a model has sent out too much light so far, below zero too little; the slope is what it is wrong \
          by at r.",
     )
@@ -93,9 +75,8 @@ fn table(samples: &[SampleTest]) -> DataTable {
     let mut table = DataTable::new("sampling", "Drawn radii against the density", &columns);
     for test in samples {
         let drawn = if test.own_sampler { "in closed form" } else { "by a table" };
-        let numbers = [test.chi_square, test.freedom as f64, test.probability].map(Cell::from);
-        let [chi_square, freedom, probability] = numbers;
-        table.push([Cell::from(test.contender), Cell::from(drawn), chi_square, freedom, probability]);
+        let freedom = test.freedom as f64;
+        table.rows.push(row![test.contender, drawn, test.chi_square, freedom, test.probability]);
     }
     table
 }

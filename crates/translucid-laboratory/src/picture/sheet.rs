@@ -1,5 +1,7 @@
 //! A contact sheet: pictures and their maps in columns, with words.
 
+use std::io;
+
 use super::raster::{DIFFERENCE_RANGE, Raster, difference_color, flip_color};
 use crate::chart::{Shade, Theme};
 use crate::drawing::bitmap::Bitmap;
@@ -59,8 +61,8 @@ impl Sheet {
     ///
     /// # Errors
     /// There is no column, a picture is empty, or the sheet cannot be drawn.
-    pub fn png(&self) -> Result<Vec<u8>, String> {
-        let layout = Layout::new(self).ok_or("there is no picture to show")?;
+    pub fn png(&self) -> io::Result<Vec<u8>> {
+        let layout = Layout::new(self).ok_or_else(|| io::Error::other("there is no picture to show"))?;
         let mut canvas = Canvas::new(layout.size(), Theme::Light);
         self.draw_title(&mut canvas);
         for (index, column) in self.columns.iter().enumerate() {
@@ -71,12 +73,12 @@ impl Sheet {
         }
         draw_legend(&mut canvas, layout.legend(), &self.judge);
 
-        let mut bitmap = Bitmap::new(&canvas, SCALE).ok_or("the sheet is too large")?;
+        let mut bitmap = Bitmap::new(&canvas, SCALE)?;
         for (index, column) in self.columns.iter().enumerate() {
             layout.paste(&mut bitmap, index, column);
         }
         paste_bars(&mut bitmap, layout.legend());
-        encode_png(bitmap.size(), &bitmap.codes(), None).map_err(|error| error.to_string())
+        encode_png(bitmap.size(), &bitmap.codes(), None)
     }
 
     fn draw_title(&self, canvas: &mut Canvas) {
@@ -259,7 +261,7 @@ mod tests {
 
     /// Number of pixels of a color on the sheet, and its size.
     fn count(png: &[u8], color: [u8; 3]) -> (usize, [u32; 2]) {
-        let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+        let mut reader = png::Decoder::new(io::Cursor::new(png)).read_info().unwrap();
         let mut codes = vec![0; reader.output_buffer_size().unwrap()];
         let frame = reader.next_frame(&mut codes).unwrap();
         (codes.chunks(3).filter(|code| *code == color).count(), [frame.width, frame.height])

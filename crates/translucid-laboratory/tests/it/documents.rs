@@ -6,11 +6,11 @@ use std::path::Path;
 mod blocks;
 #[path = "../../examples/documents/charts.rs"]
 mod charts;
-#[path = "../../examples/documents/documents.rs"]
-#[allow(dead_code, reason = "the example writes files, this looks at them")]
-mod documents;
 #[path = "../../examples/documents/generated.rs"]
 pub(crate) mod generated;
+#[path = "../../examples/documents/pages.rs"]
+#[allow(dead_code, reason = "the example writes files, this looks at them")]
+mod pages;
 #[path = "../../examples/documents/tables.rs"]
 mod tables;
 
@@ -19,8 +19,7 @@ use crate::whole::WHOLE;
 /// Shows what a change to a model or a number leaves to do.
 #[test]
 fn documentation_is_what_is_generated() {
-    let mut documents =
-        documents::Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).unwrap();
+    let mut documents = pages::Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).unwrap();
     let generated = generated::Generated::new(&WHOLE.0).unwrap();
     let changed = documents.update(&generated).unwrap();
     let changed: Vec<&str> = changed.iter().map(|change| change.path.as_str()).collect();

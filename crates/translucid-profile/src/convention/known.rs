@@ -65,6 +65,14 @@ const fn system(
 }
 
 impl System {
+    /// Every known system.
+    pub const ALL: &'static [Self] = KNOWN;
+
+    /// The ways in which the system of a name can be told a material.
+    pub fn named(name: &str) -> impl Iterator<Item = &'static Self> {
+        KNOWN.iter().filter(move |system| system.name == name)
+    }
+
     const fn albedo(mut self, name: &'static str) -> Self {
         self.albedo_name = Some(name);
         self
@@ -87,7 +95,7 @@ impl System {
 }
 
 /// Every known system.
-pub(super) const KNOWN: &[System] = &[
+const KNOWN: &[System] = &[
     system(
         "translucid",
         "translucid, mean free path",

@@ -1,6 +1,5 @@
 //! A system with its parameters, and the way from them to a material and back.
 
-use super::known::KNOWN;
 use super::rule::{Factor, Rule};
 use super::{Channel, LengthUnit, Parameter, Role, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
@@ -56,14 +55,6 @@ pub enum Written {
 }
 
 impl System {
-    /// Every known system.
-    pub const ALL: &'static [Self] = KNOWN;
-
-    /// The ways in which the system of a name can be told a material.
-    pub fn named(name: &str) -> impl Iterator<Item = &'static Self> {
-        KNOWN.iter().filter(move |system| system.name == name)
-    }
-
     /// Name, in letters, digits, hyphens and dots.
     pub fn name(&self) -> &'static str {
         self.name

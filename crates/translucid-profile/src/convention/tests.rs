@@ -21,7 +21,7 @@ fn width_at_one(system: &System, albedo: SurfaceAlbedo) -> Result<f64, Parameter
     Ok(system.read(&values, albedo, Diffuse)?.d())
 }
 
-/// The table of the module's page, and so of docs/conventions.md.
+/// The table of the module's page, and so of docs/guide/conventions.md.
 #[test]
 fn width_at_length_one_is_that_of_the_table() {
     let table: [(&[&str], [&str; 4]); 7] = [
@@ -197,7 +197,7 @@ fn names_are_fit_for_a_command_line() {
 }
 
 /// What media return of the surface albedo that was asked for, in diffuse light and without a boundary: the figures of
-/// docs/conventions.md.
+/// docs/guide/conventions.md.
 #[test]
 fn inversions_of_the_albedo_differ_between_systems() {
     // OpenPBR and MaterialX: van de Hulst's approximation as C. Kulla and A. Conty 2017 invert it

@@ -3,6 +3,7 @@
 pub(crate) mod elementary;
 pub(crate) mod legendre_panel;
 pub(crate) mod monotone_cubic;
+pub(crate) mod polynomial;
 pub mod quadrature;
 pub mod roots;
 pub(crate) mod scaled_erfc;

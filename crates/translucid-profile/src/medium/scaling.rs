@@ -1,7 +1,11 @@
 //! From surface albedo A and a mean free path to the profile's width d = length / s(A).
 //!
-//! Source of every polynomial: P. H. Christensen and B. Burley, *Approximate Reflectance Profiles for
+//! Source of every polynomial for s: P. H. Christensen and B. Burley, *Approximate Reflectance Profiles for
 //! Efficient Subsurface Scattering*, Pixar Technical Memo 15-04, 2015, equations 5, 6 and 8.
+//! The one between the two mean free paths is fitted to the exact half space.
+
+use crate::math::polynomial::polynomial;
+use crate::medium::length_coefficients;
 
 /// How light enters the medium in the profile's model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
@@ -142,6 +146,20 @@ pub fn d_from_surface_albedo_f32(
 ) -> f32 {
     d_from_surface_albedo(f64::from(surface_albedo), f64::from(length), parameterization, configuration)
         as f32
+}
+
+/// ℓ/ℓ_d of the index-matched half space of isotropic scatterers with a surface albedo, with D after Grosjean.
+pub(crate) fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
+    (1.0 - surface_albedo) * mfp_per_dmfp_polynomial(surface_albedo, configuration)
+}
+
+/// (ℓ/ℓ_d) / (1 − A), which has a limit at A = 1.
+pub(crate) fn mfp_per_dmfp_polynomial(surface_albedo: f64, configuration: Configuration) -> f64 {
+    let coefficients = match configuration {
+        Configuration::Searchlight => &length_coefficients::SEARCHLIGHT,
+        Configuration::Diffuse => &length_coefficients::DIFFUSE,
+    };
+    polynomial(coefficients, surface_albedo)
 }
 
 #[cfg(test)]

@@ -9,9 +9,10 @@
 use std::ops::RangeInclusive;
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
+use crate::math::polynomial::polynomial;
 use crate::math::roots::falling_root;
+use crate::medium::scaling::mfp_per_dmfp_polynomial;
 use crate::medium::similarity_coefficients::{Coefficients, DIFFUSE, SEARCHLIGHT, SURFACE_ALBEDOS};
-use crate::model::refined::mfp_per_dmfp_polynomial;
 use crate::{Configuration, Medium, Parameterization, fresnel_moment_1_from_inside};
 
 /// Monomials of g and the boundary that the fits are made of.
@@ -37,7 +38,7 @@ const MONOMIALS: usize = 7;
 /// Without phase function and boundary (g = 0, η = 1) f = b = 0 and c = 1, exactly.
 /// Below A = 0.02 and above 0.98 the values there stand in.
 /// 1 − α' is off by 0.9 % on average and 9 % at most, ℓ* by 0.1 % and 4 %;
-/// `docs/similarity.md` has the errors of everything, before and after.
+/// `docs/accuracy/similarity.md` has the errors of everything, before and after.
 ///
 /// ```
 /// use translucid_profile::{Configuration, Parameterization, Similarity};
@@ -244,11 +245,6 @@ impl Monomials {
     fn sum<const N: usize>(&self, coefficients: &[[f64; N]], root: f64) -> f64 {
         self.values.iter().zip(coefficients).map(|(m, row)| m * polynomial(row, root)).sum()
     }
-}
-
-/// Σ cᵢ xⁱ.
-fn polynomial(coefficients: &[f64], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 #[cfg(test)]

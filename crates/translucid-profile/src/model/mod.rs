@@ -4,6 +4,7 @@ pub(crate) mod burley;
 pub(crate) mod dipole;
 pub(crate) mod directional_dipole;
 pub(crate) mod exact;
+mod exponential_mixture;
 pub(crate) mod oblique;
 pub(crate) mod photon_beam_diffusion;
 pub(crate) mod quantized_diffusion;
@@ -30,7 +31,7 @@ use crate::{
 /// let jade = Appearance { surface_albedo: 0.6, length: 1.5, parameterization: Parameterization::Mfp, g: 0.0 };
 /// for model in Model::ALL {
 ///     let profile = model.profile(&jade, Configuration::Searchlight, 1.0)?;
-///     assert!((profile.total() - 0.6).abs() < 1e-9, "{model}");
+///     assert!((profile.surface_albedo() - 0.6).abs() < 1e-9, "{model}");
 /// }
 /// # Ok(())
 /// # }

@@ -47,7 +47,7 @@ const TURN: f64 = 2.0;
 /// at A = 0.15 (test `intervals_of_the_paper_lose_energy`).
 /// Here 40 Gaussians stand where the trapezoidal rule puts them on a path in time that is even in ln v for short times
 /// and in √v for long ones, the first takes up all earlier times, and all are scaled by the little that brings their
-/// sum to the exact total of the sum over continuous time ([`surface_albedo`](Self::surface_albedo)).
+/// sum to the exact total of the sum over continuous time ([`surface_albedo_from_absorbed`](Self::surface_albedo_from_absorbed)).
 /// Against that model with continuous time, over r from 0.003 ℓ* to 10 ℓ_d, R is off by at most 3e-5 where
 /// A ≤ 0.6, 2e-4 at 0.9, and 8e-3 without absorption (test `gaussians_converge_to_continuous_time`).
 ///
@@ -59,7 +59,7 @@ const TURN: f64 = 2.0;
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// let half = Appearance { surface_albedo: 0.5, length: 2.0, parameterization: Parameterization::Mfp, g: 0.0 };
 /// let profile = QuantizedDiffusion::new(&half, 1.4)?;
-/// assert!((profile.total() - 0.5).abs() < 1e-12);
+/// assert!((profile.surface_albedo() - 0.5).abs() < 1e-12);
 /// # Ok(())
 /// # }
 /// ```
@@ -107,7 +107,7 @@ impl QuantizedDiffusion {
     ///
     /// # Errors
     /// A parameter is outside its range.
-    pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
         Ok(Beam::new(absorbed, 1.0 - absorbed, DiffusionBoundary::new(eta)?).total())
     }
@@ -175,7 +175,7 @@ impl Profile for QuantizedDiffusion {
         self.sum(&self.energies, Kept { square: self.relative_radius(r).powi(2) })
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -370,10 +370,10 @@ mod tests {
     fn total_is_one_without_absorption_and_zero_without_scattering() {
         for eta in [0.05, 0.7, 1.0, 1.4, 3.0, 20.0] {
             let white = QuantizedDiffusion::from_medium(&Medium::new(0.0, 2.0, 0.3).unwrap(), eta).unwrap();
-            assert!((white.total() - 1.0).abs() < 1e-15, "{eta}: {}", white.total());
+            assert!((white.surface_albedo() - 1.0).abs() < 1e-15, "{eta}: {}", white.surface_albedo());
             assert!((white.enclosed(1e30) - 1.0).abs() < 2e-15, "{eta}: {}", white.enclosed(1e30));
             let black = QuantizedDiffusion::from_medium(&Medium::new(2.0, 0.0, 0.3).unwrap(), eta).unwrap();
-            assert_eq!([black.total(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
+            assert_eq!([black.surface_albedo(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
         }
     }
 
@@ -383,7 +383,7 @@ mod tests {
         for eta in [0.0, -1.0, 0.04, 21.0, f64::NAN, f64::INFINITY] {
             assert!(QuantizedDiffusion::from_medium(&medium, eta).is_err(), "{eta}");
         }
-        assert!(QuantizedDiffusion::surface_albedo(-0.1, 1.4).is_err());
+        assert!(QuantizedDiffusion::surface_albedo_from_absorbed(-0.1, 1.4).is_err());
         let parameterization = Parameterization::Mfp;
         let appearance = Appearance { surface_albedo: 1.1, length: 1.0, parameterization, g: 0.0 };
         assert!(QuantizedDiffusion::new(&appearance, 1.4).is_err());

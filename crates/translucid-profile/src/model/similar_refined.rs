@@ -3,7 +3,8 @@
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require};
-use crate::math::elementary::{Double, exp_negative, negative_log};
+use crate::math::elementary::Double;
+use crate::model::exponential_mixture::ExponentialMixture;
 use crate::profile::finite_quotient;
 use crate::{Appearance, Configuration, Medium, Parameterization, Profile, RefinedDiffusion, Similarity};
 
@@ -28,15 +29,15 @@ const LENGTH_MAX: f64 = 1e150;
 ///
 /// The L1 error against walks and, for g = 0, the exact solution is on average over g ∈ {−0.5, 0, 0.5, 0.8, 0.9},
 /// η ∈ {1, 1.3, 1.4, 1.5} and A = 0.02 … 0.98 2.6 % (searchlight) or 2.3 % (diffuse transmission), at most 7.5 % or
-/// 6.7 %, where similarity alone leaves 40 % on average and 74 % at most; `docs/similarity.md` has the tables.
+/// 6.7 %, where similarity alone leaves 40 % on average and 74 % at most; `docs/accuracy/similarity.md` has the tables.
 ///
-/// The price of the negative weight is sampling: [`sample`](Self::sample) inverts the cdf by iteration.
+/// The price of the negative weight is sampling: [`sample`](Profile::sample) inverts the cdf by iteration.
 /// For many samples tabulate the profile ([`TabulatedProfile`](crate::TabulatedProfile)).
 ///
 /// A radius that is negative or NaN counts as 0, and no argument makes a method panic or return a NaN or an infinity.
 ///
 /// ```
-/// use translucid_profile::{Appearance, Configuration, Parameterization, SimilarRefinedDiffusion};
+/// use translucid_profile::{Appearance, Configuration, Parameterization, Profile, SimilarRefinedDiffusion};
 ///
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// let skin = Appearance { surface_albedo: 0.5, length: 0.1, parameterization: Parameterization::Mfp, g: 0.8 };
@@ -49,9 +50,8 @@ const LENGTH_MAX: f64 = 1e150;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SimilarRefinedDiffusion {
     surface_albedo: f64,
-    transport_mfp: f64,
-    weights: [f64; TERMS],
-    rates: [f64; TERMS],
+    /// Weights, rates, and the transport mean free path as the length.
+    mixture: ExponentialMixture<TERMS>,
 }
 
 impl SimilarRefinedDiffusion {
@@ -105,7 +105,7 @@ impl SimilarRefinedDiffusion {
             rates[k] = plain.rates()[k];
         }
         let rates = rates.map(|rate| rate * stretch);
-        Ok(Self { surface_albedo, transport_mfp, weights, rates })
+        Ok(Self { surface_albedo, mixture: ExponentialMixture { weights, rates, length: transport_mfp } })
     }
 
     /// Surface albedo A = ∫ R 2πr dr, dimensionless.
@@ -115,141 +115,44 @@ impl SimilarRefinedDiffusion {
 
     /// Transport mean free path ℓ* \[L\].
     pub fn transport_mfp(&self) -> f64 {
-        self.transport_mfp
+        self.mixture.length
     }
 
     /// Weights w_k of the exponentials, of sum 1; the last, the dimple's, may be negative.
     pub fn weights(&self) -> [f64; TERMS] {
-        self.weights
+        self.mixture.weights
     }
 
     /// Rates λ_k of the exponentials \[L⁻¹\]; all but the last rise.
     pub fn rates(&self) -> [f64; TERMS] {
-        self.rates
-    }
-
-    /// Reflectance profile R(r) \[L⁻²\]; near 0 as [`RefinedDiffusion::eval`].
-    pub fn eval(&self, r: f64) -> f64 {
-        finite_quotient(self.eval_times_r(r), r)
-    }
-
-    /// Profile times radius, r R(r) \[L⁻¹\].
-    pub fn eval_times_r(&self, r: f64) -> f64 {
-        self.surface_albedo * (self.pdf(r) / (2.0 * PI))
-    }
-
-    /// Density per length p(r) = 2πr R(r)/A = Σ w_k λ_k e^{−λ_k r} \[L⁻¹\].
-    pub fn pdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| self.rates[k] * exp_negative::<Double>(self.rates[k] * r).0).max(0.0)
-    }
-
-    /// Share of the energy that leaves within r.
-    pub fn cdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).1).max(0.0).min(1.0)
-    }
-
-    /// Share of the energy that leaves beyond r.
-    pub fn complementary_cdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).0).max(0.0).min(1.0)
-    }
-
-    /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr' = A cdf(r).
-    pub fn enclosed(&self, r: f64) -> f64 {
-        self.surface_albedo * self.cdf(r)
-    }
-
-    /// Radius within which the share u ∈ [0, 1] of the energy leaves \[L\].
-    ///
-    /// u is clamped to [0, 1], NaN counts as 0, and u = 1 gives the radius of the complement 2.2e-308.
-    pub fn quantile(&self, u: f64) -> f64 {
-        let u = u.max(0.0).min(1.0);
-        self.radius(negative_log::<Double>((1.0 - u).max(f64::MIN_POSITIVE), u))
-    }
-
-    /// Radius beyond which the share u ∈ [0, 1] of the energy leaves \[L\].
-    ///
-    /// u is clamped to [2.2e-308, 1]; NaN counts as 1.
-    pub fn quantile_complement(&self, u: f64) -> f64 {
-        let u = u.min(1.0).max(f64::MIN_POSITIVE);
-        self.radius(negative_log::<Double>(u, 1.0 - u))
-    }
-
-    /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: [`quantile`](Self::quantile).
-    pub fn sample(&self, u: f64) -> f64 {
-        self.quantile(u)
+        self.mixture.rates
     }
 
     /// Mean radius ∫ r p dr = Σ w_k/λ_k \[L\].
     pub fn mean_radius(&self) -> f64 {
-        self.sum(|k| 1.0 / self.rates[k])
+        self.mixture.mean_radius()
     }
 
     /// Mean squared radius ∫ r² p dr = 2 Σ w_k/λ_k² \[L²\].
     pub fn mean_squared_radius(&self) -> f64 {
-        2.0 * self.sum(|k| (1.0 / self.rates[k]) / self.rates[k])
-    }
-
-    /// Σ w_k f(k), the first four as [`RefinedDiffusion`] adds them.
-    fn sum(&self, f: impl Fn(usize) -> f64) -> f64 {
-        let [a, b, c, d, dimple] = std::array::from_fn(|k| self.weights[k] * f(k));
-        (a + b) + (c + d) + dimple
-    }
-
-    /// The radius r where h(r) = −ln(share beyond r) is `depth` ≥ 0: Newton's steps, halving where they leave the bracket.
-    fn radius(&self, depth: f64) -> f64 {
-        // In transport mean free paths, so that no product leaves the range of numbers
-        let rates = self.rates.map(|rate| rate * self.transport_mfp);
-        let slowest = rates.into_iter().fold(f64::INFINITY, f64::min);
-        let greatest: f64 = self.weights.iter().map(|weight| weight.abs()).sum();
-        let (mut low, mut high) = (0.0, (depth + greatest.ln()).max(0.0) / slowest);
-        let mut r = high.min(depth / slowest * 0.5);
-        for _ in 0..MOST_STEPS {
-            let parts: [(f64, f64); TERMS] = std::array::from_fn(|k| exp_negative::<Double>(rates[k] * r));
-            let beyond = self.sum(|k| parts[k].0).max(f64::MIN_POSITIVE).min(1.0);
-            let within = self.sum(|k| parts[k].1).max(0.0).min(1.0);
-            let excess = negative_log::<Double>(beyond, within) - depth;
-            if excess > 0.0 {
-                high = r;
-            } else {
-                low = r;
-            }
-            let density = self.sum(|k| rates[k] * parts[k].0).max(f64::MIN_POSITIVE);
-            let step = excess * beyond / density;
-            // Nothing is left but rounding
-            if step.abs() <= 4e-16 * r {
-                break;
-            }
-            let next = r - step;
-            r = if next >= low && next <= high { next } else { 0.5 * (low + high) };
-        }
-        r * self.transport_mfp
+        self.mixture.mean_squared_radius()
     }
 }
 
-/// Halving from the whole bracket to a rounding takes fewer.
-const MOST_STEPS: u32 = 200;
-
 impl Profile for SimilarRefinedDiffusion {
     fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
+        self.surface_albedo * (self.pdf(r) / (2.0 * PI))
     }
 
     fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
+        self.surface_albedo * self.cdf(r)
     }
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -260,6 +163,30 @@ impl Profile for SimilarRefinedDiffusion {
 
     fn evaluations_to_build(&self) -> u32 {
         0
+    }
+
+    fn pdf(&self, r: f64) -> f64 {
+        self.mixture.density::<Double>(r.max(0.0)).max(0.0)
+    }
+
+    fn pdf_area(&self, r: f64) -> f64 {
+        finite_quotient(self.pdf(r) / (2.0 * PI), r)
+    }
+
+    fn cdf(&self, r: f64) -> f64 {
+        self.mixture.within::<Double>(r.max(0.0)).max(0.0).min(1.0)
+    }
+
+    fn complementary_cdf(&self, r: f64) -> f64 {
+        self.mixture.beyond::<Double>(r.max(0.0)).max(0.0).min(1.0)
+    }
+
+    fn quantile(&self, u: f64) -> f64 {
+        self.mixture.quantile(u)
+    }
+
+    fn quantile_complement(&self, v: f64) -> f64 {
+        self.mixture.quantile_complement(v)
     }
 }
 
@@ -295,8 +222,8 @@ mod tests {
         for p in profiles() {
             for i in -20..=80 {
                 let r = p.mean_radius() * (0.125 * f64::from(i)).exp2();
-                let parts = p.rates.map(|rate| rate * (-rate * r).exp());
-                let density = p.sum(|k| parts[k]);
+                let parts = p.rates().map(|rate| rate * (-rate * r).exp());
+                let density = p.mixture.sum(|k| parts[k]);
                 assert!(density > 0.0 || parts[0] < 1e-300, "r {r}: {density:e} of {p:?}");
             }
         }

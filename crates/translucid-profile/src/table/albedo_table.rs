@@ -12,7 +12,7 @@
 
 use crate::error::{ParameterError, require};
 use crate::math::monotone_cubic::MonotoneCubic;
-use crate::profile::{Profile, finite_quotient};
+use crate::profile::{Profile, finite_quotient, methods_of};
 use crate::table::precision::{Number, Precision};
 use crate::table::radial_table::RadialTable;
 use crate::table::tabulated_profile::TabulatedProfile;
@@ -409,23 +409,13 @@ impl ProfileView<'_> {
 }
 
 impl Profile for ProfileView<'_> {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        (*self).eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        (*self).eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        (*self).enclosed(r)
-    }
+    methods_of!(|own| (*own); all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -435,5 +425,9 @@ impl Profile for ProfileView<'_> {
 
     fn evaluations_to_build(&self) -> u32 {
         0
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }

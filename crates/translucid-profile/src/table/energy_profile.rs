@@ -158,7 +158,7 @@ impl Profile for EnergyProfile {
         self.total * if r < self.tail.start { self.cell_at(r).beyond(r) } else { self.tail.beyond(r) }
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 

@@ -8,4 +8,5 @@ pub(crate) mod precision;
 pub(crate) mod radial_table;
 mod radial_table_build;
 pub(crate) mod sampled_profile;
+pub(crate) mod table_profile;
 pub(crate) mod tabulated_profile;

@@ -219,7 +219,7 @@ impl Profile for SampledProfile {
         self.beyond[i + 1] + self.between(x.ln(), self.radii[i + 1].ln())
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -272,7 +272,7 @@ mod tests {
                 let enclosed = found.enclosed(r * length) / expected.enclosed(r);
                 assert!((enclosed - 1.0).abs() < 1e-4, "{r}: {enclosed}");
                 let sum = found.enclosed(r * length) + found.beyond(r * length);
-                assert!((sum - found.total()).abs() < 1e-13, "{r}: {sum}");
+                assert!((sum - found.surface_albedo()).abs() < 1e-13, "{r}: {sum}");
             }
         }
     }
@@ -287,7 +287,7 @@ mod tests {
             let expected = 2.0 * PI * (-r).exp();
             assert!((profile.beyond(r) / expected - 1.0).abs() < 1e-2, "{r}: {}", profile.beyond(r));
         }
-        assert!((profile.total() / (2.0 * PI) - 1.0).abs() < 0.02, "{}", profile.total());
+        assert!((profile.surface_albedo() / (2.0 * PI) - 1.0).abs() < 0.02, "{}", profile.surface_albedo());
     }
 
     /// Where r R falls by thousands from sample to sample, energies still rise.
@@ -344,7 +344,7 @@ mod tests {
         let ring = |i: i32| (step * f64::from(i)).exp();
         let sum: f64 =
             (-20_000..=8000).map(|i| 2.0 * PI * ring(i) * profile.eval_times_r(ring(i)) * step).sum();
-        assert!((sum / profile.total() - 1.0).abs() < 1e-5, "{sum} {}", profile.total());
+        assert!((sum / profile.surface_albedo() - 1.0).abs() < 1e-5, "{sum} {}", profile.surface_albedo());
     }
 
     /// Radii next to the samples, where logarithms do not tell the two apart.
@@ -358,7 +358,10 @@ mod tests {
             for r in [r.next_down(), r, r.next_up()] {
                 let (within, beyond) = (profile.enclosed(r), profile.beyond(r));
                 assert!(within >= before * (1.0 - 1e-15), "{r}: {within} after {before}");
-                assert!(((within + beyond) / profile.total() - 1.0).abs() < 1e-14, "{r}: {within} {beyond}");
+                assert!(
+                    ((within + beyond) / profile.surface_albedo() - 1.0).abs() < 1e-14,
+                    "{r}: {within} {beyond}"
+                );
                 before = within;
             }
         }

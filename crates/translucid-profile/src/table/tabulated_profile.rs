@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use crate::SampledProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
-use crate::profile::{Profile, finite_quotient};
+use crate::profile::{Profile, finite_quotient, methods_of};
 use crate::table::energy_profile::EnergyProfile;
 use crate::table::precision::Number;
 use crate::table::radial_table::RadialTable;
@@ -57,7 +57,7 @@ impl TabulatedProfile {
         let Built { table, length, error, evaluations } = build(source);
         Self {
             table: Arc::new(table),
-            surface_albedo: source.total(),
+            surface_albedo: source.surface_albedo(),
             length,
             inverse_length: 1.0 / length,
             cdf_error: error,
@@ -237,23 +237,13 @@ impl TabulatedProfile {
 }
 
 impl Profile for TabulatedProfile {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
+    methods_of!(|own| own; all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -263,5 +253,9 @@ impl Profile for TabulatedProfile {
 
     fn evaluations_to_build(&self) -> u32 {
         self.evaluations
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }

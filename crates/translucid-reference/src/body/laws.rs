@@ -6,20 +6,22 @@
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
 use translucid_profile::{Configuration, half_space_single_scattering_albedo};
+use translucid_testing::power;
 
-use super::{Body, Light, Medium, Shape, Tally};
-use crate::split_mix::SplitMix;
+use super::{Body, Interior, Lighting, PhotonEnd, Shape, Tally};
 use crate::walk::{Parameters, PhaseFunction, Problem, Side, trace};
-use crate::{Entry, Estimate};
+use crate::{Estimate, Incidence};
 
-const PHOTONS: u64 = 200_000;
-
-fn isotropic(single_scattering_albedo: f64) -> Medium {
-    Medium { single_scattering_albedo, g: 0.0, eta: 1.0 }
+fn photons() -> u64 {
+    power(200_000)
 }
 
-fn walk(shape: Shape, medium: Medium, light: Light) -> Tally {
-    Body::new(shape, medium, light).unwrap().walk(PHOTONS, 7)
+fn isotropic(single_scattering_albedo: f64) -> Interior {
+    Interior { single_scattering_albedo, g: 0.0, eta: 1.0 }
+}
+
+fn walk(shape: Shape, medium: Interior, light: Lighting) -> Tally {
+    Body::new(shape, medium, light).unwrap().walk(photons(), 7)
 }
 
 fn assert_near(name: &str, found: Estimate, expected: f64) {
@@ -43,13 +45,13 @@ fn huge_bodies_return_the_surface_albedo() {
         Shape::Wedge { angle: PI - 1e-9, distance: 1.0 },
     ];
     for (light, configuration) in
-        [(Light::Uniform, Configuration::Diffuse), (Light::Distant, Configuration::Searchlight)]
+        [(Lighting::Uniform, Configuration::Diffuse), (Lighting::Distant, Configuration::Searchlight)]
     {
         for a in [0.2, 0.8] {
             let medium = isotropic(half_space_single_scattering_albedo(a, configuration));
             for shape in shapes {
                 // All over a sphere parallel light arrives at all angles
-                if light == Light::Uniform || !matches!(shape, Shape::Sphere { .. }) {
+                if light == Lighting::Uniform || !matches!(shape, Shape::Sphere { .. }) {
                     let tally = walk(shape, medium, light);
                     assert_near(&format!("{shape:?} {light:?} {a}"), tally.leaving(), a);
                 }
@@ -61,17 +63,21 @@ fn huge_bodies_return_the_surface_albedo() {
 /// A pencil that has entered a half space of α = 0.9 and η = 1.4, by the exact solution of the dielectric half space.
 #[test]
 fn boundary_returns_what_the_exact_half_space_says() {
-    let medium = Medium { eta: 1.4, ..isotropic(0.9) };
+    let medium = Interior { eta: 1.4, ..isotropic(0.9) };
     for shape in [Shape::Slab { thickness: 300.0 }, Shape::Wedge { angle: FRAC_PI_2, distance: 300.0 }] {
-        assert_near(&format!("{shape:?}"), walk(shape, medium, Light::Distant).leaving(), 0.257_755_746_27);
+        assert_near(
+            &format!("{shape:?}"),
+            walk(shape, medium, Lighting::Distant).leaving(),
+            0.257_755_746_27,
+        );
     }
 }
 
 #[test]
 fn nothing_is_lost_without_absorption() {
-    for medium in [isotropic(1.0), Medium { g: 0.7, eta: 1.4, ..isotropic(1.0) }] {
+    for medium in [isotropic(1.0), Interior { g: 0.7, eta: 1.4, ..isotropic(1.0) }] {
         for shape in [Shape::Slab { thickness: 3.0 }, Shape::Sphere { radius: 2.0 }] {
-            for light in [Light::Uniform, Light::Distant] {
+            for light in [Lighting::Uniform, Lighting::Distant] {
                 assert_eq!(walk(shape, medium, light).leaving().value, 1.0, "{shape:?} {medium:?} {light:?}");
             }
         }
@@ -84,17 +90,17 @@ fn nothing_is_lost_without_absorption() {
 fn straight_light_follows_beer_and_lambert() {
     let medium = isotropic(0.5);
     for tau in [0.1_f64, 1.0, 4.0] {
-        let slab = walk(Shape::Slab { thickness: tau }, medium, Light::Uniform);
+        let slab = walk(Shape::Slab { thickness: tau }, medium, Lighting::Uniform);
         assert_near("slab", slab.straight_through(1), integral(|mu| 2.0 * mu * (-tau / mu).exp()));
         assert_eq!(slab.straight_through(0).value, 0.0);
-        let pencil = walk(Shape::Slab { thickness: tau }, medium, Light::Distant);
+        let pencil = walk(Shape::Slab { thickness: tau }, medium, Lighting::Distant);
         assert_near("pencil", pencil.straight(), (-tau).exp());
         let sphere = (1.0 - (1.0 + tau) * (-tau).exp()) * 2.0 / (tau * tau);
-        for light in [Light::Uniform, Light::Distant] {
+        for light in [Lighting::Uniform, Lighting::Distant] {
             let tally = walk(Shape::Sphere { radius: 0.5 * tau }, medium, light);
             assert_near(&format!("sphere {light:?}"), tally.straight(), sphere);
         }
-        let wedge = walk(Shape::Wedge { angle: FRAC_PI_2, distance: tau }, medium, Light::Uniform);
+        let wedge = walk(Shape::Wedge { angle: FRAC_PI_2, distance: tau }, medium, Lighting::Uniform);
         let expected = 2.0 / PI * integral(|mu| (1.0 - mu * mu).sqrt() * (-tau / mu).exp());
         assert_near("wedge", wedge.straight_through(1), expected);
     }
@@ -105,13 +111,11 @@ fn straight_light_follows_beer_and_lambert() {
 #[test]
 fn first_collisions_of_a_sphere_have_their_closed_form() {
     for radius in [0.02, 0.5, 2.0_f64] {
-        let body = Body::new(Shape::Sphere { radius }, isotropic(1.0), Light::Uniform).unwrap();
-        let mut tally = Tally::new(1);
-        for index in 0..PHOTONS {
-            let end = body.photon(&mut SplitMix::of_photon(11, index));
-            tally
-                .count(&super::End { part: end.part.map(|_| 0), collisions: u64::from(end.collisions == 1) });
-        }
+        let body = Body::new(Shape::Sphere { radius }, isotropic(1.0), Lighting::Uniform).unwrap();
+        let tally = Tally::of_photons(1, photons(), 11, |random| {
+            let end = body.photon(random);
+            PhotonEnd { part: end.part.map(|_| 0), collisions: u64::from(end.collisions == 1) }
+        });
         let escape = |r: f64| {
             let chord = |mu: f64| (r * r * mu * mu + radius * radius - r * r).sqrt() - r * mu;
             0.5 * [1.0, -1.0].map(|side| integral_of(400, |mu| (-chord(side * mu)).exp())).iter().sum::<f64>()
@@ -129,7 +133,7 @@ fn integral_of(n: u32, f: impl Fn(f64) -> f64) -> f64 {
     (0..n).map(|i| f((f64::from(i) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n)
 }
 
-/// What leaves is what no collision absorbs.
+/// Light leaves unless a collision absorbs it.
 #[test]
 fn absorbed_light_is_that_of_the_collisions() {
     for shape in [
@@ -137,14 +141,14 @@ fn absorbed_light_is_that_of_the_collisions() {
         Shape::Slab { thickness: 1.0 },
         Shape::Wedge { angle: 0.4, distance: 2.0 },
     ] {
-        let medium = Medium { g: -0.4, eta: 1.3, ..isotropic(0.8) };
-        let tally = walk(shape, medium, Light::Uniform);
+        let medium = Interior { g: -0.4, eta: 1.3, ..isotropic(0.8) };
+        let tally = walk(shape, medium, Lighting::Uniform);
         assert_near(&format!("{shape:?}"), tally.leaving(), 1.0 - 0.2 * tally.mean_collisions());
         let parts: f64 = (0..shape.parts())
             .map(|part| tally.scattered_through(part).value + tally.straight_through(part).value)
             .sum();
         assert!((parts - tally.leaving().value).abs() < 1e-12);
-        assert_eq!(tally.photons(), PHOTONS);
+        assert_eq!(tally.photons(), photons());
     }
 }
 
@@ -152,15 +156,20 @@ fn absorbed_light_is_that_of_the_collisions() {
 #[test]
 fn slab_agrees_with_the_walk_of_tables() {
     for (g, eta, alpha) in [(0.8, 1.4, 0.95), (-0.5, 1.0, 0.9), (0.3, 0.8, 0.7)] {
-        let (light, entry) = (Light::Uniform, Entry::Cosine);
-        let medium = Medium { single_scattering_albedo: alpha, g, eta };
+        let (light, incidence) = (Lighting::Uniform, Incidence::Cosine);
+        let medium = Interior { single_scattering_albedo: alpha, g, eta };
         let tally = walk(Shape::Slab { thickness: 2.0 }, medium, light);
         let phase_function = PhaseFunction::HenyeyGreenstein { g };
-        let problem =
-            Problem::new(Parameters { phase_function, eta, thickness: 2.0, entry, ..Parameters::default() })
-                .unwrap();
+        let problem = Problem::new(Parameters {
+            phase_function,
+            eta,
+            thickness: 2.0,
+            incidence,
+            ..Parameters::default()
+        })
+        .unwrap();
         let mut sides = [[0_u64; 2]; 2];
-        trace(&problem, alpha, 3, 0..PHOTONS, &mut |exits| {
+        trace(&problem, alpha, 3, 0..photons(), &mut |exits| {
             for exit in exits {
                 sides[usize::from(exit.side == Side::Transmitted)][usize::from(exit.order == 0)] += 1;
             }
@@ -169,7 +178,7 @@ fn slab_agrees_with_the_walk_of_tables() {
             for (straight, found) in
                 [tally.scattered_through(part), tally.straight_through(part)].iter().enumerate()
             {
-                let other = counts[straight] as f64 / PHOTONS as f64;
+                let other = counts[straight] as f64 / photons() as f64;
                 // Both are counts of equally many photons
                 let both = Estimate { error: (found.error * 2.0_f64.sqrt()).max(1e-5), ..*found };
                 assert_near(&format!("g {g} η {eta} part {part} straight {straight}"), both, other);
@@ -180,7 +189,9 @@ fn slab_agrees_with_the_walk_of_tables() {
 
 #[test]
 fn parallel_light_leaves_a_thick_sphere_at_the_front() {
-    let tally = walk(Shape::Sphere { radius: 10.0 }, isotropic(0.9), Light::Distant);
+    let body = Body::new(Shape::Sphere { radius: 10.0 }, isotropic(0.9), Lighting::Distant).unwrap();
+    // Few photons get to the back
+    let tally = body.walk(200_000, 7);
     let rings: Vec<f64> = (0..10).map(|ring| tally.scattered_through(ring).value).collect();
     assert!(rings.is_sorted_by(|a, b| a > b) && rings[0] > 100.0 * rings[9], "{rings:?}");
 }
@@ -188,9 +199,9 @@ fn parallel_light_leaves_a_thick_sphere_at_the_front() {
 /// Parallel light on all of a sphere meets its surface at all angles as light from everywhere does.
 #[test]
 fn sphere_returns_as_much_of_parallel_light_as_of_even_light() {
-    for medium in [isotropic(0.9), Medium { g: 0.6, eta: 1.4, ..isotropic(0.9) }] {
-        let [even, parallel] =
-            [Light::Uniform, Light::Distant].map(|light| walk(Shape::Sphere { radius: 3.0 }, medium, light));
+    for medium in [isotropic(0.9), Interior { g: 0.6, eta: 1.4, ..isotropic(0.9) }] {
+        let [even, parallel] = [Lighting::Uniform, Lighting::Distant]
+            .map(|light| walk(Shape::Sphere { radius: 3.0 }, medium, light));
         let (a, b) = (even.leaving(), parallel.leaving());
         assert_near(&format!("{medium:?}"), Estimate { error: a.error.hypot(b.error), ..a }, b.value);
         // Even light leaves evenly
@@ -203,7 +214,7 @@ fn sphere_returns_as_much_of_parallel_light_as_of_even_light() {
 #[test]
 fn wedge_loses_more_the_wider_it_is() {
     let shares = [0.3, 1.0, 2.0].map(|angle| {
-        let tally = walk(Shape::Wedge { angle, distance: 1.0 }, isotropic(0.99), Light::Uniform);
+        let tally = walk(Shape::Wedge { angle, distance: 1.0 }, isotropic(0.99), Lighting::Uniform);
         tally.leaving().value
     });
     assert!(shares[0] > shares[1] && shares[1] > shares[2], "{shares:?}");
@@ -211,7 +222,7 @@ fn wedge_loses_more_the_wider_it_is() {
 
 #[test]
 fn tally_does_not_depend_on_threads() {
-    let body = Body::new(Shape::Sphere { radius: 1.0 }, isotropic(0.9), Light::Distant).unwrap();
+    let body = Body::new(Shape::Sphere { radius: 1.0 }, isotropic(0.9), Lighting::Distant).unwrap();
     let tallies = [1, 3].map(|threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| body.walk(50_001, 5))
@@ -223,7 +234,7 @@ fn tally_does_not_depend_on_threads() {
 
 #[test]
 fn parameters_out_of_range_are_refused() {
-    let refused = |shape, medium| Body::new(shape, medium, Light::Uniform).unwrap_err().to_string();
+    let refused = |shape, medium| Body::new(shape, medium, Lighting::Uniform).unwrap_err().to_string();
     let sphere = Shape::Sphere { radius: 1.0 };
     let wedge = Shape::Wedge { angle: 1.0, distance: 1.0 };
     for (shape, medium, parameter) in [
@@ -234,8 +245,8 @@ fn parameters_out_of_range_are_refused() {
         (Shape::Wedge { angle: 1.0, distance: -1.0 }, isotropic(0.5), "distance"),
         (sphere, isotropic(1.1), "single_scattering_albedo"),
         (wedge, isotropic(1.0), "single_scattering_albedo"),
-        (sphere, Medium { g: 1.0, ..isotropic(0.5) }, "g"),
-        (sphere, Medium { eta: 0.0, ..isotropic(0.5) }, "eta"),
+        (sphere, Interior { g: 1.0, ..isotropic(0.5) }, "g"),
+        (sphere, Interior { eta: 0.0, ..isotropic(0.5) }, "eta"),
     ] {
         let message = refused(shape, medium);
         assert!(message.starts_with(parameter), "{message}");

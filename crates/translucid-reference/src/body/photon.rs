@@ -4,38 +4,24 @@ use std::f64::consts::TAU;
 
 use translucid_profile::fresnel_from_inside;
 
-use super::{Medium, Shape};
+use super::Interior;
+use super::ray::{Ray, across, dot};
+use super::shape::Shape;
+use super::tally::PhotonEnd;
 use crate::split_mix::SplitMix;
 
-pub(super) type Vector = [f64; 3];
-
-/// A point and a unit direction.
-#[derive(Clone, Copy)]
-pub(super) struct Ray {
-    pub(super) position: Vector,
-    pub(super) direction: Vector,
-}
-
-/// What became of a photon.
-pub(super) struct End {
-    /// The part of the surface through which it left; `None` if it was absorbed.
-    pub(super) part: Option<usize>,
-    /// Collisions, the one that absorbed it included.
-    pub(super) collisions: u64,
-}
-
 /// Follows a photon until it is out or absorbed.
-pub(super) fn follow(shape: &Shape, medium: &Medium, mut ray: Ray, random: &mut SplitMix) -> End {
+pub(super) fn follow(shape: &Shape, interior: &Interior, mut ray: Ray, random: &mut SplitMix) -> PhotonEnd {
     let mut collisions = 0;
     loop {
-        if let Some(part) = fly(shape, medium.eta, &mut ray, random) {
-            return End { part: Some(part), collisions };
+        if let Some(part) = fly(shape, interior.eta, &mut ray, random) {
+            return PhotonEnd { part: Some(part), collisions };
         }
         collisions += 1;
-        if random.uniform() >= medium.single_scattering_albedo {
-            return End { part: None, collisions };
+        if random.uniform() >= interior.single_scattering_albedo {
+            return PhotonEnd { part: None, collisions };
         }
-        let cosine = deflection(medium.g, random);
+        let cosine = deflection(interior.g, random);
         ray.direction = across(ray.direction, cosine, TAU * random.uniform());
     }
 }
@@ -46,7 +32,7 @@ fn fly(shape: &Shape, eta: f64, ray: &mut Ray, random: &mut SplitMix) -> Option<
     while let Some(wall) = shape.wall(ray)
         && wall.distance < flight
     {
-        advance(ray, wall.distance);
+        ray.advance(wall.distance);
         flight -= wall.distance;
         let cosine = -dot(wall.inward, ray.direction);
         if random.uniform() >= fresnel_from_inside(cosine.clamp(0.0, 1.0), eta) {
@@ -54,12 +40,8 @@ fn fly(shape: &Shape, eta: f64, ray: &mut Ray, random: &mut SplitMix) -> Option<
         }
         ray.direction = std::array::from_fn(|i| ray.direction[i] + 2.0 * cosine * wall.inward[i]);
     }
-    advance(ray, flight);
+    ray.advance(flight);
     None
-}
-
-fn advance(ray: &mut Ray, distance: f64) {
-    ray.position = std::array::from_fn(|i| ray.position[i] + distance * ray.direction[i]);
 }
 
 /// The cosine of a deflection: Henyey and Greenstein's distribution, inverted.
@@ -71,26 +53,4 @@ fn deflection(g: f64, random: &mut SplitMix) -> f64 {
     }
     let ratio = (1.0 - g * g) / (1.0 + g * u);
     ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
-}
-
-/// The unit vector at an angle of the given cosine from a unit axis, at an azimuth about it; at azimuth 0 it leans
-/// from the axis away from +z.
-pub(super) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    let (sin, cos) = azimuth.sin_cos();
-    let horizontal = axis[0].hypot(axis[1]);
-    let (first, second) = if horizontal > 1e-12 {
-        let (x, y) = (axis[0] / horizontal, axis[1] / horizontal);
-        ([x * axis[2], y * axis[2], -horizontal], [-y, x, 0.0])
-    } else {
-        ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
-    };
-    let turned: Vector =
-        std::array::from_fn(|i| cosine * axis[i] + sine * (cos * first[i] + sin * second[i]));
-    let length = dot(turned, turned).sqrt();
-    turned.map(|x| x / length)
-}
-
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }

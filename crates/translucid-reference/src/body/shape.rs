@@ -4,8 +4,8 @@ use std::f64::consts::{PI, TAU};
 
 use translucid_profile::{ParameterError, fresnel_from_outside};
 
-use super::Light;
-use super::photon::{Ray, Vector, across, dot};
+use super::Lighting;
+use super::ray::{Ray, Vector, across, dot};
 use crate::split_mix::SplitMix;
 
 /// Rings of equal area into which a sphere is divided, from the one that faces a distant light to the one behind.
@@ -33,7 +33,7 @@ pub enum Shape {
     },
 }
 
-/// Where a flight leads out of a body.
+/// Place where a flight leads out of a body.
 pub(super) struct Wall {
     /// Length of the flight, at least 0.
     pub(super) distance: f64,
@@ -61,7 +61,7 @@ impl Shape {
         }
     }
 
-    /// Whether light leaves after finitely many collisions on average, though none absorbs it.
+    /// Tells whether light leaves after finitely many collisions on average, though none absorbs it.
     pub(super) fn is_finite(&self) -> bool {
         !matches!(self, Self::Wedge { .. })
     }
@@ -100,9 +100,9 @@ impl Shape {
     }
 
     /// Draws the ray along which light enters, already refracted.
-    pub(super) fn entry(&self, light: Light, eta: f64, random: &mut SplitMix) -> Ray {
+    pub(super) fn start(&self, lighting: Lighting, eta: f64, random: &mut SplitMix) -> Ray {
         loop {
-            let (position, inward, cosine, azimuth) = self.arrival(light, random);
+            let (position, inward, cosine, azimuth) = self.arrival(lighting, random);
             if random.uniform() >= fresnel_from_outside(cosine, eta) {
                 let sine = (1.0 - cosine * cosine).max(0.0).sqrt() / eta;
                 return Ray {
@@ -113,26 +113,26 @@ impl Shape {
         }
     }
 
-    /// Where light arrives, the inward normal there, and the direction outside about it.
-    fn arrival(&self, light: Light, random: &mut SplitMix) -> (Vector, Vector, f64, f64) {
+    /// Place where light arrives, the inward normal there, and the direction outside about it.
+    fn arrival(&self, lighting: Lighting, random: &mut SplitMix) -> (Vector, Vector, f64, f64) {
         let up = [0.0, 0.0, 1.0];
-        let toward = |random: &mut SplitMix| match light {
-            Light::Uniform => (random.uniform().sqrt(), TAU * random.uniform()),
-            Light::Distant => (1.0, 0.0),
+        let toward = |random: &mut SplitMix| match lighting {
+            Lighting::Uniform => (random.uniform().sqrt(), TAU * random.uniform()),
+            Lighting::Distant => (1.0, 0.0),
         };
         match *self {
             Self::Sphere { radius } => {
                 // Lit all over, or like a disc that faces the light
-                let outward_z: f64 = match light {
-                    Light::Uniform => 2.0 * random.uniform() - 1.0,
-                    Light::Distant => random.uniform().sqrt(),
+                let outward_z: f64 = match lighting {
+                    Lighting::Uniform => 2.0 * random.uniform() - 1.0,
+                    Lighting::Distant => random.uniform().sqrt(),
                 };
                 let outward = across(up, outward_z, TAU * random.uniform());
                 let inward = outward.map(|x| -x);
                 // Parallel light goes down along z, whatever the normal: about which `across` has azimuth 0 there
-                let (cosine, azimuth) = match light {
-                    Light::Uniform => toward(random),
-                    Light::Distant => (outward_z, 0.0),
+                let (cosine, azimuth) = match lighting {
+                    Lighting::Uniform => toward(random),
+                    Lighting::Distant => (outward_z, 0.0),
                 };
                 (outward.map(|x| x * radius), inward, cosine, azimuth)
             }

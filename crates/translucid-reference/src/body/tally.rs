@@ -1,7 +1,20 @@
-//! What became of photons.
+//! Counts of photons by how their walk ended.
 
-use super::photon::End;
+use rayon::prelude::*;
+
 use crate::Estimate;
+use crate::split_mix::SplitMix;
+
+/// End of a photon's walk.
+pub(super) struct PhotonEnd {
+    /// The part of the surface through which it left; `None` if it was absorbed.
+    pub(super) part: Option<usize>,
+    /// Collisions, the one that absorbed it included.
+    pub(super) collisions: u64,
+}
+
+/// Photons that one thread follows in a row.
+const CHUNK: u64 = 4096;
 
 /// Whole numbers of photons, and the shares that they stand for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -15,11 +28,31 @@ pub struct Tally {
 }
 
 impl Tally {
-    pub(super) fn new(parts: usize) -> Self {
+    /// Follows photons on all threads and counts how they end, by part of the surface. The counts are a function of
+    /// seed and number of photons alone.
+    pub(super) fn of_photons(
+        parts: usize,
+        photons: u64,
+        seed: u64,
+        follow: impl Fn(&mut SplitMix) -> PhotonEnd + Sync,
+    ) -> Self {
+        let chunk = |number: u64| {
+            let first = number * CHUNK;
+            let mut tally = Self::new(parts);
+            for index in first..(first + CHUNK).min(photons) {
+                tally.count(&follow(&mut SplitMix::of_photon(seed, index)));
+            }
+            tally
+        };
+        let chunks = (0..photons.div_ceil(CHUNK)).into_par_iter();
+        chunks.map(chunk).reduce(|| Self::new(parts), |all, part| all.merged(&part))
+    }
+
+    fn new(parts: usize) -> Self {
         Self { photons: 0, collisions: 0, scattered: vec![0; parts], straight: vec![0; parts] }
     }
 
-    pub(super) fn count(&mut self, end: &End) {
+    fn count(&mut self, end: &PhotonEnd) {
         self.photons += 1;
         self.collisions += end.collisions;
         if let Some(part) = end.part {
@@ -28,7 +61,7 @@ impl Tally {
         }
     }
 
-    pub(super) fn merged(mut self, other: &Self) -> Self {
+    fn merged(mut self, other: &Self) -> Self {
         let add = |own: &mut [u64], others: &[u64]| own.iter_mut().zip(others).for_each(|(a, b)| *a += b);
         self.photons += other.photons;
         self.collisions += other.collisions;
@@ -42,25 +75,23 @@ impl Tally {
         self.photons
     }
 
-    /// Collisions of a photon on average, the one that absorbs it included.
+    /// Collisions of a photon on average, the one that absorbs it included; 0 without photons.
     pub fn mean_collisions(&self) -> f64 {
-        self.collisions as f64 / self.photons as f64
+        if self.photons == 0 { 0.0 } else { self.collisions as f64 / self.photons as f64 }
     }
 
     /// Share of the light that entered that is scattered and leaves through a part of the surface.
     ///
-    /// # Panics
-    /// There is no such part, see [`Shape::parts`](super::Shape::parts).
+    /// Nothing leaves through a part that is not there, see [`Shape::parts`](super::Shape::parts).
     pub fn scattered_through(&self, part: usize) -> Estimate {
-        self.share(self.scattered[part])
+        self.scattered.get(part).map_or(Estimate::ZERO, |&count| self.share(count))
     }
 
     /// Share of the light that entered that leaves through a part of the surface without a collision.
     ///
-    /// # Panics
-    /// There is no such part, see [`Shape::parts`](super::Shape::parts).
+    /// Nothing leaves through a part that is not there, see [`Shape::parts`](super::Shape::parts).
     pub fn straight_through(&self, part: usize) -> Estimate {
-        self.share(self.straight[part])
+        self.straight.get(part).map_or(Estimate::ZERO, |&count| self.share(count))
     }
 
     /// Share of the light that entered that is scattered and leaves: what profiles stand for.
@@ -78,8 +109,11 @@ impl Tally {
         self.share(self.scattered.iter().chain(&self.straight).sum())
     }
 
-    /// A share with the standard error of a count among `photons`.
+    /// A share with the standard error of a count among `photons`; without photons nothing is known.
     fn share(&self, count: u64) -> Estimate {
+        if self.photons == 0 {
+            return Estimate { value: 0.0, error: f64::INFINITY };
+        }
         let n = self.photons as f64;
         let value = count as f64 / n;
         Estimate { value, error: (value * (1.0 - value) / n).sqrt() }

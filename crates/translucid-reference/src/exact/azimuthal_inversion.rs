@@ -36,7 +36,7 @@ const RAY_POINTS: usize = 12;
 pub(crate) struct Harmonics {
     /// c_m(k).
     pub(crate) values: Vec<Complex64>,
-    /// How far the rules are apart.
+    /// Differences between the rules.
     pub(crate) doubts: Vec<Complex64>,
 }
 
@@ -88,7 +88,7 @@ impl AzimuthalInversion {
         last.into_iter().map(|pair| pair.map(lost)).collect()
     }
 
-    /// As [`Self::eval`], leaving the real axis twice as far out.
+    /// Harmonics as of [`Self::eval`], leaving the real axis twice as far out.
     #[cfg(test)]
     pub(crate) fn eval_past(
         &self,

@@ -1,4 +1,4 @@
-//! What gets out of the half space at one lateral wave number, for every way light may enter.
+//! Light that gets out of the half space at one lateral wave number, for every way in which light may enter.
 //!
 //! # Without a boundary
 //! Light that enters with the decay s₀ per depth comes out with the transform (unit source along the depth, e^{−s₀τ})
@@ -8,7 +8,7 @@
 //! ```
 //!
 //! # With one
-//! What the boundary reflects enters once more. M. M. R. Williams 2006, *The albedo problem with Fresnel reflection*,
+//! Light that the boundary reflects enters once more. M. M. R. Williams 2006, *The albedo problem with Fresnel reflection*,
 //! solves this for k = 0; here the equation is in its adjoint form, one solution of which serves all entries:
 //!
 //! ```text
@@ -43,7 +43,7 @@ pub(crate) struct Response {
     boundary: Option<BoundarySolution>,
 }
 
-/// What the entries over all directions need, at the nodes.
+/// Values at the nodes that light over all directions needs.
 #[derive(Clone, Debug)]
 struct BoundarySolution {
     /// α T H dΩ/4π.
@@ -54,7 +54,7 @@ struct BoundarySolution {
     g_of_single: Vec<Complex64>,
     /// Weights of (1/4π) ∫ f/μ dΩ over the hemisphere, at all nodes.
     isotropic: Vec<Complex64>,
-    /// The same times H.
+    /// Weights of (1/4π) ∫ fH/μ dΩ over the hemisphere, at all nodes.
     isotropic_with_h: Vec<Complex64>,
 }
 

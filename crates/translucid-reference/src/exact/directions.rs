@@ -35,7 +35,7 @@ pub(crate) fn directions(wave_number: &WaveNumber, rule: &[(f64, f64)]) -> Vec<D
     }
 }
 
-/// Where |b| is below this, s runs straight. Found by trying, like the factors below: with 32 points the error is
+/// Bound on |b| below which s runs straight. Found by trying, like the factors below: with 32 points the error is
 /// then below 1e-12 of R̂ for every k.
 const SMALL_B: f64 = 3.0;
 

@@ -32,6 +32,9 @@ use num_complex::Complex64;
 
 use super::dispersion::{Dispersion, exp_m1, ln_1p, sqrt};
 
+/// Wave number beyond which the transform is that of single scattering, and fourth powers are no numbers.
+pub(crate) const K_MAX: f64 = 1e60;
+
 /// A lateral wave number and its distances from the zero and the branch point of the dispersion function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WaveNumber {
@@ -84,9 +87,9 @@ impl WaveNumber {
 /// A value by the quadrature of a setting, and by its coarser half.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Nested {
-    /// With every node.
+    /// Value with every node.
     pub(crate) fine: Complex64,
-    /// With every other node; its error is about the square root of the finer rule's.
+    /// Value with every other node; its error is about the square root of the finer rule's.
     pub(crate) coarse: Complex64,
 }
 
@@ -141,7 +144,7 @@ impl Samples {
 /// Independent sums that the processor may add up at once.
 const LANES: usize = 8;
 
-/// Where the samples end, in units of |b| or 1.
+/// End of the samples, in units of |b| or 1.
 const REACH: f64 = 3e4;
 
 /// The H function of one albedo and one wave number, ready to be evaluated for many s.

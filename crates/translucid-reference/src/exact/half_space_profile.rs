@@ -56,7 +56,7 @@ impl Profile for HalfSpaceProfile {
         self.0.beyond(r).value
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.0.total().value
     }
 

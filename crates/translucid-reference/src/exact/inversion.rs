@@ -27,7 +27,7 @@ use super::h_function::{Nested, WaveNumber};
 use super::macdonald::{Macdonald, MacdonaldNear};
 use crate::Estimate;
 
-/// How finely the exact solution is computed.
+/// Steps and rules of the exact solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Settings {
     /// Angle ψ of the ray of k, between 0 and π/2.
@@ -99,7 +99,7 @@ pub(crate) struct Inversion {
     x: Vec<f64>,
     /// Below this x the nodes rush to 0.
     low: f64,
-    /// How far out the nodes are, in [0, 1).
+    /// Measure of how far out the nodes are, in [0, 1).
     far: Vec<f64>,
     /// Transform times dk.
     values: Vec<Nested>,
@@ -114,7 +114,7 @@ struct Sums {
     half: f64,
     coarse: f64,
     moduli: f64,
-    /// Of the nodes far out, all and every other.
+    /// Sums over the nodes far out, all and every other.
     far: [f64; 2],
 }
 
@@ -145,7 +145,7 @@ impl Inversion {
         Self { total: pole_is_close.then_some(total), ..self }
     }
 
-    /// Whether [`beyond`](Self::beyond) is the total less what is within.
+    /// Tells whether [`beyond`](Self::beyond) is the total less what is within.
     pub(crate) fn beyond_is_difference(&self) -> bool {
         self.total.is_some()
     }
@@ -231,7 +231,7 @@ impl Inversion {
     }
 }
 
-/// Where the nodes are too far apart for the rule's error to be the square of the coarser one's.
+/// Spacing at which the nodes are too far apart for the rule's error to be the square of the coarser one's.
 const FAR: f64 = 1e6;
 /// Below this radius f counts as constant: it grows like ln² r, and single scattering like 1/r.
 const R_MIN: f64 = 1e-20;
@@ -239,7 +239,7 @@ const R_MIN: f64 = 1e-20;
 const Z0_MIN: f64 = 1e-8;
 /// Beyond this radius nothing is left to enclose.
 const R_MAX: f64 = 1e100;
-/// Where e^{−x} ends what matters.
+/// Argument x at which e^{−x} ends what matters.
 const NEGLIGIBLE: f64 = 45.0;
 
 impl Sums {

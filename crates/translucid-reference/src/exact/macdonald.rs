@@ -11,7 +11,7 @@ use super::dispersion::{ln, sqrt};
 
 /// Euler's constant γ.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
-/// Where the power series ends: there K is a difference of numbers a hundred times as large, which costs two digits;
+/// End of the power series: there K is a difference of numbers a hundred times as large, which costs two digits;
 /// the continued fraction takes sixteen steps.
 const SERIES_MAX: f64 = 3.0;
 /// Terms of the power series: 1.5³⁰/15!² = 1e-19.

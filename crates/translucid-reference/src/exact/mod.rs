@@ -13,10 +13,10 @@
 //! directions, and an oblique beam ([`ObliqueHalfSpace`]) has one transform for each harmonic of the azimuth.
 //!
 //! ```
-//! use translucid_reference::{Entry, exact::HalfSpace};
+//! use translucid_reference::{Incidence, exact::HalfSpace};
 //!
 //! # fn main() -> Result<(), translucid_profile::ParameterError> {
-//! let half_space = HalfSpace::new(0.9, Entry::NORMAL)?;
+//! let half_space = HalfSpace::new(0.9, Incidence::NORMAL)?;
 //! let profile = half_space.eval(1.0);
 //! assert!((profile.value - 2.1217649785e-2).abs() < 1e-12 && profile.relative_error() < 1e-9);
 //! let energy = half_space.enclosed(1.0).value + half_space.beyond(1.0).value;
@@ -29,6 +29,7 @@
 
 mod albedo;
 mod azimuthal_inversion;
+mod boundary_entrance;
 mod dielectric;
 mod dielectric_directions;
 mod dielectric_response;
@@ -40,6 +41,7 @@ mod half_space;
 mod half_space_profile;
 mod inversion;
 mod macdonald;
+mod matched;
 mod oblique;
 mod oblique_single_scattering;
 mod single_scattering;

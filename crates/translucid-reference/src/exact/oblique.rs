@@ -6,13 +6,14 @@ use num_complex::Complex64;
 use translucid_profile::ParameterError;
 
 use super::azimuthal_inversion::{AzimuthalInversion, Harmonics};
-use super::dielectric::{BoundaryEntrance, DielectricHalfSpace, DielectricSettings};
+use super::boundary_entrance::{BoundaryEntrance, checked_beam};
+use super::dielectric::{DielectricHalfSpace, DielectricSettings};
 use super::dielectric_response::Response;
 use super::dispersion::Dispersion;
 use super::h_function::WaveNumber;
 use super::oblique_single_scattering::Beam;
 use super::positive_radius;
-use crate::{Entry, Estimate};
+use crate::Estimate;
 
 /// Exact reflectance of a half space of isotropic scatterers under a pencil beam at any angle, as a function of the
 /// distance r from the point of entry and of the azimuth φ.
@@ -53,12 +54,12 @@ pub struct ObliqueHalfSpace {
     count: usize,
 }
 
-/// How the harmonics are made.
+/// Precision of the harmonics.
 #[derive(Clone, Copy, Debug)]
 struct HarmonicsSettings {
-    /// What may be left out, as a part of the first.
+    /// Size of harmonics that may be left out, as a part of the first.
     tolerance: f64,
-    /// By which power of e errors of the transform may grow: as many as leave the tolerance.
+    /// Power of e by which errors of the transform may grow: as many as leave the tolerance.
     growth: f64,
 }
 
@@ -79,21 +80,18 @@ impl ObliqueHalfSpace {
     /// # Errors
     /// A parameter is outside its range, or the beam is totally reflected (η < 1).
     pub fn new(single_scattering_albedo: f64, eta: f64, cos_theta: f64) -> Result<Self, ParameterError> {
-        let entry = Entry::Pencil { cos_theta };
-        let entrance = BoundaryEntrance::checked(single_scattering_albedo, eta, entry)?;
+        let beam = checked_beam(single_scattering_albedo, eta, cos_theta)?;
         let settings = DielectricSettings::default();
-        Ok(Self::with_settings(single_scattering_albedo, entrance, &settings, HarmonicsSettings::default()))
+        Ok(Self::with_settings(single_scattering_albedo, beam, &settings, HarmonicsSettings::default()))
     }
 
     fn with_settings(
         single_scattering_albedo: f64,
-        entrance: BoundaryEntrance,
+        beam: Beam,
         settings: &DielectricSettings,
         harmonics: HarmonicsSettings,
     ) -> Self {
-        let BoundaryEntrance::Pencil(beam) = entrance else {
-            unreachable!("the entry of an oblique half space is a pencil");
-        };
+        let entrance = BoundaryEntrance::Pencil(beam);
         let count = if beam.sin_inside > 0.0 {
             (4.0 - harmonics.tolerance.ln() / beam.azimuth_strip()).min(MAX_HARMONICS as f64) as usize
         } else {
@@ -143,12 +141,12 @@ impl ObliqueHalfSpace {
 
     /// Energy that leaves within r, over all azimuths.
     pub fn enclosed(&self, r: f64) -> Estimate {
-        self.mean.enclosed(positive_radius(r))
+        self.mean.split(positive_radius(r))[0]
     }
 
     /// Energy that leaves beyond r, over all azimuths.
     pub fn beyond(&self, r: f64) -> Estimate {
-        self.mean.beyond(positive_radius(r))
+        self.mean.split(positive_radius(r))[1]
     }
 
     /// Σ f_m(r) cos mφ over m > 0.
@@ -218,9 +216,9 @@ mod tests {
 
     fn assert_settings_agree(alpha: f64, eta: f64, cos_theta: f64, tolerance: f64, points: &[(f64, f64)]) {
         let half_space = ObliqueHalfSpace::new(alpha, eta, cos_theta).expect("valid");
-        let entrance = BoundaryEntrance::new(eta, Entry::Pencil { cos_theta }).expect("enters");
+        let beam = checked_beam(alpha, eta, cos_theta).expect("enters");
         let finer = HarmonicsSettings { tolerance: 1e-11, growth: 2.0 };
-        let other = ObliqueHalfSpace::with_settings(alpha, entrance, &OTHER, finer);
+        let other = ObliqueHalfSpace::with_settings(alpha, beam, &OTHER, finer);
         for &(r, phi) in points {
             let (found, expected) = (half_space.eval(r, phi), other.eval(r, phi));
             let off = (found.value - expected.value).abs();

@@ -32,7 +32,7 @@ const LN_W_MAX: f64 = 16.5;
 const GATHERED_POINTS: usize = 20;
 /// Error of the rules here, as part of the value.
 const RELATIVE_ERROR: f64 = 1e-12;
-/// The same, times the cosine of a beam close to grazing: azimuths and ways count on a scale that narrows with it.
+/// Panels of azimuths times the cosine of a beam close to grazing: azimuths and ways count on a scale that narrows with it.
 const GRAZING_ERROR: f64 = 1e-13;
 
 /// A beam inside the medium, and the boundary above it.
@@ -156,7 +156,7 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
     let rule_of_w = rule();
     let mut gathered = Gathered::new();
     // Angles gather at grazing, where single scattering has terms like μ ln μ
-    let entry: Vec<(f64, f64)> = (gauss_legendre(24).into_iter())
+    let angles: Vec<(f64, f64)> = (gauss_legendre(24).into_iter())
         .map(|(x, weight)| {
             let x = 0.5 - 0.5 * x;
             (FRAC_PI_2 * (1.0 - x * x), FRAC_PI_2 * x * weight)
@@ -173,8 +173,8 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
             Some((Beam { eta, cos_inside: cos, sin_inside: sin }, passed * cos * sin))
         }
     };
-    let entered: f64 = entry.iter().filter_map(|&(angle, w)| cosines(angle).map(|(_, flux)| flux * w)).sum();
-    for (angle, weight) in entry {
+    let entered: f64 = angles.iter().filter_map(|&(angle, w)| cosines(angle).map(|(_, flux)| flux * w)).sum();
+    for (angle, weight) in angles {
         if let Some((beam, flux)) = cosines(angle) {
             beam.gather_mean(flux * weight / entered, &rule_of_w, &mut gathered);
         }
@@ -251,7 +251,7 @@ fn rule() -> Vec<(f64, f64)> {
 /// Weights gathered on fixed σ: each goes to the nodes of its panel in the shares of Lagrange's interpolation,
 /// which is as good as e^{−rσ} is close to a polynomial on the panel.
 struct Gathered {
-    /// Of the panels of σ − 1.
+    /// Bounds of the panels of σ − 1.
     edges: Vec<f64>,
     /// Chebyshev points of [0, 1] and their barycentric weights.
     points: Vec<(f64, f64)>,

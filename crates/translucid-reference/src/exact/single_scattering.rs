@@ -20,9 +20,9 @@ use std::f64::consts::PI;
 use translucid_profile::ParameterError;
 
 use super::positive_radius;
-use crate::{Entry, Estimate};
+use crate::{Estimate, Incidence};
 
-/// How light enters, as far as single scattering has a closed form for it.
+/// Directions of entering light for which single scattering has a closed form.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Entrance {
     /// A pencil along the normal.
@@ -34,20 +34,20 @@ pub(crate) enum Entrance {
 }
 
 impl Entrance {
-    pub(crate) fn of(entry: Entry) -> Result<Self, ParameterError> {
-        match entry {
-            Entry::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
-            Entry::Pencil { cos_theta } => {
+    pub(crate) fn of(incidence: Incidence) -> Result<Self, ParameterError> {
+        match incidence {
+            Incidence::Pencil { cos_theta: 1.0 } => Ok(Self::Normal),
+            Incidence::Pencil { cos_theta } => {
                 let allowed = "1; the mean profile of an oblique pencil is with_boundary's";
                 Err(ParameterError::new("cos_theta", cos_theta, allowed))
             }
-            Entry::Cosine => Ok(Self::Cosine),
-            Entry::UniformCosine => Ok(Self::UniformCosine),
+            Incidence::Cosine => Ok(Self::Cosine),
+            Incidence::UniformCosine => Ok(Self::UniformCosine),
         }
     }
 }
 
-/// Single scattering of one albedo and entry in the half space.
+/// Profile of the light scattered once in the half space, for one albedo and one direction of light.
 ///
 /// Every figure has all its digits without a boundary, for every r: the integrands are positive. With one, f is
 /// computed by quadrature, to some 12 digits.
@@ -59,7 +59,7 @@ pub struct SingleScattering {
     accuracy: Accuracy,
 }
 
-/// How the error of a sum over nodes is known.
+/// Source of the error of a sum over nodes.
 #[derive(Clone, Copy, Debug)]
 enum Accuracy {
     /// The nodes are those of a trapezoidal rule, and every other one makes the coarser rule.

@@ -2,8 +2,8 @@
 
 use translucid_profile::{ParameterError, TabulatedProfile};
 
-use super::exit::Side;
 use super::layout::Region;
+use super::photon_exit::Side;
 use super::weights::{Weighed, Weights};
 use super::white_table::WhiteTable;
 use crate::Estimate;
@@ -24,7 +24,7 @@ const PHOTONS_OF_A_RING: f64 = 100.0;
 ///
 /// Sums over rings have their own second moments: the rings' errors are not independent.
 ///
-/// # What the standard error means
+/// # Meaning of the standard error
 /// It is estimated from the same photons, and of few photons it knows little. Where n photons of equal weight are to
 /// be expected, ±1.96 errors hold the truth in 95 % of cases for n above 300, in 92 % or more for n above 16, in 86 %
 /// for n from 5, in 79 % for n from 3. [`effective_photons`](Self::effective_photons) says how many there are; where
@@ -37,11 +37,11 @@ const PHOTONS_OF_A_RING: f64 = 100.0;
 pub struct AtAlbedo<'a> {
     table: &'a WhiteTable,
     single_scattering_albedo: f64,
-    /// By face and place.
+    /// Sums by face and place.
     places: Vec<Weighed>,
 }
 
-/// What a table says about one radius.
+/// Figures of a table at one radius.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AtRadius {
     /// Exitance R(r) [ℓ⁻²], as the mean over the two rings at r; see
@@ -51,9 +51,24 @@ pub struct AtRadius {
     pub enclosed: Estimate,
 }
 
+impl WhiteTable {
+    /// Figures of the table at one albedo, per unit of flux that entered.
+    ///
+    /// # Errors
+    /// The albedo is not in [0, reference albedo].
+    pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
+        let value = single_scattering_albedo;
+        if !(0.0..=self.reference_albedo()).contains(&value) {
+            let allowed = "at least 0 and at most the table's reference albedo";
+            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
+        }
+        Ok(AtAlbedo::new(self, value))
+    }
+}
+
 impl<'a> AtAlbedo<'a> {
-    /// α is in [0, reference albedo].
-    pub(crate) fn new(table: &'a WhiteTable, single_scattering_albedo: f64) -> Self {
+    /// Weighs the table's photons for α in [0, reference albedo].
+    fn new(table: &'a WhiteTable, single_scattering_albedo: f64) -> Self {
         let bins = table.layout().order_bins();
         let weights = Weights::new(bins, single_scattering_albedo, table.reference_albedo());
         let faces = [Side::Reflected, Side::Transmitted].map(|side| table.cells(side, Region::Everywhere));
@@ -62,7 +77,7 @@ impl<'a> AtAlbedo<'a> {
         Self { table, single_scattering_albedo, places }
     }
 
-    /// The albedo α.
+    /// Single-scattering albedo α.
     pub fn single_scattering_albedo(&self) -> f64 {
         self.single_scattering_albedo
     }
@@ -105,7 +120,7 @@ impl<'a> AtAlbedo<'a> {
         self.around_radius(side, radius, Region::Ring)
     }
 
-    /// As [`at_radius`](Self::at_radius), the exitance being the mean over the sector in which the azimuth lies:
+    /// Figures at a radius as [`at_radius`](Self::at_radius) gives them, the exitance being the mean over the sector in which the azimuth lies:
     /// an angle from the direction towards which the beam is tilted, in radians.
     ///
     /// # Errors
@@ -176,7 +191,7 @@ impl<'a> AtAlbedo<'a> {
         if sum.second > 0.0 { sum.first * sum.first / sum.second } else { 0.0 }
     }
 
-    /// How far the energy can be from that of the same photons with every order on its own.
+    /// Greatest distance of the energy from that of the same photons with every order on its own.
     ///
     /// A rigorous limit by convexity (see [`OrderBins`](super::OrderBins)): the true sum is no farther, however
     /// unfavorably orders are spread in their bins. The actual difference is smaller by far.
@@ -206,7 +221,7 @@ impl<'a> AtAlbedo<'a> {
 mod tests {
     use super::super::{Control, Layout, OrderBins, Parameters, Problem};
     use super::*;
-    use crate::Entry;
+    use crate::Incidence;
 
     fn table(parameters: Parameters, layout: Layout, reference_albedo: f64, photons: u64) -> WhiteTable {
         let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, reference_albedo).unwrap();
@@ -254,7 +269,7 @@ mod tests {
 
     #[test]
     fn sectors_around_a_radius_share_its_light() {
-        let tilted = Parameters { entry: Entry::Pencil { cos_theta: 0.5 }, ..Parameters::default() };
+        let tilted = Parameters { incidence: Incidence::Pencil { cos_theta: 0.5 }, ..Parameters::default() };
         let layout = Layout::around_in_sectors(&[0.5, 2.0], 6).unwrap();
         let table = table(tilted, layout, 0.9, 100_000);
         let at = table.at_albedo(0.9).unwrap();

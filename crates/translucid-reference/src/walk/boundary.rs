@@ -27,7 +27,7 @@ impl Interface {
         }
     }
 
-    /// Which cosines are beyond the critical angle.
+    /// Tells which cosines are beyond the critical angle.
     #[inline(always)]
     pub(crate) fn reflects_totally<S: Simd>(&self, mu: Floats<S>) -> mask32x16<S> {
         (mu * mu).simd_lt(self.total_below)
@@ -49,7 +49,7 @@ impl Interface {
 pub(crate) struct Boundary {
     /// Thickness; infinite for the half space.
     pub(crate) thickness: f32,
-    /// Whether all light gets through, η = 1.
+    /// True where all light gets through: η = 1.
     pub(crate) matched: bool,
     /// Either face, from inside.
     pub(crate) interface: Interface,
@@ -77,13 +77,13 @@ impl Boundary {
         }
     }
 
-    /// Which depths are beyond a face.
+    /// Tells which depths are beyond a face.
     #[inline(always)]
     pub(crate) fn are_outside<S: Simd>(&self, z: Floats<S>) -> mask32x16<S> {
         z.simd_lt(0.0) | z.simd_gt(self.thickness)
     }
 
-    /// Where depths beyond a face are after one reflection.
+    /// Mirrors depths beyond a face once.
     #[inline(always)]
     pub(crate) fn mirrored<S: Simd>(&self, simd: S, z: Floats<S>) -> Floats<S> {
         z.simd_lt(0.0).select(-z, Floats::splat(simd, 2.0 * self.thickness) - z)
@@ -106,7 +106,7 @@ impl Boundary {
         None
     }
 
-    /// How far the depth is beyond the nearer face.
+    /// Distance of a depth beyond the nearer face.
     fn beyond(&self, ray: &Ray) -> f64 {
         if ray.z < 0.0 { f64::from(-ray.z) } else { f64::from(ray.z) - f64::from(self.thickness) }
     }

@@ -1,6 +1,6 @@
 //! χ² for the walk's tests.
 
-/// How far χ² lies above its mean, as a standard normal deviate (E. B. Wilson and M. M. Hilferty, *The
+/// Distance of χ² above its mean, as a standard normal deviate (E. B. Wilson and M. M. Hilferty, *The
 /// distribution of chi-square*, 1931).
 pub(super) fn deviate(chi2: f64, freedom: f64) -> f64 {
     let variance = 2.0 / (9.0 * freedom);

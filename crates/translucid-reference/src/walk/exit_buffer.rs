@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 
 use super::lanes::{Floats, Words};
 use super::random::LANES;
-use super::{Exit, Side};
+use super::{PhotonExit, Side};
 
 /// Exits that are handed on at a time.
 const EXITS: usize = 1024;
@@ -18,14 +18,14 @@ pub(super) struct ExitBuffer<'a> {
     order: [u32; EXITS + LANES],
     transmitted: [u32; EXITS + LANES],
     count: usize,
-    /// How many have been handed on.
+    /// Number of exits that have been handed on.
     pub(super) total: u64,
-    batch: Vec<Exit>,
-    hand_on: &'a mut dyn FnMut(&[Exit]),
+    batch: Vec<PhotonExit>,
+    hand_on: &'a mut dyn FnMut(&[PhotonExit]),
 }
 
 impl<'a> ExitBuffer<'a> {
-    pub(super) fn new(hand_on: &'a mut dyn FnMut(&[Exit])) -> Self {
+    pub(super) fn new(hand_on: &'a mut dyn FnMut(&[PhotonExit])) -> Self {
         Self {
             x: [0.0; EXITS + LANES],
             y: [0.0; EXITS + LANES],
@@ -81,7 +81,7 @@ impl<'a> ExitBuffer<'a> {
     pub(super) fn flush(&mut self) {
         self.batch.clear();
         for i in 0..self.count {
-            self.batch.push(Exit {
+            self.batch.push(PhotonExit {
                 x: self.x[i],
                 y: self.y[i],
                 cos_theta: self.cos_theta[i],

@@ -1,4 +1,4 @@
-//! How a guided photon is drawn: the law of its first two collisions, of its flights, and what each leaves in
+//! Sampling of a guided photon: the law of its first two collisions, of its flights, and what each leaves in
 //! the weight.
 //!
 //! # The guide
@@ -52,12 +52,12 @@ pub(super) enum Start {
     Normal,
     /// Density ∝ μ₀^(1/exponent − 1): μ₀ = u^exponent, ½ for the cosine distribution, 1 for the uniform one.
     Spread {
-        /// Of u.
+        /// Exponent of u.
         exponent: f32,
     },
 }
 
-/// Everything about one albedo and one entry that the lanes need.
+/// Constants of one albedo and one direction of light that the lanes need.
 #[derive(Clone, Debug)]
 pub(super) struct Guide {
     /// k.
@@ -70,11 +70,11 @@ pub(super) struct Guide {
     atanh_k: f32,
     /// ln √(1 − k²).
     ln_root: f32,
-    /// Whether `cosine_series` and `descent_series` are to be used.
+    /// True where `cosine_series` and `descent_series` are to be used.
     series: bool,
     /// Chance that a collision scatters; 1 unless k is at its limit.
     pub(super) survival: f32,
-    /// Whether collisions can absorb.
+    /// True where collisions can absorb.
     absorbs: bool,
     /// α/2.
     half_alpha: f32,
@@ -138,12 +138,12 @@ impl Guide {
             * f64::from(std::f32::consts::LN_2 + self.descent)
     }
 
-    /// Whether collisions can absorb.
+    /// Tells whether collisions can absorb.
     pub(super) fn absorbs(&self) -> bool {
         self.absorbs
     }
 
-    /// Whether the power series serve.
+    /// Tells whether the power series serve.
     pub(super) fn series(&self) -> bool {
         self.series
     }

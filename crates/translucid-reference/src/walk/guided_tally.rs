@@ -1,6 +1,7 @@
 //! Sums over chunks of photons, exact and in any order.
 
-use super::guided_chunk::{CHUNK, ChunkSums};
+use super::guided_chunk::CHUNK;
+use super::guided_scoring::ChunkSums;
 use crate::Estimate;
 
 /// Samples, one a chunk, as far as mean and variance need them.
@@ -18,18 +19,6 @@ struct Moments {
 const ONE: f64 = (1u64 << 60) as f64;
 
 impl Moments {
-    /// Sum and sum of squares, as a file holds them.
-    fn numbers(self) -> [i128; 2] {
-        [self.sum, self.squares]
-    }
-
-    /// Whether samples of so many chunks can have these sums: by Cauchy's inequality, up to rounding.
-    fn possible(self, chunks: u64) -> bool {
-        let [sum, squares] = self.numbers().map(|number| number as f64 / ONE);
-        let slack = 1e-9 * squares + chunks as f64 / ONE;
-        squares >= 0.0 && sum * sum <= (squares + slack) * chunks as f64 * (1.0 + 1e-9)
-    }
-
     /// A sample of a chunk is at most some 10⁴, so that 10¹² chunks fit. Conversions and sums saturate.
     fn add(&mut self, sample: f64) {
         self.merge(Self { sum: (sample * ONE) as i128, squares: (sample * sample * ONE) as i128 });
@@ -58,12 +47,12 @@ impl Moments {
     }
 }
 
-/// What photons that were scattered twice or more have carried out.
+/// Sums of the weights that photons scattered twice or more have carried out.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GuidedTally {
-    /// What the sums are counted in.
+    /// Unit of the sums.
     unit: f64,
-    /// Of a photon, roulette apart.
+    /// Greatest weight of a photon, roulette apart.
     greatest_weight: f64,
     chunks: u64,
     collisions: u64,
@@ -86,37 +75,7 @@ impl GuidedTally {
         }
     }
 
-    /// All sums: of the total, of every ring, and of all rings up to every one.
-    pub(super) fn numbers(&self) -> Vec<[i128; 2]> {
-        let moments =
-            [self.total].into_iter().chain(self.rings.iter().copied()).chain(self.enclosed.iter().copied());
-        moments.map(Moments::numbers).collect()
-    }
-
-    /// A tally of the same kind with other contents, as [`numbers`](Self::numbers) gives them; or what is wrong with
-    /// them.
-    pub(super) fn with_numbers(
-        &self,
-        chunks: u64,
-        collisions: u64,
-        numbers: &[[i128; 2]],
-    ) -> Result<Self, String> {
-        let mut tally = self.empty();
-        let moments = [&mut tally.total].into_iter().chain(&mut tally.rings).chain(&mut tally.enclosed);
-        for (i, (moments, &[sum, squares])) in moments.zip(numbers).enumerate() {
-            *moments = Moments { sum, squares };
-            if !moments.possible(chunks) {
-                return Err(format!("has sums in row {i} that {chunks} chunks cannot have"));
-            }
-        }
-        Ok(Self { chunks, collisions, ..tally })
-    }
-
-    /// A tally of the same kind without photons.
-    pub(super) fn empty(&self) -> Self {
-        Self::new(self.rings.len() - 1, self.unit, self.greatest_weight)
-    }
-
+    /// Adds the sums of a chunk.
     pub(super) fn add(&mut self, sums: &ChunkSums) {
         self.chunks += 1;
         self.collisions += sums.collisions;
@@ -130,13 +89,14 @@ impl GuidedTally {
         }
     }
 
-    /// Both have the same radii and unit.
-    pub(super) fn merge(&mut self, other: &Self) {
+    /// Both tallies together, which have the same radii and unit.
+    pub(super) fn merged(mut self, other: &Self) -> Self {
         self.chunks += other.chunks;
         self.collisions += other.collisions;
         self.total.merge(other.total);
         self.rings.iter_mut().zip(&other.rings).for_each(|(ring, &more)| ring.merge(more));
         self.enclosed.iter_mut().zip(&other.enclosed).for_each(|(enclosed, &more)| enclosed.merge(more));
+        self
     }
 
     pub(super) fn photons(&self) -> u64 {
@@ -147,17 +107,17 @@ impl GuidedTally {
         self.collisions
     }
 
-    /// Everything.
+    /// Mean of a photon over all rings.
     pub(super) fn total(&self) -> Estimate {
         self.total.estimate(self.chunks, self.unit, self.greatest_weight)
     }
 
-    /// A ring, the last of which is outside all radii; nothing where there is no such ring.
+    /// Mean of a photon in a ring, the last of which is outside all radii; nothing where there is no such ring.
     pub(super) fn ring(&self, ring: usize) -> Option<Estimate> {
         self.rings.get(ring).map(|ring| ring.estimate(self.chunks, self.unit, self.greatest_weight))
     }
 
-    /// All rings up to one; nothing where there is no such ring.
+    /// Mean of a photon in all rings up to one; nothing where there is no such ring.
     pub(super) fn enclosed(&self, ring: usize) -> Option<Estimate> {
         self.enclosed
             .get(ring)
@@ -186,7 +146,7 @@ mod tests {
         for start in (0..100).step_by(10).rev() {
             let mut part = GuidedTally::new(1, 0.5, 0.3);
             (start..start + 10).for_each(|i| part.add(&sums(i)));
-            parts.merge(&part);
+            parts = parts.merged(&part);
         }
         assert_eq!(parts, forwards);
     }

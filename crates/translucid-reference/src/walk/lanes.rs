@@ -1,4 +1,4 @@
-//! What a walk does with random words, in 16 single-precision lanes.
+//! Functions of random words that a walk needs, in 16 single-precision lanes.
 //!
 //! Each function turns one word per lane into one variate, without a branch, and with the same operations on
 //! every instruction set: where a fused multiply-add exists (AVX2, AVX-512, NEON) the bits are the same

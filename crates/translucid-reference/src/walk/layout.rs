@@ -39,7 +39,7 @@ pub enum Region {
     Everywhere,
     /// The disc inside a radius of the layout, given by its index.
     Within(usize),
-    /// What is outside a radius of the layout, given by its index.
+    /// The surface outside a radius of the layout, given by its index.
     Beyond(usize),
     /// A ring.
     Ring(usize),
@@ -78,7 +78,7 @@ impl Layout {
         }
     }
 
-    /// As [`Layout::new`], with the given order bins.
+    /// Makes a layout as [`Layout::new`] does, with the given order bins.
     ///
     /// # Errors
     /// As for [`Layout::new`].
@@ -117,7 +117,7 @@ impl Layout {
         Self::around_in_sectors(radii, 1)
     }
 
-    /// As [`Layout::around`], the rings cut into sectors, for
+    /// Makes a layout as [`Layout::around`] does, with the rings cut into sectors, for
     /// [`AtAlbedo::at_radius_and_azimuth`](super::AtAlbedo::at_radius_and_azimuth).
     ///
     /// # Errors

@@ -15,7 +15,7 @@ const PREFIX: usize = 10;
 /// Longest dictionary that is read: one of four dimensions takes 118 bytes.
 const LONGEST: usize = 1024;
 
-/// What an array file says of its array.
+/// Header of an array file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Header {
     /// Type of the elements, `<u8` or `<f8` or `|S` with a length.

@@ -1,7 +1,6 @@
 //! Archives of NumPy arrays: ZIP files with a member `NAME.npy` for every array, stored as they are.
 
-use std::fs::{self, File};
-use std::io::{self, BufReader, BufWriter, Read, Seek, Write};
+use std::io::{self, BufWriter, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
 
 use zip::read::{ArchiveOffset, Config, ZipFile};
@@ -15,17 +14,17 @@ use super::table_error::TableError;
 /// Longest text that is read.
 const LONGEST_TEXT: u64 = 64;
 
-/// An archive on its way.
-pub(crate) struct Writer<W: Write + Seek>(ZipWriter<W>);
+/// An archive on its way. It is put together in memory, since what is written to may know no way back.
+pub(crate) struct Writer(ZipWriter<Cursor<Vec<u8>>>);
 
-impl<W: Write + Seek> Writer<W> {
-    pub(crate) fn new(out: W) -> Self {
-        Self(ZipWriter::new(out))
+impl Writer {
+    pub(crate) fn new() -> Self {
+        Self(ZipWriter::new(Cursor::default()))
     }
 
-    /// Ends the archive.
-    pub(crate) fn finish(self) -> io::Result<W> {
-        Ok(self.0.finish()?)
+    /// Ends the archive and returns its bytes.
+    pub(crate) fn finish(self) -> io::Result<Vec<u8>> {
+        Ok(self.0.finish()?.into_inner())
     }
 
     /// Writes an array of eight-byte elements.
@@ -69,41 +68,35 @@ impl<W: Write + Seek> Writer<W> {
 }
 
 /// An archive to be read.
-pub(crate) struct Reader<R> {
+pub(crate) struct Reader {
     path: PathBuf,
     length: u64,
-    archive: ZipArchive<R>,
+    archive: ZipArchive<Cursor<Vec<u8>>>,
 }
 
-impl Reader<BufReader<File>> {
-    /// Opens an archive of at most `longest` bytes that has no other members than the given ones.
+impl Reader {
+    /// Reads an archive of at most `longest` bytes that has no other members than the given ones. Errors call it by
+    /// its path.
     ///
     /// # Errors
-    /// The file cannot be read, or is not such an archive.
-    pub(crate) fn open(path: &Path, longest: u64, members: &[&str]) -> Result<Self, TableError> {
-        let unreadable = TableError::io(path, "read");
-        // Before it is opened: opening a pipe waits for its other end
-        if !fs::metadata(path).map_err(&unreadable)?.is_file() {
-            return Err(unreadable(io::Error::other("it is not a regular file")));
-        }
-        let file = File::open(path).map_err(&unreadable)?;
-        let length = file.metadata().map_err(&unreadable)?.len();
-        if length > longest {
-            let problem = format!("has {length} bytes, but at most {longest} are allowed");
-            return Err(TableError::File { path: path.to_owned(), member: String::new(), problem });
-        }
-        Self::new(path, BufReader::with_capacity(1 << 16, file), length, members)
-    }
-}
-
-impl<R: Read + Seek> Reader<R> {
-    /// As [`Reader::open`], of the bytes of a file.
-    pub(crate) fn new(path: &Path, input: R, length: u64, members: &[&str]) -> Result<Self, TableError> {
+    /// It cannot be read, or is not such an archive.
+    pub(crate) fn new(
+        path: &Path,
+        input: impl Read,
+        longest: u64,
+        members: &[&str],
+    ) -> Result<Self, TableError> {
         let error = |problem| Err(TableError::File { path: path.to_owned(), member: String::new(), problem });
+        let mut bytes = Vec::new();
+        input.take(longest + 1).read_to_end(&mut bytes).map_err(TableError::unreadable(path))?;
+        let length = bytes.len() as u64;
+        if length > longest {
+            return error(format!("has more than {longest} bytes, which are the most that are allowed"));
+        }
         let config = Config { archive_offset: ArchiveOffset::Known(0) };
-        let archive = match ZipArchive::with_config(config, input) {
+        let archive = match ZipArchive::with_config(config, Cursor::new(bytes)) {
             Ok(archive) => archive,
-            Err(ZipError::Io(source)) => return Err(TableError::io(path, "read")(source)),
+            Err(ZipError::Io(source)) => return Err(TableError::unreadable(path)(source)),
             Err(problem) => {
                 return error(format!("is not an NPZ archive, or cut short or damaged ({problem})"));
             }
@@ -119,14 +112,14 @@ impl<R: Read + Seek> Reader<R> {
         Ok(Self { path: path.to_owned(), length, archive })
     }
 
-    /// What is wrong with a member.
+    /// Error that says what is wrong with a member.
     pub(crate) fn error(&self, member: &str, problem: impl Into<String>) -> TableError {
         TableError::File { path: self.path.clone(), member: format!("{member}.npy"), problem: problem.into() }
     }
 
     /// Reads an array of eight-byte elements of a shape that `accept` accepts.
     ///
-    /// What `take` gets is to be trusted only when all went well: the checksum is known at the end. It gets no more
+    /// The words that `take` gets are to be trusted only when all went well: the checksum is known at the end. There are no more
     /// than the file is long.
     pub(crate) fn words(
         &mut self,

@@ -38,7 +38,7 @@ pub struct OrderBins {
 }
 
 impl OrderBins {
-    /// Where the bin without an end starts at the latest: at the highest reference albedo fewer than one photon
+    /// Latest start of the bin without an end: at the highest reference albedo fewer than one photon
     /// in 10⁷ gets there.
     const LAST: u32 = 1 << 24;
     /// Most bins that a layout may have.
@@ -106,7 +106,7 @@ impl OrderBins {
         (0..self.len()).map(|bin| self.orders(bin).0)
     }
 
-    /// How far the mean weight of a bin's photons can be from what count and mean order say, at any albedo, for
+    /// Greatest distance of the mean weight of a bin's photons from what count and mean order say, at any albedo, for
     /// all bins but the last: ((b−a)/a)²/(2e²).
     ///
     /// A weight is at most 1, the photon's at the reference albedo. So this is also the greatest possible error

@@ -1,9 +1,9 @@
-//! Which photons a table holds.
+//! Ranges of photons that a table holds.
 
 use std::fmt;
 use std::ops::Range;
 
-/// Some photons of a seed. A photon's walk is a function of seed and index, so these numbers say all about it.
+/// Range of photons of a seed. A photon's walk is a function of seed and index, so these numbers say all about it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PhotonRange {
     /// Seed of the random numbers.

@@ -30,7 +30,7 @@ pub(super) struct Photons {
     left: [u32; PLACES],
     /// Collisions that it will survive in all.
     budget: [u32; PLACES],
-    /// How many there are, from place 0 on.
+    /// Number of photons, from place 0 on.
     pub(super) count: usize,
 }
 

@@ -1,8 +1,8 @@
-//! What a walk walks through.
+//! Geometry, boundary, scattering and illumination of a walk.
 
 use translucid_profile::ParameterError;
 
-use crate::Entry;
+use crate::Incidence;
 
 /// Distribution of the angle by which a collision deflects a photon.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,14 +34,14 @@ impl PhaseFunction {
 /// of isotropic scatterers under a pencil beam.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameters {
-    /// How collisions deflect.
+    /// Phase function of collisions.
     pub phase_function: PhaseFunction,
     /// Relative index of refraction n_inside/n_outside, the same on both faces; in [0.1, 10].
     pub eta: f64,
     /// Thickness in mean free paths, greater than 0; infinite for the half space.
     pub thickness: f64,
-    /// How light enters.
-    pub entry: Entry,
+    /// Directions in which light enters.
+    pub incidence: Incidence,
     /// Radius in mean free paths of the disc over which the points of entry are spread evenly, at least 0.
     pub spot_radius: f64,
 }
@@ -52,7 +52,7 @@ impl Default for Parameters {
             phase_function: PhaseFunction::ISOTROPIC,
             eta: 1.0,
             thickness: f64::INFINITY,
-            entry: Entry::NORMAL,
+            incidence: Incidence::NORMAL,
             spot_radius: 0.0,
         }
     }
@@ -68,13 +68,13 @@ impl Problem {
     /// # Errors
     /// A parameter is outside the range that [`Parameters`] states.
     pub fn new(parameters: Parameters) -> Result<Self, ParameterError> {
-        let Parameters { phase_function, eta, thickness, entry, spot_radius } = parameters;
+        let Parameters { phase_function, eta, thickness, incidence, spot_radius } = parameters;
         if let PhaseFunction::HenyeyGreenstein { g } = phase_function {
             require(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
         }
         require((0.1..=10.0).contains(&eta), "eta", eta, "in [0.1, 10]")?;
         require(thickness > 0.0, "thickness", thickness, "greater than 0")?;
-        if let Entry::Pencil { cos_theta } = entry {
+        if let Incidence::Pencil { cos_theta } = incidence {
             require(cos_theta > 0.0 && cos_theta <= 1.0, "cos_theta", cos_theta, "in (0, 1]")?;
             // sin²θ < η², without cancellation near grazing
             let refracts = (eta - 1.0) * (eta + 1.0) + cos_theta * cos_theta > 0.0;
@@ -88,6 +88,11 @@ impl Problem {
     /// The parameters.
     pub fn parameters(&self) -> &Parameters {
         &self.0
+    }
+
+    /// Number of faces through which light can leave.
+    pub(super) fn faces(&self) -> usize {
+        if self.0.thickness.is_finite() { 2 } else { 1 }
     }
 }
 

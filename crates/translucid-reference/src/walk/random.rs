@@ -18,7 +18,7 @@ use fearless_simd::{Simd, SimdBase, SimdFrom, u32x16};
 /// Streams that a vector draws from at a time.
 pub(crate) const LANES: usize = 16;
 
-/// What the permutation and the generator need of a word or a vector of words.
+/// Operations on a word or a vector of words that the permutation and the generator need.
 pub(crate) trait Word: Copy {
     /// Sum modulo 2³².
     fn plus(self, other: Self) -> Self;

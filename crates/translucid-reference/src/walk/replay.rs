@@ -1,18 +1,18 @@
 //! The kernel's walk with the kernel's random words, in double precision and one photon at a time.
 //!
-//! What differs between the two is rounding alone: photon by photon the exits can be laid side by side, which
+//! The two differ by rounding alone: photon by photon the exits can be laid side by side, which
 //! shows a bias of single precision that no comparison of independent samples would.
 
 use super::random::{Key, Stream};
-use super::{Exit, PhaseFunction, Problem, Side};
-use crate::Entry;
+use super::{PhaseFunction, PhotonExit, Problem, Side};
+use crate::Incidence;
 use translucid_profile::fresnel_from_inside;
 
-/// How a photon ended.
+/// End of a photon's walk.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct End {
     /// The exit, or nothing for an absorbed photon.
-    pub(super) exit: Option<Exit>,
+    pub(super) exit: Option<PhotonExit>,
     /// Collisions.
     pub(super) collisions: u64,
 }
@@ -39,16 +39,16 @@ pub(super) fn replay(problem: &Problem, albedo: f64, seed: u64, index: u64) -> E
     let budget = (-unit(stream.next()).ln() / -albedo.ln()).floor() as u64;
 
     let [mut x, mut y, mut z] = [0.0; 3];
-    let mut u = match parameters.entry {
-        Entry::Pencil { cos_theta } => {
+    let mut u = match parameters.incidence {
+        Incidence::Pencil { cos_theta } => {
             let sine = (1.0 - cos_theta * cos_theta).sqrt() / eta;
             [sine, 0.0, (1.0 - sine * sine).sqrt()]
         }
-        Entry::UniformCosine => {
+        Incidence::UniformCosine => {
             let cosine = unit(stream.next());
             around_axis(cosine, circle(stream.next()))
         }
-        Entry::Cosine => {
+        Incidence::Cosine => {
             assert_eq!(eta, 1.0);
             let cosine = unit(stream.next()).sqrt();
             around_axis(cosine, circle(stream.next()))
@@ -64,7 +64,7 @@ pub(super) fn replay(problem: &Problem, albedo: f64, seed: u64, index: u64) -> E
             let reflectance = fresnel_from_inside(u[2], eta);
             if eta == 1.0 || reflectance < 1.0 && unit(stream.next()) >= reflectance {
                 let beyond = (z - face) / u[2];
-                let exit = Exit {
+                let exit = PhotonExit {
                     x: (x - beyond * u[0]) as f32,
                     y: (y - beyond * u[1]) as f32,
                     cos_theta: u[2].abs() as f32,

@@ -5,14 +5,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::exit::{Exit, PhotonCounts};
 use super::orders::Cell;
+use super::photon_exit::{PhotonCounts, PhotonExit};
 use super::table_error::TableError;
 use super::trace;
-use super::until::{self, Extensible};
 use super::white_table::WhiteTable;
 
-/// How the world outside takes part in a run.
+/// Means by which the world outside takes part in a run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
     /// Set to true, from any thread, it ends the run within a fraction of a second; the table then holds the
@@ -20,7 +19,7 @@ pub struct Control<'a> {
     pub stop: &'a AtomicBool,
     /// Called with the number of photons done since the run started, from any of its threads, some times a second.
     pub progress: &'a (dyn Fn(u64) + Sync),
-    /// When to stop in any case, give or take a fraction of a second.
+    /// Time to stop at in any case, give or take a fraction of a second.
     pub deadline: Option<Instant>,
 }
 
@@ -33,32 +32,10 @@ impl Default for Control<'_> {
 }
 
 impl Control<'_> {
-    /// Whether the run is to end now.
+    /// Tells whether the run is to end now.
     pub(super) fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed) || self.deadline.is_some_and(|deadline| Instant::now() >= deadline)
     }
-}
-
-/// When [`WhiteTable::run_until`] has done enough.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Goal {
-    /// Relative standard error to be reached.
-    pub relative_error: f64,
-    /// Most photons to run.
-    pub photons: u64,
-}
-
-/// What [`WhiteTable::run_until`] expects of the rest of its run.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Forecast {
-    /// Relative standard error so far; infinite if something has not been seen yet.
-    pub relative_error: f64,
-    /// Photons done since the run started.
-    pub photons_done: u64,
-    /// Photons still to do, as the error falls with the square root of their number.
-    pub photons_left: u64,
-    /// Time that these take, as it was so far.
-    pub time_left: Duration,
 }
 
 impl WhiteTable {
@@ -97,38 +74,6 @@ impl WhiteTable {
         self.take_in(seed, &into_inner(done), tallies.into_iter().map(into_inner).collect())?;
         Ok(photons_done.into_inner())
     }
-
-    /// Walks photons of a seed until a relative standard error is reached, and returns how many were done.
-    ///
-    /// `error` computes this error from the table: the greatest of those that matter. It is asked after 2¹⁶ photons
-    /// at the earliest, then at most every few seconds, and so is `report` called, with the table as it is by then
-    /// (to show the time left, or to save the table).
-    ///
-    /// Stopping as soon as an estimated error is small favors runs that underestimate it. With many photons this
-    /// is a small part of the error; it is no concern unless rare photons decide.
-    ///
-    /// # Errors
-    /// As for [`run`](Self::run); the table then holds what was done before.
-    pub fn run_until(
-        &mut self,
-        seed: u64,
-        goal: Goal,
-        control: &Control,
-        error: &dyn Fn(&Self) -> f64,
-        report: &mut dyn FnMut(&Self, &Forecast),
-    ) -> Result<u64, TableError> {
-        until::run_until(self, seed, goal, control, error, report)
-    }
-}
-
-impl Extensible for WhiteTable {
-    fn photons(&self) -> u64 {
-        self.photons()
-    }
-
-    fn add_photons(&mut self, seed: u64, photons: u64, control: &Control) -> Result<u64, TableError> {
-        self.run(seed, photons, control)
-    }
 }
 
 /// Time that a piece of work is to take: the longest that a stop is waited for.
@@ -166,7 +111,7 @@ impl Run<'_> {
             let Some(piece) = lock(&self.pieces).take(size, self.threads) else { break };
             let start = Instant::now();
             let (problem, albedo) = (self.table.problem(), self.table.reference_albedo());
-            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[Exit]| {
+            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[PhotonExit]| {
                 pending.extend(exits.iter().map(|exit| (self.table.cell_index(exit), exit.order)));
                 if pending.len() >= PENDING {
                     self.flush(&mut pending, tally);
@@ -196,9 +141,9 @@ impl Run<'_> {
 
 /// Photons to be walked.
 struct Pieces {
-    /// The next range last.
+    /// Ranges, the next one last.
     ranges: Vec<Range<u64>>,
-    /// Photons in all of them.
+    /// Number of photons in all ranges.
     left: u64,
 }
 
@@ -275,7 +220,7 @@ mod tests {
         // Hold the range's ends
         for range in [0..gap.start, gap.end..all.end] {
             let mut cells = vec![Cell::default(); part.all_cells().len()];
-            let counts = trace(part.problem(), 0.9, 1, range.clone(), &mut |exits: &[Exit]| {
+            let counts = trace(part.problem(), 0.9, 1, range.clone(), &mut |exits: &[PhotonExit]| {
                 for exit in exits {
                     let cell = &mut cells[part.cell_index(exit) as usize];
                     cell.count += 1;
@@ -362,39 +307,5 @@ mod tests {
         assert!(matches!(table.run(1, u64::MAX - 9, &Control::default()), Err(TableError::TooMany)));
         assert!(matches!(table.run(2, u64::MAX - 9, &Control::default()), Err(TableError::TooMany)));
         assert_eq!(table.photons(), 10);
-    }
-
-    #[test]
-    fn run_until_reaches_its_goal() {
-        let worst = |table: &WhiteTable| {
-            let at = table.at_albedo(0.9).unwrap();
-            at.total(Side::Reflected).relative_error().max(at.ring(Side::Reflected, 1).relative_error())
-        };
-        let goal = Goal { relative_error: 2e-3, photons: u64::MAX };
-        let (mut table, mut forecasts) = (empty(0.95), Vec::new());
-        let mut report = |_: &WhiteTable, forecast: &Forecast| forecasts.push(*forecast);
-        let done = table.run_until(1, goal, &Control::default(), &worst, &mut report).unwrap();
-        assert_eq!(done, table.photons());
-        assert!(worst(&table) <= 2e-3 && worst(&table) > 1.9e-3, "{}", worst(&table));
-        let (first, last) = (forecasts[0], forecasts[forecasts.len() - 1]);
-        assert_eq!((last.photons_left, last.time_left), (0, Duration::ZERO));
-        let expected = first.photons_done + first.photons_left;
-        assert!((expected as f64 / done as f64 - 1.0).abs() < 0.1, "{first:?} {done}");
-        // There is nothing more to do.
-        assert_eq!(table.run_until(1, goal, &Control::default(), &worst, &mut |_, _| ()).unwrap(), 0);
-    }
-
-    #[test]
-    fn run_until_keeps_its_limits() {
-        for error in [f64::INFINITY, f64::NAN, 1.0] {
-            let mut table = empty(0.9);
-            let goal = Goal { relative_error: 1e-9, photons: 150_000 };
-            let done = table.run_until(1, goal, &Control::default(), &|_| error, &mut |_, _| ()).unwrap();
-            assert_eq!((done, table.photons()), (150_000, 150_000));
-        }
-        let stop = AtomicBool::new(true);
-        let goal = Goal { relative_error: 0.0, photons: u64::MAX };
-        let control = Control { stop: &stop, ..Control::default() };
-        assert_eq!(empty(0.9).run_until(1, goal, &control, &|_| 1.0, &mut |_, _| ()).unwrap(), 0);
     }
 }

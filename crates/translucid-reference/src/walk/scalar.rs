@@ -10,19 +10,19 @@ use std::ops::Range;
 
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 
-use super::{Exit, Parameters, PhaseFunction, PhotonCounts, Problem, Side};
-use crate::Entry;
+use super::{Parameters, PhaseFunction, PhotonCounts, PhotonExit, Problem, Side};
+use crate::Incidence;
 use crate::split_mix::SplitMix;
 
 type Vector = [f64; 3];
 
-/// As [`super::trace()`].
+/// Walks the photons of a range, as [`super::trace()`] does.
 pub(crate) fn trace_scalar(
     problem: &Problem,
     reference_albedo: f64,
     seed: u64,
     photons: Range<u64>,
-    exits: &mut impl FnMut(&Exit),
+    exits: &mut impl FnMut(&PhotonExit),
 ) -> PhotonCounts {
     let mut counts = PhotonCounts::default();
     for index in photons {
@@ -39,14 +39,14 @@ pub(crate) fn trace_scalar(
 }
 
 /// One photon, until it is out or absorbed.
-fn walk(parameters: &Parameters, albedo: f64, random: &mut SplitMix) -> (Option<Exit>, u64) {
+fn walk(parameters: &Parameters, albedo: f64, random: &mut SplitMix) -> (Option<PhotonExit>, u64) {
     let mut position = point_of_entry(parameters, random);
     let mut direction = direction_of_entry(parameters, random);
     for order in 0u32.. {
         if let Some(side) = fly(parameters, &mut position, &mut direction, random) {
             let [x, y, _] = position.map(|coordinate| coordinate as f32);
             let cos_theta = direction[2].abs() as f32;
-            return (Some(Exit { x, y, cos_theta, order, side }), u64::from(order));
+            return (Some(PhotonExit { x, y, cos_theta, order, side }), u64::from(order));
         }
         if random.uniform() >= albedo {
             return (None, u64::from(order) + 1);
@@ -65,15 +65,15 @@ fn point_of_entry(parameters: &Parameters, random: &mut SplitMix) -> Vector {
 
 fn direction_of_entry(parameters: &Parameters, random: &mut SplitMix) -> Vector {
     let eta = parameters.eta;
-    let (sine, azimuth) = match parameters.entry {
-        Entry::Pencil { cos_theta } => ((1.0 - cos_theta * cos_theta).sqrt() / eta, 0.0),
-        Entry::Cosine => loop {
+    let (sine, azimuth) = match parameters.incidence {
+        Incidence::Pencil { cos_theta } => ((1.0 - cos_theta * cos_theta).sqrt() / eta, 0.0),
+        Incidence::Cosine => loop {
             let cosine = random.uniform().sqrt();
             if random.uniform() >= fresnel_from_outside(cosine, eta) {
                 break ((1.0 - cosine * cosine).sqrt() / eta, TAU * random.uniform());
             }
         },
-        Entry::UniformCosine => {
+        Incidence::UniformCosine => {
             let cosine = random.uniform();
             ((1.0 - cosine * cosine).sqrt(), TAU * random.uniform())
         }

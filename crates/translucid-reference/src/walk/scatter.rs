@@ -3,7 +3,6 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use super::PhaseFunction;
 use super::lanes::{Floats, Words, circle, complement, polynomial, signed, unit};
 
 /// Unit vectors.
@@ -19,7 +18,7 @@ pub(crate) type Deflection<S> = (Floats<S>, Floats<S>);
 
 /// A way to scatter; a type of its own, so that the kernel is compiled for each.
 pub(crate) trait Scatter: Copy {
-    /// Whether the new direction depends on the old one.
+    /// True where the new direction depends on the old one.
     const REMEMBERS: bool;
 
     /// The direction after a collision, from two words.
@@ -157,27 +156,11 @@ fn turn<S: Simd>(
     Directions { x: vx * shrink, y: vy * shrink, z: vz * shrink }
 }
 
-/// Runs a generic function with the type that stands for a phase function.
-pub(crate) trait WithScatter {
-    /// What comes out.
-    type Output;
-    /// Runs with it.
-    fn run<P: Scatter>(self, scatter: P) -> Self::Output;
-}
-
-/// Picks the type for a phase function; g = 0 is isotropic, whatever its name.
-pub(crate) fn with_scatter<W: WithScatter>(phase_function: PhaseFunction, with: W) -> W::Output {
-    match phase_function {
-        PhaseFunction::HenyeyGreenstein { g: 0.0 } => with.run(Isotropic),
-        PhaseFunction::HenyeyGreenstein { g } => with.run(HenyeyGreenstein::new(g)),
-        PhaseFunction::Rayleigh => with.run(Rayleigh),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use fearless_simd::{Level, dispatch};
 
+    use super::super::PhaseFunction;
     use super::*;
 
     /// Deflections for words that lie evenly: (cosine, sine) pairs.

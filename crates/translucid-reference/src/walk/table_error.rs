@@ -1,4 +1,4 @@
-//! What can go wrong with a table, said so that it can be mended.
+//! Errors of tables, said so that they can be mended.
 
 use std::path::{Path, PathBuf};
 use std::{fmt, io};
@@ -7,47 +7,45 @@ use translucid_profile::ParameterError;
 
 use super::photon_ranges::PhotonRange;
 
-/// Why a table could not be made, merged, read or written.
+/// Reason why a table could not be made, merged or read.
 #[derive(Debug)]
 pub enum TableError {
     /// A parameter is out of range.
     Parameter(ParameterError),
     /// Tables to be merged belong to different walks.
     Differs {
-        /// In what they differ.
+        /// Name of the first thing in which they differ.
         what: &'static str,
-        /// What it is in the table that was to be extended.
+        /// Its value in the table that was to be extended.
         here: String,
-        /// What it is in the other one.
+        /// Its value in the other one.
         there: String,
     },
     /// Tables to be merged, or a table and a run that is to extend it, share photons.
     Repeated(PhotonRange),
     /// A sum of photons or orders is too large for 64 bits, or a seed has no more photons.
     TooMany,
-    /// The operating system refuses a file.
-    Io {
-        /// The file.
+    /// A file cannot be read.
+    Unreadable {
+        /// Path of the file.
         path: PathBuf,
-        /// What was refused, worded to follow "cannot".
-        action: &'static str,
-        /// Why.
+        /// Reason that the operating system gives.
         source: io::Error,
     },
     /// A file is not a table, or not a whole one.
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The member of the archive, empty where the archive itself is meant.
+        /// Name of the member of the archive, empty where the archive itself is meant.
         member: String,
-        /// What was found and what is allowed.
+        /// Problem: the value found and the values allowed.
         problem: String,
     },
 }
 
 impl TableError {
-    pub(crate) fn io(path: &Path, action: &'static str) -> impl Fn(io::Error) -> Self {
-        move |source| Self::Io { path: path.to_owned(), action, source }
+    pub(crate) fn unreadable(path: &Path) -> impl Fn(io::Error) -> Self {
+        move |source| Self::Unreadable { path: path.to_owned(), source }
     }
 }
 
@@ -60,7 +58,7 @@ impl fmt::Display for TableError {
             }
             Self::Repeated(range) => write!(f, "{range} would count twice"),
             Self::TooMany => write!(f, "the numbers of photons do not fit in 64 bits"),
-            Self::Io { path, action, source } => write!(f, "cannot {action} {}: {source}", path.display()),
+            Self::Unreadable { path, source } => write!(f, "cannot read {}: {source}", path.display()),
             Self::File { path, member, problem } if member.is_empty() => {
                 write!(f, "{}: {problem}", path.display())
             }
@@ -73,7 +71,7 @@ impl std::error::Error for TableError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Parameter(error) => Some(error),
-            Self::Io { source, .. } => Some(source),
+            Self::Unreadable { source, .. } => Some(source),
             _ => None,
         }
     }

@@ -1,4 +1,4 @@
-//! The walk's kernel.
+//! Kernel of the walk.
 //!
 //! ```text
 //! for each photon of the range, all random numbers from its own stream:
@@ -10,7 +10,7 @@
 //!         deflect
 //! ```
 //!
-//! How the code departs from this:
+//! Departures of the code from this:
 //!
 //! 1. Sixteen photons walk at a time, in single precision, in the lanes of vectors ([`super::lanes`]).
 //! 2. Photons live in a block, a structure of arrays with 32 such groups. A group steps in registers until one
@@ -25,7 +25,7 @@
 //! 6. Reflection mirrors the end of the flight at the face, no flight is cut in two. Total reflection does not
 //!    end a group's stay in registers.
 //!
-//! What each was worth, in ns of CPU at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and
+//! Times with and without each, in ns of CPU at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and
 //! index-matched, on an EPYC of 2022 with AVX-512; a step in a row differs from the row above by that step
 //! alone. `cargo bench -p translucid-reference --bench walk` measures the first row and the last ones anew.
 //!
@@ -50,11 +50,12 @@ use super::boundary::{Boundary, Ray};
 use super::exit_buffer::ExitBuffer;
 use super::instruction_sets::dispatched;
 use super::lanes::{Floats, Words, exponential, unit};
+use super::photon_exit::{PhotonCounts, PhotonExit, Side};
+use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons};
+use super::problem::{PhaseFunction, Problem};
 use super::random::{Key, LANES, Stream};
-use super::scatter::{Directions, Scatter, WithScatter, with_scatter};
-use super::sources::Source;
-use super::{Exit, PhotonCounts, Problem, Side};
+use super::scatter::{Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
 
 /// Walks the photons of a range.
 ///
@@ -67,7 +68,7 @@ pub(crate) fn trace(
     reference_albedo: f64,
     seed: u64,
     photons: Range<u64>,
-    exits: &mut impl FnMut(&[Exit]),
+    exits: &mut impl FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
     trace_at_level(Level::new(), problem, reference_albedo, seed, photons, exits)
 }
@@ -79,32 +80,35 @@ pub(crate) fn trace_at_level(
     reference_albedo: f64,
     seed: u64,
     photons: Range<u64>,
-    exits: &mut dyn FnMut(&[Exit]),
+    exits: &mut dyn FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
-    struct Run<'a> {
-        level: Level,
-        setup: Setup,
-        photons: Range<u64>,
-        exits: &'a mut dyn FnMut(&[Exit]),
-    }
-    impl WithScatter for Run<'_> {
-        type Output = PhotonCounts;
-        fn run<P: Scatter>(self, scatter: P) -> PhotonCounts {
-            let Self { level, setup, photons, exits } = self;
-            if setup.boundary.matched {
-                dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, photons, exits).run())
-            } else {
-                dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, photons, exits).run())
-            }
-        }
-    }
     let setup = Setup {
         key: Key::new(seed),
-        source: Source::new(problem),
+        source: PhotonSource::new(problem),
         boundary: Boundary::new(problem),
         collisions_per_unit: mean_per_unit(reference_albedo),
     };
-    with_scatter(problem.parameters().phase_function, Run { level, setup, photons, exits })
+    match problem.parameters().phase_function {
+        PhaseFunction::HenyeyGreenstein { g: 0.0 } => walk(level, Isotropic, setup, photons, exits),
+        PhaseFunction::HenyeyGreenstein { g } => walk(level, HenyeyGreenstein::new(g), setup, photons, exits),
+        PhaseFunction::Rayleigh => walk(level, Rayleigh, setup, photons, exits),
+    }
+}
+
+/// Walks by one phase function. The kernel is compiled apart for each, for media with and without a reflecting
+/// boundary, and for each instruction set.
+fn walk<P: Scatter>(
+    level: Level,
+    scatter: P,
+    setup: Setup,
+    photons: Range<u64>,
+    exits: &mut dyn FnMut(&[PhotonExit]),
+) -> PhotonCounts {
+    if setup.boundary.matched {
+        dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, photons, exits).run())
+    } else {
+        dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, photons, exits).run())
+    }
 }
 
 /// −1/ln α: the number of collisions survived is the whole part of this times an exponential variate.
@@ -115,16 +119,16 @@ fn mean_per_unit(reference_albedo: f64) -> f32 {
     (-1.0 / log).min(1e30) as f32
 }
 
-/// What does not change on the way.
+/// Constants of a walk.
 #[derive(Clone, Copy)]
 struct Setup {
     key: Key,
-    source: Source,
+    source: PhotonSource,
     boundary: Boundary,
     collisions_per_unit: f32,
 }
 
-/// A walk; `MATCHED`: η = 1.
+/// State of a walk; `MATCHED`: η = 1.
 struct Walk<'a, S: Simd, P: Scatter, const MATCHED: bool> {
     simd: S,
     scatter: P,
@@ -147,7 +151,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         scatter: P,
         setup: Setup,
         waiting: Range<u64>,
-        exits: &'a mut dyn FnMut(&[Exit]),
+        exits: &'a mut dyn FnMut(&[PhotonExit]),
     ) -> Self {
         Self {
             simd,
@@ -178,6 +182,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         PhotonCounts { launched, absorbed: self.absorbed, collisions: self.scattered + self.absorbed }
     }
 
+    /// Fills the block's free places.
     fn fill_block(&mut self) {
         while self.block.count < BLOCK && self.pool_holds(1) {
             self.pool.count -= 1;
@@ -227,7 +232,6 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             self.fill_one_by_one(first, ended);
         }
     }
-
     /// Lets photons beyond a face out or reflects them: which of them left, and the group with the others
     /// inside.
     #[inline(always)]
@@ -331,7 +335,6 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
         left
     }
-
     /// Fills places with what fresh photons there are, then with the block's last.
     ///
     /// From the highest lane down, so that the block's last photon is never one that ended.
@@ -350,7 +353,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
     }
 
-    /// Whether so many photons are in the pool, after launching if need be.
+    /// Tells whether so many photons are in the pool, after launching if need be.
     #[inline(always)]
     fn pool_holds(&mut self, count: usize) -> bool {
         if self.pool.count < count && !self.waiting.is_empty() {
@@ -418,7 +421,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
     }
 }
 
-/// Whether compressing and expanding are instructions, or a few; else lane by lane is faster.
+/// Tells whether compressing and expanding are instructions, or a few; else lane by lane is faster.
 #[inline(always)]
 fn moves_lanes<S: Simd>(simd: S) -> bool {
     let level = simd.level();
@@ -457,175 +460,4 @@ fn reflect_totally<S: Simd>(
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::{Parameters, PhaseFunction};
-    use super::*;
-    use crate::Entry;
-
-    fn problems() -> Vec<Problem> {
-        let hg = |g| PhaseFunction::HenyeyGreenstein { g };
-        let parameters = Parameters::default();
-        [
-            parameters,
-            Parameters { eta: 1.4, entry: Entry::Cosine, spot_radius: 0.5, ..parameters },
-            Parameters { eta: 0.8, phase_function: hg(-0.5), ..parameters },
-            Parameters { thickness: 0.3, phase_function: hg(0.9), eta: 1.5, ..parameters },
-            Parameters { thickness: 1e-3, entry: Entry::UniformCosine, ..parameters },
-            Parameters { phase_function: PhaseFunction::Rayleigh, thickness: 5.0, ..parameters },
-        ]
-        .map(|parameters| Problem::new(parameters).unwrap())
-        .to_vec()
-    }
-
-    /// Exits in an order that does not depend on the walk, and the counts.
-    fn exits(
-        problem: &Problem,
-        albedo: f64,
-        seed: u64,
-        ranges: &[Range<u64>],
-    ) -> (Vec<[u32; 5]>, PhotonCounts) {
-        let mut found = Vec::new();
-        let mut counts = PhotonCounts::default();
-        for range in ranges {
-            let part = trace(problem, albedo, seed, range.clone(), &mut |exits| {
-                found.extend(exits.iter().map(|exit| {
-                    let side = u32::from(exit.side == Side::Transmitted);
-                    [exit.order, exit.x.to_bits(), exit.y.to_bits(), exit.cos_theta.to_bits(), side]
-                }));
-            });
-            counts.launched += part.launched;
-            counts.absorbed += part.absorbed;
-            counts.collisions += part.collisions;
-        }
-        found.sort_unstable();
-        (found, counts)
-    }
-
-    #[test]
-    #[allow(clippy::single_range_in_vec_init, reason = "one range is one of the partitions")]
-    fn exits_do_not_depend_on_the_partition() {
-        for problem in problems() {
-            let whole = exits(&problem, 0.95, 11, &[5..4005]);
-            assert_eq!(whole.0.len() as u64 + whole.1.absorbed, 4000);
-            let parts = exits(&problem, 0.95, 11, &[5..6, 3000..3001, 6..700, 3001..4005, 700..3000, 9..9]);
-            assert_eq!(whole, parts);
-            let other = exits(&problem, 0.95, 12, &[5..4005]);
-            assert_ne!(whole, other);
-        }
-    }
-
-    #[test]
-    fn every_photon_ends_as_exit_or_absorbed() {
-        for problem in problems() {
-            for albedo in [0.0, 0.3, 0.9, 0.999] {
-                let range = u64::MAX - 3000..u64::MAX - 1000;
-                let (found, counts) = exits(&problem, albedo, 3, std::slice::from_ref(&range));
-                assert_eq!(counts.launched, 2000);
-                assert_eq!(found.len() as u64 + counts.absorbed, 2000);
-                let orders: u64 = found.iter().map(|exit| u64::from(exit[0])).sum();
-                assert!(counts.collisions >= orders + counts.absorbed);
-                if albedo == 0.0 {
-                    assert!(found.iter().all(|exit| exit[0] == 0));
-                    assert_eq!(counts.collisions, counts.absorbed);
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn nothing_comes_of_nothing() {
-        for problem in problems() {
-            assert_eq!(exits(&problem, 0.9, 1, &[]), (vec![], PhotonCounts::default()));
-            let reversed = Range { start: 7, end: 3 };
-            assert_eq!(exits(&problem, 0.9, 1, std::slice::from_ref(&reversed)).0, Vec::<[u32; 5]>::new());
-        }
-    }
-
-    /// Without absorption everything leaves a slab.
-    #[test]
-    fn slab_without_absorption_keeps_nothing() {
-        for problem in problems().into_iter().filter(|p| p.parameters().thickness.is_finite()) {
-            let (found, counts) = exits(&problem, 1.0, 1, std::slice::from_ref(&(0..3000)));
-            assert_eq!((found.len(), counts.absorbed), (3000, 0));
-        }
-    }
-
-    /// The greatest and the least of everything: numbers come out, and an end comes.
-    #[test]
-    fn extreme_problems_end_in_numbers() {
-        let near = 1.0 - f64::EPSILON / 2.0;
-        let entries = [
-            Entry::Pencil { cos_theta: 1e-300 },
-            Entry::Pencil { cos_theta: 1.0 },
-            Entry::Cosine,
-            Entry::UniformCosine,
-        ];
-        for g in [-near, 0.0, near] {
-            for eta in [0.1, near, 1.0, 10.0] {
-                for thickness in [1e-300, 1e-3, 1e300, f64::INFINITY] {
-                    for (entry, spot_radius) in entries.into_iter().zip([0.0, 1e30, 0.0, 1e-30]) {
-                        let phase_function = PhaseFunction::HenyeyGreenstein { g };
-                        let parameters = Parameters { phase_function, eta, thickness, entry, spot_radius };
-                        let Ok(problem) = Problem::new(parameters) else { continue };
-                        for albedo in [f64::NAN, -1.0, 0.0, 0.9] {
-                            let counts = trace(&problem, albedo, 1, 0..50, &mut |exits| {
-                                for exit in exits {
-                                    assert!(
-                                        exit.x.is_finite() && exit.y.is_finite(),
-                                        "{parameters:?} {exit:?}"
-                                    );
-                                    let cosine = exit.cos_theta;
-                                    assert!(cosine > 0.0 && cosine <= 1.000001, "{parameters:?} {exit:?}");
-                                }
-                            });
-                            assert_eq!(counts.launched, 50);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// AVX2 and AVX-512 round alike; without a fused multiply-add the last place differs, and with it a photon
-    /// in 10⁵.
-    #[test]
-    #[cfg(target_arch = "x86_64")]
-    fn instruction_sets_agree() {
-        for problem in problems() {
-            let run = |level: Level| {
-                let mut exits = Vec::new();
-                let counts = trace_at_level(level, &problem, 0.9, 4, 0..20_000, &mut |batch| {
-                    exits.extend_from_slice(batch);
-                });
-                exits.sort_by_key(|exit| (exit.order, exit.x.to_bits(), exit.y.to_bits()));
-                (exits, counts)
-            };
-            let widest = run(Level::new());
-            if let Some(avx2) = Level::new().as_avx2() {
-                assert_eq!(run(Level::Avx2(avx2)), widest);
-            }
-            let baseline = run(Level::baseline()).1;
-            assert!(baseline.absorbed.abs_diff(widest.1.absorbed) <= 4);
-        }
-    }
-
-    /// R of the exact half space (physics.md §3): |z| < 4 each, false alarm 6e-5 each.
-    #[test]
-    fn totals_are_exact() {
-        let half_space = Parameters::default();
-        let cosine = Parameters { entry: Entry::Cosine, ..half_space };
-        for (parameters, albedo, exact) in [
-            (half_space, 0.5, 0.11522587770720),
-            (half_space, 0.9, 0.41494747913082),
-            (half_space, 0.99, 0.75272071716030),
-            (cosine, 0.9, 0.47802448922824),
-            (Parameters { eta: 1.4, ..half_space }, 0.9, 0.25775574627),
-        ] {
-            let photons = 200_000;
-            let counts = trace(&Problem::new(parameters).unwrap(), albedo, 2, 0..photons, &mut |_| {});
-            let found = 1.0 - counts.absorbed as f64 / photons as f64;
-            let z = (found - exact) / (exact * (1.0 - exact) / photons as f64).sqrt();
-            assert!(z.abs() < 4.0, "{parameters:?} {albedo}: {found} {exact}, z = {z}");
-        }
-    }
-}
+mod laws;

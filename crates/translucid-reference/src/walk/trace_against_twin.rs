@@ -3,8 +3,8 @@
 use super::chi_square::deviate_of_two_samples;
 use super::replay::replay;
 use super::scalar::trace_scalar;
-use super::{Exit, Parameters, PhaseFunction, Problem, Side, trace};
-use crate::Entry;
+use super::{Parameters, PhaseFunction, PhotonExit, Problem, Side, trace};
+use crate::Incidence;
 
 fn henyey_greenstein(g: f64) -> PhaseFunction {
     PhaseFunction::HenyeyGreenstein { g }
@@ -15,13 +15,13 @@ fn cases() -> Vec<(Parameters, f64)> {
     let matched = Parameters::default();
     vec![
         (matched, 0.95),
-        (Parameters { entry: Entry::Cosine, spot_radius: 0.7, ..matched }, 0.6),
+        (Parameters { incidence: Incidence::Cosine, spot_radius: 0.7, ..matched }, 0.6),
         (Parameters { phase_function: henyey_greenstein(0.8), eta: 1.4, ..matched }, 0.95),
         (
             Parameters {
                 phase_function: henyey_greenstein(-0.6),
                 eta: 0.75,
-                entry: Entry::Cosine,
+                incidence: Incidence::Cosine,
                 ..matched
             },
             0.9,
@@ -31,21 +31,28 @@ fn cases() -> Vec<(Parameters, f64)> {
                 phase_function: PhaseFunction::Rayleigh,
                 eta: 1.5,
                 thickness: 1.0,
-                entry: Entry::Pencil { cos_theta: 0.3 },
+                incidence: Incidence::Pencil { cos_theta: 0.3 },
                 ..matched
             },
             0.9,
         ),
         (Parameters { phase_function: henyey_greenstein(0.95), thickness: 4.0, ..matched }, 0.99),
-        (Parameters { eta: 1.33, thickness: 0.05, entry: Entry::Cosine, ..matched }, 0.9),
-        (Parameters { entry: Entry::UniformCosine, phase_function: henyey_greenstein(1e-9), ..matched }, 0.8),
+        (Parameters { eta: 1.33, thickness: 0.05, incidence: Incidence::Cosine, ..matched }, 0.9),
+        (
+            Parameters {
+                incidence: Incidence::UniformCosine,
+                phase_function: henyey_greenstein(1e-9),
+                ..matched
+            },
+            0.8,
+        ),
     ]
 }
 
 const BINS: usize = 24;
 
-/// Which bin of each histogram an exit falls into: radius, azimuth, order, cosine; sides apart.
-fn bins(exit: &Exit) -> [usize; 4] {
+/// Bins of an exit, one of each histogram: radius, azimuth, order, cosine; sides apart.
+fn bins(exit: &PhotonExit) -> [usize; 4] {
     let radius = f64::from(exit.x).hypot(f64::from(exit.y));
     let azimuth = f64::from(exit.y).atan2(f64::from(exit.x)) / std::f64::consts::TAU + 0.5;
     let order = f64::from(exit.order);
@@ -103,12 +110,12 @@ fn single_precision_is_no_bias() {
         (
             Parameters {
                 phase_function: PhaseFunction::Rayleigh,
-                entry: Entry::UniformCosine,
+                incidence: Incidence::UniformCosine,
                 ..Parameters::default()
             },
             0.999,
         ),
-        (Parameters { entry: Entry::Cosine, ..Parameters::default() }, 0.999),
+        (Parameters { incidence: Incidence::Cosine, ..Parameters::default() }, 0.999),
     ] {
         let problem = Problem::new(parameters).unwrap();
         let mut otherwise = 0u32;
@@ -121,7 +128,7 @@ fn single_precision_is_no_bias() {
             let double = replay(&problem, albedo, 5, index).exit;
             match (lanes, double) {
                 (Some(a), Some(b)) if a.order == b.order && a.side == b.side => {
-                    let r = |exit: Exit| f64::from(exit.x).hypot(f64::from(exit.y));
+                    let r = |exit: PhotonExit| f64::from(exit.x).hypot(f64::from(exit.y));
                     drift += r(a) - r(b);
                     distance += f64::from(a.x - b.x).hypot(f64::from(a.y - b.y));
                     radius += r(b);

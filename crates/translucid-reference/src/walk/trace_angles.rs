@@ -6,8 +6,8 @@ use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 
 use super::chi_square::{deviate_of_count, deviate_of_counts};
-use super::{Exit, Parameters, PhaseFunction, PhotonCounts, Problem, Side, trace};
-use crate::Entry;
+use super::{Parameters, PhaseFunction, PhotonCounts, PhotonExit, Problem, Side, trace};
+use crate::Incidence;
 
 /// Hands every exit to a function.
 fn for_each_exit(
@@ -15,13 +15,13 @@ fn for_each_exit(
     albedo: f64,
     seed: u64,
     photons: u64,
-    mut call: impl FnMut(&Exit),
+    mut call: impl FnMut(&PhotonExit),
 ) -> PhotonCounts {
     let problem = Problem::new(parameters).unwrap();
     trace(&problem, albedo, seed, 0..photons, &mut |exits| exits.iter().for_each(&mut call))
 }
 
-fn radius(exit: &Exit) -> f64 {
+fn radius(exit: &PhotonExit) -> f64 {
     f64::from(exit.x).hypot(f64::from(exit.y))
 }
 
@@ -142,10 +142,10 @@ fn unscattered_light_obeys_beers_law() {
             let passes = (-thickness / mu).exp();
             let reflects = fresnel_from_inside(mu, eta);
             let series = (1.0 - reflects) * passes / (1.0 - (reflects * passes).powi(2));
-            let entry = Entry::Pencil { cos_theta };
+            let incidence = Incidence::Pencil { cos_theta };
             let mut counts = [0u64; 2];
             for_each_exit(
-                Parameters { eta, thickness, entry, ..Parameters::default() },
+                Parameters { eta, thickness, incidence, ..Parameters::default() },
                 0.5,
                 203,
                 photons,
@@ -193,7 +193,7 @@ fn slab_is_reciprocal() {
                     phase_function,
                     eta,
                     thickness: 1.5,
-                    entry: Entry::Pencil { cos_theta },
+                    incidence: Incidence::Pencil { cos_theta },
                     ..Parameters::default()
                 };
                 let photons = 150_000;
@@ -235,7 +235,7 @@ fn entry_has_its_distribution() {
         let parameters = Parameters {
             eta,
             thickness: 1e-30,
-            entry: Entry::Cosine,
+            incidence: Incidence::Cosine,
             spot_radius: 2.0,
             ..Parameters::default()
         };

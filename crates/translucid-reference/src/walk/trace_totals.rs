@@ -10,7 +10,7 @@ use translucid_profile::quadrature::gauss_legendre;
 
 use super::chi_square::{deviate, deviate_of_count, deviate_of_counts};
 use super::{Parameters, PhaseFunction, PhotonCounts, Problem, Side, trace};
-use crate::Entry;
+use crate::Incidence;
 
 /// Exits by order of scattering (the last bin takes the rest), of both faces together.
 fn orders<const N: usize>(
@@ -64,11 +64,11 @@ fn h(alpha: Complex64, mu: f64, rule: &[(f64, f64)]) -> Complex64 {
 /// R of a half space of isotropic scatterers, η = 1, as an analytic function of the albedo.
 ///
 /// Pencil: 1 − H(1) √(1−α). Cosine: 1 − 2 √(1−α) ∫₀¹ μ H dμ.
-fn half_space(entry: Entry, alpha: Complex64) -> Complex64 {
+fn half_space(incidence: Incidence, alpha: Complex64) -> Complex64 {
     let rule = graded_rule();
     let root = (1.0 - alpha).sqrt();
-    match entry {
-        Entry::Cosine => {
+    match incidence {
+        Incidence::Cosine => {
             // μ = v² smooths the logarithm at μ = 0
             let nodes = gauss_legendre(24).into_iter().map(|(x, w)| (0.5 * (1.0 + x), 0.5 * w));
             let moment: Complex64 = nodes.map(|(v, w)| 2.0 * v * w * v * v * h(alpha, v * v, &rule)).sum();
@@ -79,12 +79,12 @@ fn half_space(entry: Entry, alpha: Complex64) -> Complex64 {
 }
 
 /// P₁…P₂₀ in R(α) = Σ Pₙ αⁿ, by Cauchy's integral over |α| = ½: 64 points repeat P₆₅ in P₁ with 2⁻⁶⁴.
-fn orders_of_half_space(entry: Entry) -> [f64; 20] {
+fn orders_of_half_space(incidence: Incidence) -> [f64; 20] {
     let points = 64;
     let values: Vec<(Complex64, Complex64)> = (0..points)
         .map(|k| {
             let turn = Complex64::cis(std::f64::consts::TAU * f64::from(k) / f64::from(points));
-            (turn, half_space(entry, 0.5 * turn))
+            (turn, half_space(incidence, 0.5 * turn))
         })
         .collect();
     std::array::from_fn(|i| {
@@ -102,21 +102,21 @@ fn expected(orders: &[f64; 20], albedo: f64, photons: u64) -> Vec<f64> {
 #[test]
 fn expectations_equal_known_numbers() {
     // physics.md §3
-    let [searchlight, diffuse] = [Entry::NORMAL, Entry::Cosine].map(orders_of_half_space);
+    let [searchlight, diffuse] = [Incidence::NORMAL, Incidence::Cosine].map(orders_of_half_space);
     assert!((searchlight[0] - 0.5 * (1.0 - std::f64::consts::LN_2)).abs() < 1e-11, "{searchlight:?}");
     assert!((searchlight[1] - 0.0972733365).abs() < 1e-10);
     assert!((diffuse[0] - 0.2045685463).abs() < 1e-10, "{diffuse:?}");
     assert!((diffuse[1] - 0.1158020630).abs() < 1e-10);
-    for (entry, alpha, total) in [
-        (Entry::NORMAL, 0.5, 0.11522587770720),
-        (Entry::NORMAL, 0.9, 0.41494747913082),
-        (Entry::NORMAL, 0.99, 0.75272071716030),
-        (Entry::Cosine, 0.5, 0.14654438069972),
-        (Entry::Cosine, 0.9, 0.47802448922824),
-        (Entry::Cosine, 0.99, 0.79456365290203),
+    for (incidence, alpha, total) in [
+        (Incidence::NORMAL, 0.5, 0.11522587770720),
+        (Incidence::NORMAL, 0.9, 0.41494747913082),
+        (Incidence::NORMAL, 0.99, 0.75272071716030),
+        (Incidence::Cosine, 0.5, 0.14654438069972),
+        (Incidence::Cosine, 0.9, 0.47802448922824),
+        (Incidence::Cosine, 0.99, 0.79456365290203),
     ] {
-        let found = half_space(entry, alpha.into()).re;
-        assert!((found - total).abs() < 2e-9, "{entry:?} {alpha}: {found} {total}");
+        let found = half_space(incidence, alpha.into()).re;
+        assert!((found - total).abs() < 2e-9, "{incidence:?} {alpha}: {found} {total}");
     }
 }
 
@@ -124,7 +124,7 @@ fn expectations_equal_known_numbers() {
 /// Pₙ = 2(qₙ − qₙ₊₁), qₙ = C(2n, n)/4ⁿ. Two statistics beyond 4σ: false alarm 1e-4.
 #[test]
 fn uniform_cosine_has_its_closed_form() {
-    let parameters = Parameters { entry: Entry::UniformCosine, ..Parameters::default() };
+    let parameters = Parameters { incidence: Incidence::UniformCosine, ..Parameters::default() };
     let (albedo, photons) = (0.95f64, 3_000_000);
     let (counts, all) = orders::<22>(parameters, albedo, 101, photons);
 
@@ -142,12 +142,13 @@ fn uniform_cosine_has_its_closed_form() {
 #[test]
 fn orders_of_scattering_have_their_probabilities() {
     let (albedo, photons) = (0.98, 3_000_000);
-    for entry in [Entry::NORMAL, Entry::Cosine] {
-        let (counts, _) = orders::<22>(Parameters { entry, ..Parameters::default() }, albedo, 102, photons);
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
+        let (counts, _) =
+            orders::<22>(Parameters { incidence, ..Parameters::default() }, albedo, 102, photons);
         assert_eq!(counts[0], 0);
-        let expected = expected(&orders_of_half_space(entry), albedo, photons);
+        let expected = expected(&orders_of_half_space(incidence), albedo, photons);
         let deviate = deviate_of_counts(&counts[1..21], &expected, photons);
-        assert!(deviate < 4.0, "{entry:?} {deviate}: {counts:?}");
+        assert!(deviate < 4.0, "{incidence:?} {deviate}: {counts:?}");
     }
 }
 
@@ -156,14 +157,14 @@ fn orders_of_scattering_have_their_probabilities() {
 fn totals_equal_the_h_function() {
     let mut chi2 = 0.0;
     let albedos = [0.01, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.98, 0.99, 0.995];
-    for entry in [Entry::NORMAL, Entry::Cosine] {
+    for incidence in [Incidence::NORMAL, Incidence::Cosine] {
         for albedo in albedos {
             let photons = 1_000_000;
             let (_, counts) =
-                orders::<1>(Parameters { entry, ..Parameters::default() }, albedo, 103, photons);
-            let exact = half_space(entry, albedo.into()).re;
+                orders::<1>(Parameters { incidence, ..Parameters::default() }, albedo, 103, photons);
+            let exact = half_space(incidence, albedo.into()).re;
             let z = deviate_of_count(counts.launched - counts.absorbed, photons, exact);
-            assert!(z.abs() < 4.0, "{entry:?} {albedo}: z = {z}");
+            assert!(z.abs() < 4.0, "{incidence:?} {albedo}: z = {z}");
             chi2 += z * z;
         }
     }
@@ -179,7 +180,7 @@ fn collisions_absorb_at_the_reference_albedo() {
     let hg = PhaseFunction::HenyeyGreenstein { g: 0.7 };
     for parameters in [
         Parameters::default(),
-        Parameters { phase_function: hg, eta: 1.4, entry: Entry::Cosine, ..Parameters::default() },
+        Parameters { phase_function: hg, eta: 1.4, incidence: Incidence::Cosine, ..Parameters::default() },
         Parameters { thickness: 0.5, ..Parameters::default() },
     ] {
         for albedo in [0.3, 0.9, 0.99999] {
@@ -199,7 +200,7 @@ fn collisions_absorb_at_the_reference_albedo() {
 fn giovanellis_half_space_returns_its_light() {
     let photons = 3_000_000;
     let (_, counts) = orders::<1>(Parameters { eta: 1.5, ..Parameters::default() }, 0.9, 105, photons);
-    let specular = crate::specular_reflectance(Entry::NORMAL, 1.5);
+    let specular = crate::specular_reflectance(Incidence::NORMAL, 1.5);
     let exact = (0.2599185699 - specular) / (1.0 - specular);
     let z = deviate_of_count(counts.launched - counts.absorbed, photons, exact);
     assert!(z.abs() < 4.0, "z = {z}");

@@ -1,4 +1,4 @@
-//! What photons weigh at an albedo below that at which they walked.
+//! Weights of photons at an albedo below that at which they walked.
 
 use super::orders::{Cell, OrderBins};
 use crate::Estimate;

@@ -5,15 +5,15 @@ use std::ops::Range;
 
 use translucid_profile::ParameterError;
 
-use super::at_albedo::AtAlbedo;
-use super::exit::{Exit, PhotonCounts, Side};
 use super::layout::{Layout, Region};
 use super::orders::Cell;
+use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
-use super::problem::{Parameters, Problem};
-use super::table_error::TableError;
+use super::problem::Problem;
 use super::weights::{Weighed, Weights};
 use crate::Estimate;
+
+mod merging;
 
 /// Photons that left a medium, counted over place and order of scattering at a reference albedo α_ref.
 ///
@@ -49,7 +49,7 @@ pub struct WhiteTable {
     reference_albedo: f64,
     ranges: PhotonRanges,
     counts: PhotonCounts,
-    /// By face, place and order bin, the last varying fastest.
+    /// Cells by face, place and order bin, the last varying fastest.
     cells: Vec<Cell>,
 }
 
@@ -63,7 +63,7 @@ impl WhiteTable {
     /// # Errors
     /// The reference albedo is not in (0, 0.999999].
     pub fn new(problem: Problem, layout: Layout, reference_albedo: f64) -> Result<Self, ParameterError> {
-        let cells = vec![Cell::default(); faces(&problem) * layout.entries()];
+        let cells = vec![Cell::default(); problem.faces() * layout.entries()];
         let (ranges, counts) = (PhotonRanges::default(), PhotonCounts::default());
         Self::with_contents(problem, layout, reference_albedo, ranges, counts, cells)
     }
@@ -87,12 +87,12 @@ impl WhiteTable {
         Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
     }
 
-    /// What the photons walked through.
+    /// Medium and light of the walk.
     pub fn problem(&self) -> &Problem {
         &self.problem
     }
 
-    /// The bins.
+    /// Bins of place and order.
     pub fn layout(&self) -> &Layout {
         &self.layout
     }
@@ -121,59 +121,6 @@ impl WhiteTable {
     /// without photons.
     pub fn mean_collisions(&self) -> f64 {
         if self.photons() == 0 { 0.0 } else { self.counts.collisions as f64 / self.photons() as f64 }
-    }
-
-    /// Adds the photons of another table, exactly.
-    ///
-    /// # Errors
-    /// The tables differ in problem, layout or reference albedo, or share photons. `self` is then unchanged.
-    pub fn merge(&mut self, other: &Self) -> Result<(), TableError> {
-        self.require_same_walk(other)?;
-        self.add(&other.ranges, other.counts, &other.cells)
-    }
-
-    fn require_same_walk(&self, other: &Self) -> Result<(), TableError> {
-        let differ = |what, here: String, there: String| Err(TableError::Differs { what, here, there });
-        if let Some((what, here, there)) = difference(self.problem.parameters(), other.problem.parameters()) {
-            return differ(what, here, there);
-        }
-        if self.reference_albedo != other.reference_albedo {
-            let (here, there) = (self.reference_albedo, other.reference_albedo);
-            return differ("reference albedo", here.to_string(), there.to_string());
-        }
-        let (a, b) = (&self.layout, &other.layout);
-        if a.radii() != b.radii() {
-            let unlike = |(x, y): (&f64, &f64)| x != y;
-            return match a.radii().iter().zip(b.radii()).position(unlike) {
-                Some(i) => {
-                    differ("a radius of the layout", a.radii()[i].to_string(), b.radii()[i].to_string())
-                }
-                None => {
-                    differ("the number of radii", a.radii().len().to_string(), b.radii().len().to_string())
-                }
-            };
-        }
-        if a.sectors() != b.sectors() {
-            return differ("the number of sectors", a.sectors().to_string(), b.sectors().to_string());
-        }
-        if a.order_bins() != b.order_bins() {
-            let bins = |layout: &Layout| format!("{} bins", layout.order_bins().len());
-            return differ("the bins of orders of scattering", bins(a), bins(b));
-        }
-        Ok(())
-    }
-
-    /// The table as seen at one albedo, per unit of flux that entered.
-    ///
-    /// # Errors
-    /// The albedo is not in [0, reference albedo].
-    pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
-        let value = single_scattering_albedo;
-        if !(0.0..=self.reference_albedo).contains(&value) {
-            let allowed = "at least 0 and at most the table's reference albedo";
-            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
-        }
-        Ok(AtAlbedo::new(self, value))
     }
 
     /// Probability, without absorption, that a photon leaves through a region after a number of collisions in a
@@ -257,7 +204,7 @@ impl WhiteTable {
 
     /// Greatest weight that a photon can have: only a slab lets some through without a collision.
     pub(crate) fn greatest_weight(&self, alpha: f64) -> f64 {
-        if faces(&self.problem) == 2 { 1.0 } else { alpha / self.reference_albedo }
+        if self.problem.faces() == 2 { 1.0 } else { alpha / self.reference_albedo }
     }
 
     /// The cells of a region; none on the far face of a half space.
@@ -284,7 +231,7 @@ impl fmt::Debug for WhiteTable {
 
 /// For runs and files.
 impl WhiteTable {
-    /// What became of the photons.
+    /// Counts of the photons besides the cells.
     pub(crate) fn counts(&self) -> &PhotonCounts {
         &self.counts
     }
@@ -295,7 +242,7 @@ impl WhiteTable {
     }
 
     /// Index of the cell in which an exit counts.
-    pub(crate) fn cell_index(&self, exit: &Exit) -> u32 {
+    pub(crate) fn cell_index(&self, exit: &PhotonExit) -> u32 {
         let place = exit.side as usize * self.layout.place_count() + self.layout.place(exit.x, exit.y);
         let bins = self.layout.order_bins();
         (place * bins.len() + bins.bin(exit.order)) as u32
@@ -305,84 +252,14 @@ impl WhiteTable {
     pub(crate) fn missing(&self, seed: u64, photons: u64) -> Vec<Range<u64>> {
         self.ranges.missing(seed, photons)
     }
-
-    /// Adds what a run has done: pieces of a seed that are new, and cells, as a whole or none (an empty list).
-    ///
-    /// # Errors
-    /// A number does not fit. `self` is then unchanged.
-    pub(crate) fn take_in(
-        &mut self,
-        seed: u64,
-        done: &[(Range<u64>, PhotonCounts)],
-        tallies: Vec<Vec<Cell>>,
-    ) -> Result<(), TableError> {
-        let (mut ranges, mut counts) = (Vec::new(), PhotonCounts::default());
-        for (piece, more) in done {
-            ranges.push(PhotonRange { seed, start: piece.start, end: piece.end });
-            counts = add_counts(counts, *more).ok_or(TableError::TooMany)?;
-        }
-        let mut tallies = tallies.into_iter().filter(|tally| !tally.is_empty());
-        let Some(mut cells) = tallies.next() else { return Ok(()) };
-        tallies.try_for_each(|tally| add_cells(&mut cells, &tally)).ok_or(TableError::TooMany)?;
-        let ranges = PhotonRanges::new(ranges).map_err(TableError::Repeated)?;
-        self.add(&ranges, counts, &cells)
-    }
-
-    /// Adds photons, all or none.
-    fn add(&mut self, ranges: &PhotonRanges, counts: PhotonCounts, cells: &[Cell]) -> Result<(), TableError> {
-        let ranges = self.ranges.union(ranges).map_err(TableError::Repeated)?;
-        let counts = add_counts(self.counts, counts).ok_or(TableError::TooMany)?;
-        add_cells(&mut self.cells, cells).ok_or(TableError::TooMany)?;
-        (self.ranges, self.counts) = (ranges, counts);
-        Ok(())
-    }
-}
-
-/// Adds cell by cell: all, or nothing where a number does not fit.
-fn add_cells(cells: &mut [Cell], more: &[Cell]) -> Option<()> {
-    cells.iter().zip(more).try_for_each(|(cell, more)| cell.checked_add(*more).map(drop))?;
-    for (cell, more) in cells.iter_mut().zip(more) {
-        cell.count += more.count;
-        cell.order_sum += more.order_sum;
-    }
-    Some(())
-}
-
-/// Faces through which light can leave.
-pub(crate) fn faces(problem: &Problem) -> usize {
-    if problem.parameters().thickness.is_finite() { 2 } else { 1 }
-}
-
-/// Sum of counts, or nothing where a number does not fit.
-pub(crate) fn add_counts(a: PhotonCounts, b: PhotonCounts) -> Option<PhotonCounts> {
-    Some(PhotonCounts {
-        launched: a.launched.checked_add(b.launched)?,
-        absorbed: a.absorbed.checked_add(b.absorbed)?,
-        collisions: a.collisions.checked_add(b.collisions)?,
-    })
-}
-
-/// The first parameter in which problems differ, with its values.
-fn difference(a: &Parameters, b: &Parameters) -> Option<(&'static str, String, String)> {
-    if a.phase_function != b.phase_function {
-        let name = |p: &Parameters| format!("{:?}", p.phase_function);
-        return Some(("phase function", name(a), name(b)));
-    }
-    if a.entry != b.entry {
-        return Some(("entry", format!("{:?}", a.entry), format!("{:?}", b.entry)));
-    }
-    let numbers =
-        |p: &Parameters| [("eta", p.eta), ("thickness", p.thickness), ("spot radius", p.spot_radius)];
-    let mut pairs = numbers(a).into_iter().zip(numbers(b));
-    let (here, there) = pairs.find(|(here, there)| here.1 != there.1)?;
-    Some((here.0, here.1.to_string(), there.1.to_string()))
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Control, OrderBins, PhaseFunction};
+    use super::super::problem::Parameters;
+    use super::super::{Control, OrderBins};
     use super::*;
-    use crate::Entry;
+    use crate::Incidence;
 
     fn table(radii: &[f64], sectors: u32, reference_albedo: f64) -> WhiteTable {
         let layout = Layout::with_order_bins(radii, sectors, OrderBins::new(0.125).unwrap()).unwrap();
@@ -392,90 +269,6 @@ mod tests {
     fn after(mut table: WhiteTable, seed: u64, photons: u64) -> WhiteTable {
         table.run(seed, photons, &Control::default()).unwrap();
         table
-    }
-
-    #[test]
-    fn merged_tables_are_the_table_of_all_photons() {
-        let empty = table(&[0.1, 1.0], 2, 0.95);
-        let whole = after(after(empty.clone(), 1, 7000), 2, 2000);
-        let first = after(empty.clone(), 1, 3000);
-        let rest = {
-            let mut rest = after(empty.clone(), 2, 2000);
-            let done = [(3000..7000, super::super::trace(&rest.problem, 0.95, 1, 3000..7000, &mut |_| {}))];
-            let mut cells = vec![Cell::default(); rest.cells.len()];
-            super::super::trace(&rest.problem, 0.95, 1, 3000..7000, &mut |exits| {
-                for exit in exits {
-                    let cell = &mut cells[rest.cell_index(exit) as usize];
-                    cell.count += 1;
-                    cell.order_sum += u64::from(exit.order);
-                }
-            });
-            rest.take_in(1, &done, vec![cells]).unwrap();
-            rest
-        };
-        let (mut one, mut other) = (first.clone(), rest.clone());
-        one.merge(&rest).unwrap();
-        other.merge(&first).unwrap();
-        assert_eq!(one, whole);
-        assert_eq!(other, whole);
-        assert_eq!(whole.photons(), 9000);
-        let exits = whole.exits(Side::Reflected, Region::Everywhere);
-        assert_eq!(exits + whole.counts.absorbed, 9000);
-    }
-
-    #[test]
-    fn merge_refuses_photons_that_it_holds() {
-        let empty = table(&[1.0], 1, 0.5);
-        let (mut a, b) = (after(empty.clone(), 1, 3000), after(after(empty, 2, 10), 1, 20));
-        let before = a.clone();
-        let error = a.merge(&b).unwrap_err();
-        assert_eq!(error.to_string(), "photons 0..20 of seed 1 would count twice");
-        assert_eq!(a, before);
-    }
-
-    #[test]
-    fn merge_says_in_what_tables_differ() {
-        let make = |parameters, radii: &[f64], sectors, growth, albedo| {
-            let bins = OrderBins::new(growth).unwrap();
-            let layout = Layout::with_order_bins(radii, sectors, bins).unwrap();
-            WhiteTable::new(Problem::new(parameters).unwrap(), layout, albedo).unwrap()
-        };
-        let base = Parameters::default();
-        let hg = PhaseFunction::HenyeyGreenstein { g: 0.5 };
-        for (other, expected) in [
-            (
-                make(Parameters { eta: 1.4, ..base }, &[1.0], 1, 0.1, 0.9),
-                "the tables differ in eta: 1 in one, 1.4 in the other",
-            ),
-            (make(Parameters { thickness: 2.0, ..base }, &[1.0], 1, 0.1, 0.9), "thickness: inf in one, 2 in"),
-            (
-                make(Parameters { spot_radius: 2.0, ..base }, &[1.0], 1, 0.1, 0.9),
-                "spot radius: 0 in one, 2 in",
-            ),
-            (make(Parameters { entry: Entry::Cosine, ..base }, &[1.0], 1, 0.1, 0.9), "entry: Pencil"),
-            (make(Parameters { phase_function: hg, ..base }, &[1.0], 1, 0.1, 0.9), "phase function: Henyey"),
-            (make(base, &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
-            (make(base, &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
-            (make(base, &[1.0], 2, 0.1, 0.9), "the number of sectors: 1 in one, 2 in"),
-            (make(base, &[1.0], 1, 0.2, 0.9), "the bins of orders of scattering: "),
-            (make(base, &[1.0], 1, 0.1, 0.91), "reference albedo: 0.9 in one, 0.91 in"),
-        ] {
-            let mut table = make(base, &[1.0], 1, 0.1, 0.9);
-            let error = table.merge(&other).unwrap_err().to_string();
-            assert!(error.contains(expected), "{error}");
-        }
-    }
-
-    #[test]
-    fn merge_refuses_sums_that_do_not_fit() {
-        let mut a = after(table(&[1.0], 1, 0.5), 1, 100);
-        let mut b = after(table(&[1.0], 1, 0.5), 2, 100);
-        let last = b.cells.len() - 1;
-        b.cells[last].order_sum = u64::MAX;
-        a.cells[last].order_sum = 1;
-        let before = a.clone();
-        assert!(matches!(a.merge(&b), Err(TableError::TooMany)));
-        assert_eq!(a, before);
     }
 
     #[test]
@@ -494,7 +287,8 @@ mod tests {
     #[test]
     fn order_probabilities_are_those_of_the_half_space() {
         let problem =
-            Problem::new(Parameters { entry: Entry::UniformCosine, ..Parameters::default() }).unwrap();
+            Problem::new(Parameters { incidence: Incidence::UniformCosine, ..Parameters::default() })
+                .unwrap();
         let layout = Layout::new(&[1.0], 1).unwrap();
         let table = after(WhiteTable::new(problem, layout, 0.99).unwrap(), 5, 400_000);
         let mut q = 1.0;

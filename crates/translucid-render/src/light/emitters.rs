@@ -16,7 +16,7 @@ use super::triangle::{EmissiveTriangle, emitting};
 
 /// Any light but a triangle.
 #[derive(Clone, Debug)]
-pub(crate) enum Source {
+pub(crate) enum PlacedLight {
     Rectangle(Rectangle),
     Sphere(Sphere),
     Distant(Distant),
@@ -25,7 +25,7 @@ pub(crate) enum Source {
     Environment(Environment),
 }
 
-impl Source {
+impl PlacedLight {
     /// None if the light can shed no light.
     pub(crate) fn new(light: &Light) -> Option<Self> {
         match *light {
@@ -100,10 +100,10 @@ impl Source {
 
 /// What kind of light it is, if no ray can meet it.
 pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
-    match Source::new(light)? {
-        Source::Spot(_) => Some("spot"),
-        Source::Beam(_) => Some("beam"),
-        Source::Distant(light) if !light.is_disc() => Some("distant"),
+    match PlacedLight::new(light)? {
+        PlacedLight::Spot(_) => Some("spot"),
+        PlacedLight::Beam(_) => Some("beam"),
+        PlacedLight::Distant(light) if !light.is_disc() => Some("distant"),
         _ => None,
     }
 }
@@ -111,15 +111,15 @@ pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
 /// All lights that shine.
 #[derive(Clone, Debug)]
 pub(crate) struct Emitters {
-    pub(crate) sources: Vec<Source>,
+    pub(crate) sources: Vec<PlacedLight>,
     /// By their primitive's number.
     pub(crate) triangles: Vec<EmissiveTriangle>,
 }
 
 impl Emitters {
     pub(crate) fn new(scene: &Scene, triangles: Vec<EmissiveTriangle>) -> Self {
-        let mut sources: Vec<Source> = scene.lights.iter().filter_map(Source::new).collect();
-        sources.extend(Environment::new(scene).map(Source::Environment));
+        let mut sources: Vec<PlacedLight> = scene.lights.iter().filter_map(PlacedLight::new).collect();
+        sources.extend(Environment::new(scene).map(PlacedLight::Environment));
         Self { sources, triangles: emitting(triangles) }
     }
 
@@ -163,12 +163,12 @@ impl Emitters {
     #[inline]
     pub(crate) fn sample(&self, light: usize, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
         match self.sources.get(light) {
-            Some(Source::Rectangle(light)) => light.sample(point, v),
-            Some(Source::Sphere(light)) => light.sample(point, v),
-            Some(Source::Spot(light)) => light.sample(point),
-            Some(Source::Beam(light)) => light.sample(point),
-            Some(Source::Distant(light)) if !light.is_disc() => Some(light.sample_direction()),
-            Some(Source::Distant(_) | Source::Environment(_)) => None,
+            Some(PlacedLight::Rectangle(light)) => light.sample(point, v),
+            Some(PlacedLight::Sphere(light)) => light.sample(point, v),
+            Some(PlacedLight::Spot(light)) => light.sample(point),
+            Some(PlacedLight::Beam(light)) => light.sample(point),
+            Some(PlacedLight::Distant(light)) if !light.is_disc() => Some(light.sample_direction()),
+            Some(PlacedLight::Distant(_) | PlacedLight::Environment(_)) => None,
             None => self.triangles[light - self.sources.len()].sample(point, v),
         }
     }

@@ -16,7 +16,6 @@ mod distant;
 mod distribution;
 mod emitters;
 mod environment;
-mod environment_map;
 mod receiver;
 mod rectangle;
 mod selection;
@@ -24,13 +23,13 @@ mod sphere;
 mod spot;
 mod surfaces;
 mod tree;
-mod tree_builder;
 mod triangle;
+mod weights;
 
 use glam::Vec3;
 use translucid_scene::Scene;
 
-use emitters::{Emitters, Source};
+use emitters::{Emitters, PlacedLight};
 use receiver::Receiver;
 use selection::Selection;
 use surfaces::Surfaces;
@@ -92,8 +91,8 @@ impl LightHit {
     #[must_use]
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
         let density = match lights.emitters.sources.get(self.light) {
-            Some(Source::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
-            Some(Source::Sphere(sphere)) => sphere.pdf(point),
+            Some(PlacedLight::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
+            Some(PlacedLight::Sphere(sphere)) => sphere.pdf(point),
             _ => 0.0,
         };
         finite_product(lights.probability(&Receiver { point, normal }, self.light), density)
@@ -122,15 +121,15 @@ impl LightSet {
     pub fn new(scene: &Scene, emissive: Vec<EmissiveTriangle>, scene_bounds: (Vec3, Vec3)) -> Self {
         let emitters = Emitters::new(scene, emissive);
         let cross_section = (scene_bounds.1 - scene_bounds.0).length_squared().max(f32::MIN_POSITIVE);
-        let indices = |is_wanted: fn(&Source) -> bool| {
+        let indices = |is_wanted: fn(&PlacedLight) -> bool| {
             let all = emitters.sources.iter().enumerate();
             all.filter(|(_, source)| is_wanted(source)).map(|(index, _)| index).collect::<Vec<_>>()
         };
         Self {
             selection: Selection::new(&emitters, cross_section, LightSelection::Automatic),
             surfaces: Surfaces::new(&emitters.sources),
-            infinite: indices(Source::is_infinite),
-            environment: indices(|source| matches!(source, Source::Environment(_))).pop(),
+            infinite: indices(PlacedLight::is_infinite),
+            environment: indices(|source| matches!(source, PlacedLight::Environment(_))).pop(),
             environment_visible: scene.environment.is_some_and(|environment| environment.visible),
             cross_section,
             emitters,
@@ -160,8 +159,8 @@ impl LightSet {
         let receiver = Receiver { point, normal };
         let (light, probability) = self.selection.choose(&self.emitters, &receiver, f64::from(u))?;
         let direction = match self.emitters.sources.get(light) {
-            Some(Source::Environment(light)) => Some(light.sample(&receiver, v)),
-            Some(Source::Distant(light)) => light.sample_disc(v),
+            Some(PlacedLight::Environment(light)) => Some(light.sample(&receiver, v)),
+            Some(PlacedLight::Distant(light)) => light.sample_disc(v),
             _ => None,
         };
         let sample = match direction {
@@ -225,8 +224,8 @@ impl LightSet {
     #[must_use]
     pub fn environment_radiance(&self, direction: Vec3) -> Vec3 {
         let radiance = |&index: &usize| match &self.emitters.sources[index] {
-            Source::Environment(light) => light.radiance(direction),
-            Source::Distant(light) => light.radiance(direction),
+            PlacedLight::Environment(light) => light.radiance(direction),
+            PlacedLight::Distant(light) => light.radiance(direction),
             _ => Vec3::ZERO,
         };
         self.infinite.iter().map(radiance).sum()
@@ -236,7 +235,7 @@ impl LightSet {
     #[must_use]
     pub fn background_radiance(&self, direction: Vec3) -> Vec3 {
         match self.environment.map(|index| &self.emitters.sources[index]) {
-            Some(Source::Environment(light)) => light.radiance(direction),
+            Some(PlacedLight::Environment(light)) => light.radiance(direction),
             _ => Vec3::ZERO,
         }
     }
@@ -260,8 +259,8 @@ impl LightSet {
     fn infinite_pdf(&self, receiver: &Receiver, known: (usize, f32), direction: Vec3) -> f32 {
         let density = |&index: &usize| {
             let density = match &self.emitters.sources[index] {
-                Source::Environment(light) => light.pdf(receiver, direction),
-                Source::Distant(light) => light.pdf(direction),
+                PlacedLight::Environment(light) => light.pdf(receiver, direction),
+                PlacedLight::Distant(light) => light.pdf(direction),
                 _ => 0.0,
             };
             if density == 0.0 {

@@ -6,7 +6,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
-use super::emitters::Source;
+use super::emitters::PlacedLight;
 
 /// Up to this many are tested one by one.
 const MOST_TESTED: usize = 8;
@@ -44,7 +44,7 @@ struct Hierarchy {
 }
 
 impl Surfaces {
-    pub(crate) fn new(sources: &[Source]) -> Self {
+    pub(crate) fn new(sources: &[PlacedLight]) -> Self {
         let lights: Vec<u32> = (0..sources.len())
             .filter(|&light| sources[light].is_surface())
             .map(|light| light as u32)
@@ -65,7 +65,7 @@ impl Surfaces {
     #[inline]
     pub(crate) fn nearest(
         &self,
-        sources: &[Source],
+        sources: &[PlacedLight],
         ray: (Vec3, Vec3),
         t_max: f32,
         counts: impl Fn(bool) -> bool,
@@ -91,17 +91,17 @@ impl Surfaces {
 
 #[inline]
 fn intersect(
-    sources: &[Source],
+    sources: &[PlacedLight],
     light: u32,
     (origin, direction): (Vec3, Vec3),
     counts: impl Fn(bool) -> bool,
 ) -> Option<SurfaceHit> {
     let light = light as usize;
     let (t, radiance, visible) = match &sources[light] {
-        Source::Rectangle(shape) if counts(shape.visible) => {
+        PlacedLight::Rectangle(shape) if counts(shape.visible) => {
             (shape.intersect(origin, direction)?, shape.radiance, shape.visible)
         }
-        Source::Sphere(shape) if counts(shape.visible) => {
+        PlacedLight::Sphere(shape) if counts(shape.visible) => {
             (shape.intersect(origin, direction)?, shape.radiance, shape.visible)
         }
         _ => return None,
@@ -193,10 +193,10 @@ impl Open {
 struct LightBox(Aabb);
 
 impl LightBox {
-    fn new(sources: &[Source], light: u32) -> Option<Self> {
+    fn new(sources: &[PlacedLight], light: u32) -> Option<Self> {
         let bounds = match &sources[light as usize] {
-            Source::Rectangle(shape) => shape.bounds(),
-            Source::Sphere(shape) => shape.bounds(),
+            PlacedLight::Rectangle(shape) => shape.bounds(),
+            PlacedLight::Sphere(shape) => shape.bounds(),
             _ => return None,
         };
         // It differs between lights, since the builder takes quadratic time over equal boxes.

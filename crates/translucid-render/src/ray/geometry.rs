@@ -8,8 +8,9 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use translucid_scene::{Object, Scene};
 
+use super::primitive::{Primitive, PrimitiveSource};
+use super::wide_tree::WideTree;
 use crate::ray::Ray;
-use crate::ray::wide_tree::{Primitive, Source, WideTree};
 
 /// A point where a ray meets a triangle.
 #[derive(Clone, Copy, Debug)]
@@ -196,7 +197,7 @@ impl Boundable for Place<'_> {
     }
 }
 
-impl Source for Place<'_> {
+impl PrimitiveSource for Place<'_> {
     fn primitive(&self) -> Primitive {
         let Object { mesh, subsurface_group, .. } = self.object;
         let corners = mesh.triangles[self.triangle as usize];

@@ -1,6 +1,7 @@
 //! Rays, triangles and the hierarchy over them: what a ray meets.
 
 mod geometry;
+mod primitive;
 mod triangle;
 mod wide_tree;
 

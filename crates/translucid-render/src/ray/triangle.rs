@@ -3,7 +3,7 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use crate::ray::wide_tree::Primitive;
+use super::primitive::Primitive;
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -283,20 +283,6 @@ impl BlockHits {
             }
         }
         best.map(|lane| (self.get(lane), lane))
-    }
-}
-
-impl Primitive {
-    /// The geometric normal, counter-clockwise, twice the area long.
-    pub(crate) fn normal(&self) -> Vec3 {
-        let [a, b, c] = self.vertices;
-        (b - a).cross(c - a)
-    }
-
-    /// The point at barycentric coordinates of vertices 1 and 2.
-    pub(crate) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
-        let [a, b, c] = self.vertices;
-        a + (b - a) * b1 + (c - a) * b2
     }
 }
 

@@ -2,27 +2,29 @@
 
 use translucid_scene::{Pixels, Scene};
 
-/// Hashes all of a scene that decides its samples: not the number of samples, not the display.
-pub(crate) fn fingerprint(scene: &Scene) -> u64 {
+use super::view::View;
+
+/// Hashes all of a scene and a view that decides samples: not the number of samples, not the display.
+pub(crate) fn fingerprint(scene: &Scene, view: &View) -> u64 {
     let mut hash = Fnv::new();
-    let film = &scene.film;
+    let film = view.film();
     let size = (film.width, film.height, film.filter, film.filter_radius);
-    hash.text(&format!("{:?} {size:?}", scene.camera));
-    hash.content(scene);
+    hash.text(&format!("{:?} {size:?} {:?} {:?}", view.camera(), view.region(), view.fraction()));
+    hash.content(scene, view.seed());
     hash.0
 }
 
 /// Hashes all of a scene that decides its points and the light that enters there, whoever looks at them.
 pub(crate) fn fingerprint_of_points(scene: &Scene) -> u64 {
     let mut hash = Fnv::new();
-    hash.content(scene);
+    hash.content(scene, scene.integrator.seed);
     hash.0
 }
 
 impl Fnv {
     /// All but camera and film.
-    fn content(&mut self, scene: &Scene) {
-        let mut integrator = scene.integrator;
+    fn content(&mut self, scene: &Scene, seed: u64) {
+        let mut integrator = translucid_scene::Integrator { seed, ..scene.integrator };
         integrator.samples_per_pixel = 1;
         // How much memory points may take does not change them.
         integrator.point_memory = 1;

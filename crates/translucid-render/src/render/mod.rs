@@ -1,7 +1,21 @@
-//! Scenes made ready, and the loop over samples.
+//! Scenes made ready, views of them, and the loop that renders them into films.
 
-pub(crate) mod camera;
-pub(crate) mod film;
-pub(crate) mod fingerprint;
-pub(crate) mod pixel_blocks;
-pub(crate) mod renderer;
+mod checkpoint;
+mod film;
+mod fingerprint;
+mod live_film;
+mod passes;
+mod picture;
+mod pixel_blocks;
+mod pixel_rect;
+mod prepared;
+mod view;
+
+pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
+pub use film::{FilmSums, TILE_SIZE, TileSums};
+pub use live_film::{FilmLayer, LayerSizeError, LiveFilm};
+pub use passes::{Goal, Outcome, Progress};
+pub use picture::ImageInfo;
+pub use pixel_rect::PixelRect;
+pub use prepared::{Edit, PreparedScene, Renewed};
+pub use view::{Fraction, View};

@@ -3,7 +3,7 @@
 //! Samples of a block share light (see `sharing`), so their errors are alike. Every sample number has a grid of blocks of
 //! its own, shifted against those of the others, or the borders of blocks would show.
 
-use crate::render::film::TILE_SIZE;
+use super::pixel_rect::PixelRect;
 
 /// Edge of a block in pixels.
 ///
@@ -11,20 +11,17 @@ use crate::render::film::TILE_SIZE;
 /// cost of sharing goes with the square.
 pub(crate) const BLOCK_SIZE: u32 = 16;
 
-/// A rectangle of pixels: left, top, width, height.
-pub(crate) type PixelRect = (u32, u32, u32, u32);
-
 /// The blocks of one sample number.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockGrid {
-    size: (u32, u32),
+    size: [u32; 2],
     /// Width of the first column and height of the first row, in [1, [`BLOCK_SIZE`]].
     first: (u32, u32),
 }
 
 impl BlockGrid {
     /// The grid of a sample number on a film of this width and height.
-    pub(crate) fn new(size: (u32, u32), sample: u32) -> Self {
+    pub(crate) fn new(size: [u32; 2], sample: u32) -> Self {
         // Fractions of the powers of the plastic number [Roberts 2018] spread evenly over the square.
         let shift = |multiplier: u32| ((sample.wrapping_mul(multiplier) >> 16) * BLOCK_SIZE) >> 16;
         Self { size, first: (BLOCK_SIZE - shift(0xc13f_a9a9), BLOCK_SIZE - shift(0x91e1_0da5)) }
@@ -33,7 +30,7 @@ impl BlockGrid {
     /// Number of blocks in a row, and of rows.
     fn counts(&self) -> (u32, u32) {
         let count = |size: u32, first: u32| 1 + size.saturating_sub(first).div_ceil(BLOCK_SIZE);
-        (count(self.size.0, self.first.0), count(self.size.1, self.first.1))
+        (count(self.size[0], self.first.0), count(self.size[1], self.first.1))
     }
 
     /// Number of blocks.
@@ -50,9 +47,19 @@ impl BlockGrid {
             let end = (first + number * BLOCK_SIZE).min(size);
             (begin, end - begin)
         };
-        let (x, width) = span((index % columns) as u32, self.first.0, self.size.0);
-        let (y, height) = span((index / columns) as u32, self.first.1, self.size.1);
-        (x, y, width, height)
+        let (x, width) = span((index % columns) as u32, self.first.0, self.size[0]);
+        let (y, height) = span((index / columns) as u32, self.first.1, self.size[1]);
+        PixelRect { left: x, top: y, width, height }
+    }
+
+    /// Numbers of the blocks that have pixels of a region.
+    pub(crate) fn blocks_in(&self, region: PixelRect) -> impl Iterator<Item = usize> {
+        let columns = self.counts().0 as usize;
+        let first = self.block_of(region.left, region.top);
+        let last = self.block_of(region.left + region.width - 1, region.top + region.height - 1);
+        let (left, right) = (first % columns, last % columns);
+        (first / columns..=last / columns)
+            .flat_map(move |row| (left..=right).map(move |column| row * columns + column))
     }
 
     /// The number of the block that a pixel is in.
@@ -62,29 +69,21 @@ impl BlockGrid {
     }
 }
 
-/// Numbers of the film's tiles that a rectangle touches, on a film of this width.
-pub(crate) fn tiles_of((x, y, width, height): PixelRect, film_width: u32) -> impl Iterator<Item = usize> {
-    let per_row = film_width.div_ceil(TILE_SIZE);
-    let (right, bottom) = ((x + width - 1) / TILE_SIZE, (y + height - 1) / TILE_SIZE);
-    (y / TILE_SIZE..=bottom)
-        .flat_map(move |row| (x / TILE_SIZE..=right).map(move |column| (row * per_row + column) as usize))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn blocks_of_every_sample_cover_each_pixel_once() {
-        for size in [(1, 1), (15, 40), (16, 16), (50, 34), (97, 3)] {
+        for size in [[1, 1], [15, 40], [16, 16], [50, 34], [97, 3]] {
             for sample in 0..40 {
                 let grid = BlockGrid::new(size, sample);
-                let mut seen = vec![0; (size.0 * size.1) as usize];
+                let mut seen = vec![0; (size[0] * size[1]) as usize];
                 for index in 0..grid.len() {
-                    let (x, y, width, height) = grid.rect(index);
+                    let PixelRect { left: x, top: y, width, height } = grid.rect(index);
                     assert!(width > 0 && height > 0 && width <= BLOCK_SIZE && height <= BLOCK_SIZE);
                     for (px, py) in (y..y + height).flat_map(|py| (x..x + width).map(move |px| (px, py))) {
-                        seen[(py * size.0 + px) as usize] += 1;
+                        seen[(py * size[0] + px) as usize] += 1;
                         assert_eq!(grid.block_of(px, py), index);
                     }
                 }
@@ -98,23 +97,9 @@ mod tests {
         let mut columns = [0; BLOCK_SIZE as usize];
         let samples = 1600;
         for sample in 0..samples {
-            columns[(BlockGrid::new((100, 100), sample).first.0 - 1) as usize] += 1;
+            columns[(BlockGrid::new([100, 100], sample).first.0 - 1) as usize] += 1;
         }
         let even = samples / BLOCK_SIZE;
         assert!(columns.iter().all(|count| (even - 5..=even + 5).contains(count)), "{columns:?}");
-    }
-
-    #[test]
-    fn tiles_of_a_rect_are_those_with_its_pixels() {
-        let film_width = 50;
-        for rect in [(0, 0, 16, 16), (5, 5, 16, 16), (47, 16, 3, 1), (15, 15, 2, 2)] {
-            let (x, y, width, height) = rect;
-            let mut expected: Vec<usize> = (y..y + height)
-                .flat_map(|py| (x..x + width).map(move |px| (py / TILE_SIZE * 4 + px / TILE_SIZE) as usize))
-                .collect();
-            expected.sort_unstable();
-            expected.dedup();
-            assert_eq!(tiles_of(rect, film_width).collect::<Vec<_>>(), expected, "{rect:?}");
-        }
     }
 }

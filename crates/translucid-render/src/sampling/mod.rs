@@ -8,4 +8,4 @@ mod sampler;
 pub(crate) use choose::choose;
 pub(crate) use disk::concentric_disk;
 pub use frame::Frame;
-pub(crate) use sampler::Sampler;
+pub(crate) use sampler::{Reserved, Sampler};

@@ -1,6 +1,266 @@
-//! Light under surfaces.
+//! Light under surfaces: for each material a kernel, and the transport that finds the light.
+//!
+//! ```text
+//! kernel/          S(x_i, ω_i, x_o): the profile, cut and tabulated, and what directions change
+//! transport/       how light is found: probes, shared probes, points, a walk
+//! pairing.rs       whose parameters count where a texture gives exit and entry point different ones
+//! normalization.rs what a shape holds of a profile
+//! entry_point.rs   light that arrives where it enters
+//! ```
 
+pub(crate) mod entry_point;
 pub(crate) mod kernel;
-pub(crate) mod normalization;
-pub(crate) mod pairing;
+mod normalization;
+mod note;
+mod pairing;
+mod parameters;
 pub(crate) mod transport;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use translucid_scene::{Material, Scene, SubsurfaceMethod, SubsurfaceModel};
+
+use crate::ray::SurfacePoint;
+use crate::surface::bsdf::SurfaceParameters;
+use crate::world::World;
+use kernel::{KernelError, KernelRecipe, SubsurfaceKernel};
+use normalization::Normalizer;
+use pairing::Pairing;
+use transport::points::{GatherScratch, PointCloud};
+use transport::probes::Probes;
+use transport::walk::{WalkMedium, WalkRecipe};
+
+pub use kernel::{KernelError as SubsurfaceProfileError, KernelNote, NearestParameter};
+pub use note::{MaterialNote, Note};
+pub(crate) use parameters::Subsurface;
+pub(crate) use transport::{ExitPoint, SubsurfaceTransport, Tracing, TransportScratch};
+
+/// Probabilities of probing along the two tangents and the normal.
+///
+/// Measured on the head at equal samples: one axis at random (¼, ¼, ½) has 2.1 times the squared error of
+/// these at 0.78 times the CPU time; all three always (1, 1, 1) 0.87 times the error at 1.5 times the time.
+const AXIS_PROBES: [f32; 3] = [0.25, 0.25, 1.0];
+
+/// The light under all surfaces of a scene, made ready.
+pub(crate) struct SubsurfaceSet {
+    /// For each material.
+    transports: Vec<SubsurfaceTransport>,
+    /// For each material.
+    notes: Vec<Vec<MaterialNote>>,
+    axes: [f32; 3],
+    has_points: bool,
+    normalizer: Option<Normalizer>,
+    normalizer_note: Option<Note>,
+    kernels: Cache<KernelRecipe, SubsurfaceKernel>,
+    media: Cache<WalkRecipe, WalkMedium>,
+}
+
+/// Things that were made from recipes, for those who ask again.
+struct Cache<R, T>(Vec<(R, Arc<T>)>);
+
+impl<R: PartialEq, T> Cache<R, T> {
+    fn get<E>(&mut self, recipe: R, make: impl FnOnce(&R) -> Result<T, E>) -> Result<Arc<T>, E> {
+        if let Some((_, made)) = self.0.iter().find(|(known, _)| *known == recipe) {
+            return Ok(Arc::clone(made));
+        }
+        let made = Arc::new(make(&recipe)?);
+        self.0.push((recipe, Arc::clone(&made)));
+        Ok(made)
+    }
+
+    /// Forgets what nobody uses.
+    fn clean(&mut self) {
+        self.0.retain(|(_, made)| Arc::strong_count(made) > 1);
+    }
+}
+
+impl SubsurfaceSet {
+    /// The kernels and media of a scene's materials.
+    pub(crate) fn new(scene: &Scene) -> Self {
+        let mut new = Self {
+            transports: Vec::new(),
+            notes: Vec::new(),
+            axes: AXIS_PROBES,
+            has_points: false,
+            normalizer: None,
+            normalizer_note: None,
+            kernels: Cache(Vec::new()),
+            media: Cache(Vec::new()),
+        };
+        for index in 0..scene.materials.len() {
+            let (transport, notes) = new.prepare(scene, index);
+            new.transports.push(transport);
+            new.notes.push(notes);
+        }
+        new
+    }
+
+    /// Makes what a changed material needs. Points, if there were any, are no longer those of the scene.
+    pub(crate) fn update(&mut self, scene: &Scene, index: usize) {
+        let (transport, notes) = self.prepare(scene, index);
+        self.transports[index] = transport;
+        self.notes[index] = notes;
+        self.kernels.clean();
+        self.media.clean();
+    }
+
+    /// Lays the points of shapes that materials are normalized by.
+    pub(crate) fn normalize(&mut self, world: &World) {
+        (self.normalizer, self.normalizer_note) = match Normalizer::new(world, &self.transports) {
+            Ok(normalizer) => (normalizer, None),
+            Err(error) => (None, Some(Note::NoNormalization(error))),
+        };
+    }
+
+    fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+        let material = &scene.materials[index];
+        let is_absent = material.subsurface_weight.factor <= 0.0;
+        match material.subsurface_model {
+            _ if is_absent => (SubsurfaceTransport::Lambertian, Vec::new()),
+            SubsurfaceModel::None => (SubsurfaceTransport::Lambertian, Vec::new()),
+            SubsurfaceModel::RandomWalk => self.prepare_walk(scene, index),
+            SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_) => self.prepare_profile(scene, index),
+        }
+    }
+
+    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+        let material = &scene.materials[index];
+        let recipe = WalkRecipe::of(material);
+        match self.media.get(recipe, WalkRecipe::make) {
+            Ok(medium) => {
+                let nearest = recipe.nearest(material);
+                let notes =
+                    if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
+                (SubsurfaceTransport::Walk(medium), notes)
+            }
+            Err(error) => self.stand_in(scene, index, KernelError::Model(error)),
+        }
+    }
+
+    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+        let material = &scene.materials[index];
+        let Some(recipe) = KernelRecipe::of(material) else {
+            return (SubsurfaceTransport::Lambertian, Vec::new());
+        };
+        let kernel = match self.kernels.get(recipe, |recipe| recipe.make(&scene.profile_tables)) {
+            Ok(kernel) => kernel,
+            Err(error) => return self.stand_in(scene, index, error),
+        };
+        let nearest = kernel::unfitted(material);
+        let mut notes = if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
+        notes.extend(kernel.notes().iter().copied().map(MaterialNote::Kernel));
+        let is_point_based = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
+        if is_point_based && kernel.knows_directions() {
+            notes.push(MaterialNote::MeanOverDirections);
+        }
+        (self.transport(scene, index, kernel), notes)
+    }
+
+    /// Burley's profile in place of one that cannot be made.
+    fn stand_in(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        error: KernelError,
+    ) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+        let recipe = KernelRecipe::stand_in(&scene.materials[index]);
+        let notes = vec![MaterialNote::StandIn(error)];
+        match self.kernels.get(recipe, |recipe| recipe.make(&[])) {
+            Ok(kernel) => (self.transport(scene, index, kernel), notes),
+            Err(_) => (SubsurfaceTransport::Lambertian, notes),
+        }
+    }
+
+    /// The transport of a material with a kernel.
+    fn transport(&self, scene: &Scene, index: usize, kernel: Arc<SubsurfaceKernel>) -> SubsurfaceTransport {
+        let pairing = Pairing::new(scene, index, &kernel);
+        let integrator = &scene.integrator;
+        let can_share = integrator.subsurface_sharing && pairing.is_none() && kernel.is_positive();
+        let probes = Probes { kernel, pairing, tail: integrator.subsurface_tail, axes: self.axes };
+        let probing =
+            if can_share { SubsurfaceTransport::Shared(probes) } else { SubsurfaceTransport::Probes(probes) };
+        match integrator.subsurface_method {
+            SubsurfaceMethod::RayTraced => probing,
+            SubsurfaceMethod::PointBased => SubsurfaceTransport::Points(Box::new(probing), None),
+        }
+    }
+
+    /// Gathers light from points, which are the scene's, in place of probing for it.
+    pub(crate) fn set_points(&mut self, world: &World, points: &PointCloud) {
+        let gatherer = Arc::new(points.gatherer(world, &self.transports));
+        for transport in &mut self.transports {
+            if let SubsurfaceTransport::Points(_, own) = transport {
+                *own = Some(Arc::clone(&gatherer));
+            }
+        }
+        self.has_points = true;
+    }
+
+    /// Forgets the points: they belong to a scene that has changed.
+    pub(crate) fn forget_points(&mut self) {
+        for transport in &mut self.transports {
+            if let SubsurfaceTransport::Points(_, own) = transport {
+                *own = None;
+            }
+        }
+        self.has_points = false;
+    }
+
+    /// Whether light is gathered from points.
+    pub(crate) fn has_points(&self) -> bool {
+        self.has_points
+    }
+
+    /// Sets the probabilities of probing along (tangent, tangent, normal).
+    pub(crate) fn set_axes(&mut self, axes: [f32; 3]) {
+        self.axes = axes;
+        self.transports.iter_mut().for_each(|transport| transport.set_axes(axes));
+    }
+
+    /// What a user should know of it.
+    pub(crate) fn notes(&self, scene: &Scene) -> Vec<Note> {
+        let of_materials = self.notes.iter().zip(&scene.materials).flat_map(|(notes, material)| {
+            let Material { name, subsurface_model: model, .. } = material;
+            notes.iter().map(|note| Note::Material {
+                material: name.clone(),
+                model: *model,
+                note: note.clone(),
+            })
+        });
+        of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()
+    }
+
+    /// For each material how its light is found.
+    pub(crate) fn transports(&self) -> &[SubsurfaceTransport] {
+        &self.transports
+    }
+
+    /// Parameters of the medium below a point of a material.
+    pub(crate) fn at(&self, scene: &Scene, material: usize, point: &SurfacePoint) -> Subsurface {
+        self.transports[material].at(scene, &scene.materials[material], point)
+    }
+
+    /// Has paths look below a material where an exit is dark, but light may have entered where it is bright.
+    pub(crate) fn brighten(&self, material: usize, surface: &mut SurfaceParameters) {
+        if let Some(pairing) = self.transports[material].probes().and_then(|probes| probes.pairing.as_ref()) {
+            pairing.brighten(surface);
+        }
+    }
+
+    /// Factor on light that leaves at a point, for its shape.
+    pub(crate) fn shape_factor(
+        &self,
+        scene: &Scene,
+        exit: &ExitPoint<'_>,
+        scratch: &mut GatherScratch,
+    ) -> Vec3 {
+        let Some(normalizer) = &self.normalizer else { return Vec3::ONE };
+        normalizer.factor(&scene.materials[exit.material], &exit.leaving(), scratch)
+    }
+
+    /// Factor on light that leaves where the shape is known to hold so much of the profile's energy.
+    pub(crate) fn shape_factor_of(scene: &Scene, exit: &ExitPoint<'_>, energy: Vec3) -> Vec3 {
+        normalization::factor_of(&scene.materials[exit.material], energy)
+    }
+}

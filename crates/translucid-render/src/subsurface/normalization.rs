@@ -12,9 +12,9 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use translucid_scene::{Material, SubsurfaceNormalization};
 
-use crate::path::tracer::World;
-use crate::subsurface::kernel::tables::ProfileTables;
-use crate::subsurface::transport::points::{Gatherer, Leaving, PointCloud, PointsError, Scratch};
+use super::transport::SubsurfaceTransport;
+use super::transport::points::{GatherScratch, Gatherer, Leaving, Making, PointCloud, PointsError};
+use crate::world::World;
 
 /// Most memory for points, in bytes, whatever the scene allows: half a million.
 ///
@@ -34,7 +34,10 @@ impl Normalizer {
     ///
     /// # Errors
     /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
-    pub(crate) fn new(world: &World) -> Result<Option<Self>, PointsError> {
+    pub(crate) fn new(
+        world: &World,
+        transports: &[SubsurfaceTransport],
+    ) -> Result<Option<Self>, PointsError> {
         let is_asked_for = |material: &Material| {
             material.subsurface_normalization == SubsurfaceNormalization::Energy
                 && material.subsurface_weight.factor > 0.0
@@ -44,32 +47,28 @@ impl Normalizer {
         }
         let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
         let never = AtomicBool::new(false);
-        let cloud = PointCloud::without_light(world, 0, memory, &|_| {}, &never)?;
-        Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world) }))
+        let making = Making { fingerprint: 0, memory, progress: &|_| {}, stop: &never };
+        let cloud = PointCloud::without_light(world, transports, &making)?;
+        Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world, transports) }))
     }
 
     /// Factor on the light that leaves at a point of a material.
-    pub(crate) fn factor(
-        &self,
-        tables: &ProfileTables,
-        material: &Material,
-        leaving: &Leaving,
-        scratch: &mut Scratch,
-    ) -> Vec3 {
+    pub(crate) fn factor(&self, material: &Material, leaving: &Leaving, scratch: &mut GatherScratch) -> Vec3 {
         if material.subsurface_normalization == SubsurfaceNormalization::None {
             return Vec3::ONE;
         }
-        let gathered = self.points.gather(tables, leaving, scratch);
-        gathered.map_or(Vec3::ONE, |gathered| Self::factor_of(material, gathered.energy))
+        let gathered = self.points.gather(leaving, scratch);
+        gathered.map_or(Vec3::ONE, |gathered| factor_of(material, gathered.energy))
     }
+}
 
-    /// The same by N; 1 where a channel has no profile.
-    pub(crate) fn factor_of(material: &Material, energy: Vec3) -> Vec3 {
-        match material.subsurface_normalization {
-            SubsurfaceNormalization::None => Vec3::ONE,
-            SubsurfaceNormalization::Energy => {
-                energy.map(|n| if n > 0.0 { n.max(LEAST_ENERGY).recip() } else { 1.0 })
-            }
+/// Factor on the light that leaves where the surfaces around hold N of the profile's energy; 1 where a channel has no
+/// profile.
+pub(crate) fn factor_of(material: &Material, energy: Vec3) -> Vec3 {
+    match material.subsurface_normalization {
+        SubsurfaceNormalization::None => Vec3::ONE,
+        SubsurfaceNormalization::Energy => {
+            energy.map(|n| if n > 0.0 { n.max(LEAST_ENERGY).recip() } else { 1.0 })
         }
     }
 }

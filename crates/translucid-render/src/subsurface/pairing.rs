@@ -9,15 +9,15 @@
 //! by side (the example `textured_edge` of `translucid-reference`).
 
 use glam::Vec3;
-use translucid_profile::d_from_surface_albedo_f32;
-use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceModel, SubsurfaceTextureAt};
+use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceTextureAt};
 
-use crate::path::tracer::World;
+use super::kernel::SubsurfaceKernel;
+use super::parameters::Subsurface;
+use super::transport::ExitPoint;
 use crate::ray::Hit;
-use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
-use crate::subsurface::transport::probes::Exit;
+use crate::surface;
 use crate::surface::bsdf::SurfaceParameters;
-use crate::surface::material::{self, Subsurface};
+use crate::world::World;
 
 /// Surface albedos among which the widest profile is sought.
 const ALBEDOS: u16 = 64;
@@ -32,7 +32,7 @@ pub(crate) struct Pairing {
     /// Whether the exit's parameters count as well.
     is_symmetric: bool,
     /// Greatest surface albedo anywhere, per channel.
-    albedo: Vec3,
+    surface_albedo: Vec3,
     /// Greatest length anywhere, as the material states it, per channel \[L\].
     length: Vec3,
     /// The surface albedo whose profile is widest, per channel.
@@ -41,73 +41,67 @@ pub(crate) struct Pairing {
 
 impl Pairing {
     /// `None` where the exit's parameters count alone: it is asked for, or all points have the same.
-    pub(crate) fn new(
-        scene: &Scene,
-        index: usize,
-        source: ProfileSource,
-        tables: &ProfileTables,
-    ) -> Option<Self> {
+    pub(crate) fn new(scene: &Scene, index: usize, kernel: &SubsurfaceKernel) -> Option<Self> {
         let material = &scene.materials[index];
-        let is_profile =
-            matches!(material.subsurface_model, SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_));
-        let is_textured = [material.subsurface_color, material.subsurface_radius_scale]
-            .iter()
-            .any(|color| color.texture.is_some() || color.vertex_color)
-            || material.subsurface_radius.texture.is_some();
-        if material.subsurface_texture_at == SubsurfaceTextureAt::Exit || !is_profile || !is_textured {
+        if material.subsurface_texture_at == SubsurfaceTextureAt::Exit || !is_textured(material) {
             return None;
         }
-        let albedo = greatest_color(scene, index, &material.subsurface_color).clamp(Vec3::ZERO, Vec3::ONE);
+        let color = greatest_color(scene, index, &material.subsurface_color);
+        let surface_albedo = color.clamp(Vec3::ZERO, Vec3::ONE);
         let radius = greatest_scalar(scene, &material.subsurface_radius).max(0.0);
         let scale = greatest_color(scene, index, &material.subsurface_radius_scale).max(Vec3::ZERO);
         let tail = scene.integrator.subsurface_tail;
-        let widest = |c: usize| widest(albedo[c], material, source, tables, tail);
         Some(Self {
             is_symmetric: material.subsurface_texture_at == SubsurfaceTextureAt::Both,
-            albedo,
+            surface_albedo,
             length: scale * radius,
-            widest: Vec3::new(widest(0), widest(1), widest(2)),
+            widest: surface_albedo.map(|brightest| widest(brightest, kernel, tail)),
         })
     }
 
     /// The parameters of light that leaves at the exit and enters at a hit.
     ///
     /// In another material, whose lengths may mean something else, the exit's count.
-    pub(crate) fn pair(&self, world: &World, exit: &Exit<'_>, hit: &Hit) -> Subsurface {
-        let point = world.geometry.surface_point(&world.scene, hit);
+    pub(crate) fn pair(
+        &self,
+        kernel: &SubsurfaceKernel,
+        world: &World,
+        exit: &ExitPoint<'_>,
+        hit: &Hit,
+    ) -> Subsurface {
+        let point = world.surface_point(hit);
         let (index, material) = world.material(&point);
         if index != exit.material {
             return exit.subsurface;
         }
-        let mut albedo = material::albedo_at(&world.scene, material, &point);
-        let mut length = material::stated_length_at(&world.scene, material, &point);
+        let mut surface_albedo = surface::surface_albedo_at(&world.scene, material, &point);
+        let mut length = surface::stated_length_at(&world.scene, material, &point);
         if self.is_symmetric {
-            albedo = geometric_mean(albedo, exit.subsurface.albedo);
-            length = geometric_mean(length, material::stated_length_at(&world.scene, material, exit.point));
+            surface_albedo = geometric_mean(surface_albedo, exit.subsurface.surface_albedo);
+            length = geometric_mean(length, surface::stated_length_at(&world.scene, material, exit.point));
         }
-        world.materials.subsurface(index, material, albedo, length, exit.point.offset)
+        Subsurface { surface_albedo, length: kernel.resolved(surface_albedo, length, exit.point.offset) }
     }
 
     /// Parameters of a profile that is at least as wide as that of any pair.
-    pub(crate) fn widest(&self, world: &World, exit: &Exit<'_>) -> Subsurface {
-        let material = &world.scene.materials[exit.material];
-        let length = self.length * MARGIN;
-        world.materials.subsurface(exit.material, material, self.widest, length, 0.0)
+    pub(crate) fn widest(&self, kernel: &SubsurfaceKernel) -> Subsurface {
+        let length = kernel.resolved(self.widest, self.length * MARGIN, 0.0);
+        Subsurface { surface_albedo: self.widest, length }
     }
 
     /// Greatest surface albedo of any pair with an exit of the given one.
     pub(crate) fn brightest(&self, exit: Vec3) -> Vec3 {
-        if self.is_symmetric { geometric_mean(self.albedo, exit) } else { self.albedo }
+        if self.is_symmetric { geometric_mean(self.surface_albedo, exit) } else { self.surface_albedo }
     }
 
     /// Has paths look below where an exit is dark, but light may have entered where it is bright.
     ///
     /// The color only says how often.
     pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
-        let color = surface.subsurface_color;
+        let color = surface.surface_albedo;
         let brighter = color.max(0.5 * self.brightest(color));
         let active = Vec3::from_array(surface.subsurface_active.map(|a| f32::from(u8::from(a))));
-        surface.subsurface_color = color + (brighter - color) * active;
+        surface.surface_albedo = color + (brighter - color) * active;
     }
 }
 
@@ -117,21 +111,16 @@ fn geometric_mean(a: Vec3, b: Vec3) -> Vec3 {
     root(a) * root(b)
 }
 
+fn is_textured(material: &Material) -> bool {
+    let is_varied = |color: &ColorInput| color.texture.is_some() || color.vertex_color;
+    is_varied(&material.subsurface_color)
+        || is_varied(&material.subsurface_radius_scale)
+        || material.subsurface_radius.texture.is_some()
+}
+
 /// The surface albedo up to `brightest` whose profile reaches furthest.
-fn widest(
-    brightest: f32,
-    material: &Material,
-    source: ProfileSource,
-    tables: &ProfileTables,
-    tail: f32,
-) -> f32 {
-    let reach = |a: f32| match source.table() {
-        Some(table) => tables.table(table).at(a, 1.0).truncation_radius(tail),
-        None => {
-            let Material { subsurface_parameter, subsurface_configuration, .. } = *material;
-            d_from_surface_albedo_f32(a, 1.0, subsurface_parameter, subsurface_configuration)
-        }
-    };
+fn widest(brightest: f32, kernel: &SubsurfaceKernel, tail: f32) -> f32 {
+    let reach = |a: f32| kernel.radial(a, 1.0).truncation_radius(tail);
     let albedo = |i: u16| brightest * f32::from(i) / f32::from(ALBEDOS);
     let greater = |a: f32, b: f32| if reach(b) > reach(a) { b } else { a };
     (0..=ALBEDOS).map(albedo).fold(brightest, greater)

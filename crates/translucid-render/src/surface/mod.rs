@@ -1,4 +1,13 @@
 //! Surfaces: a material's values at a point, and how the interface there scatters light.
 
 pub mod bsdf;
-pub(crate) mod material;
+mod parameters;
+mod shading_normal;
+mod tables;
+mod texture;
+
+pub(crate) use parameters::{
+    absorption, emission_at, opacity_at, parameters_at, stated_length_at, surface_albedo_at,
+};
+pub(crate) use shading_normal::shading_normal_at;
+pub(crate) use tables::SurfaceTables;

@@ -1,3 +1,43 @@
-//! Everything that paths know of a scene, and the light between two points of it.
+//! What all paths know of a scene, and what light does between two of its points.
 
-pub(crate) mod shadow;
+mod direct_light;
+mod path_state;
+mod pixel_sample;
+mod shadow;
+
+use translucid_scene::{Material, Scene};
+
+use crate::light::LightSet;
+use crate::ray::{Geometry, Hit, SurfacePoint};
+use crate::surface::SurfaceTables;
+
+pub(crate) use direct_light::{power_heuristic, weighed};
+pub(crate) use path_state::{Layer, Origin, PathState};
+pub use pixel_sample::{PixelSample, layer};
+pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_transmittance};
+
+/// A scene with its hierarchy, the tables of its surfaces and its lights, shared by all threads.
+pub(crate) struct World {
+    pub(crate) scene: Scene,
+    pub(crate) geometry: Geometry,
+    pub(crate) surfaces: SurfaceTables,
+    pub(crate) lights: LightSet,
+}
+
+impl World {
+    /// The material at a point, with its number.
+    pub(crate) fn material(&self, point: &SurfacePoint) -> (usize, &Material) {
+        let index = self.scene.objects[point.object as usize].material;
+        (index, &self.scene.materials[index])
+    }
+
+    /// The surface at a hit.
+    pub(crate) fn surface_point(&self, hit: &Hit) -> SurfacePoint {
+        self.geometry.surface_point(&self.scene, hit)
+    }
+
+    /// The point of a triangle nearest to a position in its plane, by the triangle's scene-wide number.
+    pub(crate) fn point_on(&self, primitive: u32, position: glam::Vec3) -> SurfacePoint {
+        self.geometry.point_on(&self.scene, primitive, position)
+    }
+}

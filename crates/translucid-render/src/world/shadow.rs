@@ -3,18 +3,17 @@
 use glam::Vec3;
 use translucid_scene::Material;
 
-use crate::path::tracer::World;
-use crate::ray::Ray;
-use crate::ray::SurfacePoint;
+use super::World;
+use crate::ray::{Ray, SurfacePoint};
+use crate::surface;
 use crate::surface::bsdf::{SurfaceParameters, fresnel_dielectric};
-use crate::surface::material;
 
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
 
-/// What a shadow ray starts in.
+/// The clear medium that a shadow ray starts in.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Medium {
+pub(crate) struct ShadowMedium {
     /// Absorption coefficient of the clear medium around its origin [1/L].
     pub(crate) absorption: Vec3,
     /// Whether the light may come straight through clear surfaces.
@@ -23,8 +22,8 @@ pub(crate) struct Medium {
 
 /// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
 /// media or, for soft light, clear surfaces are in the way.
-pub(crate) fn transmittance(world: &World, ray: &Ray, medium: Medium) -> Vec3 {
-    if world.materials.any_lets_light_through() {
+pub(crate) fn transmittance(world: &World, ray: &Ray, medium: ShadowMedium) -> Vec3 {
+    if world.surfaces.any_lets_light_through() {
         through_surfaces(world, *ray, medium)
     } else if world.geometry.occluded(ray) {
         Vec3::ZERO
@@ -34,7 +33,11 @@ pub(crate) fn transmittance(world: &World, ray: &Ray, medium: Medium) -> Vec3 {
 }
 
 /// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
-fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }: Medium) -> Vec3 {
+fn through_surfaces(
+    world: &World,
+    mut ray: Ray,
+    ShadowMedium { mut absorption, soft }: ShadowMedium,
+) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
     for _ in 0..MOST_SURFACES {
@@ -42,14 +45,13 @@ fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }
             return result * absorbed(absorption, ray.t_max);
         };
         let index = scene.objects[world.geometry.object(&hit) as usize].material;
-        if !world.materials.lets_light_through(index) {
+        if !world.surfaces.lets_light_through(index) {
             return Vec3::ZERO;
         }
         let material = &scene.materials[index];
-        let point = world.geometry.surface_point(scene, &hit);
-        let opacity = material::opacity_at(scene, material, &point);
-        let subsurface = material::subsurface_at(scene, &world.materials, index, &point);
-        let surface = material::surface_at(scene, material, &point, &subsurface);
+        let point = world.surface_point(&hit);
+        let opacity = surface::opacity_at(scene, material, &point);
+        let surface = surface::parameters_at(scene, material, &point);
         let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
         result *= absorbed(absorption, hit.t);
         if clear > 0.0 {
@@ -68,7 +70,7 @@ fn through_surfaces(world: &World, mut ray: Ray, Medium { mut absorption, soft }
 
 /// Absorption coefficient of the clear medium that a direction across a surface leads into [1/L].
 pub(crate) fn absorption_behind(material: &Material, point: &SurfacePoint, direction: Vec3) -> Vec3 {
-    if direction.dot(point.geometric_normal) < 0.0 { material::absorption(material) } else { Vec3::ZERO }
+    if direction.dot(point.geometric_normal) < 0.0 { surface::absorption(material) } else { Vec3::ZERO }
 }
 
 /// Transmittance of a clear medium over a distance; what never ends (an open mesh) absorbs nothing.

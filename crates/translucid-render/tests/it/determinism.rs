@@ -4,13 +4,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::{Mat3, Vec3};
-use translucid_render::{FilmSums, Goal, Outcome};
+use translucid_render::{FilmSums, Goal, Outcome, Progress};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    Unit,
+    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit,
 };
 
-use crate::common::{on_threads, prepare, render, render_until};
+use crate::common::{on_threads, prepare, prepare_with_points, render, render_until};
+
+const MEMORY: u64 = 1 << 30;
 
 /// A bumpy translucent sheet with a glossy interface, lit by a rectangle and the sky.
 fn scene() -> Scene {
@@ -66,10 +68,40 @@ fn scene() -> Scene {
     }
 }
 
-fn rendered(threads: usize, steps: &[u32]) -> FilmSums {
+/// The scene by every way that light can take below its surface.
+fn ways() -> [(&'static str, Scene); 5] {
+    let changed = |change: fn(&mut Scene)| {
+        let mut scene = scene();
+        change(&mut scene);
+        scene
+    };
+    [
+        ("shared", changed(|scene| scene.integrator.subsurface_sharing = true)),
+        ("alone", changed(|scene| scene.integrator.subsurface_sharing = false)),
+        (
+            "normalized",
+            changed(|s| s.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy),
+        ),
+        ("walk", changed(|scene| scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk)),
+        (
+            "points",
+            changed(|scene| {
+                scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+                scene.integrator.point_tolerance = 0.5;
+            }),
+        ),
+    ]
+}
+
+fn empty_film() -> FilmSums {
+    FilmSums::new(50, 34)
+}
+
+/// The picture of a scene made ready and rendered on so many threads, in steps to these numbers of samples.
+fn rendered(scene: &Scene, threads: usize, steps: &[u32]) -> FilmSums {
     on_threads(threads, || {
-        let renderer = prepare(scene());
-        let mut film = FilmSums::new(50, 34);
+        let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        let mut film = empty_film();
         for &samples in steps {
             assert_eq!(render(&renderer, &mut film, samples), Outcome::Finished);
         }
@@ -77,35 +109,63 @@ fn rendered(threads: usize, steps: &[u32]) -> FilmSums {
     })
 }
 
-#[test]
-fn threads_and_interruptions_leave_no_trace() {
-    let reference = rendered(1, &[24]);
-    assert!(reference.radiance(25, 20).iter().sum::<f64>() > 0.0);
-    assert!(reference == rendered(2, &[24]), "two threads");
-    assert!(reference == rendered(5, &[1, 2, 9, 24]), "five threads in steps");
-}
-
-#[test]
-fn stop_keeps_a_film_that_can_be_continued() {
-    let renderer = prepare(scene());
-    let mut film = FilmSums::new(50, 34);
+/// A film whose rendering somebody has stopped after a third.
+fn interrupted(scene: &Scene, threads: usize, samples: u32) -> FilmSums {
+    let mut film = empty_film();
     let stop = AtomicBool::new(false);
-    let goal = Goal { samples: 24, deadline: None };
-    let stop_soon = |progress: translucid_render::Progress| {
+    let stop_soon = |progress: Progress| {
         if progress.samples_done * 3 > progress.samples_total {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    assert_eq!(render_until(&renderer, &mut film, goal, &stop_soon, &stop), Outcome::Interrupted);
-    assert!(film.samples() < 24);
-    assert_eq!(render(&renderer, &mut film, 24), Outcome::Finished);
-    assert!(film == rendered(1, &[24]));
+    let goal = Goal { samples, deadline: None };
+    let outcome = on_threads(threads, || {
+        let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        render_until(&renderer, &mut film, goal, &stop_soon, &stop)
+    });
+    assert_eq!(outcome, Outcome::Interrupted);
+    assert!(film.samples() < samples);
+    film
+}
+
+#[test]
+fn threads_and_steps_leave_no_trace() {
+    for (name, scene) in ways() {
+        let reference = rendered(&scene, 1, &[9]);
+        assert!(reference.radiance(25, 20).iter().sum::<f64>() > 0.0, "{name}");
+        assert!(reference == rendered(&scene, 2, &[9]), "{name}, two threads");
+        assert!(reference == rendered(&scene, 3, &[1, 2, 6, 9]), "{name}, three threads in steps");
+    }
+}
+
+/// The ways are ways: each has a picture of its own.
+#[test]
+fn ways_differ() {
+    let pictures = ways().map(|(name, scene)| (name, rendered(&scene, 2, &[1])));
+    for (index, (name, film)) in pictures.iter().enumerate() {
+        for (other_name, other) in &pictures[..index] {
+            assert!(film != other, "{name} {other_name}");
+        }
+    }
+}
+
+#[test]
+fn interrupted_film_is_continued_by_another_renderer() {
+    for (name, scene) in ways() {
+        let mut film = interrupted(&scene, 2, 9);
+        let outcome = on_threads(3, || {
+            let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+            render(&renderer, &mut film, 9)
+        });
+        assert_eq!(outcome, Outcome::Finished);
+        assert!(film == rendered(&scene, 1, &[9]), "{name}");
+    }
 }
 
 #[test]
 fn deadline_ends_the_rendering_in_time() {
     let renderer = prepare(scene());
-    let mut film = FilmSums::new(50, 34);
+    let mut film = empty_film();
     let start = Instant::now();
     let goal = Goal { samples: 1 << 22, deadline: Some(start + Duration::from_millis(200)) };
     assert_eq!(render_until(&renderer, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);

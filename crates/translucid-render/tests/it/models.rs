@@ -1,7 +1,6 @@
 //! Every model in the renderer against its own profile: A of a plane, transmission of a slab, constant and textured.
 //!
-//! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per
-//! comparison, below 1 % over all comparisons of this file).
+//! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in 2,700 comparisons).
 
 use glam::Vec3;
 use translucid_profile::{
@@ -14,11 +13,11 @@ use translucid_scene::{
     SubsurfaceModel, TextureRef,
 };
 
-use crate::common::{assert_within, distant, measure, prepare, quad, scene, uniform_environment};
+use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
 
 const DIRECTIONAL: SubsurfaceModel = SubsurfaceModel::Profile(Model::DirectionalDipole);
 const OBLIQUE: SubsurfaceModel = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
-/// What knows where light comes from.
+/// Models that know where light comes from.
 const DIRECTED: [Model; 2] = [Model::DirectionalDipole, Model::NormalizedDiffusionOblique];
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
 const LENGTH: Vec3 = Vec3::new(1.0, 0.6, 0.4);
@@ -36,7 +35,7 @@ fn material(model: SubsurfaceModel) -> Material {
     }
 }
 
-/// The same color by way of an image, so that the renderer has to expect any.
+/// Replaces a scene's color by an image of it, so that the renderer has to expect any.
 fn textured(mut scene: Scene) -> Scene {
     scene.images.push(Image {
         name: "color".into(),
@@ -51,12 +50,12 @@ fn textured(mut scene: Scene) -> Scene {
     scene
 }
 
-/// Energy that leaves beyond the distance t, per channel.
+/// Energy that leaves beyond the distance t, per channel, without a phase function and a boundary.
 fn beyond(model: Model, t: f32) -> Vec3 {
     beyond_with(model, t, 0.0, 1.0)
 }
 
-/// The same with a phase function and a boundary.
+/// Energy that leaves beyond the distance t, per channel, with a phase function and a boundary.
 fn beyond_with(model: Model, t: f32, g: f64, eta: f64) -> Vec3 {
     Vec3::from_array(std::array::from_fn(|c| {
         let appearance = Appearance {
@@ -128,7 +127,8 @@ fn slab_transmits_what_every_profile_says() {
             let plain = slab(material(SubsurfaceModel::Profile(model)), thickness);
             let expected = beyond(model, thickness) / std::f32::consts::PI;
             for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
-                let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
+                let result =
+                    measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, samples(1 << 17));
                 assert_within(&format!("{model} {name} {thickness}"), result, expected);
             }
         }
@@ -152,7 +152,7 @@ fn normalized_diffusion_knows_phase_function_and_boundary() {
             for (name, scene) in [("constant", plain.clone()), ("textured", textured(plain))] {
                 let renderer = prepare(scene);
                 assert_eq!(renderer.notes().len(), notes, "{:?}", renderer.notes());
-                let result = measure(&renderer, Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 16);
+                let result = measure(&renderer, Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, samples(1 << 16));
                 assert_within(&format!("{model} {name} {g} {eta}"), result, expected);
             }
         }
@@ -251,13 +251,13 @@ fn directional_dipole_leaves_where_it_says() {
     let expected =
         EXITS.map(|exit| beam.radiance(exit, |x, y| dipole.eval([x, y, 0.0], toward_light, up, up)));
     for (exit, expected) in EXITS.into_iter().zip(expected) {
-        let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, 1 << 20);
+        let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, samples(1 << 20));
         assert_within(&format!("exit {exit}"), result, Vec3::splat(expected));
     }
     assert!(expected[0] > 2.0 * expected[1], "{expected:?}");
 }
 
-/// The same of oblique normalized diffusion, which is the truth to within the model's error, with and without
+/// A slanting beam leaves as oblique normalized diffusion says, which is the truth to within the model's error, with and without
 /// refraction.
 #[test]
 fn oblique_diffusion_leaves_where_the_exact_solution_says() {
@@ -271,7 +271,7 @@ fn oblique_diffusion_leaves_where_the_exact_solution_says() {
         let exact = ObliqueHalfSpace::new(alpha, 1.0, cos_theta).unwrap();
         for exit in EXITS {
             let expected = beam.radiance(exit, |x, y| model.eval(x.hypot(y), y.atan2(x)));
-            let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, 1 << 18);
+            let result = measure(&renderer, exit + Vec3::Z, Vec3::NEG_Z, samples(1 << 18));
             assert_within(&format!("η {eta} exit {exit}"), result, Vec3::splat(expected));
             let (r, phi) = (f64::from(exit.length()), f64::from(exit.y.atan2(exit.x)));
             let error = model.eval(r, phi) / exact.eval(r, phi).value - 1.0;
@@ -294,7 +294,7 @@ fn table_from_a_file_gives_the_picture_of_its_model() {
     let mut scene = slab(material(SubsurfaceModel::Tabulated(0)), 0.7);
     let rows = [0.2, 0.5, 0.9].map(row).to_vec();
     scene.profile_tables.push(ProfileTable { path: "dipole.csv".into(), rows });
-    let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 17);
+    let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, samples(1 << 17));
     assert_within("table", result, beyond(Model::Dipole, 0.7) / std::f32::consts::PI);
 }
 

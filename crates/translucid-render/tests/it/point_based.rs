@@ -13,8 +13,8 @@ use translucid_render::{PointPass, PointProgress};
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use crate::common::{
-    Renderer, distant, make_points, measure, on_threads, prepare, quad, sample_ray, scene, sphere,
-    uniform_environment, with_points,
+    PreparedScene, distant, make_points, measure, on_threads, prepare, prepare_with_points, quad, sample_ray,
+    scene, sphere, uniform_environment, with_points,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.8, 0.6);
@@ -33,12 +33,10 @@ fn translucent(model: Model) -> Material {
     }
 }
 
-fn point_based(mut scene: Scene, tolerance: f32) -> Renderer {
+fn point_based(mut scene: Scene, tolerance: f32) -> PreparedScene {
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = tolerance;
-    let renderer = prepare(scene);
-    let points = make_points(&renderer, MEMORY).expect("enough memory");
-    with_points(renderer, &points)
+    prepare_with_points(scene, MEMORY).expect("enough memory")
 }
 
 fn profile(channel: usize) -> NormalizedDiffusion {

@@ -1,7 +1,7 @@
 //! Textured surface albedo and mean free path: whose count where exit and entry have different ones.
 //!
-//! Every test fixes its seed. A mean counts as right within four standard errors (false-alarm rate 6e-5 per
-//! comparison, below 1 % over all comparisons of this file).
+//! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in 2,700
+//! comparisons).
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use translucid_scene::{
     SubsurfaceModel, SubsurfaceTextureAt, TextureRef,
 };
 
-use crate::common::{assert_within, distant, measure, prepare, quad, scene, uniform_environment};
+use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
 
 const POLICIES: [SubsurfaceTextureAt; 3] =
     [SubsurfaceTextureAt::Exit, SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both];
@@ -131,7 +131,7 @@ fn step_follows_the_line_integrals_of_its_policy() {
             scene.lights.push(distant(Vec3::Z));
             let renderer = prepare(scene);
             for x in [-0.6_f32, -0.1, 0.1, 0.6] {
-                let result = measure(&renderer, Vec3::new(x, 0.3, 1.0), Vec3::NEG_Z, 1 << 15);
+                let result = measure(&renderer, Vec3::new(x, 0.3, 1.0), Vec3::NEG_Z, samples(1 << 15));
                 let expected = expected(shape, policy, &STEP, x) / std::f32::consts::PI;
                 assert_within(&format!("{model} {policy:?} {x}"), result, expected);
             }
@@ -171,13 +171,14 @@ fn both_is_reciprocal_and_the_others_are_not() {
                 power: Vec3::ONE,
             });
             let renderer = prepare(scene);
-            measure(&renderer, Vec3::new(seen, 0.0, 1.0), Vec3::NEG_Z, 1 << 17)
+            measure(&renderer, Vec3::new(seen, 0.0, 1.0), Vec3::NEG_Z, samples(1 << 17))
         });
         let z = (there.0 - back.0) / (there.1 * there.1 + back.1 * back.1).map(f32::sqrt);
         let relative = ((there.0 - back.0) / there.0).abs();
         // Both ways have the same distances of pairs
         if policy == SubsurfaceTextureAt::Both {
             assert!(z.abs().max_element() < 4.0, "{there:?} {back:?}, z = {z}");
+            eprintln!("TUNE recip {there:?} {z}");
             assert!((there.1 / there.0).max_element() < 0.05, "too noisy to tell: {there:?}");
         } else {
             assert!(relative.max_element() > 0.3, "{policy:?}: {there:?} {back:?}");
@@ -204,7 +205,7 @@ fn even_textures_are_the_same_by_every_policy() {
             constants.push(measure(&renderer, point, Vec3::NEG_Z, 1 << 10));
             let mut even = textured(material(model, policy), plane(), &[albedo], &[length]);
             even.lights.push(distant(Vec3::Z));
-            let result = measure(&prepare(even), point, Vec3::NEG_Z, 1 << 14);
+            let result = measure(&prepare(even), point, Vec3::NEG_Z, samples(1 << 14));
             assert_within(&format!("{model} {policy:?}"), result, albedo / std::f32::consts::PI);
         }
         assert_eq!([constants[1], constants[2]], [constants[0]; 2], "{model}: no texture, no difference");
@@ -240,13 +241,13 @@ fn every_kind_of_texture_is_covered() {
         } else {
             Step { albedo: [Vec3::splat(0.6); 2], length: [bright, dim] }
         };
-        let result = measure(&prepare(scene), Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z, 1 << 16);
+        let result = measure(&prepare(scene), Vec3::new(0.2, 0.3, 1.0), Vec3::NEG_Z, samples(1 << 16));
         let expected = expected(Model::NormalizedDiffusion, SubsurfaceTextureAt::Entry, &step, 0.2);
         assert_within(name, result, expected / std::f32::consts::PI);
     }
 }
 
-/// What another material's lengths mean is its own affair: across materials of one group the exit's count.
+/// Lengths of another material are its own affair: across materials of one group the exit's count.
 #[test]
 fn across_materials_the_exit_counts() {
     let plane = quad(Vec3::X * 500.0, Vec3::X * 500.0, Vec3::Y * 1e3);

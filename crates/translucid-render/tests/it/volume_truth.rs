@@ -1,7 +1,7 @@
 //! The random walk against images of an independent volumetric path tracer, region by region.
 //!
 //! The images and meshes are not part of the project: where `shared/assets` is absent, the tests are ignored.
-//! Each region's mean is that of sixteen renderings with seeds of their own, which tell its standard error; it counts as
+//! Each region's mean is that of sixteen pictures with seeds of their own, which tell its standard error; it counts as
 //! right within five of them (by Student's t a false alarm in 6,000, and 1.5 % over all comparisons) and 1.5 % of the
 //! truth, whose own noise is in that; pixels of the truth that outshine all their neighbors are left out of both.
 
@@ -13,10 +13,11 @@ use exr::prelude::*;
 use glam::Vec3;
 use translucid_profile::roots::falling_root;
 use translucid_profile::{Configuration, half_space_surface_albedo};
+use translucid_render::FilmSums;
 use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_scene};
 use translucid_testing::{asset, with_shared_assets};
 
-use crate::common::picture;
+use crate::common::{pictures, prepare};
 
 /// Pixels of the picture here, and of the truth's for each of them.
 const SIZE: usize = 128;
@@ -76,7 +77,7 @@ fn truth(file: &str) -> Vec<Vec3> {
     (0..SIZE * SIZE).map(|i| pixel(i % SIZE, i / SIZE)).collect()
 }
 
-/// Whether a pixel outshines all its neighbors by far: a single path of the truth's that met a light by great luck.
+/// Tells whether a pixel outshines all its neighbors by far: a single path of the truth's that met a light by great luck.
 fn is_speck(pixels: &[Vec3], x: usize, y: usize) -> bool {
     let brightness = |x: usize, y: usize| pixels[y * SIZE + x].max_element();
     let neighbors = (y.saturating_sub(1)..=(y + 1).min(SIZE - 1))
@@ -97,17 +98,14 @@ fn regions(pixel: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
 }
 
 fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
-    let renderings: Vec<Vec<Vec3>> = (0..SEEDS)
-        .map(|seed| {
-            let mut scene = scene.clone();
-            scene.integrator.seed = seed;
-            let film = picture(&scene, samples);
-            regions(|x, y| {
-                let radiance = film.radiance(x as u32, y as u32).map(|value| value as f32);
-                if is_speck(truth, x, y) { Vec3::ZERO } else { Vec3::from_array(radiance) }
-            })
+    let means = |film: FilmSums| {
+        regions(|x, y| {
+            let radiance = film.radiance(x as u32, y as u32).map(|value| value as f32);
+            if is_speck(truth, x, y) { Vec3::ZERO } else { Vec3::from_array(radiance) }
         })
-        .collect();
+    };
+    let renderings: Vec<Vec<Vec3>> =
+        pictures(&prepare(scene.clone()), 0..SEEDS, samples).into_iter().map(means).collect();
     let truth = regions(|x, y| if is_speck(truth, x, y) { Vec3::ZERO } else { truth[y * SIZE + x] });
     let (mut compared, mut sums, mut wrong) = (0, [Vec3::ZERO; 2], Vec::new());
     for (region, expected) in truth.iter().enumerate() {
@@ -125,7 +123,7 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
             compared += u32::from(allowed < 0.2 * expected[c]);
         }
     }
-    println!("{compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
+    println!("TUNE {compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(compared > 15, "too noisy to tell: {compared}");
     assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 0.02, "{sums:?}");

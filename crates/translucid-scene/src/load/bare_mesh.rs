@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::model::Model;
+use super::mesh_file::MeshFile;
 use super::{LoadOptions, is_gltf, load_model};
-use crate::frame_mesh::Frame;
+use crate::load::stage::Stage;
 use crate::preset::preset;
 use crate::{ColorInput, Film, Integrator, Material, Object, Scene, SceneError, Unit, Warning};
 
@@ -31,7 +31,9 @@ pub(super) fn load_bare_mesh(
         use_preset(&mut model, &default.material(unit));
         use_vertex_colors(&mut model);
     }
-    Ok(stage(model, unit, options))
+    let scene = stage(model, unit, options);
+    scene.validate().map_err(|error| error.or_at(path))?;
+    Ok(scene)
 }
 
 /// Meters in glTF, by its specification; millimeters where the format says nothing.
@@ -40,7 +42,7 @@ fn usual_unit(path: &Path) -> Unit {
 }
 
 /// The preset's substance for all objects; what the file says of their geometry stays.
-fn use_preset(model: &mut Model, preset: &Material) {
+fn use_preset(model: &mut MeshFile, preset: &Material) {
     if model.materials.is_empty() {
         model.objects.iter_mut().for_each(|object| object.material = 0);
         model.materials.push(preset.clone());
@@ -55,7 +57,7 @@ fn use_preset(model: &mut Model, preset: &Material) {
 }
 
 /// Lets vertex colors be the surface albedo of the objects that have them.
-fn use_vertex_colors(model: &mut Model) {
+fn use_vertex_colors(model: &mut MeshFile) {
     let mut colored = model.materials[0].clone();
     colored.name += " with vertex colors";
     colored.base_color = ColorInput::vertex();
@@ -71,9 +73,9 @@ fn use_vertex_colors(model: &mut Model) {
 }
 
 /// Adds what the file does not have: a camera, lights, and where both are missing a backdrop.
-fn stage(mut model: Model, unit: Unit, options: &LoadOptions) -> Scene {
+fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Scene {
     let film = options.film(Film::default());
-    let frame = Frame::of(&model.objects);
+    let frame = Stage::of(&model.objects);
     let aspect = f64::from(film.width) / f64::from(film.height);
     let dark = model.lights.is_empty() && !model.materials.iter().any(|m| m.emission_luminance > 0.0);
     let camera = model.camera_for(aspect).unwrap_or_else(|| frame.camera(&model.objects, aspect));
@@ -97,8 +99,11 @@ fn stage(mut model: Model, unit: Unit, options: &LoadOptions) -> Scene {
     }
 }
 
-fn add_backdrop(model: &mut Model, frame: &Frame) {
+fn add_backdrop(model: &mut MeshFile, frame: &Stage) {
     let (mesh, material) = frame.backdrop();
+    if mesh.validate().is_err() {
+        return; // It would reach beyond the coordinates that meshes may have.
+    }
     let subsurface_group = model.objects.iter().map(|object| object.subsurface_group + 1).max().unwrap_or(0);
     let name = material.name.clone();
     model.objects.push(Object { name, mesh, material: model.materials.len(), subsurface_group });

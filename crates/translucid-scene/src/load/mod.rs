@@ -1,18 +1,17 @@
 //! Readers of the file formats, each from bytes to validated data.
 
 mod bare_mesh;
-mod exr;
 mod gltf;
 mod image;
-mod jpeg;
-mod model;
+mod mesh_file;
 mod mtl;
+#[cfg(test)]
+mod mutants;
 mod obj;
 mod ply;
-mod png;
 mod polygon;
 mod profile_table;
-mod radiance;
+mod stage;
 mod toml;
 
 use std::ffi::OsStr;
@@ -26,9 +25,9 @@ pub use profile_table::{load_profile_table, parse_profile_table};
 pub use toml::SceneFile;
 
 use crate::{Film, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
-use model::Model;
+use mesh_file::MeshFile;
 
-/// What the caller wants otherwise than the file says.
+/// Wishes of the caller in place of the file's own values.
 #[derive(Clone, Debug, Default)]
 pub struct LoadOptions {
     /// Preset for a bare mesh, in place of the file's own materials.
@@ -47,7 +46,7 @@ pub struct LoadOptions {
 impl LoadOptions {
     /// The film with the size that is asked for, kept within what a film may have.
     fn film(&self, film: Film) -> Film {
-        let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| n.clamp(1, 16_384));
+        let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| Film::EDGE.nearest(n));
         Film { width, height, ..film }
     }
 }
@@ -99,15 +98,15 @@ fn is_gltf(path: &Path) -> bool {
 }
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
-fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<Model, SceneError> {
+fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
-        return load_gltf(path, Unit::Meter, warnings).map(Model::from);
+        return load_gltf(path, Unit::Meter, warnings).map(MeshFile::from);
     }
     if extension(path) == "ply" {
-        return load_ply(path, warnings).map(|mesh| Model::from_mesh(path, mesh));
+        return load_ply(path, warnings).map(|mesh| MeshFile::from_mesh(path, mesh));
     }
     if extension(path) == "obj" {
-        return load_obj(path, warnings).map(|scene| Model::from_obj(path, scene));
+        return load_obj(path, warnings).map(|scene| MeshFile::from_obj(path, scene));
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),

@@ -6,10 +6,15 @@ use std::path::{Path, PathBuf};
 use glam::{Affine2, Vec2, Vec3};
 
 use super::image::load_image;
+use crate::interval::Interval;
+use crate::texture::MAPPING;
 use crate::{
     Channel, ColorInput, ColorSpace, Image, Material, NormalMap, Pixels, Place, ScalarInput, SceneError,
     TextureRef, Warning, Wrap,
 };
+
+/// Range of the exponent of a highlight.
+const EXPONENT: Interval = Interval::closed(0.0, f32::MAX as f64);
 
 /// Images by file and color space, each loaded once.
 #[derive(Debug, Default)]
@@ -139,36 +144,36 @@ impl LineReader<'_> {
     fn read(&mut self, keyword: &str, rest: &str, draft: &mut Draft) -> Result<(), String> {
         let material = &mut draft.material;
         match keyword {
-            "kd" => self.color(rest, 1.0, &mut material.base_color.factor)?,
+            "kd" => self.color(rest, Interval::UNIT, &mut material.base_color.factor)?,
             "ks" => {
                 let mut color = Vec3::ZERO;
-                self.color(rest, 1.0, &mut color)?;
+                self.color(rest, Interval::UNIT, &mut color)?;
                 let strength = color.max_element();
                 material.specular_weight.factor = (2.0 * strength).min(1.0);
                 material.specular_color.factor = if strength > 0.0 { color / strength } else { Vec3::ONE };
             }
             "ke" => {
                 let mut color = Vec3::ZERO;
-                self.color(rest, f32::MAX, &mut color)?;
+                self.color(rest, Interval::LIGHT, &mut color)?;
                 material.emission_luminance = color.max_element();
                 material.emission_color.factor =
                     (color / color.max_element().max(f32::MIN_POSITIVE)).min(Vec3::ONE);
             }
-            "tf" => self.color(rest, 1.0, &mut draft.transmission_color)?,
+            "tf" => self.color(rest, Interval::UNIT, &mut draft.transmission_color)?,
             "ns" if !draft.has_roughness => {
-                let exponent = self.scalar(rest, [0.0, f32::MAX])?;
+                let exponent = self.scalar(rest, EXPONENT)?;
                 material.specular_roughness.factor = (2.0 / (exponent + 2.0)).powf(0.25);
             }
             "pr" => {
                 draft.has_roughness = true;
-                material.specular_roughness.factor = self.scalar(rest, [0.0, 1.0])?;
+                material.specular_roughness.factor = self.scalar(rest, Interval::UNIT)?;
             }
-            "pm" => material.base_metalness.factor = self.scalar(rest, [0.0, 1.0])?,
-            "pc" => material.coat_weight.factor = self.scalar(rest, [0.0, 1.0])?,
-            "pcr" => material.coat_roughness.factor = self.scalar(rest, [0.0, 1.0])?,
-            "ni" => material.specular_ior = self.scalar(rest, [1.0, 4.0])?,
-            "d" => draft.opacity = self.scalar(rest.trim_start_matches("-halo"), [0.0, 1.0])?,
-            "tr" => draft.opacity = 1.0 - self.scalar(rest, [0.0, 1.0])?,
+            "pm" => material.base_metalness.factor = self.scalar(rest, Interval::UNIT)?,
+            "pc" => material.coat_weight.factor = self.scalar(rest, Interval::UNIT)?,
+            "pcr" => material.coat_roughness.factor = self.scalar(rest, Interval::UNIT)?,
+            "ni" => material.specular_ior = self.scalar(rest, Interval::IOR)?,
+            "d" => draft.opacity = self.scalar(rest.trim_start_matches("-halo"), Interval::UNIT)?,
+            "tr" => draft.opacity = 1.0 - self.scalar(rest, Interval::UNIT)?,
             "illum" => {
                 draft.illumination = rest
                     .parse()
@@ -189,22 +194,22 @@ impl LineReader<'_> {
     }
 
     /// A value brought into its range, with a warning if it was not.
-    fn within(&mut self, value: f32, [low, high]: [f32; 2]) -> f32 {
-        if !(low..=high).contains(&value) {
-            let most = if high == f32::MAX { String::new() } else { format!(" and at most {high}") };
-            self.warn(format!("the value {value} is set to the nearest allowed: at least {low}{most}"));
+    fn within(&mut self, value: f32, range: Interval) -> f32 {
+        let nearest = range.nearest(value);
+        if nearest != value {
+            self.warn(format!("the value {value} is set to the nearest in {range}"));
         }
-        value.clamp(low, high)
+        nearest
     }
 
-    fn scalar(&mut self, rest: &str, range: [f32; 2]) -> Result<f32, String> {
+    fn scalar(&mut self, rest: &str, range: Interval) -> Result<f32, String> {
         let word = rest.split_whitespace().next().unwrap_or_default();
         let value = number(word).ok_or_else(|| format!("\"{word}\" is not a number"))?;
         Ok(self.within(value, range))
     }
 
     /// One number for all channels or three; a spectrum in a file is passed over.
-    fn color(&mut self, rest: &str, most: f32, color: &mut Vec3) -> Result<(), String> {
+    fn color(&mut self, rest: &str, range: Interval, color: &mut Vec3) -> Result<(), String> {
         let words: Vec<&str> = rest.split_whitespace().collect();
         if let ["spectral" | "xyz", ..] = words[..] {
             self.warn(format!("\"{rest}\" is not red, green, blue: passed over"));
@@ -216,7 +221,7 @@ impl LineReader<'_> {
             Some(&[r, g, b]) => [r, g, b],
             _ => return Err(format!("\"{rest}\" is not a color of one or three numbers")),
         };
-        *color = Vec3::from([r, g, b].map(|value| self.within(value, [0.0, most])));
+        *color = Vec3::from([r, g, b].map(|value| self.within(value, range)));
         Ok(())
     }
 
@@ -227,7 +232,11 @@ impl LineReader<'_> {
             "map_ka" => return, // Ambient light is what the renderer computes.
             _ => return self.warn(format!("{keyword} has no counterpart: passed over")),
         };
-        let options = MapOptions::parse(rest);
+        let mut options = MapOptions::parse(rest);
+        for number in options.scale.as_mut().iter_mut().chain(options.offset.as_mut()) {
+            *number = self.within(*number, MAPPING);
+        }
+        options.bump = self.within(options.bump, NormalMap::SCALE);
         let path = self.path.with_file_name(options.file.replace('\\', "/"));
         let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.warnings) else { return };
         let texture = options.texture(image);
@@ -334,8 +343,8 @@ impl MapOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::load::mutants::mutants;
     use crate::load::{ObjScene, load_obj};
-    use crate::test_assets::mutants;
 
     fn parsed(text: &str) -> Result<(Vec<Material>, String), SceneError> {
         let mut warnings = Vec::new();
@@ -433,8 +442,8 @@ mod tests {
             ("map_Kd\n", "a.mtl:2: the material is used without its image: "),
             ("bump grey.png\n", "a.mtl:2: \"grey.png\" is a height map"),
             ("disp grey.png\n", "a.mtl:2: disp has no counterpart"),
-            ("Kd 2 0 0\n", "a.mtl:2: the value 2 is set to the nearest allowed: at least 0 and at most 1"),
-            ("Ni .1\n", "at least 1 and at most 4"),
+            ("Kd 2 0 0\n", "a.mtl:2: the value 2 is set to the nearest in [0, 1]"),
+            ("Ni .1\n", "the value 0.1 is set to the nearest in [1, 4]"),
             ("Kd spectral a.rfl 1\n", "is not red, green, blue"),
         ] {
             let (scene, warnings) = loaded(lines);

@@ -10,7 +10,7 @@ use super::polygon::triangulate;
 use super::read_file;
 use crate::{Image, Material, Mesh, Place, SceneError, Warning, repair_mesh};
 
-/// What an OBJ file holds.
+/// Contents of an OBJ file.
 #[derive(Clone, Debug)]
 pub struct ObjScene {
     /// Surfaces, at least one.
@@ -408,7 +408,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// What was left out, of all parts.
+    /// Things left out, of all parts.
     fn messages(&self) -> Vec<String> {
         let count = |lost: usize, what: &str| (lost > 0).then(|| format!("{lost} {what}"));
         [
@@ -475,7 +475,7 @@ fn index(text: &[u8], count: usize) -> Result<u32, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::test_assets::{asset, mutants};
+    use crate::load::mutants::mutants;
 
     fn parsed_at(path: &Path, text: &str) -> Result<(ObjScene, String), SceneError> {
         let mut warnings = Vec::new();
@@ -626,17 +626,6 @@ mod tests {
                     assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
                 }
             }
-        }
-    }
-
-    #[test]
-    fn obj_loads_real_files() {
-        for (name, triangles) in [("head/head_70k.obj", 70_736), ("spot/spot.obj", 5_856)] {
-            let Some(path) = asset(name) else { continue };
-            let mut warnings = Vec::new();
-            let scene = load_obj(&path, &mut warnings).unwrap();
-            let found: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
-            assert!(found <= triangles && found + 100 > triangles, "{name}: {found} {warnings:?}");
         }
     }
 }

@@ -10,7 +10,7 @@ const MOST_EARS: usize = 1_000;
 /// A vertex without a position counts as lying in the origin.
 /// A convex polygon becomes a fan about its first vertex, a concave one is clipped ear by ear
 /// (G. H. Meisters, "Polygons have ears", 1975).
-/// What cannot be cut well (self-intersecting, more than 1,000 concave corners) becomes a fan.
+/// A polygon that cannot be cut well (self-intersecting, more than 1,000 concave corners) becomes a fan.
 pub(super) fn triangulate<T: Copy>(
     vertices: &[T],
     position: impl Fn(T) -> Option<Vec3>,
@@ -39,7 +39,7 @@ fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum()
 }
 
-/// What is left of a polygon, as numbers of corners.
+/// Rest of a polygon, as numbers of corners.
 struct Polygon {
     corners: Vec<DVec3>,
     normal: DVec3,

@@ -8,15 +8,12 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord};
 
 use super::read_file;
+use crate::interval::Interval;
+use crate::profile_table::{ENERGY, FEWEST_RADII, MOST_PROFILES, RADIUS};
 use crate::{Place, ProfileRow, ProfileTable, SceneError};
 
-/// Fewest radii of a profile.
-const FEWEST_RADII: usize = 4;
 /// Most rows of a file: a profile has some hundred radii.
 const MOST_LINES: usize = 1_000_000;
-
-/// Most profiles of a file: each becomes a table of some 60 KB.
-const MOST_PROFILES: usize = 1000;
 
 /// Loads a table of reflectance profiles.
 ///
@@ -99,17 +96,16 @@ fn add(
     let reflectance = number(columns.reflectance, "reflectance")?;
     let surface_albedo = columns.surface_albedo.map(|column| number(column, "surface_albedo")).transpose()?;
     let enclosed = columns.enclosed.map(|column| number(column, "enclosed")).transpose()?;
-    if !(1e-100..=1e100).contains(&r) {
-        return Err(fail(format!("r is {r}, but must be in [1e-100, 1e100]")));
-    }
-    if !(0.0..=1e200).contains(&reflectance) {
-        return Err(fail(format!("reflectance is {reflectance}, but must be in [0, 1e200]")));
-    }
-    if let Some(a) = surface_albedo.filter(|a| !(0.0..=1.0).contains(a)) {
-        return Err(fail(format!("surface_albedo is {a}, but must be in [0, 1]")));
-    }
-    if let Some(energy) = enclosed.filter(|energy| !(0.0..=1e200).contains(energy)) {
-        return Err(fail(format!("enclosed is {energy}, but must be in [0, 1e200]")));
+    let numbers = [
+        ("r", RADIUS, Some(r)),
+        ("reflectance", ENERGY, Some(reflectance)),
+        ("surface_albedo", Interval::UNIT, surface_albedo),
+        ("enclosed", ENERGY, enclosed),
+    ];
+    for (name, range, value) in numbers {
+        if let Some(value) = value.filter(|&value| !range.contains(value)) {
+            return Err(fail(format!("{name} is {value}, but must be in {range}")));
+        }
     }
     let known = rows.iter().position(|row| row.surface_albedo == surface_albedo);
     if known.is_none() && rows.len() == MOST_PROFILES {

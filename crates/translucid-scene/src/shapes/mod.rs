@@ -3,27 +3,18 @@
 //! Every shape except the flat ones ([`FLAT_SHAPES`]) is closed and manifold, with its triangles
 //! counter-clockwise seen from outside, and every shape has unit shading normals.
 //! The basic shapes are centered on the origin; objects that stand (fruits, candle, glass …) stand on y = 0.
-//! The same parameters always give the same mesh.
+//! A shape is a function of its parameters: equal ones give equal meshes, bit for bit.
 
-mod basic;
-mod bust;
-mod candle;
-mod distance;
-mod fruit;
-mod furniture;
-mod grapes;
-mod lathe;
-mod noise;
+mod implicit;
+mod model;
 mod parameters;
-mod rounded_box;
-mod sculpture;
-mod surface_nets;
-mod tableware;
-mod toy;
+mod primitive;
 
 pub use parameters::{ShapeParameter, ShapeParameterKind, ShapeParameters};
 
+use model::{bust, candle, fruit, furniture, grapes, tableware, toy};
 use parameters::Values;
+use primitive::basic;
 
 use crate::{Mesh, SceneError};
 
@@ -70,7 +61,7 @@ pub fn shape_names() -> Vec<&'static str> {
     SHAPES.iter().map(|shape| shape.name).collect()
 }
 
-/// What a shape is, in a few words; `None` if there is no such shape.
+/// Description of a shape in a few words; `None` if there is no such shape.
 #[must_use]
 pub fn shape_meaning(name: &str) -> Option<&'static str> {
     SHAPES.iter().find(|shape| shape.name == name).map(|shape| shape.meaning)

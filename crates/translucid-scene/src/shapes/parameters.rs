@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::SceneError;
 
-/// What a parameter's number means.
+/// Meaning of a parameter's number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ShapeParameterKind {
     /// A length in the scene's unit \[L\].
@@ -104,7 +104,7 @@ impl ShapeParameters {
         self.values.insert(name.into(), value);
     }
 
-    /// The same with one more value.
+    /// These parameters with one more value.
     #[must_use]
     pub fn with(mut self, name: impl Into<String>, value: f64) -> Self {
         self.set(name, value);

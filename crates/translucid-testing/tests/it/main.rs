@@ -1,5 +1,6 @@
-//! The order of the code: what imports what, in every crate.
+//! The order of the code: what imports what, in every crate, and which crates come from elsewhere.
 
 mod circles;
+mod dependencies;
 mod floors;
 mod imports;

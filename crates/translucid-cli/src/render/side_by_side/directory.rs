@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use translucid_render::{OutputError, check_writable, write_atomically};
+use translucid_image::{OutputError, check_writable, write_atomically};
 use translucid_scene::SubsurfaceModel;
 
 use super::report::{ERRORS, PAGE, SHEET, TITLE, map_names};

@@ -13,9 +13,10 @@ use crate::error::{ParameterError, require, require_fraction, require_non_negati
 use crate::math::elementary::Double;
 use crate::math::slices::{elementwise, map_slice};
 use crate::medium::similarity::is_plain;
-
-use crate::profile::finite_quotient;
-use crate::{Appearance, Configuration, Medium, Parameterization, Similarity, d_from_surface_albedo};
+use crate::profile::{finite_quotient, methods_of};
+use crate::{
+    Appearance, Configuration, Medium, Parameterization, Profile, Similarity, d_from_surface_albedo,
+};
 
 /// Least width that the arithmetic holds.
 const D_MIN: f64 = 1e-150;
@@ -81,8 +82,9 @@ impl NormalizedDiffusion {
     /// By [`Similarity`]: d = ℓ*/(c s(A)) with c = c(A; g, η), or d = ℓ_d/(c s(A)) with another c.
     /// Without phase function and boundary (g = 0, η = 1) this is [`new`](Self::new), bit for bit.
     ///
-    /// The mean L1 error over the grid of `docs/similarity.md` is 17 % (searchlight) or 15 % (diffuse transmission), at
-    /// most 40 % or 33 %, where ℓ* alone leaves 45 % or 42 %: two positive exponentials have no dimple. [`SimilarRefinedDiffusion`](crate::SimilarRefinedDiffusion) has.
+    /// The mean L1 error over the grid of `docs/accuracy/similarity.md` is 17 % (searchlight) or 15 % (diffuse transmission), at
+    /// most 40 % or 33 %, where ℓ* alone leaves 45 % or 42 %: two positive exponentials have no dimple.
+    /// [`SimilarRefinedDiffusion`](crate::SimilarRefinedDiffusion) has.
     ///
     /// # Errors
     /// As [`new`](Self::new); or g is not in [−0.5, 0.9], or η not in [1, 1.5].
@@ -278,6 +280,31 @@ impl NormalizedDiffusion {
     #[inline(always)]
     fn t(&self, r: f64) -> f64 {
         r.max(0.0) * self.inverse_3d
+    }
+}
+
+impl Profile for NormalizedDiffusion {
+    methods_of!(|own| own; all);
+
+    fn beyond(&self, r: f64) -> f64 {
+        self.surface_albedo * self.complementary_cdf(r)
+    }
+
+    fn surface_albedo(&self) -> f64 {
+        self.surface_albedo
+    }
+
+    /// Width d \[L\].
+    fn scale(&self) -> f64 {
+        self.d
+    }
+
+    fn evaluations_to_build(&self) -> u32 {
+        0
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }
 

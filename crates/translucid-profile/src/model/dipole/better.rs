@@ -30,7 +30,7 @@ use crate::{Appearance, Medium, Profile};
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// let half = Appearance { surface_albedo: 0.5, length: 2.0, parameterization: Parameterization::Mfp, g: 0.0 };
 /// let profile = BetterDipole::new(&half, 1.4)?;
-/// assert!((profile.total() - 0.5).abs() < 1e-12);
+/// assert!((profile.surface_albedo() - 0.5).abs() < 1e-12);
 /// # Ok(())
 /// # }
 /// ```
@@ -64,7 +64,7 @@ impl BetterDipole {
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let boundary = DiffusionBoundary::new(eta)?;
         let found = appearance
-            .medium(|absorbed| Self::relative_dipole(&boundary, absorbed, 1.0 - absorbed).total())?;
+            .medium(|absorbed| Self::relative_dipole(&boundary, absorbed, 1.0 - absorbed).surface_albedo())?;
         Ok(Self::of(&found.medium, &boundary, found.evaluations + 1))
     }
 
@@ -82,9 +82,9 @@ impl BetterDipole {
     ///
     /// # Errors
     /// A parameter is outside its range.
-    pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        Ok(Self::relative_dipole(&DiffusionBoundary::new(eta)?, absorbed, 1.0 - absorbed).total())
+        Ok(Self::relative_dipole(&DiffusionBoundary::new(eta)?, absorbed, 1.0 - absorbed).surface_albedo())
     }
 }
 
@@ -131,7 +131,7 @@ impl Profile for BetterDipole {
         self.fluence_factor * self.sources.fluence_beyond(r) + self.flux_factor * self.sources.flux_beyond(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.fluence_factor * self.sources.fluence_total() + self.flux_factor * self.sources.flux_total()
     }
 
@@ -153,10 +153,10 @@ mod tests {
     fn total_is_one_without_absorption_and_zero_without_scattering() {
         for eta in [0.05, 0.7, 1.0, 1.4, 3.0, 20.0] {
             let white = BetterDipole::from_medium(&Medium::new(0.0, 2.0, 0.3).unwrap(), eta).unwrap();
-            assert!((white.total() - 1.0).abs() < 1e-15, "{eta}: {}", white.total());
-            assert!((white.enclosed(1e30) - 1.0).abs() < 1e-15, "{eta}: {}", white.total());
+            assert!((white.surface_albedo() - 1.0).abs() < 1e-15, "{eta}: {}", white.surface_albedo());
+            assert!((white.enclosed(1e30) - 1.0).abs() < 1e-15, "{eta}: {}", white.surface_albedo());
             let black = BetterDipole::from_medium(&Medium::new(2.0, 0.0, 0.3).unwrap(), eta).unwrap();
-            assert_eq!([black.total(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
+            assert_eq!([black.surface_albedo(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
         }
     }
 
@@ -171,7 +171,7 @@ mod tests {
                 let fluence = 0.25 * (1.0 - 2.0 * c_1) * (1.0 - x) / (d * s);
                 let flux = 0.5 * (1.0 - 3.0 * c_2) * (1.0 + x);
                 let expected = 0.5 * (1.0 - absorbed).powi(2) * (fluence + flux) * (-s).exp();
-                let found = BetterDipole::surface_albedo(absorbed, eta).unwrap();
+                let found = BetterDipole::surface_albedo_from_absorbed(absorbed, eta).unwrap();
                 // The plain formula loses the digits that 1 − x loses
                 assert!((found - expected).abs() < 1e-11, "{eta} {absorbed}: {found} {expected}");
             }
@@ -184,6 +184,6 @@ mod tests {
         for eta in [0.0, -1.0, 0.04, 21.0, f64::NAN, f64::INFINITY] {
             assert!(BetterDipole::from_medium(&medium, eta).is_err(), "{eta}");
         }
-        assert!(BetterDipole::surface_albedo(-0.1, 1.4).is_err());
+        assert!(BetterDipole::surface_albedo_from_absorbed(-0.1, 1.4).is_err());
     }
 }

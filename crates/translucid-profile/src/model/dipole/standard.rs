@@ -29,8 +29,8 @@ use crate::{Appearance, Medium, Profile, fresnel_moment_1_from_inside};
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// // Marble, red channel, in 1/mm: Jensen et al. 2001, figure 5, which prints the diffuse reflectance 0.83.
 /// let marble = StandardDipole::from_medium(&Medium::from_reduced(0.0021, 2.19, 0.0)?, 1.5)?;
-/// assert!((marble.total() - 0.83).abs() < 0.005);
-/// assert!((marble.enclosed(2.0) + marble.beyond(2.0) - marble.total()).abs() < 1e-15);
+/// assert!((marble.surface_albedo() - 0.83).abs() < 0.005);
+/// assert!((marble.enclosed(2.0) + marble.beyond(2.0) - marble.surface_albedo()).abs() < 1e-15);
 /// # Ok(())
 /// # }
 /// ```
@@ -83,7 +83,7 @@ impl StandardDipole {
     ///
     /// # Errors
     /// A parameter is outside its range.
-    pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
         Ok(total(absorbed, mismatch(eta)?))
     }
@@ -124,7 +124,7 @@ impl Profile for StandardDipole {
         self.alpha_prime * self.sources.flux_beyond(r / self.transport_mfp)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.alpha_prime * self.sources.flux_total()
     }
 
@@ -146,9 +146,11 @@ mod tests {
     fn total_is_one_without_absorption_and_zero_without_scattering() {
         for eta in [0.05, 0.7, 1.0, 1.4, 3.0, 20.0] {
             let white = StandardDipole::from_medium(&Medium::new(0.0, 2.0, 0.3).unwrap(), eta).unwrap();
-            assert!((white.total() - 1.0).abs() < 1e-15 && (white.enclosed(1e30) - 1.0).abs() < 1e-15);
+            assert!(
+                (white.surface_albedo() - 1.0).abs() < 1e-15 && (white.enclosed(1e30) - 1.0).abs() < 1e-15
+            );
             let black = StandardDipole::from_medium(&Medium::new(2.0, 0.0, 0.3).unwrap(), eta).unwrap();
-            assert_eq!([black.total(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
+            assert_eq!([black.surface_albedo(), black.eval(0.1), black.enclosed(1.0)], [0.0; 3]);
         }
     }
 
@@ -164,7 +166,7 @@ mod tests {
         assert!(StandardDipole::new(&appearance(0.5, 1.0), f64::NAN).is_err());
         assert!(StandardDipole::new(&appearance(0.5, 0.0), 1.4).is_err());
         assert!(StandardDipole::new(&appearance(1.5, 1.0), 1.4).is_err());
-        assert!(StandardDipole::surface_albedo(1.5, 1.4).is_err());
+        assert!(StandardDipole::surface_albedo_from_absorbed(1.5, 1.4).is_err());
     }
 
     /// Giovanelli's case n = 1.5, α = 0.9, g = 0, where the exact total is 0.2599.
@@ -174,6 +176,6 @@ mod tests {
         let a_f = (1.0 + reflected) / (1.0 - reflected);
         let s = 0.3f64.sqrt();
         let expected = 0.45 * (1.0 + (-4.0 / 3.0 * a_f * s).exp()) * (-s).exp();
-        assert!((StandardDipole::surface_albedo(0.1, 1.5).unwrap() - expected).abs() < 1e-15);
+        assert!((StandardDipole::surface_albedo_from_absorbed(0.1, 1.5).unwrap() - expected).abs() < 1e-15);
     }
 }

@@ -29,7 +29,7 @@ use crate::{Appearance, Medium};
 /// let appearance =
 ///     Appearance { surface_albedo: 0.8, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
 /// let profile = DirectionalDipoleAverage::new(&appearance, 1.4)?;
-/// assert!((profile.total() - 0.8).abs() < 1e-12);
+/// assert!((profile.surface_albedo() - 0.8).abs() < 1e-12);
 /// assert!((profile.enclosed(1.0) + profile.beyond(1.0) - 0.8).abs() < 1e-12);
 /// # Ok(())
 /// # }
@@ -76,7 +76,7 @@ impl DirectionalDipoleAverage {
     ///
     /// # Errors
     /// A parameter is out of its range.
-    pub fn surface_albedo(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
         require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
         Ok((1.0 - absorbed) * NormalBeam::total_per_strength(absorbed, eta)?)
     }
@@ -118,7 +118,7 @@ impl Profile for DirectionalDipoleAverage {
         self.beam.kernel.strength * self.beam.beyond(self.relative(r))
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -312,7 +312,11 @@ mod tests {
                     })
                     .sum();
                 let found = sum + p.beyond(end);
-                assert!((found - p.total()).abs() < 1e-10, "{alpha} {eta}: {found} {}", p.total());
+                assert!(
+                    (found - p.surface_albedo()).abs() < 1e-10,
+                    "{alpha} {eta}: {found} {}",
+                    p.surface_albedo()
+                );
             }
         }
     }
@@ -357,7 +361,7 @@ mod tests {
                 let root = 1.0 - f64::from(i) / 400.0;
                 let (absorbed, one) =
                     (root * root, Medium::new(root * root, 1.0 - root * root, 0.0).unwrap());
-                let total = DirectionalDipoleAverage::from_medium(&one, eta).unwrap().total();
+                let total = DirectionalDipoleAverage::from_medium(&one, eta).unwrap().surface_albedo();
                 assert!(total > last, "{eta} {absorbed}: {total} {last}");
                 last = total;
             }
@@ -365,12 +369,12 @@ mod tests {
         }
         // Without the factor α' a black medium returns a fifth
         let black = DirectionalDipole::as_published(&Medium::new(1.0, 0.0, 0.0).unwrap(), 1.0).unwrap();
-        assert!((DirectionalDipoleAverage::of(&black).total() - 0.21052).abs() < 1e-5);
+        assert!((DirectionalDipoleAverage::of(&black).surface_albedo() - 0.21052).abs() < 1e-5);
         // Of a beam along the normal, in media without absorption, and with 0.1 of it
         for (alpha, eta, expected) in
             [(1.0, 1.0, 1.33947), (1.0, 1.4, 1.21615), (0.9, 1.0, 0.63847), (0.9, 1.4, 0.37155)]
         {
-            let found = profile(alpha, eta).total();
+            let found = profile(alpha, eta).surface_albedo();
             assert!((found - expected).abs() < 1e-5, "{alpha} {eta}: {found}");
         }
     }
@@ -383,7 +387,7 @@ mod tests {
                     for (length, g) in [(1e-100, 0.0), (1.0, 0.9), (1e100, -0.5)] {
                         let appearance = Appearance { surface_albedo: a, length, parameterization, g };
                         let p = DirectionalDipoleAverage::new(&appearance, eta).unwrap();
-                        assert!((p.total() - a).abs() < 1e-12, "{a} {eta}: {}", p.total());
+                        assert!((p.surface_albedo() - a).abs() < 1e-12, "{a} {eta}: {}", p.surface_albedo());
                         let evaluations = p.evaluations_to_build();
                         assert!(evaluations > 100 && evaluations < 20_000, "{a} {eta}: {evaluations}");
                     }
@@ -400,9 +404,14 @@ mod tests {
                 let p = DirectionalDipoleAverage::from_medium(&medium, 1.4).unwrap();
                 for r in [f64::NAN, -1.0, 0.0, 5e-324, 1e-150, 1e-3, 1.0, 1e3, 1e150, f64::MAX, f64::INFINITY]
                 {
-                    for value in
-                        [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r), p.scale(), p.total()]
-                    {
+                    for value in [
+                        p.eval(r),
+                        p.eval_times_r(r),
+                        p.enclosed(r),
+                        p.beyond(r),
+                        p.scale(),
+                        p.surface_albedo(),
+                    ] {
                         assert!(value.is_finite() && value >= 0.0, "{alpha} {length} {g} {r}: {value}");
                     }
                 }

@@ -6,6 +6,7 @@ use crate::error::{ParameterError, require, require_fraction, require_positive};
 use crate::medium::half_space::half_space_absorption;
 use crate::medium::media::transport_mfp_over_dmfp;
 use crate::model::exact::table::ExactTable;
+use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
 
 /// Reflectance profile of a half space that scatters isotropically (g = 0) without a boundary (η = 1), exact.
@@ -88,23 +89,10 @@ impl ExactProfile {
 }
 
 impl Profile for ExactProfile {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.table.eval_times_r(r)
-    }
+    methods_of!(|own| own.table; all);
+    methods_of!(|own| own.table; beyond);
 
-    fn eval(&self, r: f64) -> f64 {
-        self.table.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.table.enclosed(r)
-    }
-
-    fn beyond(&self, r: f64) -> f64 {
-        self.table.beyond(r)
-    }
-
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.table.surface_albedo()
     }
 
@@ -114,6 +102,10 @@ impl Profile for ExactProfile {
 
     fn evaluations_to_build(&self) -> u32 {
         self.evaluations
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }
 

@@ -14,6 +14,7 @@
 use std::f64::consts::LN_2;
 
 use crate::math::elementary::{Accuracy, exp_negative};
+use crate::math::polynomial::polynomial;
 use crate::model::oblique::coefficients::{DIFFUSE_ALBEDO, ENERGY, GRAZING_WEIGHTS, RATE_CHANGES, TILTS};
 use crate::model::refined;
 use crate::{Configuration, RefinedDiffusion};
@@ -182,12 +183,6 @@ pub(crate) fn means_above(least: f64) -> [f64; FUNCTIONS] {
 #[inline(always)]
 fn dot(a: [f64; FUNCTIONS], b: [f64; FUNCTIONS]) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-/// Σ cᵢ xⁱ.
-#[inline(always)]
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 #[cfg(test)]

@@ -41,7 +41,7 @@ use crate::{Configuration, Parameterization, RefinedDiffusion};
 /// Fitted to the exact half space of isotropic scatterers without a boundary (g = 0, η = 1), A ∈ [0, 1] and θ₀ up to
 /// 85°; beams that graze more have the shape of 85° and their own energy.
 /// θ₀ is the angle *inside* the medium: a boundary refracts the beam before it gets here.
-/// The errors ∫|R − R_exact| dA / ∫R dA are in the generated `coefficients.rs` and in `docs/oblique.md`.
+/// The errors ∫|R − R_exact| dA / ∫R dA are in the generated `coefficients.rs` and in `docs/accuracy/oblique.md`.
 ///
 /// A radius that is negative or NaN counts as 0, an azimuth that is no number as 0, and no argument makes a method
 /// panic or return a NaN or an infinity.

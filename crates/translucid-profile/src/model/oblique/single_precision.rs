@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require_positive};
 use crate::math::elementary::Single;
+use crate::medium::scaling::mfp_per_dmfp;
 use crate::model::oblique::kernel::{Family, Way, means_above};
-use crate::model::refined;
 use crate::{Configuration, Parameterization};
 
 /// Least length that the arithmetic holds.
@@ -69,7 +69,7 @@ impl ObliqueDiffusionTable {
         let mfp = match self.parameterization {
             Parameterization::Mfp => length,
             Parameterization::Dmfp => {
-                length * refined::mfp_per_dmfp(surface_albedo.min(1.0 - 1e-7), self.configuration)
+                length * mfp_per_dmfp(surface_albedo.min(1.0 - 1e-7), self.configuration)
             }
         };
         ObliqueDiffusionF32 {

@@ -41,7 +41,7 @@ use crate::{Appearance, Medium, ParameterError, Profile};
 /// let appearance =
 ///     Appearance { surface_albedo: 0.5, length: 2.0, parameterization: Parameterization::Mfp, g: 0.0 };
 /// let profile = PhotonBeamDiffusion::new(&appearance, 1.4)?;
-/// assert!((profile.total() - 0.5).abs() < 1e-12);
+/// assert!((profile.surface_albedo() - 0.5).abs() < 1e-12);
 /// let sum = profile.multiple_scattering().eval(1.0) + profile.single_scattering().eval(1.0);
 /// assert_eq!(profile.eval(1.0), sum);
 /// # Ok(())
@@ -98,7 +98,7 @@ impl PhotonBeamDiffusion {
     ///
     /// # Errors
     /// A parameter is outside its range.
-    pub fn surface_albedo(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
+    pub fn surface_albedo_from_absorbed(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
         require_fraction("absorbed", absorbed)?;
         Ok(Parts::new(g, eta)?.total(absorbed))
     }
@@ -132,8 +132,8 @@ impl Profile for PhotonBeamDiffusion {
         self.multiple.beyond(r) + self.single.beyond(r)
     }
 
-    fn total(&self) -> f64 {
-        self.multiple.total() + self.single.total()
+    fn surface_albedo(&self) -> f64 {
+        self.multiple.surface_albedo() + self.single.surface_albedo()
     }
 
     /// The transport mean free path.
@@ -188,13 +188,17 @@ mod tests {
             for g in [-0.8, 0.0, 0.8] {
                 for a in [0.0, 1e-12, 1e-3, 0.3, 0.9] {
                     let profile = PhotonBeamDiffusion::new(&appearance(a, 3.0, g), eta).expect("reached");
-                    assert!((profile.total() - a).abs() < 1e-12, "{eta} {g} {a}: {}", profile.total());
+                    assert!(
+                        (profile.surface_albedo() - a).abs() < 1e-12,
+                        "{eta} {g} {a}: {}",
+                        profile.surface_albedo()
+                    );
                     assert!((profile.medium().mfp() / 3.0 - 1.0).abs() < 1e-13);
                 }
             }
         }
         let white = PhotonBeamDiffusion::new(&appearance(1.0, 1.0, 0.0), 1.0).expect("reached");
-        assert!(white.medium().sigma_a() > 0.0 && (white.total() - 1.0).abs() < 1e-12);
+        assert!(white.medium().sigma_a() > 0.0 && (white.surface_albedo() - 1.0).abs() < 1e-12);
     }
 
     #[test]
@@ -202,7 +206,7 @@ mod tests {
         let error = PhotonBeamDiffusion::new(&appearance(0.99, 1.0, 0.9), 1.0).expect_err("too much");
         let most = error.limit.expect("a limit");
         let medium = Medium::new(0.0, 1.0, 0.9).expect("valid");
-        let white = PhotonBeamDiffusion::from_medium(&medium, 1.0).expect("valid").total();
+        let white = PhotonBeamDiffusion::from_medium(&medium, 1.0).expect("valid").surface_albedo();
         assert!((most - white).abs() < 1e-14 && most < 0.95, "{error}");
         assert!(PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 3.1).is_err());
         assert!(PhotonBeamDiffusion::from_medium(&medium, f64::NAN).is_err());
@@ -214,7 +218,7 @@ mod tests {
         let half = PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 1.0).expect("reached");
         assert!((half.medium().alpha_prime() - 0.912).abs() < 5e-4, "{}", half.medium().alpha_prime());
         for (g, expected) in [(0.0, 1.093), (-0.9, 1.406), (0.9, 0.946)] {
-            let white = PhotonBeamDiffusion::surface_albedo(0.0, g, 1.0).expect("valid");
+            let white = PhotonBeamDiffusion::surface_albedo_from_absorbed(0.0, g, 1.0).expect("valid");
             assert!((white - expected).abs() < 5e-4, "{g}: {white}");
         }
     }
@@ -258,8 +262,8 @@ mod tests {
                     "{a} {length} {g} {r}: {values:?}"
                 );
                 assert!(
-                    values[2] <= profile.total() * (1.0 + 1e-11)
-                        && values[3] <= profile.total() * (1.0 + 1e-11)
+                    values[2] <= profile.surface_albedo() * (1.0 + 1e-11)
+                        && values[3] <= profile.surface_albedo() * (1.0 + 1e-11)
                 );
             }
         }

@@ -97,7 +97,7 @@ impl Profile for BeamMultipleScattering {
         }
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -313,7 +313,7 @@ mod tests {
         for (absorbed, eta, multiple) in media() {
             for r in [1e-12, 1e-9, 1e-6, 1e-3, 0.1, 1.0, 3.0, 17.9] {
                 let sum = multiple.enclosed(r) + multiple.beyond(r);
-                assert!((sum / multiple.total() - 1.0).abs() < 1e-8, "{absorbed} {eta} {r}: {sum}");
+                assert!((sum / multiple.surface_albedo() - 1.0).abs() < 1e-8, "{absorbed} {eta} {r}: {sum}");
             }
         }
     }

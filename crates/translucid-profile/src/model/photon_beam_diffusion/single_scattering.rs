@@ -82,7 +82,7 @@ impl Profile for BeamSingleScattering {
         0.5 * self.single_scattering_albedo * share
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.single_scattering_albedo * self.ways.total()
     }
 
@@ -191,7 +191,7 @@ mod tests {
     #[test]
     fn total_without_a_boundary_is_elementary() {
         let expected = 0.4 * (1.0 - std::f64::consts::LN_2);
-        assert!((single(0.0, 1.0).total() / expected - 1.0).abs() < 1e-8);
+        assert!((single(0.0, 1.0).surface_albedo() / expected - 1.0).abs() < 1e-8);
     }
 
     #[test]
@@ -200,7 +200,7 @@ mod tests {
             let single = single(g, eta);
             for r in [1e-300, 1e-9, 0.01, 1.0, 30.0] {
                 let sum = single.enclosed(r) + single.beyond(r);
-                assert!((sum / single.total() - 1.0).abs() < 1e-8, "{g} {eta} {r}: {sum}");
+                assert!((sum / single.surface_albedo() - 1.0).abs() < 1e-8, "{g} {eta} {r}: {sum}");
             }
         }
     }

@@ -6,17 +6,20 @@
 //! error falls from 6 % to 0.3 %, and cdf and sampling stay in closed form.
 
 mod coefficients;
+pub(crate) mod single_precision;
 
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
-use crate::math::elementary::{Double, exp_negative, negative_log};
+use crate::math::elementary::Double;
+use crate::math::polynomial::polynomial;
 use crate::math::slices::{elementwise, map_slice};
+use crate::medium::scaling::mfp_per_dmfp;
+use crate::model::exponential_mixture::ExponentialMixture;
 use crate::model::refined::coefficients::{
-    DIFFUSE_LENGTH, DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_LENGTH, SEARCHLIGHT_RATES,
-    SEARCHLIGHT_WEIGHTS,
+    DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_RATES, SEARCHLIGHT_WEIGHTS,
 };
-use crate::profile::finite_quotient;
+use crate::profile::{finite_quotient, methods_of};
 use crate::{Configuration, Parameterization, Profile};
 
 /// Exponentials of the sum.
@@ -61,9 +64,8 @@ const MFP_MAX: f64 = 1e150;
 #[doc(alias = "normalized-diffusion-refined")]
 pub struct RefinedDiffusion {
     surface_albedo: f64,
-    mfp: f64,
-    weights: [f64; TERMS],
-    rates: [f64; TERMS],
+    /// Weights, rates, and the mean free path as the length.
+    mixture: ExponentialMixture<TERMS>,
 }
 
 impl RefinedDiffusion {
@@ -98,7 +100,8 @@ impl RefinedDiffusion {
         let allowed = "such that the mean free path is in [1e-150, 1e150]";
         require((MFP_MIN..=MFP_MAX).contains(&mfp), "length", length, allowed)?;
         let (weights, rates) = terms(surface_albedo, configuration);
-        Ok(Self { surface_albedo, mfp, weights, rates: rates.map(|rate| rate / mfp) })
+        let mixture = ExponentialMixture { weights, rates: rates.map(|rate| rate / mfp), length: mfp };
+        Ok(Self { surface_albedo, mixture })
     }
 
     /// Surface albedo A = ∫ R 2πr dr, dimensionless.
@@ -110,19 +113,19 @@ impl RefinedDiffusion {
     /// Mean free path ℓ \[L\].
     #[inline]
     pub fn mfp(&self) -> f64 {
-        self.mfp
+        self.mixture.length
     }
 
     /// Weights w_k of the exponentials: shares of the energy, greater than 0 and of sum 1.
     #[inline]
     pub fn weights(&self) -> [f64; TERMS] {
-        self.weights
+        self.mixture.weights
     }
 
     /// Rates λ_k of the exponentials \[L⁻¹\], which rise: the first term reaches farthest.
     #[inline]
     pub fn rates(&self) -> [f64; TERMS] {
-        self.rates
+        self.mixture.rates
     }
 
     /// Reflectance profile R(r) \[L⁻²\].
@@ -143,8 +146,7 @@ impl RefinedDiffusion {
     /// Density per length p(r) = 2πr R(r)/A = Σ w_k λ_k e^{−λ_k r} \[L⁻¹\].
     #[inline(always)]
     pub fn pdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| self.rates[k] * exp_negative::<Double>(self.rates[k] * r).0)
+        self.mixture.density::<Double>(r.max(0.0))
     }
 
     /// Density per area p_a(r) = R(r)/A \[L⁻²\], at r = 0 as [`eval`](Self::eval).
@@ -156,8 +158,7 @@ impl RefinedDiffusion {
     /// Share of the energy that leaves within r: Σ w_k (1 − e^{−λ_k r}), exact for small r too.
     #[inline(always)]
     pub fn cdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).1)
+        self.mixture.within::<Double>(r.max(0.0))
     }
 
     /// Share of the energy that leaves beyond r: Σ w_k e^{−λ_k r}, exact for large r too.
@@ -165,8 +166,7 @@ impl RefinedDiffusion {
     /// It falls to 0 where the slowest exponential leaves the range of normal numbers, at λ_1 r = 708.
     #[inline]
     pub fn complementary_cdf(&self, r: f64) -> f64 {
-        let r = r.max(0.0);
-        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).0)
+        self.mixture.beyond::<Double>(r.max(0.0))
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr' = A cdf(r).
@@ -183,8 +183,7 @@ impl RefinedDiffusion {
     /// [`quantile_complement`](Self::quantile_complement) resolves it.
     /// u is clamped to [0, 1], NaN counts as 0, and u = 1 gives the radius of the complement 2.2e-308.
     pub fn quantile(&self, u: f64) -> f64 {
-        let u = u.max(0.0).min(1.0);
-        self.radius(negative_log::<Double>((1.0 - u).max(f64::MIN_POSITIVE), u))
+        self.mixture.quantile(u)
     }
 
     /// Radius beyond which the share u ∈ [0, 1] of the energy leaves \[L\]: `quantile(1 − u)` with every digit of the
@@ -192,8 +191,7 @@ impl RefinedDiffusion {
     ///
     /// u is clamped to [2.2e-308, 1]; NaN counts as 1.
     pub fn quantile_complement(&self, u: f64) -> f64 {
-        let u = u.min(1.0).max(f64::MIN_POSITIVE);
-        self.radius(negative_log::<Double>(u, 1.0 - u))
+        self.mixture.quantile_complement(u)
     }
 
     /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\].
@@ -202,32 +200,19 @@ impl RefinedDiffusion {
     /// u is clamped to [0, 1]; NaN counts as 0.
     #[inline(always)]
     pub fn sample(&self, u: f64) -> f64 {
-        let u = u.max(0.0).min(1.0);
-        // Choose a term, number by number: a branch would keep a loop from being vectorized
-        let (mut start, mut weight, mut rate) = (0.0, self.weights[0], self.rates[0]);
-        let mut end = weight;
-        for k in 1..TERMS {
-            let beyond = u >= end;
-            start = if beyond { end } else { start };
-            weight = if beyond { self.weights[k] } else { weight };
-            rate = if beyond { self.rates[k] } else { rate };
-            end += self.weights[k];
-        }
-        // The greatest u below a term's end may round up to 1
-        let rescaled = ((u - start) / weight).min(1.0 - f64::EPSILON / 2.0);
-        negative_log::<Double>(1.0 - rescaled, rescaled) / rate
+        self.mixture.sample::<Double>(u.max(0.0).min(1.0))
     }
 
     /// Mean radius ∫ r p dr = Σ w_k/λ_k \[L\].
     #[inline]
     pub fn mean_radius(&self) -> f64 {
-        self.sum(|k| 1.0 / self.rates[k])
+        self.mixture.mean_radius()
     }
 
     /// Mean squared radius ∫ r² p dr = 2 Σ w_k/λ_k² \[L²\].
     #[inline]
     pub fn mean_squared_radius(&self) -> f64 {
-        2.0 * self.sum(|k| (1.0 / self.rates[k]) / self.rates[k])
+        self.mixture.mean_squared_radius()
     }
 
     /// [`eval`](Self::eval) of every radius, as far as the shorter slice goes.
@@ -244,66 +229,16 @@ impl RefinedDiffusion {
     pub fn sample_slice(&self, randoms: &[f64], radii: &mut [f64]) {
         map_slice(randoms, radii, elementwise!(*self, RefinedDiffusion, f64, sample));
     }
-
-    /// Σ w_k f(k).
-    #[inline(always)]
-    fn sum(&self, f: impl Fn(usize) -> f64) -> f64 {
-        let [a, b, c, d] = std::array::from_fn(|k| self.weights[k] * f(k));
-        (a + b) + (c + d)
-    }
-
-    /// The radius r where h(r) = −ln(share beyond r) is `depth` ≥ 0, by Chebyshev's iteration, which is of third order.
-    ///
-    /// h rises and is concave, as every mixture of exponentials makes it: Newton's step leads to a radius that is too
-    /// small wherever it begins. So the term of second order, which lengthens it, needs no bracket, but a bound.
-    fn radius(&self, depth: f64) -> f64 {
-        // In mean free paths, so that no product leaves the range of numbers
-        let rates = self.rates.map(|rate| rate * self.mfp);
-        // Start where a lower bound says: e^{−Σ w λ r} lies below the mixture, and so does its slowest term
-        let of_slowest = negative_log::<Double>(self.weights[0], 1.0 - self.weights[0]);
-        let mut r = (depth / self.sum(|k| rates[k])).max((depth - of_slowest) / rates[0]);
-        for _ in 0..MOST_STEPS {
-            // Evaluate h and its slopes: h' is the mean rate of what is left beyond r, −h'' the variance of the rates
-            let parts: [(f64, f64); TERMS] = std::array::from_fn(|k| exp_negative::<Double>(rates[k] * r));
-            let beyond = self.sum(|k| parts[k].0).max(f64::MIN_POSITIVE);
-            let within = self.sum(|k| parts[k].1);
-            // A mean is no less than the slowest rate, also where the exponentials underflow
-            let slope = (self.sum(|k| rates[k] * parts[k].0) / beyond).max(rates[0]);
-            let variance = self.sum(|k| rates[k] * rates[k] * parts[k].0) / beyond - slope * slope;
-
-            let newton = (depth - negative_log::<Double>(beyond.min(1.0), within)) / slope;
-            let step = newton * (1.0 + (0.5 * newton * variance / slope).max(-0.5).min(1.0));
-            r = (r + step).max(0.0);
-            // Steps cube: after one of a millionth nothing is left but rounding
-            if step.abs() <= 1e-6 * r {
-                break;
-            }
-        }
-        r * self.mfp
-    }
 }
 
-/// Far more steps than any argument needs.
-const MOST_STEPS: u32 = 100;
-
 impl Profile for RefinedDiffusion {
-    fn eval_times_r(&self, r: f64) -> f64 {
-        self.eval_times_r(r)
-    }
-
-    fn eval(&self, r: f64) -> f64 {
-        self.eval(r)
-    }
-
-    fn enclosed(&self, r: f64) -> f64 {
-        self.enclosed(r)
-    }
+    methods_of!(|own| own; all);
 
     fn beyond(&self, r: f64) -> f64 {
         self.surface_albedo * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.surface_albedo
     }
 
@@ -314,6 +249,10 @@ impl Profile for RefinedDiffusion {
 
     fn evaluations_to_build(&self) -> u32 {
         0
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }
 
@@ -326,25 +265,6 @@ pub(crate) fn terms(surface_albedo: f64, configuration: Configuration) -> ([f64;
     let [a, b, c] = weights.each_ref().map(|coefficients| polynomial(coefficients, surface_albedo));
     let rates = rates.each_ref().map(|coefficients| polynomial(coefficients, surface_albedo));
     ([a, b, c, 1.0 - a - b - c], rates)
-}
-
-/// ℓ/ℓ_d.
-pub(crate) fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
-    (1.0 - surface_albedo) * mfp_per_dmfp_polynomial(surface_albedo, configuration)
-}
-
-/// (ℓ/ℓ_d) / (1 − A).
-pub(crate) fn mfp_per_dmfp_polynomial(surface_albedo: f64, configuration: Configuration) -> f64 {
-    let coefficients = match configuration {
-        Configuration::Searchlight => &SEARCHLIGHT_LENGTH,
-        Configuration::Diffuse => &DIFFUSE_LENGTH,
-    };
-    polynomial(coefficients, surface_albedo)
-}
-
-/// Σ cᵢ xⁱ.
-fn polynomial<const N: usize>(coefficients: &[f64; N], x: f64) -> f64 {
-    coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
 #[cfg(test)]

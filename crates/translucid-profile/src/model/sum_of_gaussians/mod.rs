@@ -12,6 +12,7 @@ use crate::error::{ParameterError, require, require_fraction, require_positive};
 use crate::medium::half_space::half_space_absorption;
 use crate::medium::media::transport_mfp_over_dmfp;
 use crate::model::sum_of_gaussians::coefficients::{DIFFUSE, INTERVALS, ROW, SEARCHLIGHT};
+use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile};
 
 /// Least length that the arithmetic holds.
@@ -35,7 +36,7 @@ const LENGTH_MAX: f64 = 1e150;
 /// # fn main() -> Result<(), translucid_profile::ParameterError> {
 /// let (mfp, searchlight) = (Parameterization::Mfp, Configuration::Searchlight);
 /// let gaussians = SumOfGaussians::new(0.5, 2.0, mfp, searchlight, SumOfGaussians::DEFAULT_TERMS)?;
-/// assert!((gaussians.total() - 0.5).abs() < 1e-15);
+/// assert!((gaussians.surface_albedo() - 0.5).abs() < 1e-15);
 /// let blurs: Vec<(f64, f64)> = gaussians.weights().iter().copied().zip(gaussians.variances()).collect();
 /// assert_eq!(blurs.len(), 6);
 /// let r = gaussians.sample(0.7); // one random number in, one radius out
@@ -205,6 +206,8 @@ impl SumOfGaussians {
 }
 
 impl Profile for SumOfGaussians {
+    methods_of!(|own| own; pdf, pdf_area, cdf, complementary_cdf, sample);
+
     fn eval_times_r(&self, r: f64) -> f64 {
         self.total * (self.pdf(r) / (2.0 * PI))
     }
@@ -222,7 +225,7 @@ impl Profile for SumOfGaussians {
         self.total * self.complementary_cdf(r)
     }
 
-    fn total(&self) -> f64 {
+    fn surface_albedo(&self) -> f64 {
         self.total
     }
 
@@ -234,6 +237,10 @@ impl Profile for SumOfGaussians {
     /// How often the exact surface albedo was evaluated, for the inversion that a dmfp needs.
     fn evaluations_to_build(&self) -> u32 {
         self.evaluations
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
     }
 }
 

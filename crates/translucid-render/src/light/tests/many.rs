@@ -67,7 +67,7 @@ fn receivers(count: u32) -> impl Iterator<Item = Receiver> {
 
 const WAYS: [LightSelection; 3] = [LightSelection::Power, LightSelection::Weighed, LightSelection::Tree];
 
-/// What is missing to 1 is the share of random numbers that lead to a cluster none of whose lights can contribute: its
+/// The sum falls short of 1 by the share of random numbers that lead to a cluster none of whose lights can contribute: its
 /// bounds promised too much. Strata of random numbers tell that share within one in 500.
 #[test]
 fn probabilities_of_all_lights_sum_to_one_with_that_of_none() {
@@ -251,9 +251,11 @@ fn lights_beside_the_tree_shed_theirs() {
 #[test]
 fn tree_is_nearly_as_quiet_as_weighing_every_light() {
     let hall = light_set((0..1000).map(lamp).collect(), (0..200).map(shard).collect(), None);
+    // Nine of twelve have normals: enough for a mean over places, whose factors below leave room of a half
+    let count = if translucid_testing::is_thorough() { 48 } else { 12 };
     let [power, weighed, tree] = WAYS.map(|way| {
         let lights = hall.clone().with_selection(way);
-        let relative = receivers(48).filter(Receiver::has_normal).map(|receiver| {
+        let relative = receivers(count).filter(Receiver::has_normal).map(|receiver| {
             let (mean, variance) = by_selection(&lights, &receiver, 4000);
             variance / (mean * mean)
         });

@@ -2,10 +2,10 @@
 
 use obvhs::bvh2::Bvh2;
 
-use super::Source;
 use super::collapse::Costs;
 use super::lines::Lines;
 use super::node::{LEAF, Node};
+use crate::ray::primitive::PrimitiveSource;
 use crate::ray::triangle::TriangleBlock;
 
 /// Turns the binary tree into wide nodes and blocks.
@@ -18,7 +18,7 @@ pub(super) struct Gather<'a, T> {
     pub(super) most_waiting: usize,
 }
 
-impl<'a, T: Source> Gather<'a, T> {
+impl<'a, T: PrimitiveSource> Gather<'a, T> {
     pub(super) fn new(binary: &'a Bvh2, primitives: &'a [T]) -> Self {
         let costs = Costs::new(&binary.nodes);
         Self { binary, primitives, costs, lines: Lines::default(), most_waiting: 0 }

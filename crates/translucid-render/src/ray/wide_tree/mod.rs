@@ -12,15 +12,14 @@ mod node;
 mod traversal;
 
 use gather::Gather;
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use lines::Lines;
-use obvhs::Boundable;
-use obvhs::aabb::Aabb;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use traversal::Visitor;
 
-use crate::ray::triangle::{BlockRay, LANES, Ray, TriangleBlock, TriangleHit};
+use super::primitive::PrimitiveSource;
+use super::triangle::{BlockRay, LANES, Ray, TriangleBlock, TriangleHit};
 
 /// The tree over a scene's triangles.
 #[derive(Debug, PartialEq)]
@@ -32,35 +31,9 @@ pub(crate) struct WideTree {
     avx2: bool,
 }
 
-/// Where the tree's triangles come from.
-pub(crate) trait Source: Boundable {
-    /// The triangle itself.
-    fn primitive(&self) -> Primitive;
-}
-
-/// A triangle to be sorted into the tree.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Primitive {
-    pub(crate) vertices: [Vec3; 3],
-    pub(crate) object: u32,
-    pub(crate) triangle: u32,
-    pub(crate) group: u32,
-}
-
-impl Boundable for Primitive {
-    fn aabb(&self) -> Aabb {
-        let [a, b, c] = self.vertices.map(Vec3A::from);
-        // The box test rounds: a little room keeps it from culling what the triangle test would hit.
-        // It differs between triangles, since the builder takes quadratic time over equal boxes.
-        let jitter = (self.triangle.wrapping_mul(0x9e37_79b9) >> 28) as f32;
-        let room = a.abs().max(b.abs()).max(c.abs()).max_element() * (4.0 + jitter) * f32::EPSILON;
-        Aabb::new(a.min(b).min(c) - room, a.max(b).max(c) + room)
-    }
-}
-
 impl WideTree {
     /// Builds the tree; the result does not depend on the number of threads.
-    pub(crate) fn new(primitives: &[impl Source]) -> Self {
+    pub(crate) fn new(primitives: &[impl PrimitiveSource]) -> Self {
         let avx2 = avx2_is_available();
         if primitives.is_empty() {
             return Self { lines: Lines::default(), most_waiting: 0, bounds: (Vec3::ZERO, Vec3::ZERO), avx2 };
@@ -203,8 +176,9 @@ fn avx2_is_available() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ray::primitive::Primitive;
 
-    impl Source for Primitive {
+    impl PrimitiveSource for Primitive {
         fn primitive(&self) -> Primitive {
             *self
         }

@@ -8,9 +8,6 @@ use std::f32::consts::FRAC_1_PI;
 use glam::Vec3;
 use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
-use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
-use crate::surface::material::Subsurface;
-
 /// The way of light below the surface, with normals on the side that is seen.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Passage {
@@ -27,7 +24,7 @@ pub(crate) struct Passage {
     clippy::large_enum_variant,
     reason = "it lives on the stack for one event: a box would allocate in the inner loop"
 )]
-pub(crate) enum Directionality {
+pub(crate) enum DirectionalWeight {
     /// All directions alike.
     Radial,
     /// The directional dipole.
@@ -46,7 +43,7 @@ pub(crate) enum Directionality {
     },
 }
 
-/// What the subsurface parameters of an exit say about directions.
+/// Directional part of the kernel for the parameters of an exit point.
 #[allow(
     clippy::large_enum_variant,
     reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
@@ -64,58 +61,38 @@ pub(crate) enum Directions<'a> {
 /// The profiles that entries are found by, of the shape that their table has.
 #[derive(Clone, Copy)]
 pub(crate) struct RadialMean<'a> {
-    views: [ProfileViewF32<'a>; 3],
+    pub(super) views: [ProfileViewF32<'a>; 3],
     /// Surface albedo of the shape, 0 in channels that do not scatter.
-    albedo: [f32; 3],
+    pub(super) surface_albedo: [f32; 3],
 }
 
 impl RadialMean<'_> {
     /// 1 over a density of the profiles times A; 0 where that is 0.
     fn inverse(&self, density: impl Fn(&ProfileViewF32<'_>) -> f32) -> Vec3 {
         let of = |c: usize| {
-            let radial = if self.albedo[c] > 0.0 { self.albedo[c] * density(&self.views[c]) } else { 0.0 };
+            let radial = if self.surface_albedo[c] > 0.0 {
+                self.surface_albedo[c] * density(&self.views[c])
+            } else {
+                0.0
+            };
             if radial > 0.0 { radial.recip() } else { 0.0 }
         };
         Vec3::new(of(0), of(1), of(2))
     }
 }
 
-impl<'a> Directions<'a> {
-    /// Those of an exit's parameters.
-    pub(crate) fn new(tables: &'a ProfileTables, subsurface: &Subsurface) -> Self {
-        let Subsurface { albedo, length, source } = *subsurface;
-        // Of the shape that the table has
-        let shape = |table: usize, c: usize| albedo[c].min(tables.brightest(table));
-        let mean = |table: usize| RadialMean {
-            views: [0, 1, 2].map(|c| tables.table(table).at(shape(table, c), length[c])),
-            albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(table, c) } else { 0.0 }),
-        };
-        match source {
-            ProfileSource::NormalizedDiffusion | ProfileSource::Table(_) | ProfileSource::RandomWalk(_) => {
-                Self::Radial
-            }
-            ProfileSource::Directional { table, dipole } => Self::Dipole(
-                [0, 1, 2].map(|c: usize| tables.dipole(dipole).at(shape(table, c), length[c])),
-                mean(table),
-            ),
-            ProfileSource::Oblique { table, oblique } => Self::Oblique(
-                [0, 1, 2].map(|c: usize| tables.oblique(oblique).at(shape(table, c), length[c])),
-                mean(table),
-            ),
-        }
-    }
-
+impl Directions<'_> {
     /// The weights of light that goes a way below the surface.
-    pub(crate) fn along(&self, passage: Passage) -> Directionality {
+    pub(crate) fn along(&self, passage: Passage) -> DirectionalWeight {
         let distance = passage.offset.length();
         match self {
-            Self::Radial => Directionality::Radial,
-            Self::Dipole(dipoles, mean) => Directionality::Dipole {
+            Self::Radial => DirectionalWeight::Radial,
+            Self::Dipole(dipoles, mean) => DirectionalWeight::Dipole {
                 passage,
                 dipoles: *dipoles,
                 inverse: mean.inverse(|view| view.pdf_area(distance)),
             },
-            Self::Oblique(profiles, mean) => Directionality::Oblique {
+            Self::Oblique(profiles, mean) => DirectionalWeight::Oblique {
                 passage,
                 profiles: *profiles,
                 inverse: mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
@@ -124,7 +101,7 @@ impl<'a> Directions<'a> {
     }
 }
 
-impl Directionality {
+impl DirectionalWeight {
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {

@@ -1,5 +1,100 @@
-//! The profiles of materials.
+//! The subsurface kernel of a material: how much light that has entered at one point leaves at another.
+//!
+//! ```text
+//! S(x_i, ω_i, x_o) = A p(|x_o − x_i|) w(x_o − x_i, ω_i)
+//! ```
+//!
+//! p is a radial profile, tabulated for the surface albedos of the material and cut where little of its energy is
+//! left: entry points are drawn from it. w is 1 where a model knows no direction, else the model over its own mean.
 
-pub(crate) mod cut;
-pub(crate) mod direction;
-pub(crate) mod tables;
+mod cut;
+mod direction;
+mod recipe;
+
+use glam::Vec3;
+use translucid_profile::{AlbedoTableF32, DirectionalDipoleTable, ObliqueDiffusionTable, ProfileViewF32};
+
+use super::parameters::Subsurface;
+
+pub(crate) use cut::CutProfile;
+pub(crate) use direction::{DirectionalWeight, Directions, Passage};
+pub use recipe::{KernelError, KernelNote, NearestParameter};
+pub(crate) use recipe::{KernelRecipe, unfitted};
+
+/// The profile of one material, or of several that are alike.
+pub(crate) struct SubsurfaceKernel {
+    radial: AlbedoTableF32,
+    /// Surface albedo whose shape stands in above it: what follows the direction of light has to have that shape, too,
+    /// or most of its light would leave where probes hardly look.
+    brightest: f32,
+    /// Whether a user has made the profile: it may have any shape, holes included.
+    is_from_file: bool,
+    angular: Angular,
+    notes: Vec<KernelNote>,
+}
+
+/// What a kernel knows of directions.
+enum Angular {
+    Nothing,
+    Dipole(DirectionalDipoleTable),
+    Oblique(ObliqueDiffusionTable),
+}
+
+impl SubsurfaceKernel {
+    /// The radial profile of a surface albedo and a length.
+    #[inline]
+    pub(crate) fn radial(&self, surface_albedo: f32, length: f32) -> ProfileViewF32<'_> {
+        self.radial.at(surface_albedo, length)
+    }
+
+    /// Lengths with 0 for those whose profiles are points, where positions are exact to `offset`.
+    ///
+    /// The length says little of the width: a file's radii may be in any unit.
+    pub(crate) fn resolved(&self, surface_albedo: Vec3, length: Vec3, offset: f32) -> Vec3 {
+        let of = |c: usize| {
+            let length = length[c];
+            let is_wide = length > 0.0 && self.radial(surface_albedo[c], length).cdf(offset) < 0.5;
+            if is_wide { length } else { 0.0 }
+        };
+        Vec3::new(of(0), of(1), of(2))
+    }
+
+    /// Radius within which half of a channel's light leaves \[L\].
+    pub(crate) fn half_radius(&self, surface_albedo: f32, length: f32) -> f32 {
+        self.radial(surface_albedo, length).truncation_radius(0.5)
+    }
+
+    /// What the kernel does not do as its material asks.
+    pub(crate) fn notes(&self) -> &[KernelNote] {
+        &self.notes
+    }
+
+    /// Whether the direction of light counts.
+    pub(crate) fn knows_directions(&self) -> bool {
+        !matches!(self.angular, Angular::Nothing)
+    }
+
+    /// Whether the profile is 0 nowhere within its reach.
+    pub(crate) fn is_positive(&self) -> bool {
+        !self.is_from_file
+    }
+
+    /// What the parameters of an exit point say about directions.
+    pub(crate) fn directions(&self, subsurface: &Subsurface) -> Directions<'_> {
+        let Subsurface { surface_albedo, length } = *subsurface;
+        let shape = |c: usize| surface_albedo[c].min(self.brightest);
+        let mean = || direction::RadialMean {
+            views: [0, 1, 2].map(|c| self.radial(shape(c), length[c])),
+            surface_albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(c) } else { 0.0 }),
+        };
+        match &self.angular {
+            Angular::Nothing => Directions::Radial,
+            Angular::Dipole(table) => {
+                Directions::Dipole([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
+            }
+            Angular::Oblique(table) => {
+                Directions::Oblique([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
+            }
+        }
+    }
+}

@@ -1,6 +1,166 @@
-//! The ways in which light under surfaces is found.
+//! The ways in which light under a surface is found, one for each material.
+//!
+//! ```text
+//! probes/   segments near the exit point draw an entry point; the path goes on from there
+//! shared/   the same, and what enters below one pixel serves the pixels around it
+//! points/   a sum over points all over the surface, whose light is known beforehand
+//! walk/     the volume itself, collision by collision
+//! ```
+//!
+//! A new one is a folder here and a line in [`SubsurfaceTransport`].
 
 pub(crate) mod points;
 pub(crate) mod probes;
-pub(crate) mod shared;
+mod shared;
 pub(crate) mod walk;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use translucid_scene::{Material, Scene};
+
+use super::parameters::Subsurface;
+use crate::ray::SurfacePoint;
+use crate::sampling::Sampler;
+use crate::surface;
+use crate::world::{Layer, PathState, World};
+use points::{GatherScratch, Gatherer, Leaving};
+use probes::{ProbeScratch, Probes};
+use shared::SharedEntries;
+use walk::WalkMedium;
+
+/// How light under the surface of a material is found.
+pub(crate) enum SubsurfaceTransport {
+    /// Light leaves where it enters.
+    Lambertian,
+    Probes(Probes),
+    /// Paths in a block of pixels share their entry points, others have probes alone.
+    Shared(Probes),
+    /// Where a subsurface group has no points, the other transport finds the light.
+    Points(Box<Self>, Option<Arc<Gatherer>>),
+    Walk(Arc<WalkMedium>),
+}
+
+/// The point that light leaves, as a path has met it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct ExitPoint<'a> {
+    pub(crate) point: &'a SurfacePoint,
+    /// Number of its material.
+    pub(crate) material: usize,
+    /// Shading normal on the outside.
+    pub(crate) normal: Vec3,
+    /// 1 where the surface is seen from its outside, −1 from its inside.
+    pub(crate) side: f32,
+    pub(crate) subsurface: Subsurface,
+}
+
+impl ExitPoint<'_> {
+    /// The point as one that light is gathered for.
+    pub(crate) fn leaving(&self) -> Leaving {
+        let SurfacePoint { position, geometric_normal: normal, group, .. } = *self.point;
+        Leaving { position, normal, group, material: self.material, subsurface: self.subsurface }
+    }
+}
+
+/// What a transport may ask of the path tracer.
+pub(crate) trait Tracing<'a> {
+    /// Memory of this thread.
+    fn scratch(&mut self) -> &mut TransportScratch<'a>;
+
+    /// Follows a path to its end.
+    fn follow(&mut self, path: &mut PathState, sampler: &mut Sampler);
+
+    /// Factor on light that leaves at a point, for its shape.
+    fn shape_factor(&mut self, exit: &ExitPoint<'_>) -> Vec3;
+
+    /// [`shape_factor`](Self::shape_factor) where the share of the profile that the shape holds is known.
+    fn shape_factor_of(&self, exit: &ExitPoint<'_>, energy: Vec3) -> Vec3;
+
+    /// Width of a pixel over the distance of what it shows.
+    fn pixel_angle(&self) -> f32;
+}
+
+/// Memory of the transports of one thread.
+#[derive(Default)]
+pub(crate) struct TransportScratch<'a> {
+    probes: ProbeScratch,
+    pub(crate) points: GatherScratch,
+    shared: SharedEntries<'a>,
+}
+
+impl TransportScratch<'_> {
+    /// Calls `add` with the number of the sample, the layer and the light for every exit point of a block that others
+    /// have light for, and forgets the block.
+    pub(crate) fn finish_block(&mut self, add: impl FnMut(usize, Layer, Vec3)) {
+        self.shared.resolve(add);
+    }
+
+    /// Forgets a block without its light.
+    pub(crate) fn drop_block(&mut self) {
+        self.shared.clear();
+    }
+}
+
+impl SubsurfaceTransport {
+    /// Parameters of the medium below a point of a material that has this transport.
+    pub(crate) fn at(&self, scene: &Scene, material: &Material, point: &SurfacePoint) -> Subsurface {
+        let surface_albedo = surface::surface_albedo_at(scene, material, point);
+        if matches!(self, Self::Lambertian) {
+            return Subsurface { surface_albedo, length: Vec3::ZERO };
+        }
+        let stated = surface::stated_length_at(scene, material, point);
+        Subsurface { surface_albedo, length: self.length(surface_albedo, stated, point.offset) }
+    }
+
+    /// Lengths as the transport uses them, 0 in channels whose light leaves where it enters as far as positions, exact
+    /// to `offset`, can tell.
+    fn length(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
+        match self {
+            Self::Lambertian => Vec3::ZERO,
+            Self::Probes(probes) | Self::Shared(probes) => {
+                probes.kernel.resolved(surface_albedo, stated, offset)
+            }
+            Self::Points(other, _) => other.length(surface_albedo, stated, offset),
+            Self::Walk(medium) => medium.resolved(surface_albedo, stated, offset),
+        }
+    }
+
+    /// Sets the probabilities of probing along (tangent, tangent, normal).
+    pub(crate) fn set_axes(&mut self, axes: [f32; 3]) {
+        match self {
+            Self::Lambertian | Self::Walk(_) => {}
+            Self::Probes(probes) | Self::Shared(probes) => probes.axes = axes,
+            Self::Points(other, _) => other.set_axes(axes),
+        }
+    }
+
+    /// The probes, where the transport knows a profile.
+    pub(crate) fn probes(&self) -> Option<&Probes> {
+        match self {
+            Self::Lambertian | Self::Walk(_) => None,
+            Self::Probes(probes) | Self::Shared(probes) => Some(probes),
+            Self::Points(other, _) => other.probes(),
+        }
+    }
+
+    /// Leaves a surface through the medium below; false where the path is over.
+    pub(crate) fn scatter<'a, T: Tracing<'a>>(
+        &'a self,
+        tracer: &mut T,
+        world: &'a World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
+        match self {
+            Self::Lambertian => false,
+            Self::Probes(probes) => probes.scatter(tracer, world, path, exit, sampler),
+            Self::Shared(probes) => shared::scatter(probes, tracer, world, path, exit, sampler),
+            Self::Points(other, gatherer) => {
+                let has_points = gatherer.as_ref().is_some_and(|points| points.scatter(tracer, path, exit));
+                !has_points && other.scatter(tracer, world, path, exit, sampler)
+            }
+            Self::Walk(medium) => medium.scatter(world, path, exit, sampler),
+        }
+    }
+}

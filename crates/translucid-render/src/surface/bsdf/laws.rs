@@ -62,7 +62,7 @@ impl Random {
             transmission_weight: self.corner(),
             transmission_tint: self.color(),
             subsurface_weight: self.corner(),
-            subsurface_color: self.color(),
+            surface_albedo: self.color(),
             subsurface_active: [self.next() < 0.5, self.next() < 0.5, self.next() < 0.5],
             coat_weight: self.corner(),
             coat_color: self.color(),
@@ -78,7 +78,7 @@ fn direction(mu: f32) -> Vec3 {
 }
 
 fn white() -> SurfaceParameters {
-    SurfaceParameters { base_color: Vec3::ONE, subsurface_color: Vec3::ONE, ..SurfaceParameters::default() }
+    SurfaceParameters { base_color: Vec3::ONE, surface_albedo: Vec3::ONE, ..SurfaceParameters::default() }
 }
 
 /// Mean and standard error of the weight under uniform unit light, subsurface scattering returning its A
@@ -94,7 +94,7 @@ fn furnace(p: &SurfaceParameters, tables: &MaterialTables, wo: Vec3) -> (f64, f6
         let v = [cell(k / SIDE, random.next()), cell(k / (SIDE * SIDE), random.next())];
         let weight = match bsdf.sample(cell(k, random.next()), v) {
             Some(BsdfSample::Direction { weight, .. }) => weight.y,
-            Some(BsdfSample::Subsurface { weight }) => weight.y * p.subsurface_color.y * entry_tint,
+            Some(BsdfSample::Subsurface { weight }) => weight.y * p.surface_albedo.y * entry_tint,
             None => 0.0,
         };
         sum += f64::from(weight);
@@ -440,7 +440,7 @@ fn subsurface_without_extent_is_the_matte_lobe() {
             continue;
         }
         let chance = hits as f32 / n as f32;
-        let spread = weight * chance * p.subsurface_color * EntryBsdf::new(&p, &tables).eval(wi.z);
+        let spread = weight * chance * p.surface_albedo * EntryBsdf::new(&p, &tables).eval(wi.z);
         let flat = Bsdf::new(&SurfaceParameters { subsurface_active: [false; 3], ..p }, &tables, wo)
             .eval(wi)
             .diffuse;

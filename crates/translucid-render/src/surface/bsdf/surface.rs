@@ -1,6 +1,6 @@
 //! What the BSDF needs to know of a material at one point.
 
-use glam::Vec3;
+use glam::{BVec3, Vec3};
 
 /// A material evaluated at a point: weights, roughnesses and colors in [0, 1], indices in [1, 4].
 /// Values outside are clamped.
@@ -26,7 +26,7 @@ pub struct SurfaceParameters {
     /// Fraction of the dielectric's opaque part that scatters light under the surface.
     pub subsurface_weight: f32,
     /// Surface albedo A of the medium, relative to the light that enters.
-    pub subsurface_color: Vec3,
+    pub surface_albedo: Vec3,
     /// Channels with a mean free path above 0; the others are Lambertian with the same factors.
     pub subsurface_active: [bool; 3],
     /// Strength of the clear coat.
@@ -52,7 +52,7 @@ impl Default for SurfaceParameters {
             transmission_weight: 0.0,
             transmission_tint: Vec3::ONE,
             subsurface_weight: 0.0,
-            subsurface_color: Vec3::splat(0.8),
+            surface_albedo: Vec3::splat(0.8),
             subsurface_active: [true; 3],
             coat_weight: 0.0,
             coat_color: Vec3::ONE,
@@ -75,7 +75,7 @@ impl SurfaceParameters {
             transmission_weight: unit(self.transmission_weight),
             transmission_tint: unit_color(self.transmission_tint),
             subsurface_weight: unit(self.subsurface_weight),
-            subsurface_color: unit_color(self.subsurface_color),
+            surface_albedo: unit_color(self.surface_albedo),
             coat_weight: unit(self.coat_weight),
             coat_color: unit_color(self.coat_color),
             coat_roughness: unit(self.coat_roughness),
@@ -83,17 +83,23 @@ impl SurfaceParameters {
         }
     }
 
-    /// Subsurface albedo of the channels that light travels in under the surface.
+    /// The parameters above a medium of this surface albedo, in whose active channels light travels below the surface.
+    #[must_use]
+    pub(crate) fn with_subsurface(self, surface_albedo: Vec3, active: BVec3) -> Self {
+        Self { surface_albedo, subsurface_active: active.into(), ..self }
+    }
+
+    /// Surface albedo of the channels that light travels in below the surface.
     #[must_use]
     pub fn subsurface_albedo_active(&self) -> Vec3 {
-        self.subsurface_color * Vec3::from_array(self.subsurface_active.map(|a| if a { 1.0 } else { 0.0 }))
+        self.surface_albedo * Vec3::from_array(self.subsurface_active.map(|a| if a { 1.0 } else { 0.0 }))
     }
 
     /// Albedo of the base that reflects light where it enters: the diffuse part and the subsurface
     /// channels without a mean free path, relative to the opaque part.
     #[must_use]
     pub fn matte_albedo(&self) -> Vec3 {
-        let inactive = self.subsurface_color - self.subsurface_albedo_active();
+        let inactive = self.surface_albedo - self.subsurface_albedo_active();
         self.base_color * (1.0 - self.subsurface_weight) + inactive * self.subsurface_weight
     }
 }
@@ -129,7 +135,7 @@ mod tests {
         let p = SurfaceParameters {
             base_color: Vec3::splat(0.5),
             subsurface_weight: 0.25,
-            subsurface_color: Vec3::ONE,
+            surface_albedo: Vec3::ONE,
             subsurface_active: [true, false, true],
             ..SurfaceParameters::default()
         };

@@ -5,7 +5,8 @@ mod scenes;
 mod statistics;
 
 pub(crate) use rendering::{
-    Renderer, make_points, on_threads, picture, prepare, render, render_until, sample_ray, with_points,
+    PreparedScene, make_points, on_threads, picture, pictures, prepare, prepare_with_points, render,
+    render_until, sample_ray, with_points,
 };
 pub(crate) use scenes::{GRAY, distant, matte, quad, scene, sphere, uniform_environment};
-pub(crate) use statistics::{assert_within, mean_of, measure};
+pub(crate) use statistics::{assert_agree, assert_within, mean_of, measure, samples};

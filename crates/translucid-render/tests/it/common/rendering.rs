@@ -2,27 +2,30 @@
 //!
 //! All that the tests call of the renderer stands here, but for what single tests are about.
 
+use std::ops::Range;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-pub(crate) use translucid_render::Renderer;
-use translucid_render::{FilmSums, Goal, Outcome, PixelSample, PointCloud, PointsError, Progress};
+pub(crate) use translucid_render::PreparedScene;
+use translucid_render::{
+    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, PointsError, Progress, View, measure,
+};
 use translucid_scene::Scene;
 
 /// Makes a scene ready to be rendered.
-pub(crate) fn prepare(scene: Scene) -> Renderer {
-    Renderer::new(scene)
+pub(crate) fn prepare(scene: Scene) -> PreparedScene {
+    PreparedScene::new(scene).expect("a valid scene")
 }
 
 /// Traces sample `index` of a seed along a ray.
 pub(crate) fn sample_ray(
-    renderer: &Renderer,
+    prepared: &PreparedScene,
     origin: Vec3,
     direction: Vec3,
     seed: u64,
     index: u32,
 ) -> PixelSample {
-    renderer.sample_ray(origin, direction, seed, index)
+    measure::sample_ray(prepared, origin, direction, seed, index)
 }
 
 /// Renders a picture of a scene, of its film's size.
@@ -32,31 +35,60 @@ pub(crate) fn picture(scene: &Scene, samples: u32) -> FilmSums {
     film
 }
 
+/// Renders the picture that a scene states with other seeds.
+pub(crate) fn pictures(prepared: &PreparedScene, seeds: Range<u64>, samples: u32) -> Vec<FilmSums> {
+    let Scene { camera, film, .. } = *prepared.scene();
+    let seeded = |seed| {
+        let view = View::new(camera, film, seed).expect("a valid view");
+        let live = LiveFilm::new(FilmSums::new(film.width, film.height));
+        let goal = Goal { samples, deadline: None };
+        let outcome = prepared.render(&view, &live, goal, &|_| {}, &AtomicBool::new(false));
+        assert_eq!(outcome, Outcome::Finished);
+        live.into_sums()
+    };
+    seeds.map(seeded).collect()
+}
+
 /// Renders until each pixel has so many samples.
-pub(crate) fn render(renderer: &Renderer, film: &mut FilmSums, samples: u32) -> Outcome {
-    render_until(renderer, film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false))
+pub(crate) fn render(prepared: &PreparedScene, film: &mut FilmSums, samples: u32) -> Outcome {
+    render_until(prepared, film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false))
 }
 
 /// Renders until a goal is reached or somebody stops it.
 pub(crate) fn render_until(
-    renderer: &Renderer,
+    prepared: &PreparedScene,
     film: &mut FilmSums,
     goal: Goal,
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Outcome {
-    renderer.render(film, goal, progress, stop)
+    let view = prepared.view().expect("a valid view");
+    let live = LiveFilm::new(film.clone());
+    let outcome = prepared.render(&view, &live, goal, progress, stop);
+    *film = live.into_sums();
+    outcome
 }
 
 /// Makes the points that a scene asks for, within so many bytes.
-pub(crate) fn make_points(renderer: &Renderer, memory: u64) -> Result<PointCloud, PointsError> {
-    let points = renderer.make_points(memory, &|_| {}, &AtomicBool::new(false))?;
+pub(crate) fn make_points(prepared: &PreparedScene, memory: u64) -> Result<PointCloud, PointsError> {
+    let points = prepared.make_points(memory, &|_| {}, &AtomicBool::new(false))?;
     Ok(points.expect("nobody stops it"))
 }
 
 /// Gathers light from points.
-pub(crate) fn with_points(renderer: Renderer, points: &PointCloud) -> Renderer {
-    renderer.with_points(points)
+pub(crate) fn with_points(mut prepared: PreparedScene, points: &PointCloud) -> PreparedScene {
+    prepared.set_points(points);
+    prepared
+}
+
+/// Makes a scene ready to be rendered, with points if it asks for them, within so many bytes.
+pub(crate) fn prepare_with_points(scene: Scene, memory: u64) -> Result<PreparedScene, PointsError> {
+    let prepared = prepare(scene);
+    if !prepared.wants_points() {
+        return Ok(prepared);
+    }
+    let points = make_points(&prepared, memory)?;
+    Ok(with_points(prepared, &points))
 }
 
 /// Runs on a pool of so many threads.

@@ -54,7 +54,7 @@ pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
     }
 }
 
-/// The same light from everywhere.
+/// Environment of the same radiance from everywhere, which the camera does not see.
 pub(crate) fn uniform_environment(radiance: Vec3) -> Option<Environment> {
     Some(Environment { radiance, image: None, world_from_environment: Mat3::IDENTITY, visible: false })
 }

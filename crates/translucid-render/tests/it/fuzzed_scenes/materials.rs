@@ -131,7 +131,7 @@ fn set_scalar(text: &mut Text, random: &mut Random, key: &str, largest: f64) {
     text.set(key, format!("{{ file = \"{file}\", factor = {factor}, channel = \"{channel}\"{mapping} }}"));
 }
 
-/// What an image table says of its place.
+/// Placement of an image, as keys of its table.
 fn mapping(random: &mut Random) -> String {
     if random.chance(0.5) {
         return String::new();

@@ -104,7 +104,7 @@ fn needles(random: &mut Random) -> Mesh {
     mesh
 }
 
-/// The same triangle many times, from both sides, with and without vertices of its own.
+/// One triangle many times, from both sides, with and without vertices of its own.
 fn coincident(random: &mut Random) -> Mesh {
     let corners = [random.cube(), random.cube(), random.cube()];
     let mut mesh = Mesh::default();

@@ -2,7 +2,7 @@
 //! panic, and every sum of the film is finite.
 //!
 //! ```text
-//! cargo test -p translucid-render --test it fuzzed_scenes                                   the 1,000 of every run
+//! cargo test -p translucid-render --test it fuzzed_scenes                                   those of every run
 //! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-render --test it fuzzed_scenes          one; its files are kept
 //! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-render --test it fuzzed_scenes  others
 //! ```
@@ -28,13 +28,14 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use translucid_render::{FilmSums, Outcome, PointsError, layer};
+use translucid_render::{FilmSums, Outcome, layer};
 use translucid_scene::{Light, LoadOptions, Object, Scene, load_scene};
+use translucid_testing::power;
 
-use crate::common::{Renderer, make_points, prepare, render, with_points};
+use crate::common::{prepare_with_points, render};
 
-/// Scenes of every test run; of some the loader refuses a mesh.
-const SEEDS: Range<u64> = 0..1195;
+/// Scenes of a thorough run; of some the loader refuses a mesh. Others take the first eighth of them.
+const SCENES: u64 = 1195;
 /// How many of them are rendered at least.
 const LEAST_RENDERED: u64 = 1000;
 
@@ -47,7 +48,7 @@ const HANG: Duration = Duration::from_secs(300);
 /// Memory for points: some dozens of them, each of which may take thousands of samples.
 const MOST_POINT_BYTES: u64 = 1 << 14;
 
-/// What became of a scene.
+/// Outcome of a scene.
 enum Verdict {
     /// Rendered; the CPU time that it took, where the system tells.
     Good(Option<f64>),
@@ -61,7 +62,7 @@ struct Work {
     directory: PathBuf,
     next: AtomicU64,
     end: u64,
-    /// Whether files of scenes are removed that have nothing wrong.
+    /// Removes the files of scenes that have nothing wrong.
     tidy: bool,
     /// Seed at hand and when it was begun, for each thread.
     at_hand: Vec<Mutex<Option<(u64, Instant)>>>,
@@ -98,15 +99,18 @@ fn extreme_scenes_end_and_stay_finite() {
         directory.join(format!("scene-{}.toml", outcome.failed.first().unwrap_or(&0))).display(),
     );
     let rendered = count - outcome.refused;
-    assert!(seeds != SEEDS || rendered >= LEAST_RENDERED, "only {rendered} scenes were rendered");
+    assert!(
+        seeds != usual_seeds() || rendered >= power(LEAST_RENDERED),
+        "only {rendered} scenes were rendered"
+    );
     if count > 1 {
         fs::remove_dir_all(&directory).expect("a directory of our own");
     }
 }
 
-/// Those that the environment names, else the usual ones.
+/// Seeds that the environment names, else the usual ones.
 fn seeds() -> Range<u64> {
-    let Ok(text) = std::env::var("TRANSLUCID_FUZZ_SEEDS") else { return SEEDS };
+    let Ok(text) = std::env::var("TRANSLUCID_FUZZ_SEEDS") else { return usual_seeds() };
     let number =
         |text: &str| text.parse::<u64>().expect("TRANSLUCID_FUZZ_SEEDS is a number, or two with .. between");
     match text.split_once("..") {
@@ -115,7 +119,11 @@ fn seeds() -> Range<u64> {
     }
 }
 
-/// What became of all scenes.
+fn usual_seeds() -> Range<u64> {
+    0..power(SCENES)
+}
+
+/// Outcomes of all scenes.
 #[derive(Default)]
 struct Totals {
     failures: Vec<String>,
@@ -198,7 +206,7 @@ impl Work {
                 // A panic, too, shall tell its seed.
                 let verdict = catch_unwind(AssertUnwindSafe(|| judge(seed, &self.directory)));
                 let verdict =
-                    verdict.unwrap_or_else(|panic| Verdict::Bad(format!("panics: {}", words(&*panic))));
+                    verdict.unwrap_or_else(|panic| Verdict::Bad(format!("panics: {}", message(&*panic))));
                 *self.at_hand[index].lock().expect("no thread panics here") = None;
                 if self.tidy && !matches!(verdict, Verdict::Bad(_)) {
                     scenes::remove(seed, &self.directory);
@@ -219,8 +227,8 @@ impl Work {
     }
 }
 
-/// What a panic said.
-fn words(panic: &(dyn std::any::Any + Send)) -> String {
+/// Message of a panic.
+fn message(panic: &(dyn std::any::Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
     text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_default()
 }
@@ -237,7 +245,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         Err(error) => return Verdict::Refused(error.message),
     };
     let dark = is_dark(&scene);
-    let renderer = match gathering(prepare(scene)) {
+    let renderer = match prepare_with_points(scene, MOST_POINT_BYTES) {
         Ok(renderer) => renderer,
         Err(error) => return Verdict::Refused(error.message),
     };
@@ -252,16 +260,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
     }
 }
 
-/// The renderer with the points that it wants, unless they are too many.
-fn gathering(renderer: Renderer) -> Result<Renderer, PointsError> {
-    if !renderer.wants_points() {
-        return Ok(renderer);
-    }
-    let points = make_points(&renderer, MOST_POINT_BYTES)?;
-    Ok(with_points(renderer, &points))
-}
-
-/// Whether nothing in the scene shines.
+/// Tells whether nothing in the scene shines.
 fn is_dark(scene: &Scene) -> bool {
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
     let color = |light: &Light| match *light {
@@ -276,7 +275,7 @@ fn is_dark(scene: &Scene) -> bool {
         && !scene.objects.iter().any(emits)
 }
 
-/// What is wrong with the film.
+/// Defect of a film, if it has one.
 fn complaint(film: &FilmSums, dark: bool) -> Option<String> {
     let light = layer::DIFFUSE.start..layer::EMISSION.end;
     let good = |index: usize, sum: f64| {

@@ -16,7 +16,7 @@ pub(super) struct Buffers<'a> {
 pub(super) struct View<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) stride: Option<usize>,
-    /// What messages call it.
+    /// Name in messages.
     pub(super) label: String,
 }
 
@@ -90,7 +90,7 @@ impl<'a> Buffers<'a> {
     }
 }
 
-/// What to say of a buffer without URI and binary chunk.
+/// Words for a buffer without URI and binary chunk.
 fn without_data(buffer: &Buffer) -> String {
     match buffer.extensions.keys().find(|name| name.contains("meshopt")) {
         Some(name) => format!("its data is compressed by {}, which is not read", uri::clip(name)),

@@ -21,7 +21,7 @@ pub(super) type Attributes = BTreeMap<String, usize>;
 
 /// An element of one of the document's arrays.
 pub(super) trait Element: DeserializeOwned {
-    /// What messages call it.
+    /// Name in messages.
     const KIND: &'static str;
 
     /// Key of its array in the document.
@@ -197,7 +197,7 @@ pub(super) struct TextureInfo {
     pub(super) index: usize,
     #[serde(default)]
     pub(super) tex_coord: usize,
-    /// Of normal textures only.
+    /// Strength of the bumps, in normal textures alone.
     #[serde(default = "one")]
     pub(super) scale: f32,
     #[serde(default)]
@@ -316,7 +316,7 @@ impl<T: Element> Elements<T> {
         &self.items
     }
 
-    /// What messages call an element: its kind, index and name.
+    /// Name of an element in messages: its kind, index and name.
     pub(super) fn label(&self, index: usize) -> String {
         label(T::KIND, index, self.names.get(index).and_then(Option::as_deref))
     }

@@ -11,7 +11,7 @@ use crate::{Mesh, SceneError, Triangle};
 /// A scene of this size fills tens of gigabytes; a small damaged file could ask for any number.
 const MOST: usize = 1 << 28;
 
-/// What is left of the file's allowance.
+/// Rest of the file's allowance.
 pub(super) struct Budget {
     vertices: usize,
     triangles: usize,

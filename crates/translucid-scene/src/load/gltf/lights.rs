@@ -5,6 +5,7 @@ use serde::Deserialize;
 
 use super::document::{self, Camera as CameraData, Document, Node, PunctualLight};
 use super::notes::Notes;
+use crate::interval::Interval;
 use crate::{Camera, Film, Light, SceneError};
 
 /// A node's KHR_lights_punctual.
@@ -18,7 +19,7 @@ fn forward(world_from_local: &DAffine3) -> Vec3 {
     world_from_local.transform_vector3(DVec3::NEG_Z).normalize_or(DVec3::NEG_Z).as_vec3()
 }
 
-/// What is up for a camera; a sheared node may turn its own y into the viewing direction.
+/// Upward direction of a camera; a sheared node may turn its own y into the viewing direction.
 fn upward(world_from_local: &DAffine3) -> Vec3 {
     let forward = forward(world_from_local);
     let up = world_from_local.transform_vector3(DVec3::Y).normalize_or(DVec3::Y).as_vec3();
@@ -49,9 +50,7 @@ pub(super) fn light(
     let scale = if data.kind == "directional" { 1.0 } else { units * units };
     let color = emitted(data, scale, &part, notes);
     let position = world_from_local.translation.as_vec3();
-    if !position.is_finite() {
-        return Err(notes.error(&part, "its position is too large for a number"));
-    }
+    check_position(position, &part, notes)?;
     let direction = forward(world_from_local);
     match data.kind.as_str() {
         "directional" => {
@@ -76,14 +75,27 @@ pub(super) fn light(
     }
 }
 
-/// Color times intensity times `scale`; what is negative or too large becomes 0 with a warning.
+/// Refuses a position beyond the coordinates that a scene may have.
+fn check_position(position: Vec3, part: &str, notes: &Notes<'_>) -> Result<(), SceneError> {
+    Interval::PLACE
+        .check_all("position", position.to_array())
+        .map_err(|error| notes.error(part, format!("its {}", error.message)))
+}
+
+/// Color times intensity times `scale`; what is negative or infinite becomes 0 and what is too bright the most that
+/// is allowed, with a warning.
 fn emitted(data: &PunctualLight, scale: f64, part: &str, notes: &Notes<'_>) -> Vec3 {
     let color = data.color.unwrap_or([1.0; 3]).map(|channel| (channel * data.intensity * scale) as f32);
     let usable = |channel: f32| channel.is_finite() && channel >= 0.0;
     if !color.into_iter().all(usable) {
         notes.warn(part, "a light whose color or intensity is negative or infinite is dark there");
     }
-    Vec3::from_array(color.map(|channel| if usable(channel) { channel } else { 0.0 }))
+    let color = color.map(|channel| if usable(channel) { channel } else { 0.0 });
+    let dimmed = color.map(|channel| Interval::LIGHT.nearest(channel));
+    if dimmed != color {
+        notes.warn(part, format!("a light beyond {} becomes that", Interval::LIGHT));
+    }
+    Vec3::from_array(dimmed)
 }
 
 /// Inner and outer half-angle in degrees, 0 ≤ inner < outer ≤ 90.
@@ -136,9 +148,8 @@ pub(super) fn camera(
     // The point looked at lies far enough away to differ from the position in single precision.
     let distance = units.max(1e-3 * position.length());
     let target = position + forward(world_from_local).as_dvec3() * distance;
-    if !target.as_vec3().is_finite() {
-        return Err(notes.error(part, "its position is too large for a number"));
-    }
+    check_position(position.as_vec3(), part, notes)?;
+    check_position(target.as_vec3(), part, notes)?;
     let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
     Ok(Some(Camera {
         position: position.as_vec3(),

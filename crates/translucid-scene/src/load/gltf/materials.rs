@@ -174,6 +174,11 @@ impl MaterialReader<'_> {
         self.read_coat(&mut material)?;
         self.read_media(&mut material)?;
         self.read_unlit(&mut material);
+        let stated = material.clone();
+        material.clamp();
+        if material != stated {
+            self.warn("values that are out of range become the nearest allowed");
+        }
         Ok(material)
     }
 
@@ -253,12 +258,13 @@ impl MaterialReader<'_> {
             let texture = data.specular_texture.as_ref();
             material.specular_weight =
                 self.weight(data.specular_factor, texture, Channel::Alpha, "specularFactor")?;
-            // Unlike the others this factor may exceed 1.
+            // Unlike the others this factor may exceed 1; its product with the image may not.
             let factor = Vec3::from_array(data.specular_color_factor);
             let texture = data.specular_color_texture.as_ref();
             material.specular_color = self.color([1.0; 3], texture, "specularColorFactor")?;
+            let most = if material.specular_color.texture.is_some() { f32::MAX } else { 1.0 };
             material.specular_color.factor =
-                if factor.is_finite() { factor.max(Vec3::ZERO) } else { Vec3::ONE };
+                if factor.is_finite() { factor.clamp(Vec3::ZERO, Vec3::splat(most)) } else { Vec3::ONE };
         }
         Ok(())
     }

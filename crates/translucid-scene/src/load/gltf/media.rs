@@ -1,4 +1,4 @@
-//! What glTF says of a material's inside: transmission, absorption and scattering.
+//! Inside of a glTF material: transmission, absorption and scattering.
 //!
 //! - *Clear*: KHR_materials_transmission is `transmission_weight` (red channel). Its tint is the base
 //!   color, or, with an attenuationDistance d in KHR_materials_volume, `transmission_color` =

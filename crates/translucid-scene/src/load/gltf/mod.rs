@@ -63,7 +63,7 @@ pub struct GltfScene {
 /// Reads a glTF file, textures and buffers beside it included.
 ///
 /// glTF's lengths are meters; `unit` is the scene's.
-/// What can be repaired or left out is said in `warnings`.
+/// `warnings` say what was repaired or left out.
 ///
 /// # Errors
 /// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no

@@ -8,10 +8,11 @@ use crate::{Place, SceneError, Warning};
 /// The file that is being read and what was found in it so far.
 pub(super) struct Notes<'a> {
     pub(super) path: &'a Path,
-    entries: RefCell<Vec<Entry>>,
+    entries: RefCell<Vec<CountedWarning>>,
 }
 
-struct Entry {
+/// A warning, the first part of the file that it is of, and how many there are.
+struct CountedWarning {
     message: String,
     first: String,
     count: usize,
@@ -32,7 +33,7 @@ impl<'a> Notes<'a> {
         if let Some(entry) = entries.iter_mut().find(|entry| entry.message == message) {
             entry.count += 1;
         } else if entries.len() < MOST {
-            entries.push(Entry { message, first: part.to_owned(), count: 1 });
+            entries.push(CountedWarning { message, first: part.to_owned(), count: 1 });
         }
     }
 
@@ -44,7 +45,7 @@ impl<'a> Notes<'a> {
     /// All warnings, each with the number of its places.
     pub(super) fn into_warnings(self) -> impl Iterator<Item = Warning> {
         let path = self.path;
-        self.entries.into_inner().into_iter().map(move |Entry { message, first, count }| Warning {
+        self.entries.into_inner().into_iter().map(move |CountedWarning { message, first, count }| Warning {
             message: if count == 1 { message } else { format!("{message} ({count} times, here first)") },
             place: Some(Place::part(path, first)),
         })

@@ -9,9 +9,10 @@ use serde::Deserialize;
 use super::accessor::Arrays;
 use super::document::{self, TextureInfo};
 use super::uri;
+use crate::texture::MAPPING;
 use crate::{ColorSpace, Image, Pixels, Place, SceneError, TextureRef, Warning, Wrap, decode_image};
 
-/// What an image's pixels are used for.
+/// Use of an image's pixels.
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub(super) enum Use {
     /// Colors with the sRGB curve.
@@ -26,7 +27,7 @@ pub(super) enum Use {
 #[derive(Default)]
 pub(super) struct ImageShelf {
     pub(super) images: Vec<Image>,
-    /// What decoding repaired.
+    /// Repairs made by decoding.
     pub(super) warnings: Vec<Warning>,
     /// By the index in the file; `None` could not be read, which has been said.
     known: HashMap<(usize, Use), Option<usize>>,
@@ -78,8 +79,8 @@ impl ImageShelf {
             document::extension(&info.extensions, "KHR_texture_transform", part, path)?;
         let transform = transform.unwrap_or_default();
         let image_from_uv = transform.image_from_uv();
-        if !image_from_uv.is_finite() {
-            return Err(arrays.notes.error(part, "its KHR_texture_transform is too large for a number"));
+        if !image_from_uv.to_cols_array().iter().all(|&number| MAPPING.contains_single(number)) {
+            return Err(arrays.notes.error(part, "its KHR_texture_transform is too large"));
         }
         let wrap = match texture.sampler {
             Some(sampler) => {

@@ -2,7 +2,7 @@
 
 use std::path::{Component, Path, PathBuf};
 
-/// What a URI stands for.
+/// Bytes that a URI stands for.
 #[derive(Debug)]
 pub(super) struct Contents {
     pub(super) bytes: Vec<u8>,
@@ -13,7 +13,7 @@ pub(super) struct Contents {
 /// Bytes behind a URI of a buffer or image.
 ///
 /// # Errors
-/// What is wrong, in words that go on after the name of the buffer or image.
+/// Error in words that go on after the name of the buffer or image.
 pub(super) fn read(uri: &str, gltf: &Path) -> Result<Contents, String> {
     match uri.strip_prefix("data:") {
         Some(data) => read_data(data).map(|bytes| Contents { bytes, path: None }),

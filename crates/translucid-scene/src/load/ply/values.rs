@@ -14,7 +14,7 @@ pub(super) enum Fault {
     ShortLine,
     /// The line goes on (ascii).
     LongLine,
-    /// What is there is no number (ascii).
+    /// A word that is no number (ascii).
     NotANumber,
     /// A list of fewer than no items.
     NegativeCount,
@@ -32,7 +32,7 @@ pub(super) trait Values {
     /// Checks that the row has no more values.
     fn end_row(&mut self) -> Result<(), Fault>;
 
-    /// What is wrong in which row of which element.
+    /// Error in a row of an element.
     fn error(&self, path: &Path, fault: Fault, row: &str) -> SceneError;
 
     /// Number of items of a list.

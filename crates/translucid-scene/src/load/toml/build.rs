@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 
 use super::input::{ImageRequest, TableRequest};
-use super::interval::Interval;
-use super::object::{Geometry, ObjectEntry};
+use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
-use crate::frame_mesh::Frame;
-use crate::load::model::{Model, scale_lengths, shift_images};
+use crate::error::nearest;
+use crate::interval::Interval;
+use crate::load::mesh_file::{MeshFile, scale_lengths, shift_images};
+use crate::load::stage::Stage;
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
-use crate::nearest::nearest;
+use crate::scene::MOST_TRIANGLES;
 use crate::{
     Image, Light, Material, Mesh, Object, Place, ProfileTable, Scene, SceneError, Unit, Warning, build_shape,
     repair_mesh,
@@ -21,9 +22,6 @@ use crate::{
 /// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
 /// goes beyond [`MOST_TRIANGLES`] is noticed in time.
 const SHAPES_AT_ONCE: usize = 32;
-
-/// Most triangles of a scene: 3 GiB of indices.
-const MOST_TRIANGLES: usize = 1 << 28;
 
 impl SceneFile {
     /// Reads a scene file without opening the files that it names.
@@ -63,7 +61,7 @@ impl SceneFile {
                 }
             }
         }
-        let frame = Frame::of(&builder.objects);
+        let frame = Stage::of(&builder.objects);
         let film = options.film(self.film);
         let aspect = f64::from(film.width) / f64::from(film.height);
         let camera = self.camera.unwrap_or_else(|| frame.camera(&builder.objects, aspect));
@@ -72,7 +70,7 @@ impl SceneFile {
             builder.lights = frame.lights();
             environment = Some(frame.environment());
         }
-        Ok(Scene {
+        let scene = Scene {
             unit: self.unit,
             camera,
             film,
@@ -83,7 +81,10 @@ impl SceneFile {
             profile_tables: load_profile_tables(&self.profile_tables)?,
             lights: builder.lights,
             environment,
-        })
+        };
+        // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
+        scene.validate().map_err(|error| error.or_at(&self.path))?;
+        Ok(scene)
     }
 }
 
@@ -105,7 +106,7 @@ fn resolve_overrides<'a>(
     objects: &[ObjectEntry],
     overrides: &'a [(Option<String>, PathBuf)],
 ) -> Result<HashMap<usize, &'a PathBuf>, SceneError> {
-    let is_file = |object: &ObjectEntry| matches!(object.geometry, Geometry::File { .. });
+    let is_file = |object: &ObjectEntry| matches!(object.geometry, GeometryOrigin::File { .. });
     let files: Vec<usize> = (0..objects.len()).filter(|&i| is_file(&objects[i])).collect();
     let names = || files.iter().map(|&i| objects[i].name.as_str());
     let list = || names().collect::<Vec<_>>().join(", ");
@@ -180,7 +181,7 @@ struct ReadyMesh {
 impl ReadyMesh {
     /// The shape of an entry; none if that has a file.
     fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
-        let Geometry::Shape { name, parameters } = &entry.geometry else { return None };
+        let GeometryOrigin::Shape { name, parameters } = &entry.geometry else { return None };
         let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
         Some(build_shape(name, parameters).map_err(at_place).and_then(|mesh| Self::new(entry, mesh)))
     }
@@ -196,8 +197,8 @@ impl ReadyMesh {
 }
 
 /// A mesh file and the index that its first material has in the scene, once it is there.
-struct LoadedModel {
-    model: Model,
+struct LoadedMeshFile {
+    model: MeshFile,
     first_material: Option<usize>,
 }
 
@@ -209,7 +210,7 @@ struct Builder<'a> {
     default_material: Option<usize>,
     images: Vec<Image>,
     lights: Vec<Light>,
-    models: HashMap<(PathBuf, &'static str), LoadedModel>,
+    models: HashMap<(PathBuf, &'static str), LoadedMeshFile>,
     groups: HashMap<Group, u32>,
     triangles: usize,
     warnings: &'a mut Vec<Warning>,
@@ -227,7 +228,7 @@ impl Builder<'_> {
         entry: &ObjectEntry,
         replacement: Option<&&PathBuf>,
     ) -> Result<(), SceneError> {
-        let Geometry::File { path, unit } = &entry.geometry else { return Ok(()) };
+        let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
         let path = replacement.map_or(path, |path| *path);
         check_present(path, &entry.place).map_err(|error| error.with_help(override_help(&entry.name)))?;
         self.add_file(index, entry, path, *unit)
@@ -245,7 +246,7 @@ impl Builder<'_> {
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = match self.models.remove(&key) {
             Some(loaded) => loaded,
-            None => LoadedModel { model: self.load(path, unit)?, first_material: None },
+            None => LoadedMeshFile { model: self.load(path, unit)?, first_material: None },
         };
         let first_material = self.first_material(entry, &mut loaded);
         for part in &loaded.model.objects {
@@ -268,14 +269,14 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn load(&mut self, path: &Path, unit: Unit) -> Result<Model, SceneError> {
+    fn load(&mut self, path: &Path, unit: Unit) -> Result<MeshFile, SceneError> {
         let mut model = load_model(path, self.warnings)?;
         scale_lengths(&mut model, (unit.in_millimeters() / self.unit.in_millimeters()) as f32);
         Ok(model)
     }
 
     /// Brings the file's own materials and images into the scene when they are first used.
-    fn first_material(&mut self, entry: &ObjectEntry, loaded: &mut LoadedModel) -> Option<usize> {
+    fn first_material(&mut self, entry: &ObjectEntry, loaded: &mut LoadedMeshFile) -> Option<usize> {
         if entry.material.is_none() && !loaded.model.materials.is_empty() && loaded.first_material.is_none() {
             loaded.first_material = Some(self.materials.len());
             let shift = self.images.len();

@@ -8,18 +8,18 @@ use ::toml::Spanned;
 use ::toml::de::{DeTable, DeValue};
 use glam::{Vec2, Vec3};
 
-use super::interval::Interval;
-use crate::nearest::nearest;
+use crate::error::nearest;
+use crate::interval::{Interval, WholeInterval};
 use crate::{Place, SceneError};
 
 /// The file that errors point into.
 #[derive(Debug)]
-pub(super) struct Source {
+pub(super) struct DocumentText {
     path: PathBuf,
     text: Arc<str>,
 }
 
-impl Source {
+impl DocumentText {
     pub(super) fn new(path: &Path, text: &str) -> Self {
         Self { path: path.to_owned(), text: Arc::from(text) }
     }
@@ -53,7 +53,7 @@ impl Source {
 
 /// A table of the document: entries by key, each read with its place.
 pub(super) struct Table<'a> {
-    source: &'a Source,
+    source: &'a DocumentText,
     entries: &'a DeTable<'a>,
     /// Where a missing key is reported: the table's header.
     span: Range<usize>,
@@ -65,7 +65,7 @@ pub(super) struct Table<'a> {
 
 impl<'a> Table<'a> {
     /// The whole document.
-    pub(super) fn root(source: &'a Source, entries: &'a DeTable<'a>) -> Self {
+    pub(super) fn root(source: &'a DocumentText, entries: &'a DeTable<'a>) -> Self {
         Self { source, entries, span: 0..0, path: String::new(), keys: Vec::new() }
     }
 
@@ -144,7 +144,7 @@ impl<'a> Table<'a> {
 
 /// A value of the document with the path that leads to it.
 pub(super) struct Item<'a> {
-    source: &'a Source,
+    source: &'a DocumentText,
     path: String,
     key_span: Range<usize>,
     value: &'a Spanned<DeValue<'a>>,
@@ -229,12 +229,12 @@ impl<'a> Item<'a> {
     }
 
     /// A whole number.
-    pub(super) fn integer(&self, low: u64, high: u64) -> Result<u64, SceneError> {
-        let must_be = format!("a whole number in [{low}, {high}]");
+    pub(super) fn integer(&self, range: WholeInterval) -> Result<u64, SceneError> {
+        let must_be = range.to_string();
         match self.value() {
             DeValue::Integer(integer) => {
                 let parsed = u64::from_str_radix(integer.as_str(), integer.radix()).ok();
-                parsed.filter(|n| (low..=high).contains(n)).ok_or_else(|| self.refuse(&must_be))
+                parsed.filter(|&n| range.contains(n)).ok_or_else(|| self.refuse(&must_be))
             }
             DeValue::Float(_) => Err(self.refuse(&must_be)),
             _ => Err(self.mismatch(&must_be)),

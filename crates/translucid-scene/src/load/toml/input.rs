@@ -6,7 +6,8 @@ use ::toml::de::DeValue;
 use glam::{Affine2, Vec2, Vec3};
 
 use super::document::{Item, Table};
-use super::interval::Interval;
+use crate::interval::Interval;
+use crate::texture::{MAPPING, TEXTURED_COLOR, TEXTURED_SCALAR};
 use crate::{Channel, ColorInput, ColorSpace, NormalMap, Place, ScalarInput, SceneError, TextureRef, Wrap};
 
 const COLOR_SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
@@ -102,7 +103,7 @@ pub(super) fn read_constant_color(item: &Item<'_>, range: Interval) -> Result<Ve
 fn read_color_image(table: &Table<'_>, images: &mut FileList) -> Result<ColorInput, SceneError> {
     let color_space = table.read("color_space", ColorSpace::Srgb, |item| item.word(&COLOR_SPACES))?;
     Ok(ColorInput {
-        factor: table.read("factor", Vec3::ONE, |item| read_constant_color(item, Interval::FACTOR))?,
+        factor: table.read("factor", Vec3::ONE, |item| read_constant_color(item, TEXTURED_COLOR))?,
         texture: Some(read_texture(table, color_space, images)?),
         vertex_color: table.read("vertex_color", false, Item::boolean)?,
     })
@@ -125,7 +126,7 @@ fn read_scalar_image(table: &Table<'_>, images: &mut FileList) -> Result<ScalarI
     let color_space = table.read("color_space", ColorSpace::Linear, |item| item.word(&COLOR_SPACES))?;
     let channel = table.read("channel", Channel::Red, |item| item.word(&CHANNELS))?;
     Ok(ScalarInput {
-        factor: table.read("factor", 1.0, |item| item.number(Interval::LENGTH))?,
+        factor: table.read("factor", 1.0, |item| item.number(TEXTURED_SCALAR))?,
         texture: Some((read_texture(table, color_space, images)?, channel)),
     })
 }
@@ -141,7 +142,7 @@ pub(super) fn read_normal_map(item: &Item<'_>, images: &mut FileList) -> Result<
             let table = item.table()?.allow(NORMAL_KEYS)?;
             Ok(NormalMap {
                 texture: read_texture(&table, ColorSpace::Linear, images)?,
-                scale: table.read("scale", 1.0, |item| item.number(Interval::closed(-100.0, 100.0)))?,
+                scale: table.read("scale", 1.0, |item| item.number(NormalMap::SCALE))?,
             })
         }
         _ => Err(item.mismatch("the path of an image or a table with an image file")),
@@ -163,11 +164,11 @@ fn read_texture(
 /// Scale, then rotation counter-clockwise, then offset.
 fn read_mapping(table: &Table<'_>) -> Result<Affine2, SceneError> {
     let scale = table.read("uv_scale", Vec2::ONE, |item| match item.value() {
-        DeValue::Array(_) => item.vec2(Interval::DIRECTION),
-        _ => item.number(Interval::DIRECTION).map(Vec2::splat),
+        DeValue::Array(_) => item.vec2(MAPPING),
+        _ => item.number(MAPPING).map(Vec2::splat),
     })?;
     let angle = table.read("uv_rotation", 0.0, |item| item.number(Interval::ANGLE))?;
-    let offset = table.read("uv_offset", Vec2::ZERO, |item| item.vec2(Interval::DIRECTION))?;
+    let offset = table.read("uv_offset", Vec2::ZERO, |item| item.vec2(MAPPING))?;
     Ok(Affine2::from_scale_angle_translation(scale, angle.to_radians(), offset))
 }
 

@@ -4,7 +4,7 @@ use glam::{DVec3, Mat3, Vec3};
 
 use super::document::{Item, Table};
 use super::input::{FileList, read_constant_color};
-use super::interval::Interval;
+use crate::interval::Interval;
 use crate::{ColorSpace, Environment, Light, SceneError};
 
 pub(super) const RECTANGLE_KEYS: &[&str] =
@@ -38,7 +38,7 @@ fn read_rectangle(table: &Table<'_>) -> Result<Light, SceneError> {
     let center = read_point_of(table, "center")?;
     let normal = read_direction(table, center)?;
     let up = table.read("up", DVec3::Y, read_unit_vector)?;
-    let [width, height] = table.require("size")?.numbers(Interval::POSITIVE_LENGTH)?;
+    let [width, height] = table.require("size")?.numbers(Interval::REACH)?;
     // A rectangle that faces along `up` has its edges along x and z.
     let across = up.cross(normal).try_normalize().filter(|_| up.cross(normal).length() > 1e-6);
     let across = across.unwrap_or_else(|| normal.cross(DVec3::Z).try_normalize().unwrap_or(DVec3::X));
@@ -54,7 +54,7 @@ fn read_rectangle(table: &Table<'_>) -> Result<Light, SceneError> {
 fn read_sphere(table: &Table<'_>) -> Result<Light, SceneError> {
     Ok(Light::Sphere {
         center: read_point_of(table, "center")?,
-        radius: table.require("radius")?.number(Interval::POSITIVE_LENGTH)?,
+        radius: table.require("radius")?.number(Interval::REACH)?,
         radiance: read_light_color(table, "radiance")?,
         visible: table.read("visible", true, Item::boolean)?,
     })
@@ -63,15 +63,15 @@ fn read_sphere(table: &Table<'_>) -> Result<Light, SceneError> {
 fn read_distant(table: &Table<'_>) -> Result<Light, SceneError> {
     Ok(Light::Distant {
         direction: read_unit_vector(&table.require("direction")?)?.as_vec3(),
-        angular_radius: table.read("angular_radius", 0.0, |item| item.number(Interval::below(0.0, 90.0)))?,
+        angular_radius: table.read("angular_radius", 0.0, |item| item.number(Light::ANGULAR_RADIUS))?,
         irradiance: read_light_color(table, "irradiance")?,
     })
 }
 
 fn read_spot(table: &Table<'_>) -> Result<Light, SceneError> {
     let position = read_point_of(table, "position")?;
-    let outer_angle = table.read("outer_angle", 45.0, |item| item.number(Interval::above(0.0, 180.0)))?;
-    let inner_range = Interval::below(0.0, f64::from(outer_angle));
+    let outer_angle = table.read("outer_angle", 45.0, |item| item.number(Light::OUTER_ANGLE))?;
+    let inner_range = Light::inner_angle_within(outer_angle);
     Ok(Light::Spot {
         position,
         direction: read_direction(table, position)?.as_vec3(),
@@ -97,7 +97,7 @@ fn read_beam(table: &Table<'_>) -> Result<Light, SceneError> {
     Ok(Light::Beam {
         origin,
         direction: read_direction(table, origin)?.as_vec3(),
-        radius: table.require("radius")?.number(Interval::POSITIVE_LENGTH)?,
+        radius: table.require("radius")?.number(Interval::REACH)?,
         power: read_light_color(table, "power")?,
     })
 }
@@ -122,7 +122,7 @@ fn read_light_color(table: &Table<'_>, key: &'static str) -> Result<Vec3, SceneE
 }
 
 fn read_point_of(table: &Table<'_>, key: &'static str) -> Result<Vec3, SceneError> {
-    table.require(key)?.vec3(Interval::COORDINATE)
+    table.require(key)?.vec3(Interval::PLACE)
 }
 
 /// Unit vector along `direction`, or from a point to `target`: exactly one of them is given.
@@ -130,7 +130,7 @@ fn read_direction(table: &Table<'_>, from: Vec3) -> Result<DVec3, SceneError> {
     match (table.get("direction"), table.get("target")) {
         (Some(direction), None) => read_unit_vector(&direction),
         (None, Some(target)) => {
-            let to = target.vec3(Interval::COORDINATE)?.as_dvec3() - from.as_dvec3();
+            let to = target.vec3(Interval::PLACE)?.as_dvec3() - from.as_dvec3();
             to.try_normalize().ok_or_else(|| target.refuse("a point other than the light's own"))
         }
         (Some(direction), Some(_)) => {

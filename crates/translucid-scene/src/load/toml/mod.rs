@@ -4,7 +4,6 @@ mod build;
 mod camera;
 mod document;
 mod input;
-mod interval;
 mod light;
 mod material;
 mod object;
@@ -13,11 +12,11 @@ mod settings;
 mod tests;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use document::{Item, Source, Table};
+use document::{DocumentText, Item, Table};
 use input::{FileList, ImageRequest, TableRequest};
-use object::{Geometry, ObjectEntry};
+use object::{GeometryOrigin, ObjectEntry};
 
 use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError, Unit};
 
@@ -54,9 +53,11 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
 /// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
-/// The format is described in `docs/scene-format.md`.
+/// The format is described in `docs/guide/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
+    /// The file that messages name.
+    path: PathBuf,
     unit: Unit,
     grouping: Grouping,
     camera: Option<Camera>,
@@ -80,7 +81,7 @@ impl SceneFile {
     /// key, or a name that is not there: the error points at the key or value.
     ///
     /// ```
-    /// use std::path::Path;
+    /// use std::path::{Path, PathBuf};
     /// use translucid_scene::SceneFile;
     ///
     /// let error = SceneFile::parse("unit = \"mm\"\n[film]\nexposur = 1.0\n", Path::new("ball.toml")).unwrap_err();
@@ -88,7 +89,7 @@ impl SceneFile {
     /// assert_eq!(error.place.unwrap().line, Some(3));
     /// ```
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let source = Source::new(path, text);
+        let source = DocumentText::new(path, text);
         let document = source.parse()?;
         let root = Table::root(&source, document.get_ref()).allow(KEYS)?;
         let unit = root.require("unit")?.word(&Unit::WORDS)?;
@@ -104,6 +105,7 @@ impl SceneFile {
         let lights = root.tables("light", MOST_ENTRIES)?;
         let (images, profile_tables) = files.into_requests();
         Ok(Self {
+            path: path.to_owned(),
             unit,
             grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
             camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
@@ -174,10 +176,10 @@ fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Res
 fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
     for (i, object) in objects.iter_mut().enumerate().filter(|(_, object)| object.name.is_empty()) {
         let plain = match &object.geometry {
-            Geometry::File { path, .. } => {
+            GeometryOrigin::File { path, .. } => {
                 path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
             }
-            Geometry::Shape { name, .. } => name.clone(),
+            GeometryOrigin::Shape { name, .. } => name.clone(),
         };
         object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };
         names.insert(object.name.clone());

@@ -6,8 +6,8 @@ use ::toml::de::DeValue;
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 
 use super::document::{Item, Table};
-use super::interval::{Interval, LARGEST_LENGTH};
-use crate::nearest::nearest;
+use crate::error::nearest;
+use crate::interval::{Interval, WholeInterval};
 use crate::shapes::{ShapeParameterKind, shape_names, shape_parameters};
 use crate::{Material, Place, SceneError, ShapeParameters, Unit};
 
@@ -27,7 +27,7 @@ pub(super) const KEYS: &[&str] = &[
 
 /// Where an object's geometry comes from.
 #[derive(Clone, Debug)]
-pub(super) enum Geometry {
+pub(super) enum GeometryOrigin {
     /// A mesh file, and the unit of its coordinates.
     File { path: PathBuf, unit: Option<Unit> },
     /// A built-in shape.
@@ -39,7 +39,7 @@ pub(super) enum Geometry {
 pub(super) struct ObjectEntry {
     /// Unique name.
     pub(super) name: String,
-    pub(super) geometry: Geometry,
+    pub(super) geometry: GeometryOrigin,
     /// Where the file or shape is named.
     pub(super) place: Place,
     pub(super) world_from_object: Affine3A,
@@ -78,11 +78,11 @@ fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList), SceneError> {
     Ok((name.to_owned(), shape_parameters(name).unwrap_or_default()))
 }
 
-fn read_geometry(table: &Table<'_>) -> Result<(Geometry, Place), SceneError> {
+fn read_geometry(table: &Table<'_>) -> Result<(GeometryOrigin, Place), SceneError> {
     match (table.get("file"), table.get("shape")) {
         (Some(file), None) => {
             let unit = table.get("unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
-            Ok((Geometry::File { path: file.file()?, unit }, file.place()))
+            Ok((GeometryOrigin::File { path: file.file()?, unit }, file.place()))
         }
         (None, Some(shape)) => {
             if let Some(unit) = table.get("unit") {
@@ -90,7 +90,10 @@ fn read_geometry(table: &Table<'_>) -> Result<(Geometry, Place), SceneError> {
                 return Err(unit.error(message));
             }
             let (name, list) = read_shape_name(&shape)?;
-            Ok((Geometry::Shape { name, parameters: read_shape_parameters(table, list)? }, shape.place()))
+            Ok((
+                GeometryOrigin::Shape { name, parameters: read_shape_parameters(table, list)? },
+                shape.place(),
+            ))
         }
         (Some(_), Some(shape)) => {
             Err(shape.error(format!("{} has both file and shape, but must have one", table.path())))
@@ -104,7 +107,9 @@ fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapePara
     for parameter in list {
         let Some(item) = table.get(parameter.name) else { continue };
         let value = match parameter.kind {
-            ShapeParameterKind::Count => item.integer(parameter.min as u64, parameter.max as u64)? as f64,
+            ShapeParameterKind::Count => {
+                item.integer(WholeInterval::new(parameter.min as u64, parameter.max as u64))? as f64
+            }
             ShapeParameterKind::Length | ShapeParameterKind::Ratio => {
                 item.double(Interval::closed(parameter.min, parameter.max))?
             }
@@ -147,10 +152,9 @@ fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
 }
 
 fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {
-    let range = Interval::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
     let scale = match item.value() {
-        DeValue::Array(_) => item.vec3(range)?,
-        _ => Vec3::splat(item.number(range)?),
+        DeValue::Array(_) => item.vec3(Interval::SCALE)?,
+        _ => Vec3::splat(item.number(Interval::SCALE)?),
     };
     if scale.abs().min_element() < 1e-9 {
         return Err(item.refuse("in [-1e9, 1e9] and at least 1e-9 away from zero"));

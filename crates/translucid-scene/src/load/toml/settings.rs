@@ -1,7 +1,7 @@
 //! `[film]` and `[integrator]`.
 
 use super::document::{Item, Table};
-use super::interval::Interval;
+use crate::interval::WholeInterval;
 use crate::{Film, FilterKind, Integrator, SceneError, SubsurfaceMethod, ToneMapping};
 
 pub(super) const FILM_KEYS: &[&str] = &["size", "filter", "filter_radius", "exposure", "tone_mapping"];
@@ -35,9 +35,8 @@ pub(super) fn read_film(table: &Table<'_>) -> Result<Film, SceneError> {
         height,
         filter,
         filter_radius: table
-            .read("filter_radius", usual_radius(filter), |item| item.number(Interval::above(0.0, 8.0)))?,
-        exposure: table
-            .read("exposure", default.exposure, |item| item.number(Interval::closed(-32.0, 32.0)))?,
+            .read("filter_radius", usual_radius(filter), |item| item.number(Film::FILTER_RADIUS))?,
+        exposure: table.read("exposure", default.exposure, |item| item.number(Film::EXPOSURE))?,
         tone_mapping: table.read("tone_mapping", default.tone_mapping, |item| item.word(&TONE_MAPPINGS))?,
     })
 }
@@ -53,32 +52,30 @@ fn usual_radius(filter: FilterKind) -> f32 {
 fn read_size(item: &Item<'_>) -> Result<[u32; 2], SceneError> {
     let mut size = [0; 2];
     for (extent, item) in size.iter_mut().zip(item.array::<2>("whole numbers, width and height")?) {
-        *extent = item.integer(1, 16_384)? as u32;
+        *extent = item.integer(Film::EDGE)? as u32;
     }
     Ok(size)
 }
 
 pub(super) fn read_integrator(table: &Table<'_>) -> Result<Integrator, SceneError> {
     let default = Integrator::default();
-    let count = |key, default: u32, low, high| {
-        table.read(key, u64::from(default), |item| item.integer(low, high)).map(|n| n as u32)
+    let count = |key, default: u32, range| {
+        table.read(key, u64::from(default), |item| item.integer(range)).map(|n| n as u32)
     };
     Ok(Integrator {
-        samples_per_pixel: count("samples_per_pixel", default.samples_per_pixel, 1, 1 << 24)?,
-        max_depth: count("max_depth", default.max_depth, 1, 1024)?,
-        max_diffuse_depth: count("max_diffuse_depth", default.max_diffuse_depth, 0, 1024)?,
+        samples_per_pixel: count("samples_per_pixel", default.samples_per_pixel, Integrator::SAMPLES)?,
+        max_depth: count("max_depth", default.max_depth, Integrator::DEPTH)?,
+        max_diffuse_depth: count("max_diffuse_depth", default.max_diffuse_depth, Integrator::DIFFUSE_DEPTH)?,
         caustics: table.read("caustics", default.caustics, Item::boolean)?,
-        subsurface_tail: table.read("subsurface_tail", default.subsurface_tail, |item| {
-            item.number(Interval::above(0.0, 0.1))
-        })?,
+        subsurface_tail: table
+            .read("subsurface_tail", default.subsurface_tail, |item| item.number(Integrator::TAIL))?,
         subsurface_method: table.read("subsurface_method", default.subsurface_method, |item| {
             item.word(&SubsurfaceMethod::WORDS)
         })?,
         subsurface_sharing: table.read("subsurface_sharing", default.subsurface_sharing, Item::boolean)?,
-        point_tolerance: table.read("point_tolerance", default.point_tolerance, |item| {
-            item.number(Interval::closed(0.001, 1.0))
-        })?,
-        point_memory: count("point_memory", default.point_memory, 1, 1 << 20)?,
-        seed: table.read("seed", default.seed, |item| item.integer(0, u64::MAX))?,
+        point_tolerance: table
+            .read("point_tolerance", default.point_tolerance, |item| item.number(Integrator::TOLERANCE))?,
+        point_memory: count("point_memory", default.point_memory, Integrator::MEMORY)?,
+        seed: table.read("seed", default.seed, |item| item.integer(WholeInterval::new(0, u64::MAX)))?,
     })
 }

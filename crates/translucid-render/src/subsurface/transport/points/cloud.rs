@@ -4,12 +4,13 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
+use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
 use super::irradiance::irradiance;
 use super::plan::{Plan, PointsError};
 use super::surfels::{Surfel, Unfinished, cover};
-use crate::path::tracer::World;
+use crate::world::World;
 
 /// Points over all surfaces that light travels under, with their transmitted irradiance.
 ///
@@ -54,6 +55,17 @@ pub struct PointProgress {
     pub total: u64,
 }
 
+/// How points are made.
+#[derive(Clone, Copy)]
+pub(crate) struct Making<'a> {
+    /// Of all that decides the points and their light.
+    pub(crate) fingerprint: u64,
+    /// Most bytes that they may take.
+    pub(crate) memory: u64,
+    pub(crate) progress: &'a (dyn Fn(PointProgress) + Sync),
+    pub(crate) stop: &'a AtomicBool,
+}
+
 impl PointCloud {
     /// Number of points.
     #[must_use]
@@ -67,20 +79,22 @@ impl PointCloud {
         self.surfels.is_empty()
     }
 
-    /// Makes the points of a scene; `None` when stopped.
-    pub(crate) fn new(
+    /// Makes the points of a scene, lit by paths of tracers; `None` when stopped.
+    pub(crate) fn new<'a, T: Tracing<'a>>(
         world: &World,
-        fingerprint: u64,
-        memory: u64,
-        progress: &(dyn Fn(PointProgress) + Sync),
-        stop: &AtomicBool,
+        transports: &[SubsurfaceTransport],
+        tracer: impl Fn() -> T + Sync,
+        making: &Making<'_>,
     ) -> Result<Option<Self>, PointsError> {
-        let Some(mut cloud) = Self::without_light(world, fingerprint, memory, progress, stop)? else {
+        let Some(mut cloud) = Self::without_light(world, transports, making)? else {
             return Ok(None);
         };
+        let Making { progress, stop, .. } = *making;
         let counts: Vec<usize> = cloud.groups.iter().map(|group| group.count as usize).collect();
         let report = |done, total| progress(PointProgress { pass: PointPass::Irradiance, done, total });
-        let Some(light) = irradiance(world, &counts, &cloud.surfels, &report, stop) else { return Ok(None) };
+        let Some(light) = irradiance(world, tracer, &counts, &cloud.surfels, &report, stop) else {
+            return Ok(None);
+        };
         cloud.irradiance = light;
         Ok(Some(cloud))
     }
@@ -88,13 +102,12 @@ impl PointCloud {
     /// Pass 1 alone: as if light of 1 entered everywhere.
     pub(crate) fn without_light(
         world: &World,
-        fingerprint: u64,
-        memory: u64,
-        progress: &(dyn Fn(PointProgress) + Sync),
-        stop: &AtomicBool,
+        transports: &[SubsurfaceTransport],
+        making: &Making<'_>,
     ) -> Result<Option<Self>, PointsError> {
+        let Making { fingerprint, memory, progress, stop } = *making;
         let scene = &world.scene;
-        let plan = Plan::new(scene, &world.geometry, &world.materials);
+        let plan = Plan::new(world, transports);
         plan.require_memory(scene, memory)?;
         let mut cloud = Self { fingerprint, groups: Vec::new(), surfels: Vec::new(), irradiance: Vec::new() };
         for group in &plan.groups {
@@ -121,7 +134,7 @@ impl PointCloud {
     }
 
     /// The points made ready for sums.
-    pub(crate) fn gatherer(&self, world: &World) -> Gatherer {
+    pub(crate) fn gatherer(&self, world: &World, transports: &[SubsurfaceTransport]) -> Gatherer {
         let mut rest = &self.surfels[..];
         let group = |group: &CloudGroup| {
             let (surfels, others) = rest.split_at(group.count as usize);
@@ -129,6 +142,6 @@ impl PointCloud {
             GroupOfPoints { number: group.number, spacing: group.spacing, surfels }
         };
         let groups: Vec<GroupOfPoints<'_>> = self.groups.iter().map(group).collect();
-        Gatherer::new(&world.scene, &world.materials, &groups, &self.irradiance)
+        Gatherer::new(&world.scene, transports, &groups, &self.irradiance)
     }
 }

@@ -16,10 +16,10 @@ use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
 use glam::Vec3;
+use translucid_image::{Checksummed, OutputError, write_atomically};
 
 use super::cloud::{CloudGroup, PointCloud};
 use super::surfels::Surfel;
-use crate::output::{Checked, OutputError, write_atomically};
 
 const MAGIC: [u8; 8] = *b"TRLPNTS\n";
 const VERSION: u32 = 1;
@@ -34,7 +34,7 @@ impl PointCloud {
     /// The file cannot be written; an older one at `path` is then still whole.
     pub fn save(&self, path: &Path) -> Result<(), OutputError> {
         write_atomically(path, |out| {
-            let mut out = Checked::new(out);
+            let mut out = Checksummed::new(out);
             out.write_all(&MAGIC)?;
             out.write_all(&VERSION.to_le_bytes())?;
             out.write_all(&self.fingerprint.to_le_bytes())?;
@@ -48,13 +48,13 @@ impl PointCloud {
             for (surfel, light) in self.surfels.iter().zip(&self.irradiance) {
                 out.write_all(&point_bytes(surfel, *light))?;
             }
-            let crc = out.crc.finalize();
-            out.inner.write_all(&crc.to_le_bytes())
+            let (crc, out) = out.finish();
+            out.write_all(&crc.to_le_bytes())
         })
     }
 
     /// Reads points back, if they belong to what has this fingerprint:
-    /// [`Renderer::points_fingerprint`](crate::Renderer::points_fingerprint).
+    /// [`PreparedScene::points_fingerprint`](crate::PreparedScene::points_fingerprint).
     ///
     /// # Errors
     /// The file cannot be read, is none of points, is cut short or damaged, or belongs to something else.
@@ -108,7 +108,7 @@ fn parse(
     };
 
     // Read and judge the header
-    let mut file = Checked::new(reader);
+    let mut file = Checksummed::new(reader);
     if length < (HEADER_BYTES + 4) as u64 {
         return Err(damaged(&format!("it ends after {length} bytes")));
     }
@@ -148,9 +148,9 @@ fn parse(
         cloud.surfels.push(surfel);
         cloud.irradiance.push(light);
     }
-    let crc = std::mem::take(&mut file.crc).finalize();
+    let (crc, mut file) = file.finish();
     let mut stored = [0; 4];
-    file.inner.read_exact(&mut stored).map_err(unreadable)?;
+    file.read_exact(&mut stored).map_err(unreadable)?;
     if crc != u32::from_le_bytes(stored) {
         return Err(damaged("its checksum does not fit its content"));
     }

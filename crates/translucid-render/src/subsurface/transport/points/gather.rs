@@ -27,16 +27,18 @@
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
+use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use translucid_profile::NormalizedDiffusionF32;
 use translucid_scene::Scene;
 
+use super::super::{ExitPoint, SubsurfaceTransport, Tracing};
 use super::hierarchy::{Hierarchy, Node, Point};
 use super::smooth_profile::SmoothProfile;
 use super::surfels::Surfel;
-use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
-use crate::surface::material::{Materials, Subsurface};
+use crate::subsurface::kernel::SubsurfaceKernel;
+use crate::subsurface::parameters::Subsurface;
+use crate::world::{Layer, PathState};
 
 /// Softening b in spacings.
 const SOFTENING: f32 = 0.5;
@@ -54,6 +56,8 @@ pub(crate) struct Leaving {
     /// Unit geometric normal on the outside.
     pub(crate) normal: Vec3,
     pub(crate) group: u32,
+    /// Number of its material.
+    pub(crate) material: usize,
     pub(crate) subsurface: Subsurface,
 }
 
@@ -71,7 +75,8 @@ pub(crate) struct Gatherer {
     tolerance: f64,
     /// Sorted by their numbers.
     groups: Vec<Group>,
-    profiles: Profiles,
+    /// For each material its profile, if it has one.
+    profiles: Vec<Option<Arc<MaterialProfile>>>,
 }
 
 /// The points of a subsurface group.
@@ -86,7 +91,7 @@ struct Group {
 
 /// Memory that gathering needs; each thread has its own.
 #[derive(Default)]
-pub(crate) struct Scratch {
+pub(crate) struct GatherScratch {
     near: Vec<u32>,
     open: BinaryHeap<Open>,
 }
@@ -103,7 +108,7 @@ impl Gatherer {
     /// Makes points ready; `irradiance` is that of each, or empty for 1 everywhere.
     pub(crate) fn new(
         scene: &Scene,
-        materials: &Materials,
+        transports: &[SubsurfaceTransport],
         groups: &[GroupOfPoints<'_>],
         irradiance: &[Vec3],
     ) -> Self {
@@ -120,38 +125,43 @@ impl Gatherer {
         let mut groups: Vec<Group> = groups.iter().map(group).collect();
         groups.sort_by_key(|group| group.number);
         let tolerance = f64::from(scene.integrator.point_tolerance);
-        Self { tolerance, groups, profiles: Profiles::new(scene, materials) }
+        Self { tolerance, groups, profiles: profiles(scene, transports) }
     }
 
-    /// What leaves at a point; `None` where its group has no points.
-    pub(crate) fn gather(
+    /// Leaves a surface through the medium below by the sum over all points; false where there are none.
+    pub(in crate::subsurface::transport) fn scatter<'a, T: Tracing<'a>>(
         &self,
-        tables: &ProfileTables,
-        leaving: &Leaving,
-        scratch: &mut Scratch,
-    ) -> Option<Gathered> {
+        tracer: &mut T,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+    ) -> bool {
+        let Some(gathered) = self.gather(&exit.leaving(), &mut tracer.scratch().points) else {
+            return false;
+        };
+        let factor = tracer.shape_factor_of(exit, gathered.energy);
+        path.add_to(path.layer_after(Layer::Subsurface), path.throughput * gathered.light * factor);
+        true
+    }
+
+    /// Light and energy that come together at a point; `None` where its group has no points, or its material no profile.
+    pub(crate) fn gather(&self, leaving: &Leaving, scratch: &mut GatherScratch) -> Option<Gathered> {
         let index = self.groups.binary_search_by_key(&leaving.group, |group| group.number).ok()?;
         let group = &self.groups[index];
-        let channels = [0, 1, 2].map(|c| self.profiles.channel(&leaving.subsurface, c, group.spacing));
+        let profile = self.profiles[leaving.material].as_ref()?;
+        let channels = [0, 1, 2].map(|c| profile.channel(&leaving.subsurface, c, group.spacing));
         let place = group.tree.local(leaving.position);
         let mut sum = Sum::new(&group.tree, channels, place, leaving.normal);
         sum.run(scratch, self.tolerance, group.dark);
         let softening = (f64::from(SOFTENING) * group.spacing) as f32;
-        Some(sum.finish(&leaving.subsurface, within(tables, &leaving.subsurface, softening)))
+        Some(sum.finish(&leaving.subsurface, within(&profile.kernel, &leaving.subsurface, softening)))
     }
 }
 
 /// Share of each channel's energy that leaves within r.
-fn within(tables: &ProfileTables, subsurface: &Subsurface, r: f32) -> Vec3 {
-    let Subsurface { albedo, length, source } = *subsurface;
-    let share = |c: usize| match source {
-        _ if length[c] <= 0.0 => 0.0,
-        // Walked through, not gathered
-        ProfileSource::RandomWalk(_) => 0.0,
-        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length[c]).cdf(r),
-        ProfileSource::Table(table)
-        | ProfileSource::Directional { table, .. }
-        | ProfileSource::Oblique { table, .. } => tables.table(table).at(albedo[c], length[c]).cdf(r),
+fn within(kernel: &SubsurfaceKernel, subsurface: &Subsurface, r: f32) -> Vec3 {
+    let Subsurface { surface_albedo, length } = *subsurface;
+    let share = |c: usize| {
+        if length[c] <= 0.0 { 0.0 } else { kernel.radial(surface_albedo[c], length[c]).cdf(r) }
     };
     Vec3::new(share(0), share(1), share(2))
 }
@@ -194,7 +204,7 @@ impl<'a> Sum<'a> {
     }
 
     /// Sums until the error is within the tolerance, relative to the light or to what counts as dark.
-    fn run(&mut self, scratch: &mut Scratch, tolerance: f64, dark: DVec3) {
+    fn run(&mut self, scratch: &mut GatherScratch, tolerance: f64, dark: DVec3) {
         scratch.open.clear();
         self.sum_near(scratch, dark);
         while (self.error.cmpgt(self.light.max(dark) * tolerance)).any() {
@@ -213,7 +223,7 @@ impl<'a> Sum<'a> {
     }
 
     /// Adds the points of all clusters that reach into the neighborhood one by one, and the others as they are.
-    fn sum_near(&mut self, scratch: &mut Scratch, dark: DVec3) {
+    fn sum_near(&mut self, scratch: &mut GatherScratch, dark: DVec3) {
         scratch.near.clear();
         scratch.near.extend((!self.tree.nodes.is_empty()).then_some(0));
         while let Some(index) = scratch.near.pop() {
@@ -229,7 +239,7 @@ impl<'a> Sum<'a> {
     }
 
     /// Adds a cluster as a whole.
-    fn open(&mut self, scratch: &mut Scratch, index: u32, dark: DVec3) {
+    fn open(&mut self, scratch: &mut GatherScratch, index: u32, dark: DVec3) {
         let part = self.part(&self.tree.nodes[index as usize]);
         self.light += part.light;
         self.energy += part.energy;
@@ -289,7 +299,7 @@ impl<'a> Sum<'a> {
     /// The light with the share that enters around the place.
     fn finish(&self, subsurface: &Subsurface, within: Vec3) -> Gathered {
         let mean = if self.near_area > 0.0 { self.near_flux / self.near_area } else { Vec3::ZERO };
-        let light = (self.light.as_vec3() + mean * within).max(Vec3::ZERO) * subsurface.albedo;
+        let light = (self.light.as_vec3() + mean * within).max(Vec3::ZERO) * subsurface.surface_albedo;
         let energy = self.energy.as_vec3() + within;
         let is_active = subsurface.length.cmpgt(Vec3::ZERO);
         let finite = |v: Vec3| Vec3::select(v.is_finite_mask() & is_active, v, Vec3::ZERO);
@@ -297,11 +307,11 @@ impl<'a> Sum<'a> {
     }
 }
 
-/// The profiles of a scene's materials as smooth tables.
-struct Profiles {
-    normalized_diffusion: SmoothProfile,
-    /// For each table of the materials its rows, by albedo.
-    tables: Vec<Vec<(f32, SmoothProfile)>>,
+/// The profile of materials that share a kernel as smooth tables.
+struct MaterialProfile {
+    kernel: Arc<SubsurfaceKernel>,
+    /// Rows by surface albedo.
+    rows: Vec<(f32, SmoothProfile)>,
 }
 
 /// A channel's profile in the tree's units: a mixture of two rows.
@@ -327,65 +337,59 @@ struct Curve {
     second: f64,
 }
 
-impl Profiles {
-    fn new(scene: &Scene, materials: &Materials) -> Self {
-        let tables = materials.profile_tables();
-        let albedos = albedos_in_use(scene, materials);
-        let row = |table: usize, albedo: f32| {
-            (albedo, SmoothProfile::tabulated(tables.table(table).at(albedo, 1.0)))
-        };
-        let rows = |(table, albedos): (usize, &Vec<f32>)| albedos.iter().map(|&a| row(table, a)).collect();
-        Self {
-            normalized_diffusion: SmoothProfile::normalized_diffusion(),
-            tables: albedos.iter().enumerate().map(rows).collect(),
-        }
-    }
+/// The profile of each material.
+fn profiles(scene: &Scene, transports: &[SubsurfaceTransport]) -> Vec<Option<Arc<MaterialProfile>>> {
+    let kernel = |index: usize| transports[index].probes().map(|probes| &probes.kernel);
+    let mut made: Vec<Arc<MaterialProfile>> = Vec::new();
+    let profile = |index: usize| {
+        let own = kernel(index)?;
+        let known = made.iter().find(|profile| Arc::ptr_eq(&profile.kernel, own)).cloned();
+        Some(known.unwrap_or_else(|| {
+            let is_alike = |other: &usize| kernel(*other).is_some_and(|kernel| Arc::ptr_eq(kernel, own));
+            let alike: Vec<usize> = (0..transports.len()).filter(is_alike).collect();
+            let row = |albedo: f32| (albedo, SmoothProfile::tabulated(own.radial(albedo, 1.0)));
+            let rows = albedos_in_use(scene, &alike).into_iter().map(row).collect();
+            let new = Arc::new(MaterialProfile { kernel: Arc::clone(own), rows });
+            made.push(Arc::clone(&new));
+            new
+        }))
+    };
+    (0..transports.len()).map(profile).collect()
+}
 
+impl MaterialProfile {
     /// The profile of a channel for a tree whose unit is `unit` long \[L\].
     fn channel(&self, subsurface: &Subsurface, channel: usize, unit: f64) -> Channel<'_> {
-        let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
+        let (albedo, length) = (subsurface.surface_albedo[channel], subsurface.length[channel]);
         if length <= 0.0 {
             return Channel { rows: [None; 2] };
         }
         let row = |profile, share: f32| Row::new(profile, unit / f64::from(length), f64::from(share));
-        match subsurface.source {
-            ProfileSource::RandomWalk(_) => Channel { rows: [None; 2] },
-            ProfileSource::NormalizedDiffusion => {
-                Channel { rows: [Some(row(&self.normalized_diffusion, 1.0)), None] }
-            }
-            ProfileSource::Table(table)
-            | ProfileSource::Directional { table, .. }
-            | ProfileSource::Oblique { table, .. } => {
-                let rows = &self.tables[table];
-                let upper = rows.partition_point(|(start, _)| *start < albedo).min(rows.len() - 1);
-                let lower = if rows[upper].0 > albedo { upper.saturating_sub(1) } else { upper };
-                let width = rows[upper].0 - rows[lower].0;
-                let mix = if width > 0.0 { (albedo - rows[lower].0) / width } else { 0.0 };
-                let second = (mix > 0.0).then(|| row(&rows[upper].1, mix));
-                Channel { rows: [Some(row(&rows[lower].1, 1.0 - mix)), second] }
-            }
-        }
+        let rows = &self.rows;
+        let upper = rows.partition_point(|(start, _)| *start < albedo).min(rows.len() - 1);
+        let lower = if rows[upper].0 > albedo { upper.saturating_sub(1) } else { upper };
+        let width = rows[upper].0 - rows[lower].0;
+        let mix = if width > 0.0 { (albedo - rows[lower].0) / width } else { 0.0 };
+        let second = (mix > 0.0).then(|| row(&rows[upper].1, mix));
+        Channel { rows: [Some(row(&rows[lower].1, 1.0 - mix)), second] }
     }
 }
 
-/// For each table the albedos that constant materials ask for, and a grid where one is textured.
-fn albedos_in_use(scene: &Scene, materials: &Materials) -> Vec<Vec<f32>> {
-    let mut albedos: Vec<Vec<f32>> = vec![Vec::new(); materials.profile_tables().len()];
-    for (index, material) in scene.materials.iter().enumerate() {
-        let Some(table) = materials.profile_source(index).table() else { continue };
-        let color = &material.subsurface_color;
+/// The surface albedos of materials: those that constant ones ask for, and a grid where one is textured.
+fn albedos_in_use(scene: &Scene, materials: &[usize]) -> Vec<f32> {
+    let mut albedos: Vec<f32> = Vec::new();
+    for &index in materials {
+        let color = &scene.materials[index].subsurface_color;
         if color.texture.is_some() || color.vertex_color {
             // Closer to each other towards 0 and 1, as in `AlbedoTable::for_every_albedo`
             let y = |i: usize| i as f32 / (ROWS - 1) as f32;
-            albedos[table].extend((0..ROWS).map(|i| 1.0 - (1.0 - y(i).powi(3)).powi(3)));
+            albedos.extend((0..ROWS).map(|i| 1.0 - (1.0 - y(i).powi(3)).powi(3)));
         } else {
-            albedos[table].extend(color.factor.clamp(Vec3::ZERO, Vec3::ONE).to_array());
+            albedos.extend(color.factor.clamp(Vec3::ZERO, Vec3::ONE).to_array());
         }
     }
-    for albedos in &mut albedos {
-        albedos.sort_by(f32::total_cmp);
-        albedos.dedup();
-    }
+    albedos.sort_by(f32::total_cmp);
+    albedos.dedup();
     albedos
 }
 
@@ -452,8 +456,11 @@ mod tests {
     };
 
     use super::*;
+    use crate::PreparedScene;
+    use crate::ray::Geometry;
+    use crate::subsurface::SubsurfaceSet;
     use crate::subsurface::transport::points::hierarchy;
-    use crate::{PointCloud, Renderer};
+    use crate::subsurface::transport::points::{Making, PointCloud};
 
     /// Points at random in a ball of radius 3 with random light in half of it.
     fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
@@ -496,17 +503,14 @@ mod tests {
 
     /// The sum over all points one by one, by the profile itself.
     fn brute_force(
-        tables: &ProfileTables,
+        kernel: &SubsurfaceKernel,
         leaving: &Leaving,
         spacing: f32,
         surfels: &[Surfel],
         irradiance: &[Vec3],
     ) -> Vec3 {
-        let Subsurface { albedo, length, source } = leaving.subsurface;
-        let density = |c: usize, r: f32| match source.table() {
-            None => NormalizedDiffusionF32::from_d(length[c]).pdf_area(r),
-            Some(table) => tables.table(table).at(albedo[c], length[c]).pdf_area(r),
-        };
+        let Subsurface { surface_albedo, length } = leaving.subsurface;
+        let density = |c: usize, r: f32| kernel.radial(surface_albedo[c], length[c]).pdf_area(r);
         let (mut sum, mut near, mut weights) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (surfel, light) in surfels.iter().zip(irradiance) {
             let squared = surfel.position().distance_squared(leaving.position);
@@ -520,8 +524,8 @@ mod tests {
             weights += f64::from(weight);
         }
         let mean = if weights > 0.0 { near / weights } else { DVec3::ZERO };
-        let share = within(tables, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
-        (sum + mean * share).as_vec3() * albedo
+        let share = within(kernel, &leaving.subsurface, SOFTENING * spacing).as_dvec3();
+        (sum + mean * share).as_vec3() * surface_albedo
     }
 
     /// For every model: the error is within the tolerance, and far below it on average.
@@ -531,24 +535,24 @@ mod tests {
         let spacing = 0.05;
         for model in Model::ALL {
             let scene = scene(SubsurfaceModel::Profile(model));
-            let materials = Materials::new(&scene);
-            let tables = materials.profile_tables();
-            let geometry = crate::ray::Geometry::new(&scene.objects);
+            let set = SubsurfaceSet::new(&scene);
+            let kernel = &set.transports()[0].probes().expect("a profile").kernel;
+            let geometry = Geometry::new(&scene.objects);
             let point = geometry.point_on(&scene, 0, Vec3::new(0.2, 0.2, 0.0));
-            let subsurface = crate::surface::material::subsurface_at(&scene, &materials, 0, &point);
+            let subsurface = set.at(&scene, 0, &point);
             let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
             for tolerance in [0.3, 0.05, 0.0] {
                 let mut scene = scene.clone();
                 scene.integrator.point_tolerance = tolerance;
-                let gatherer = Gatherer::new(&scene, &materials, &[group], &irradiance);
-                let mut scratch = Scratch::default();
+                let gatherer = Gatherer::new(&scene, set.transports(), &[group], &irradiance);
+                let mut scratch = GatherScratch::default();
                 for i in 0..20 {
                     let at = |salt: u32| 8.0 * sobol_burley::sample(i, salt, 9) - 4.0;
                     let position = Vec3::new(at(0), at(1), at(2));
-                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, subsurface };
-                    let gathered = gatherer.gather(tables, &leaving, &mut scratch).expect("points");
-                    let exact = brute_force(tables, &leaving, spacing as f32, &surfels, &irradiance);
-                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.albedo;
+                    let leaving = Leaving { position, normal: Vec3::Z, group: 5, material: 0, subsurface };
+                    let gathered = gatherer.gather(&leaving, &mut scratch).expect("points");
+                    let exact = brute_force(kernel, &leaving, spacing as f32, &surfels, &irradiance);
+                    let dark = gatherer.groups[0].dark.as_vec3() * subsurface.surface_albedo;
                     for c in 0..3 {
                         // And what the smooth table differs from the profile by
                         let allowed = (tolerance + 1e-3) * exact[c].max(dark[c]);
@@ -557,20 +561,20 @@ mod tests {
                     }
                 }
             }
-            assert!(gatherer_of_other_group_is_silent(&scene, &materials, &point, subsurface));
+            assert!(gatherer_of_other_group_is_silent(&scene, &set, &point, subsurface));
         }
     }
 
     fn gatherer_of_other_group_is_silent(
         scene: &Scene,
-        materials: &Materials,
+        set: &SubsurfaceSet,
         point: &crate::ray::SurfacePoint,
         subsurface: Subsurface,
     ) -> bool {
-        let gatherer = Gatherer::new(scene, materials, &[], &[]);
+        let gatherer = Gatherer::new(scene, set.transports(), &[], &[]);
         let (position, normal) = (point.position, point.geometric_normal);
-        let leaving = Leaving { position, normal, group: 5, subsurface };
-        gatherer.gather(materials.profile_tables(), &leaving, &mut Scratch::default()).is_none()
+        let leaving = Leaving { position, normal, group: 5, material: 0, subsurface };
+        gatherer.gather(&leaving, &mut GatherScratch::default()).is_none()
     }
 
     /// Without light the energy is that of the profile, and so is the light of irradiance 1.
@@ -586,19 +590,19 @@ mod tests {
             ..Mesh::default()
         };
         scene.integrator.point_tolerance = 0.2;
-        let renderer = Renderer::new(scene);
-        let world = renderer.world();
-        let stop = AtomicBool::new(false);
-        let cloud = PointCloud::without_light(world, 0, 1 << 30, &|_| {}, &stop);
-        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world);
-        let point = world.geometry.point_on(&world.scene, 0, Vec3::new(0.3, 0.1, 0.0));
-        let subsurface = crate::surface::material::subsurface_at(&world.scene, &world.materials, 0, &point);
+        let prepared = PreparedScene::new(scene).expect("a valid scene");
+        let (world, set) = prepared.parts();
+        let never = AtomicBool::new(false);
+        let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let cloud = PointCloud::without_light(world, set.transports(), &making);
+        let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world, set.transports());
+        let point = world.point_on(0, Vec3::new(0.3, 0.1, 0.0));
+        let subsurface = set.at(&world.scene, 0, &point);
         let (position, normal) = (point.position, point.geometric_normal);
-        let leaving = Leaving { position, normal, group: 5, subsurface };
-        let tables = world.materials.profile_tables();
-        let gathered = gatherer.gather(tables, &leaving, &mut Scratch::default()).expect("points");
+        let leaving = Leaving { position, normal, group: 5, material: 0, subsurface };
+        let gathered = gatherer.gather(&leaving, &mut GatherScratch::default()).expect("points");
         assert!((gathered.energy - 1.0).abs().max_element() < 0.03, "{gathered:?}");
-        let ratio = gathered.light / (gathered.energy * subsurface.albedo);
+        let ratio = gathered.light / (gathered.energy * subsurface.surface_albedo);
         assert!((ratio - 1.0).abs().max_element() < 1e-4, "{gathered:?}");
     }
 }

@@ -10,8 +10,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::super::Tracing;
 use super::surfels::Surfel;
-use crate::path::tracer::{PathTracer, World};
+use crate::ray::Ray;
+use crate::sampling::Sampler;
+use crate::subsurface::entry_point::EntryPoint;
+use crate::subsurface::kernel::DirectionalWeight;
+use crate::world::{PathState, World};
 
 /// Points whose mean has to be exact, neighbors in the order of the tree.
 const CLUSTER: usize = 64;
@@ -27,8 +32,9 @@ const DARK: f64 = 0.05;
 
 /// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; `None` when stopped. `groups` are the lengths of
 /// the groups' points, `progress` hears samples done and expected in all.
-pub(super) fn irradiance(
+pub(super) fn irradiance<'a, T: Tracing<'a>>(
     world: &World,
+    tracer: impl Fn() -> T + Sync,
     groups: &[usize],
     surfels: &[Surfel],
     progress: &(dyn Fn(u64, u64) + Sync),
@@ -43,33 +49,29 @@ pub(super) fn irradiance(
     };
     // Nobody knows yet how many samples it takes: as many again
     let guess = samples(2 * LEAST_SAMPLES);
-    clusters.par_iter_mut().for_each_init(
-        || PathTracer::new(world),
-        |tracer, cluster| {
-            if !stop.load(Ordering::Relaxed) {
-                cluster.sample(tracer, LEAST_SAMPLES);
-                report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
-            }
-        },
-    );
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        if !stop.load(Ordering::Relaxed) {
+            cluster.sample(world, tracer, LEAST_SAMPLES);
+            report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
+        }
+    });
     let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
     let dark = means(groups.len(), &clusters);
     let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
     let total: u64 =
         clusters.iter().map(|c| c.surfels.len() as u64 * 2 * u64::from(wanted(c).max(LEAST_SAMPLES))).sum();
-    clusters.par_iter_mut().for_each_init(
-        || PathTracer::new(world),
-        |tracer, cluster| loop {
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        loop {
             let count = cluster.count;
             // The first estimates are rough: not too far at once
             let next = wanted(cluster).min(4 * count);
             if next <= count || stop.load(Ordering::Relaxed) {
                 return;
             }
-            cluster.sample(tracer, next);
+            cluster.sample(world, tracer, next);
             report(cluster.surfels.len() as u64 * 2 * u64::from(next - count), total);
-        },
-    );
+        }
+    });
     if stop.load(Ordering::Relaxed) {
         return None;
     }
@@ -119,15 +121,32 @@ fn means(groups: usize, clusters: &[Cluster<'_>]) -> Vec<DVec3> {
     sums.into_iter().map(|(light, area)| light * (DARK / area.max(f64::MIN_POSITIVE))).collect()
 }
 
+/// Light that enters the medium at a point, on its outside: one sample of ∫ L T(ωi) cosθ / (π T̄) dω, as after an event
+/// under a surface that was seen.
+fn entering_light<'a, T: Tracing<'a>>(
+    world: &World,
+    tracer: &mut T,
+    surfel: &Surfel,
+    sampler: &mut Sampler,
+) -> Vec3 {
+    let point = world.point_on(surfel.primitive, surfel.position());
+    let mut path = PathState::new(Ray::new(point.position, -point.geometric_normal));
+    if EntryPoint::new(world, point, 1.0).enter(&mut path, &DirectionalWeight::Radial, sampler) {
+        tracer.follow(&mut path, sampler);
+    }
+    path.sample.radiance()
+}
+
 impl Cluster<'_> {
     /// Brings both halves of each point to so many samples.
-    fn sample(&mut self, tracer: &mut PathTracer<'_>, count: u32) {
+    fn sample<'a, T: Tracing<'a>>(&mut self, world: &World, tracer: &mut T, count: u32) {
         for (i, surfel) in self.surfels.iter().enumerate() {
             for (half, sum) in self.sums[i].iter_mut().enumerate() {
                 for index in self.count..count {
                     // No pixel is that far down: a picture's samples are other ones
                     let (x, y) = (self.first + i as u32, u32::MAX - half as u32);
-                    let light = tracer.entering_light(surfel.primitive, surfel.position(), [x, y], index);
+                    let mut sampler = Sampler::new(world.scene.integrator.seed, x, y, index);
+                    let light = entering_light(world, tracer, surfel, &mut sampler);
                     if light.is_finite() {
                         *sum += light.as_dvec3();
                     }

@@ -25,6 +25,7 @@ mod plan;
 mod smooth_profile;
 mod surfels;
 
+pub(crate) use cloud::Making;
 pub use cloud::{PointCloud, PointPass, PointProgress};
-pub(crate) use gather::{Gatherer, Leaving, Scratch};
+pub(crate) use gather::{GatherScratch, Gatherer, Leaving};
 pub use plan::PointsError;

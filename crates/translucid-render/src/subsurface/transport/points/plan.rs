@@ -2,13 +2,13 @@
 
 use std::fmt;
 
-use translucid_profile::NormalizedDiffusionF32;
-use translucid_scene::{Scene, SubsurfaceModel};
+use translucid_scene::Scene;
 
+use super::super::SubsurfaceTransport;
 use super::patches::Patch;
-use crate::ray::{Geometry, SurfacePoint};
-use crate::subsurface::kernel::tables::{ProfileSource, ProfileTables};
-use crate::surface::material::{self, Materials, Subsurface};
+use crate::ray::SurfacePoint;
+use crate::surface;
+use crate::world::World;
 
 /// Spacing of the points for a tolerance of 1, over the radius within which half of the narrowest channel's light
 /// leaves. It goes with the root of the tolerance, as errors of smooth sums go with the square of the spacing.
@@ -67,10 +67,11 @@ struct Narrowest {
 
 impl Plan {
     /// Looks at every object whose material lets light travel under its surface by a profile.
-    pub(super) fn new(scene: &Scene, geometry: &Geometry, materials: &Materials) -> Self {
+    pub(super) fn new(world: &World, transports: &[SubsurfaceTransport]) -> Self {
+        let scene = &world.scene;
         let mut groups: Vec<GroupPlan> = Vec::new();
         for index in 0..scene.objects.len() {
-            let Some(narrowest) = narrowest(scene, geometry, materials, index) else { continue };
+            let Some(narrowest) = narrowest(world, transports, index) else { continue };
             let group = scene.objects[index].subsurface_group;
             match groups.iter_mut().find(|known| known.group == group) {
                 Some(known) if known.narrowest.width <= narrowest.width => {}
@@ -155,11 +156,6 @@ impl GroupPlan {
     }
 }
 
-/// Whether a profile, and nothing else, tells how light travels under a material.
-fn has_profile(model: SubsurfaceModel) -> bool {
-    matches!(model, SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_))
-}
-
 /// Area of an object's mesh \[L²\].
 fn area(scene: &Scene, index: usize) -> f64 {
     let object = &scene.objects[index];
@@ -170,25 +166,23 @@ fn area(scene: &Scene, index: usize) -> f64 {
 ///
 /// A dark channel or place may be less exact than a bright one. Errors go with the square of the spacing over the
 /// width, so widths count times the root of the greatest albedo over their own.
-fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: usize) -> Option<Narrowest> {
-    let object = &scene.objects[index];
-    let material = &scene.materials[object.material];
-    if material.subsurface_weight.factor <= 0.0 || !has_profile(material.subsurface_model) {
-        return None;
-    }
+fn narrowest(world: &World, transports: &[SubsurfaceTransport], index: usize) -> Option<Narrowest> {
+    let scene = &world.scene;
+    let number = scene.objects[index].material;
+    let (material, transport) = (&scene.materials[number], &transports[number]);
+    let kernel = &transport.probes()?.kernel;
     let mut brightest = 0.0_f32;
     let mut found: Option<Narrowest> = None;
-    for_each_place(scene, geometry, index, |point| {
-        let subsurface = material::subsurface_at(scene, materials, object.material, &point);
-        let stated = material::stated_length_at(scene, material, &point);
+    for_each_place(world, index, |point| {
+        let subsurface = transport.at(scene, material, &point);
+        let stated = surface::stated_length_at(scene, material, &point);
         for channel in 0..3 {
-            let albedo = subsurface.albedo[channel];
-            if subsurface.length[channel] <= 0.0 || albedo <= 0.0 {
+            let (albedo, length) = (subsurface.surface_albedo[channel], subsurface.length[channel]);
+            if length <= 0.0 || albedo <= 0.0 {
                 continue;
             }
             brightest = brightest.max(albedo);
-            let radius = half_radius(materials.profile_tables(), &subsurface, channel);
-            let width = f64::from(radius) / f64::from(albedo).sqrt();
+            let width = f64::from(kernel.half_radius(albedo, length)) / f64::from(albedo).sqrt();
             if width > 0.0 && found.is_none_or(|known| width < known.width) {
                 found = Some(Narrowest { object: index, width, length: f64::from(stated[channel]) });
             }
@@ -198,7 +192,8 @@ fn narrowest(scene: &Scene, geometry: &Geometry, materials: &Materials, index: u
 }
 
 /// Calls `found` for some thousand points of an object, evenly by area.
-fn for_each_place(scene: &Scene, geometry: &Geometry, index: usize, mut found: impl FnMut(SurfacePoint)) {
+fn for_each_place(world: &World, index: usize, mut found: impl FnMut(SurfacePoint)) {
+    let scene = &world.scene;
     let object = &scene.objects[index];
     let step = area(scene, index) / PLACES as f64;
     let mut passed = 0.5 * step;
@@ -207,24 +202,10 @@ fn for_each_place(scene: &Scene, geometry: &Geometry, index: usize, mut found: i
         passed += patch.area();
         let places = (passed / step) as usize;
         passed -= places as f64 * step;
-        let primitive = geometry.primitive(index as u32, triangle as u32);
+        let primitive = world.geometry.primitive(index as u32, triangle as u32);
         for place in 0..places.min(PLACES) {
             let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive).map(f64::from);
-            found(geometry.point_on(scene, primitive, patch.point(u, v).as_vec3()));
-        }
-    }
-}
-
-/// Radius within which half of a channel's light leaves \[L\].
-fn half_radius(tables: &ProfileTables, subsurface: &Subsurface, channel: usize) -> f32 {
-    let (albedo, length) = (subsurface.albedo[channel], subsurface.length[channel]);
-    match subsurface.source {
-        ProfileSource::RandomWalk(_) => 0.0,
-        ProfileSource::NormalizedDiffusion => NormalizedDiffusionF32::from_d(length).quantile(0.5),
-        ProfileSource::Table(table)
-        | ProfileSource::Directional { table, .. }
-        | ProfileSource::Oblique { table, .. } => {
-            tables.table(table).at(albedo, length).truncation_radius(0.5)
+            found(world.point_on(primitive, patch.point(u, v).as_vec3()));
         }
     }
 }

@@ -7,7 +7,7 @@
 //! less than 1e-3 of its value where that matters (tested for every model).
 //! Whether a profile falls monotonically plays no part.
 
-use translucid_profile::{NormalizedDiffusionF32, ProfileViewF32};
+use translucid_profile::ProfileViewF32;
 
 /// Cells an octave of the radius: 2 to the power of this.
 const CELL_BITS: u32 = 4;
@@ -46,12 +46,6 @@ pub(crate) struct Jet {
 }
 
 impl SmoothProfile {
-    /// Burley's closed form of width d = 1.
-    pub(crate) fn normalized_diffusion() -> Self {
-        let profile = NormalizedDiffusionF32::from_d(1.0);
-        Self::new(profile.quantile(0.5), |r| profile.pdf_area(r))
-    }
-
     /// A row of a table, of length 1.
     pub(crate) fn tabulated(view: ProfileViewF32<'_>) -> Self {
         Self::new(view.truncation_radius(0.5), |r| view.pdf_area(r))
@@ -136,11 +130,19 @@ fn bend(cell: &[f32; 4], start: f64, width: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use translucid_profile::NormalizedDiffusionF32;
+
     use super::*;
+
+    /// Burley's closed form of width d = 1.
+    fn normalized_diffusion() -> SmoothProfile {
+        let profile = NormalizedDiffusionF32::from_d(1.0);
+        SmoothProfile::new(profile.quantile(0.5), |r| profile.pdf_area(r))
+    }
 
     #[test]
     fn table_agrees_with_normalized_diffusion() {
-        let table = SmoothProfile::normalized_diffusion();
+        let table = normalized_diffusion();
         let exact = NormalizedDiffusionF32::from_d(1.0);
         let mut worst = 0.0_f32;
         for i in 0..20_000 {
@@ -156,7 +158,7 @@ mod tests {
     /// |p(t) − p(s) − p'(s)(t − s)| ≤ ½ K (t − s)² for all radii from the least on: what clusters rely on.
     #[test]
     fn curvature_bounds_the_error_of_tangents() {
-        let table = SmoothProfile::normalized_diffusion();
+        let table = normalized_diffusion();
         for i in 0..200_u32 {
             let random = |salt: u32| sobol_burley::sample(i, salt, 5);
             let least = (20.0 * random(0) - 15.0).exp2();

@@ -273,8 +273,8 @@ mod tests {
     };
 
     use super::*;
-    use crate::Renderer;
-    use crate::subsurface::transport::points::cloud::PointCloud;
+    use crate::PreparedScene;
+    use crate::subsurface::transport::points::{Making, PointCloud};
 
     /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
     fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
@@ -286,9 +286,11 @@ mod tests {
         }];
         scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 0 }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
-        let renderer = Renderer::new(scene);
-        let stop = AtomicBool::new(false);
-        let cloud = PointCloud::without_light(renderer.world(), 0, 1 << 30, &|_| {}, &stop);
+        let prepared = PreparedScene::new(scene).expect("a valid scene");
+        let (world, set) = prepared.parts();
+        let never = AtomicBool::new(false);
+        let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let cloud = PointCloud::without_light(world, set.transports(), &making);
         let cloud = cloud.expect("memory").expect("not stopped");
         (cloud.surfels, cloud.groups[0].spacing)
     }

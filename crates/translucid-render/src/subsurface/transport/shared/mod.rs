@@ -19,31 +19,124 @@
 //! running sum, stand for all. What R_j is need be evaluated for these only, so all models and their directions
 //! are alike to it.
 //!
-//! Only exits whose light would have the same bounds share: see [`Kind`].
+//! Only exits whose light would have the same bounds share: see [`ExitKind`].
+
+mod entries;
+mod nearness;
+
+use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use crate::subsurface::kernel::tables::ProfileTables;
-use crate::surface::material::Subsurface;
+use super::probes::{EntryHit, Probes};
+use super::{ExitPoint, Tracing};
+use crate::sampling::Sampler;
+use crate::subsurface::entry_point::{Arrival, EntryPoint};
+use crate::subsurface::parameters::Subsurface;
+use crate::world::{Layer, PathState, World};
+use entries::{EntryLight, ExitKind, WaitingExit};
+use nearness::Nearness;
 
-mod nearness;
-mod pool;
-
-pub(crate) use nearness::Nearness;
-pub(crate) use pool::{Arrival, EntryLight, ExitProfiles, Kind, Pool, Waiting};
+pub(super) use entries::SharedEntries;
 
 /// Mean radius of the widest profile, in pixels, from which on an exit shares.
 ///
 /// Below, an entry is of little use to the neighbors, and which of them lies how near is noise of its own. What counts as
 /// a pixel is known before any entry is, so the choice changes no mean.
-pub(crate) const LEAST_PIXELS: f32 = 1.5;
+const LEAST_PIXELS: f32 = 1.5;
+
+/// Leaves a surface through the medium below: the light of a path in a block is left to the block, any other finds an entry
+/// point for itself. False where the path is over.
+pub(super) fn scatter<'a, T: Tracing<'a>>(
+    probes: &'a Probes,
+    tracer: &mut T,
+    world: &'a World,
+    path: &mut PathState,
+    exit: &ExitPoint<'_>,
+    sampler: &mut Sampler,
+) -> bool {
+    let Some(number) = path.in_block.take().filter(|_| can_share(&exit.subsurface, path.throughput)) else {
+        return probes.scatter(tracer, world, path, exit, sampler);
+    };
+    let Some(own) = probes.strategy(exit, path.throughput) else { return false };
+    let found = tracer.scratch().probes.find_own(&own, world, exit, path.throughput, sampler);
+    let reaches = own.profiles.map(|profile| profile.longest());
+    let nearness = Nearness::new(own.shares, reaches, probes.tail);
+    if nearness.mean_radius() < LEAST_PIXELS * tracer.pixel_angle() * path.sample.depth {
+        let Some((hit, weight)) = found else { return false };
+        let found = EntryHit { hit, weight: weight.value, subsurface: exit.subsurface };
+        return probes.leave(&found, tracer, world, path, exit, sampler);
+    }
+    let random = (sampler.fork() >> 40) as f32 * (1.0 / (1 << 24) as f32);
+    let throughput = path.throughput * tracer.shape_factor(exit);
+    let entry = found.map(|(hit, weight)| {
+        let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
+        let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler);
+        EntryLight {
+            position: entry.point.position,
+            normal: entry.normal,
+            contribution: TAU * nearness.distance(weight.distance) * weight.inverse_density,
+            arrivals,
+        }
+    });
+    let waiting = WaitingExit {
+        sample: number,
+        kind: ExitKind::new(exit, path),
+        position: exit.point.position,
+        normal: exit.normal * exit.side,
+        throughput,
+        layer: path.layer_after(Layer::Subsurface),
+        albedo: exit.subsurface.scattering_albedo(),
+        directions: probes.kernel.directions(&exit.subsurface),
+        profiles: own.profiles,
+        nearness,
+        random,
+    };
+    tracer.scratch().shared.push(waiting, entry);
+    false
+}
 
 /// Whether an exit of these parameters, which the light that leaves is multiplied with a throughput, may share.
 ///
-/// Numbers like the inverse square of its lengths \[L\] and their products have to stay finite, and no profile may be 0
-/// where its stand-in is not, as one from a file might.
-pub(crate) fn can_share(tables: &ProfileTables, subsurface: &Subsurface, throughput: Vec3) -> bool {
-    let Subsurface { length, source, .. } = *subsurface;
+/// Numbers like the inverse square of its lengths \[L\] and their products have to stay finite.
+fn can_share(subsurface: &Subsurface, throughput: Vec3) -> bool {
+    let Subsurface { length, .. } = *subsurface;
     let usual = |c: usize| length[c] <= 0.0 || (1e-8..1e8).contains(&length[c]);
-    (0..3).all(usual) && throughput.max_element() > 1e-15 && !tables.is_from_file(source)
+    (0..3).all(usual) && throughput.max_element() > 1e-15
+}
+
+/// Light that enters at an entry point: from a sampled light and from a path, followed as far as it is `worth` to the path
+/// that has found the point.
+fn arrivals<'a, T: Tracing<'a>>(
+    tracer: &mut T,
+    path: &PathState,
+    entry: &EntryPoint<'_>,
+    worth: Vec3,
+    sampler: &mut Sampler,
+) -> [Arrival; 2] {
+    let direct = entry.direct_light(path.absorption, sampler.next_4d()).unwrap_or(Arrival::NONE);
+    let worth = worth_to_all(worth);
+    let mut onward = path.branch(worth);
+    let Some((direction, weight)) = entry.head_off(&mut onward, sampler.next_4d()) else {
+        return [direct, Arrival::NONE];
+    };
+    onward.throughput *= weight;
+    tracer.follow(&mut onward, sampler);
+    [direct, Arrival { direction, light: onward.sample.radiance() / worth }]
+}
+
+/// Least part of the brightest channel that every channel is worth: other exits may see more of a color.
+const LEAST_CHANNEL: f32 = 0.1;
+
+/// Least worth of the brightest channel: other exits may be brighter.
+const LEAST_WORTH: f32 = 0.05;
+
+/// Throughput with which light is followed that is worth so much to one exit of a block.
+fn worth_to_all(worth: Vec3) -> Vec3 {
+    let most = worth.max_element();
+    if most > 1e-30 {
+        worth.max(Vec3::splat(LEAST_CHANNEL * most)) * (most.clamp(LEAST_WORTH, 1.0) / most)
+    } else {
+        Vec3::ONE
+    }
 }

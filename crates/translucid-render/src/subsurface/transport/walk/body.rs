@@ -32,7 +32,7 @@ const FARTHEST: f32 = 2.0;
 
 /// What a flight comes to.
 #[derive(Clone, Copy, Debug)]
-pub(crate) enum Arrival {
+pub(crate) enum FlightEnd {
     /// It ends inside.
     Inside(Inside),
     /// It meets the body's end after a distance.
@@ -51,7 +51,7 @@ impl Body<'_> {
     ///
     /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk
     /// would never leave again.
-    pub(crate) fn fly(&self, from: Inside, direction: Vec3, length: f32) -> Arrival {
+    pub(crate) fn fly(&self, from: Inside, direction: Vec3, length: f32) -> FlightEnd {
         let mut nesting = from.nesting;
         let mut done = 0.0;
         for _ in 0..MOST_SURFACES {
@@ -62,10 +62,10 @@ impl Body<'_> {
             let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
             if leaves && nesting <= 1 {
                 if distance <= length {
-                    return Arrival::Boundary { distance, hit };
+                    return FlightEnd::Boundary { distance, hit };
                 }
                 let position = from.position + direction * (distance - self.offset).max(0.0);
-                return Arrival::Inside(Inside { position, nesting });
+                return FlightEnd::Inside(Inside { position, nesting });
             }
             if distance > length {
                 break;
@@ -73,7 +73,7 @@ impl Body<'_> {
             nesting = if leaves { nesting - 1 } else { nesting + 1 };
             done = distance + self.offset;
         }
-        Arrival::Inside(Inside { position: from.position + direction * length, nesting })
+        FlightEnd::Inside(Inside { position: from.position + direction * length, nesting })
     }
 
     /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.

@@ -1,20 +1,20 @@
 //! What a walk goes through: the medium behind a material's surface albedo and length.
 
+use std::ops::RangeInclusive;
+
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
-use translucid_scene::{Material, Scene, SubsurfaceModel};
+use translucid_scene::Material;
 
-use crate::light;
+use crate::subsurface::kernel::NearestParameter;
 
-/// The media of a scene, one for each phase function, boundary and configuration.
-#[derive(Default)]
-pub(crate) struct WalkMedia {
-    made: Vec<(Recipe, WalkMedium)>,
-}
+/// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
+/// off by more than 1 %.
+const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
 
-/// All that decides a medium for every surface albedo.
+/// All that decides a medium for every surface albedo: materials with equal recipes share one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Recipe {
+pub(crate) struct WalkRecipe {
     g: f64,
     eta: f64,
     configuration: Configuration,
@@ -31,9 +31,43 @@ pub(crate) struct WalkMedium {
     pub(crate) eta: f32,
 }
 
+impl WalkRecipe {
+    /// The medium of a material, as near as the inversion of its surface albedo reaches.
+    pub(crate) fn of(material: &Material) -> Self {
+        let within = |x: f32, range: RangeInclusive<f64>| f64::from(x).clamp(*range.start(), *range.end());
+        Self {
+            g: within(material.subsurface_scatter_anisotropy, AlbedoInversion::G),
+            eta: within(material.subsurface_eta, AlbedoInversion::ETA),
+            configuration: material.subsurface_configuration,
+            parameterization: material.subsurface_parameter,
+        }
+    }
+
+    /// Which parameters of the material are out of reach.
+    pub(crate) fn nearest(&self, material: &Material) -> Vec<NearestParameter> {
+        NearestParameter::changed(material, [self.g, self.eta])
+    }
+
+    /// Inverts the albedos of the medium.
+    pub(crate) fn make(&self) -> Result<WalkMedium, ParameterError> {
+        let Self { g, eta, configuration, parameterization } = *self;
+        let inversion = AlbedoInversion::new(g, eta, configuration)?;
+        Ok(WalkMedium { inversion, parameterization, g: g as f32, eta: eta as f32 })
+    }
+}
+
 impl WalkMedium {
+    /// Mean free paths \[L\] of stated lengths, 0 where positions, exact to `offset`, cannot tell them from points.
+    pub(crate) fn resolved(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
+        let of = |c: usize| {
+            let mfp = self.mfp(surface_albedo[c], stated[c]);
+            if mfp > LEAST_OFFSETS_OF_MFP * offset { mfp } else { 0.0 }
+        };
+        Vec3::new(of(0), of(1), of(2))
+    }
+
     /// Mean free path \[L\] of a channel whose material states the surface albedo A and a length.
-    pub(crate) fn mfp(&self, albedo: f32, length: f32) -> f32 {
+    fn mfp(&self, albedo: f32, length: f32) -> f32 {
         self.inversion.mfp(f64::from(albedo), f64::from(length), self.parameterization) as f32
     }
 
@@ -41,60 +75,5 @@ impl WalkMedium {
     pub(crate) fn single_scattering_albedo(&self, albedo: Vec3) -> Vec3 {
         let of = |a: f32| self.inversion.single_scattering_albedo(f64::from(a)) as f32;
         Vec3::new(of(albedo.x), of(albedo.y), of(albedo.z))
-    }
-}
-
-impl WalkMedia {
-    pub(crate) fn medium(&self, index: usize) -> &WalkMedium {
-        &self.made[index].1
-    }
-
-    /// Finds or makes the media of a material, with a note on what it cannot be walked with.
-    pub(crate) fn index(&mut self, material: &Material) -> Result<(usize, Option<String>), ParameterError> {
-        let asked = [material.subsurface_scatter_anisotropy, material.subsurface_eta].map(f64::from);
-        let within = |x: f64, range: std::ops::RangeInclusive<f64>| x.clamp(*range.start(), *range.end());
-        let used = [within(asked[0], AlbedoInversion::G), within(asked[1], AlbedoInversion::ETA)];
-        let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
-        let changes: Vec<String> = (0..2)
-            .filter(|i| asked[*i] != used[*i])
-            .map(|i| format!("{} is {}, taken for {}", names[i], asked[i] as f32, used[i] as f32))
-            .collect();
-        let note = (!changes.is_empty()).then(|| {
-            let changes = changes.join("; ");
-            format!("material {}: random-walk does not reach so far: {changes}", material.name)
-        });
-        let [g, eta] = used;
-        let recipe = Recipe {
-            g,
-            eta,
-            configuration: material.subsurface_configuration,
-            parameterization: material.subsurface_parameter,
-        };
-        if let Some(index) = self.made.iter().position(|(known, _)| *known == recipe) {
-            return Ok((index, note));
-        }
-        let inversion = AlbedoInversion::new(g, eta, recipe.configuration)?;
-        let parameterization = recipe.parameterization;
-        self.made.push((recipe, WalkMedium { inversion, parameterization, g: g as f32, eta: eta as f32 }));
-        Ok((self.made.len() - 1, note))
-    }
-
-    /// A word on lights that no walk can find: those without a size, through a boundary that refracts.
-    pub(crate) fn note_of_lights(scene: &Scene) -> Option<String> {
-        let refracts = |m: &&Material| {
-            let walks = m.subsurface_model == SubsurfaceModel::RandomWalk && m.subsurface_weight.factor > 0.0;
-            walks && m.subsurface_eta > 1.0
-        };
-        let mut kinds: Vec<&str> = scene.lights.iter().filter_map(light::kind_without_size).collect();
-        kinds.sort_unstable();
-        kinds.dedup();
-        let names: Vec<&str> = scene.materials.iter().filter(refracts).map(|m| m.name.as_str()).collect();
-        (!kinds.is_empty() && !names.is_empty()).then(|| {
-            format!(
-                "material {}: random-walk under a boundary (subsurface_eta above 1) meets lights by chance, and never those without a size: {} lights do not shine into it; give them a size, or set subsurface_eta = 1",
-                names.join(", "),
-                kinds.join(", ")
-            )
-        })
     }
 }

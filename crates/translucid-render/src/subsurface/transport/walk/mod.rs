@@ -27,4 +27,4 @@ mod phase_function;
 mod random;
 mod walk;
 
-pub(crate) use medium::{WalkMedia, WalkMedium};
+pub(crate) use medium::{WalkMedium, WalkRecipe};

@@ -2,19 +2,20 @@
 
 use glam::Vec3;
 
-use super::body::{Arrival, Body, Inside};
+use super::super::ExitPoint;
+use super::body::{Body, FlightEnd, Inside};
 use super::flight::Flights;
 use super::medium::WalkMedium;
 use super::phase_function::HenyeyGreenstein;
 use super::random::WalkRandom;
 use crate::light::LightSample;
-use crate::path::tracer::{Layer, Origin, Path, PathTracer, Vertex, power_heuristic, weighed};
-use crate::ray::Ray;
-use crate::ray::{Geometry, Hit, SurfacePoint};
+use crate::ray::{Geometry, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
+use crate::subsurface::entry_point::entry_bsdf;
+use crate::subsurface::parameters::Subsurface;
+use crate::surface;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
-use crate::surface::material::{self, Subsurface};
-use crate::world::shadow::Medium;
+use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 /// Flights after which a walk is given up.
 ///
@@ -51,33 +52,32 @@ struct Walk<'a> {
     skipped: f32,
 }
 
-impl PathTracer<'_> {
-    /// Leaves the surface through the volume below, where the light of this path may end.
-    pub(crate) fn walk_below(
+impl WalkMedium {
+    /// Leaves the surface through the volume below, where the light of this path may end; false where it is over.
+    pub(in crate::subsurface::transport) fn scatter(
         &self,
-        path: &mut Path,
-        vertex: &Vertex<'_>,
-        medium: usize,
+        world: &World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
         let mut random = WalkRandom::new(sampler);
-        let medium = self.world.materials.profile_tables().medium(medium);
-        let Some(mut walk) = Walk::enter(&self.world.geometry, path, vertex, medium) else { return false };
+        let Some(mut walk) = Walk::enter(&world.geometry, path, exit, self) else { return false };
         let entered = walk.throughput.element_sum();
         let mut flight = random.next_4d()[0];
         while walk.events < MOST_EVENTS {
             match walk.fly(flight) {
-                Some(hit) if walk.eta == 1.0 => return self.leave(path, &walk, &hit),
+                Some(hit) if walk.eta == 1.0 => return walk.leave(world, path, &hit),
                 Some(hit) => {
                     let u = random.next_4d();
                     if !walk.is_reflected(&hit, u[0]) {
-                        return self.leave(path, &walk, &hit);
+                        return walk.leave(world, path, &hit);
                     }
                     flight = u[1];
                 }
                 None => {
                     if walk.eta == 1.0 {
-                        self.add_light_at_collision(path, &walk, random.next_4d());
+                        walk.add_light_at_collision(world, path, random.next_4d());
                     }
                     let u = random.next_4d();
                     if !walk.survives(entered, u[3]) {
@@ -90,74 +90,75 @@ impl PathTracer<'_> {
         }
         false
     }
+}
 
+impl<'a> Walk<'a> {
     /// Goes on outside, where the walk has met the body's end.
-    fn leave(&self, path: &mut Path, walk: &Walk<'_>, hit: &Hit) -> bool {
-        let world = self.world;
-        let point = world.geometry.surface_point(&world.scene, hit);
-        let Some(direction) = walk.direction_outside(hit) else { return false };
-        let weight = self.entering(&point, walk, direction);
-        path.throughput = walk.throughput;
-        if walk.eta == 1.0 && !walk.has_scattered {
+    fn leave(&self, world: &World, path: &mut PathState, hit: &Hit) -> bool {
+        let point = world.surface_point(hit);
+        let Some(direction) = self.direction_outside(hit) else { return false };
+        let weight = self.entering(world, &point, direction);
+        path.throughput = self.throughput;
+        if self.eta == 1.0 && !self.has_scattered {
             // Nothing has happened to the light; but no shadow ray would have come through
             path.origin.pdf = f32::INFINITY;
             return path.pass(&point, weight);
         }
-        let origin = Origin { point: walk.at.position, normal: Vec3::ZERO, pdf: walk.pdf };
-        path.diffuse_depth += u32::from(walk.has_scattered);
-        path.soft |= walk.has_scattered && !world.scene.integrator.caustics;
+        let origin = Origin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf };
+        path.diffuse_depth += u32::from(self.has_scattered);
+        path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
         path.throughput != Vec3::ZERO
     }
 
-    /// Light from one sampled light, scattered at a collision.
+    /// Adds light from one sampled light, scattered at a collision.
     ///
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
     /// walk's own are, and only if it gets out of the body the way to the light is looked at.
-    fn add_light_at_collision(&self, path: &mut Path, walk: &Walk<'_>, u: [f32; 4]) {
-        let world = self.world;
-        let Some(light) = world.lights.sample(walk.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
+    fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
+        let Some(light) = world.lights.sample(self.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
             return;
         };
-        let length = walk.flights.sample(walk.throughput, u[3]);
-        let arrival = walk.body.fly(walk.at, light.direction, length);
-        let Arrival::Boundary { distance, hit } = arrival else { return };
+        let length = self.flights.sample(self.throughput, u[3]);
+        let end = self.body.fly(self.at, light.direction, length);
+        let FlightEnd::Boundary { distance, hit } = end else { return };
         // What shines inside the body is no part of what the walk sees
         if distance >= light.distance {
             return;
         }
-        let phase = walk.phase.pdf(walk.direction.dot(light.direction));
+        let phase = self.phase.pdf(self.direction.dot(light.direction));
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, phase) };
-        let point = world.geometry.surface_point(&world.scene, &hit);
-        let weight = self.entering(&point, walk, light.direction) * phase;
-        let throughput = walk.flights.pass(walk.throughput, distance) * weight;
+        let point = world.surface_point(&hit);
+        let weight = self.entering(world, &point, light.direction) * phase;
+        let throughput = self.flights.pass(self.throughput, distance) * weight;
         let beyond = LightSample { distance: light.distance - distance, ..light };
-        let medium = Medium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
-        let received = weighed(self.unoccluded(&point, &beyond, medium), mis / light.pdf);
+        let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
+        let received = weighed(world.unoccluded(&point, &beyond, medium), mis / light.pdf);
         path.add_to(path.layer_after(Layer::Subsurface), received * throughput);
     }
 
-    /// What the surface does to a radiance that enters from a direction; see the head of the module.
-    fn entering(&self, point: &SurfacePoint, walk: &Walk<'_>, direction: Vec3) -> Vec3 {
-        let world = self.world;
-        let entry = self.entry(point);
-        if walk.eta == 1.0 {
+    /// Factor of the surface on a radiance that enters from a direction; see the head of the module.
+    fn entering(&self, world: &World, point: &SurfacePoint, direction: Vec3) -> Vec3 {
+        let entry = entry_bsdf(world, point);
+        if self.eta == 1.0 {
             let (_, material) = world.material(point);
-            let normal = material::shading_normal_at(&world.scene, material, point) * walk.body.side;
+            let normal = surface::shading_normal_at(&world.scene, material, point) * self.body.side;
             entry.weight(direction.dot(normal).max(0.0))
         } else {
             entry.tint()
         }
     }
-}
 
-impl<'a> Walk<'a> {
     /// Begins below the surface that the camera sees; `None` if there is no way in.
-    fn enter(geometry: &'a Geometry, path: &Path, vertex: &Vertex<'_>, medium: &WalkMedium) -> Option<Self> {
-        let Subsurface { albedo, length, .. } = vertex.subsurface;
-        let point = vertex.point;
+    fn enter(
+        geometry: &'a Geometry,
+        path: &PathState,
+        exit: &ExitPoint<'_>,
+        medium: &WalkMedium,
+    ) -> Option<Self> {
+        let Subsurface { surface_albedo, length } = exit.subsurface;
+        let (point, side) = (exit.point, exit.side);
         let toward = path.ray.direction;
-        let side = if toward.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let normal = point.geometric_normal * side;
         let direction = if medium.eta == 1.0 { toward } else { refract(-toward, normal, medium.eta)? };
         let body = Body { geometry, group: point.group, side, offset: point.offset };
@@ -174,7 +175,7 @@ impl<'a> Walk<'a> {
             body,
             flights: Flights::new(sigma_t),
             phase: HenyeyGreenstein::new(medium.g),
-            alpha: medium.single_scattering_albedo(albedo),
+            alpha: medium.single_scattering_albedo(surface_albedo),
             eta: medium.eta,
             at: Inside::below(start),
             direction,
@@ -192,11 +193,11 @@ impl<'a> Walk<'a> {
         let skipped = std::mem::take(&mut self.skipped);
         self.events += 1;
         match self.body.fly(self.at, self.direction, (length - skipped).max(0.0)) {
-            Arrival::Boundary { distance, hit } => {
+            FlightEnd::Boundary { distance, hit } => {
                 self.throughput = self.flights.pass(self.throughput, distance + skipped);
                 Some(hit)
             }
-            Arrival::Inside(at) => {
+            FlightEnd::Inside(at) => {
                 self.throughput = self.flights.collide(self.throughput, length) * self.alpha;
                 self.has_scattered = true;
                 self.at = at;

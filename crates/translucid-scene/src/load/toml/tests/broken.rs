@@ -24,7 +24,7 @@ fn refuse(piece: &str, message: &str, underlined: &str, help: &str) {
     assert_error(&error, &text, message, underlined, help);
 }
 
-/// The same for a whole file.
+/// A whole file must fail to parse.
 #[track_caller]
 fn refuse_file(text: &str, message: &str, underlined: &str, help: &str) {
     assert_error(&parse(text).expect_err(text), text, message, underlined, help);
@@ -79,9 +79,9 @@ fn broken_camera_is_refused() {
     refuse(same, message, "[1.0, 2.0, 3.0]", "");
     let message = "camera.position has 2 values, but must be an array of 3 numbers";
     refuse("[camera]\nposition = [1, 2]", message, "[1, 2]", "");
-    let message = "camera.position[1] is a string, but must be a number in [-1e9, 1e9]";
+    let message = "camera.position[1] is a string, but must be a number in [-1e10, 1e10]";
     refuse("[camera]\nposition = [1, \"2\", 3]", message, "\"2\"", "");
-    let message = "camera.position[2] is nan, but must be in [-1e9, 1e9]";
+    let message = "camera.position[2] is nan, but must be in [-1e10, 1e10]";
     refuse("[camera]\nposition = [1, 2, nan]", message, "nan", "");
     let message = "camera.position is a number, but must be an array of 3 numbers";
     refuse("[camera]\nposition = 7", message, "7", "");
@@ -91,7 +91,7 @@ fn broken_camera_is_refused() {
     refuse(&format!("{CAMERA}fov = 179.9999999999"), message, "179.9999999999", "");
     let message = "camera.lens_radius is -1, but must be in [0, 1e9]";
     refuse(&format!("{CAMERA}lens_radius = -1"), message, "-1", "");
-    let message = "camera.focus_distance is 1e-60, but must be in (0, 1e9] in single precision";
+    let message = "camera.focus_distance is 1e-60, but must be in (0, 1e10] in single precision";
     refuse(&format!("{CAMERA}focus_distance = 1e-60"), message, "1e-60", "");
     let message =
         "camera.up is [0, 0, -3], but must be a direction that is not parallel to the viewing direction";
@@ -330,7 +330,7 @@ fn broken_light_is_refused() {
     let text = "[[light]]\ntype = \"sphere\"\nradience = 3";
     refuse(text, "light[0] has no key radience", "radience", help);
     let text = "[[light]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nradius = 0";
-    refuse(text, "light[0].radius is 0, but must be in (0, 1e9]", "0", "");
+    refuse(text, "light[0].radius is 0, but must be in (0, 1e10]", "0", "");
     let text = "[[light]]\ntype = \"sphere\"\ncenter = [0, 0, 0]\nradius = 1\nradiance = [1, 2, -3]";
     refuse(text, "light[0].radiance[2] is -3, but must be in [0, 1e12]", "-3", "");
     let rectangle = "[[light]]\ntype = \"rectangle\"\ncenter = [1, 2, 3]\n";

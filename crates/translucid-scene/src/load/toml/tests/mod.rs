@@ -3,6 +3,7 @@
 mod broken;
 mod examples;
 mod mutation;
+mod parity;
 mod valid;
 
 use std::path::Path;

@@ -1,0 +1,345 @@
+//! A picture from a scene: the words and files around a session.
+
+use std::fs;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use translucid_image::Denoiser;
+use translucid_render::{
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelRect, Plan, PreparedScene, Rendering as Ended,
+    Session, SessionError, layer, load_checkpoint,
+};
+use translucid_scene::Scene;
+
+use crate::failure::Failure;
+use crate::outputs::Outputs;
+use crate::points;
+use crate::progress::{Meter, Unit, duration};
+use crate::{interrupt, machine, messages};
+
+/// Memory that a pixel takes: its sums, and a sample that waits, or while it is written its values in all channels.
+pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 84;
+
+/// How a scene is to be rendered, besides its own settings.
+#[derive(Debug)]
+pub(crate) struct Task {
+    /// Name for messages and metadata.
+    pub(crate) scene_name: String,
+    /// Files to write.
+    pub(crate) outputs: Outputs,
+    /// Longest time for rendering.
+    pub(crate) limit: Option<Duration>,
+    /// Number of threads; 0 is one per processor.
+    pub(crate) threads: usize,
+    /// Whether to go on from a checkpoint, and to keep one.
+    pub(crate) resume: bool,
+    /// Time between two checkpoints: what a power cut may cost.
+    pub(crate) checkpoint_interval: Duration,
+    /// File of the points that the point-based method needs.
+    pub(crate) points: Option<PathBuf>,
+    /// What denoises the picture at the end, if that is asked for.
+    pub(crate) denoiser: Option<Denoiser>,
+    /// Pixels to render, half-open: x0, y0, x1, y1; all of them if none.
+    pub(crate) region: Option<[u32; 4]>,
+    /// Whether to print errors and warnings only.
+    pub(crate) quiet: bool,
+    /// Whether to print what takes how long.
+    pub(crate) verbose: bool,
+    /// What is different where several renderings belong together.
+    pub(crate) part: Option<Part>,
+}
+
+/// One of several renderings that belong together.
+///
+/// It keeps its checkpoint, so that all can go on where one was interrupted, and its time limit holds for all runs
+/// together, so that they stay comparable.
+#[derive(Debug)]
+pub(crate) struct Part {
+    /// What to call it while it goes on.
+    pub(crate) label: String,
+    /// Where the film with the first half of the samples is kept, for those who go on in the second.
+    pub(crate) first_half: PathBuf,
+}
+
+/// What a rendering has come to; its images are written.
+pub(crate) struct Rendering {
+    /// The sums of all samples.
+    pub(crate) film: FilmSums,
+    /// The same as they were after half of the samples, if that is known and was asked for.
+    pub(crate) first_half: Option<FilmSums>,
+    /// Whether every pixel has its samples.
+    pub(crate) is_finished: bool,
+    /// Time spent rendering in all runs \[s\].
+    pub(crate) seconds: f64,
+    /// CPU time of all threads \[s\]; none where it is not known, or an earlier run had a part in it.
+    pub(crate) cpu_seconds: Option<f64>,
+}
+
+/// Renders a scene and writes its files.
+pub(crate) fn render(scene: Scene, task: &Task) -> Result<Rendering, Failure> {
+    let pool = rayon::ThreadPoolBuilder::new()
+        .num_threads(task.threads)
+        .build()
+        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
+    interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
+    pool.install(|| {
+        let start = Instant::now();
+        let prepared = PreparedScene::new(scene)?;
+        prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
+        if task.verbose {
+            let seconds = start.elapsed().as_secs_f64();
+            messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
+        }
+        let view = prepared.view()?;
+        let view = task.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
+        let prepared = points::prepare(prepared, task.points.as_deref(), task.quiet)?;
+        Work::start(Session::new(prepared, view), task)?.finish()
+    })
+}
+
+/// A picture on its way.
+struct Work<'a> {
+    session: Session,
+    task: &'a Task,
+    /// The film after half of its samples, for a part of several renderings.
+    first_half: Option<FilmSums>,
+    /// Seconds that earlier runs spent.
+    seconds_before: f64,
+}
+
+impl<'a> Work<'a> {
+    /// An empty film, or that of the checkpoint.
+    fn start(mut session: Session, task: &'a Task) -> Result<Self, Failure> {
+        if is_to_resume(task) {
+            session.resume(&task.outputs.checkpoint)?;
+            if !task.quiet {
+                messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
+            }
+        }
+        let seconds_before = session.seconds();
+        let mut work = Self { session, task, first_half: None, seconds_before };
+        work.first_half = work.load_first_half();
+        Ok(work)
+    }
+
+    /// Samples that each pixel shall have.
+    fn goal(&self) -> u32 {
+        self.session.prepared().scene().integrator.samples_per_pixel
+    }
+
+    /// Number of samples after which the film is kept as its first half; none where there is no use for it.
+    fn half(&self) -> Option<u32> {
+        // Without a goal of its own, work that ends with the time has no middle
+        (self.task.part.is_some() && self.task.limit.is_none() && self.goal() > 1).then_some(self.goal() / 2)
+    }
+
+    /// The first half that an earlier run has left, where this one begins beyond it.
+    fn load_first_half(&self) -> Option<FilmSums> {
+        let (part, half) = self.task.part.as_ref().zip(self.half())?;
+        let is_beyond = self.session.film().sums().tiles.iter().any(|tile| tile.samples > half);
+        let fingerprint = self.session.prepared().fingerprint(self.session.view());
+        // Without it only the estimate of the noise is missing
+        let (film, _) = is_beyond.then(|| load_checkpoint(&part.first_half, fingerprint).ok()).flatten()?;
+        film.tiles.iter().all(|tile| tile.samples == half).then_some(film)
+    }
+
+    /// Renders until the goal, the time limit or Ctrl-C, then writes the files.
+    fn finish(mut self) -> Result<Rendering, Failure> {
+        let cpu_before = machine::cpu_seconds();
+        let paths_before = self.session.film().sums().paths();
+        let deadline = self.limit().and_then(|limit| Instant::now().checked_add(limit));
+        let mut meter = if self.task.quiet {
+            Meter::quiet(Unit::Samples, paths_before, deadline)
+        } else {
+            Meter::new(Unit::Samples, paths_before, deadline)
+        };
+        if let Some(part) = &self.task.part {
+            meter = meter.named(&part.label);
+        }
+        let outcome = self.render_to_the_end(&meter, deadline);
+        let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
+        meter.finish();
+        let ended = outcome?;
+        let paths = self.session.film().sums().paths();
+        self.require_paths(paths, ended.outcome)?;
+        self.write_images()?;
+        self.settle_checkpoint(ended.outcome)?;
+        if !self.task.quiet {
+            self.print_summary(cpu_seconds, paths - paths_before);
+        }
+        if ended.outcome == Outcome::Interrupted {
+            let checkpoint = self.task.outputs.checkpoint.display();
+            let help = format!("repeat the command with --resume to go on from {checkpoint}");
+            return Err(Failure::Interrupted { help });
+        }
+        Ok(Rendering {
+            is_finished: ended.outcome == Outcome::Finished,
+            seconds: self.session.seconds(),
+            cpu_seconds: cpu_seconds.filter(|_| self.seconds_before == 0.0),
+            film: self.session.film().sums().clone(),
+            first_half: self.first_half,
+        })
+    }
+
+    /// Refuses to write an empty picture, which must not take the place of one that may be there.
+    fn require_paths(&self, paths: u64, outcome: Outcome) -> Result<(), Failure> {
+        if paths > 0 {
+            return Ok(());
+        }
+        if outcome == Outcome::Interrupted {
+            let help = match self.task.part {
+                Some(_) => "repeat the command with --resume to go on",
+                None => "the rendering had not begun, so nothing was written",
+            };
+            return Err(Failure::Interrupted { help: help.into() });
+        }
+        let message = "the rendering ended before its first samples, so nothing was written";
+        Err(Failure::work(message).with_help("give it more time"))
+    }
+
+    /// How long this run may take.
+    fn limit(&self) -> Option<Duration> {
+        let before = if self.task.part.is_some() { self.seconds_before } else { 0.0 };
+        let limit = self.task.limit?;
+        Some(
+            Duration::try_from_secs_f64(before).map_or(Duration::ZERO, |before| limit.saturating_sub(before)),
+        )
+    }
+
+    /// Renders until the goal, by way of the first half where that is to be kept.
+    fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Ended, Failure> {
+        if let (Some(part), Some(half)) = (&self.task.part, self.half())
+            && self.session.film().sums().tiles.iter().all(|tile| tile.samples <= half)
+        {
+            let ended = self.run(half, meter, deadline)?;
+            if ended.outcome != Outcome::Finished {
+                return Ok(ended);
+            }
+            self.session.save(&part.first_half).map_err(Failure::late)?;
+            self.first_half = Some(self.session.film().sums().clone());
+        }
+        self.run(self.goal(), meter, deadline)
+    }
+
+    /// Renders until a number of samples with a checkpoint now and then.
+    fn run(&mut self, samples: u32, meter: &Meter, deadline: Option<Instant>) -> Result<Ended, Failure> {
+        let checkpoint = CheckpointPlan {
+            path: self.task.outputs.checkpoint.clone(),
+            interval: self.task.checkpoint_interval,
+        };
+        let plan = Plan { deadline, checkpoint: Some(checkpoint), ..Plan::samples(samples) };
+        let total = u64::from(self.goal()) * self.session.view().region().area();
+        let observer = |event: &Event<'_>| {
+            if let Event::Samples(progress) = event {
+                meter.update(progress.samples_done, total);
+            }
+        };
+        self.session.run(&plan, &observer, &interrupt::STOP).map_err(|error| match error {
+            SessionError::Points(error) => points::failure(error),
+            SessionError::Checkpoint(error) => Failure::late(error),
+        })
+    }
+
+    /// Keeps the state where there is something to go on with, else removes what an earlier slice left.
+    fn settle_checkpoint(&self, outcome: Outcome) -> Result<(), Failure> {
+        if outcome != Outcome::Finished || self.task.resume || self.task.part.is_some() {
+            return self.session.save(&self.task.outputs.checkpoint).map_err(Failure::late);
+        }
+        // It is not there when the rendering was short.
+        let _ = fs::remove_file(&self.task.outputs.checkpoint);
+        Ok(())
+    }
+
+    fn write_images(&self) -> Result<(), Failure> {
+        let scene = self.session.prepared().scene();
+        let film = self.session.film();
+        let sums = film.sums();
+        let info = ImageInfo {
+            scene: self.task.scene_name.clone(),
+            seed: scene.integrator.seed,
+            samples: sums.samples(),
+            seconds: self.session.seconds(),
+            command: command_line(),
+            region: self.session.view().place(),
+        };
+        let outputs = &self.task.outputs;
+        let Some(denoiser) = &self.task.denoiser else {
+            return outputs.write(&sums, &scene.film, &info).map_err(Failure::late);
+        };
+        let start = Instant::now();
+        match denoiser.denoise(&sums.layers_picture(&info), self.task.threads) {
+            Ok(denoised) => {
+                if self.task.verbose {
+                    let seconds = start.elapsed().as_secs_f64();
+                    messages::line(&format!("denoised the picture by {} in {seconds:.2} s", denoised.by));
+                }
+                outputs.write_denoised(&sums, &denoised, &scene.film, &info).map_err(Failure::late)
+            }
+            Err(error) => {
+                // The noisy picture is what the time went into.
+                outputs.write(&sums, &scene.film, &info).map_err(Failure::late)?;
+                let help = "the picture was written as it was rendered";
+                Err(Failure::work(error.to_string()).with_help(help))
+            }
+        }
+    }
+
+    fn print_summary(&self, cpu_seconds: Option<f64>, paths: u64) {
+        let seconds = self.session.seconds() - self.seconds_before;
+        let PixelRect { width, height, .. } = self.session.view().region();
+        let label = self.task.part.as_ref().map_or_else(String::new, |part| format!("{}: ", part.label));
+        let mut text = format!(
+            "{label}{} samples per pixel at {width}x{height} in {}",
+            self.session.film().samples(),
+            duration(seconds + self.seconds_before)
+        );
+        if self.seconds_before > 0.0 {
+            text += &format!(", {} of it now", duration(seconds));
+        }
+        if let Some(cpu_seconds) = cpu_seconds {
+            text += &format!(" ({cpu_seconds:.1} s of CPU)");
+        }
+        text += &format!(", {:.3} M samples/s", paths as f64 / seconds.max(1e-3) * 1e-6);
+        if let Some(bytes) = machine::peak_memory() {
+            text += &format!(", {:.0} MiB peak memory", bytes as f64 / f64::from(1 << 20));
+        }
+        messages::line(&text);
+        let files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
+        messages::line(&format!("wrote {}", files.join(" and ")));
+        if self.task.part.is_none() && self.task.outputs.checkpoint.exists() {
+            messages::line(&format!("kept {}", self.task.outputs.checkpoint.display()));
+        }
+    }
+}
+
+/// Whether there is something of an earlier run to go on from, and that is wanted.
+fn is_to_resume(task: &Task) -> bool {
+    let path = &task.outputs.checkpoint;
+    match (task.resume, path.exists()) {
+        (true, true) => return true,
+        (true, false) if !task.quiet => {
+            messages::line(&format!("there is no {} yet: starting anew", path.display()));
+        }
+        (false, true) => {
+            let message =
+                format!("{} is there and will be replaced: --resume would go on from it", path.display());
+            messages::print_note(&message);
+        }
+        (_, false) => {}
+    }
+    false
+}
+
+/// The command as it was typed, with quotes where a shell needs them.
+fn command_line() -> String {
+    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
+    let words = std::env::args_os().enumerate().map(|(index, word)| {
+        let word = word.to_string_lossy().into_owned();
+        match index {
+            0 => String::from("translucid"),
+            _ if !word.is_empty() && word.chars().all(plain) => word,
+            _ => format!("'{}'", word.replace('\'', r"'\''")),
+        }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}

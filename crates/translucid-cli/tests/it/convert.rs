@@ -1,0 +1,355 @@
+//! `translucid convert`: rows, units, the way there and back, and what wrong input is told.
+
+use crate::common::{run, stderr, stdout, translucid};
+
+fn here() -> std::path::PathBuf {
+    std::env::temp_dir()
+}
+
+/// One line of the CSV, whose quoted fields are the last.
+#[derive(Clone, Debug, PartialEq)]
+struct Row {
+    system: String,
+    parameter: String,
+    channel: String,
+    value: f64,
+    unit: String,
+    equal: String,
+}
+
+fn rows(words: &str) -> Vec<Row> {
+    let csv = stdout(&here(), &format!("convert {words}"));
+    assert_eq!(csv.lines().next(), Some("system,parameter,channel,value,unit,equal,source"));
+    let row = |line: &str| {
+        let fields: Vec<&str> = line.splitn(7, ',').collect();
+        let text = |i: usize| fields[i].to_owned();
+        assert!(fields[6].trim_start_matches('"').starts_with("code: ") || fields[6].contains("document: "));
+        Row {
+            system: text(0),
+            parameter: text(1),
+            channel: text(2),
+            value: fields[3].parse().unwrap(),
+            unit: text(4),
+            equal: text(5),
+        }
+    };
+    csv.lines().skip(1).map(row).collect()
+}
+
+/// The value of a system's parameter in a channel.
+fn value(rows: &[Row], system: &str, parameter: &str, channel: &str) -> f64 {
+    let found: Vec<_> = rows
+        .iter()
+        .filter(|r| r.system == system && r.parameter == parameter && r.channel == channel)
+        .collect();
+    assert_eq!(found.len(), 1, "{system} {parameter} {channel}: {found:?}");
+    found[0].value
+}
+
+fn close(found: f64, expected: f64) {
+    assert!((found / expected - 1.0).abs() < 1e-12, "{found} is not {expected}");
+}
+
+/// Runs the command with input that is wrong and returns what it says.
+fn refused(words: &str) -> String {
+    let output = run(&here(), &format!("convert {words}"));
+    let message = stderr(&output);
+    assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+    assert!(output.stdout.is_empty() && !message.contains("panicked"), "{words}: {message}");
+    message
+}
+
+#[test]
+fn a_length_of_one_has_the_widths_of_the_published_table() {
+    for (from, widths) in [
+        ("cycles-burley:subsurface_radius=1", [0.080, 0.080, 0.080]),
+        ("eevee:subsurface_radius=1", [0.027, 0.046, 0.077]),
+        ("pbrt-v3-disney:scatterdistance=1", [0.200, 0.200, 0.200]),
+        ("moonray:radius=1", [0.283, 0.279, 0.042]),
+        ("appleseed:mfp=1", [0.316, 0.650, 1.104]),
+        ("unreal:MeanFreePathColor=1", [5.27, 10.83, 18.40]),
+        ("hdrp:scatteringDistance=1", [1.0, 1.0, 1.0]),
+        ("arnold:subsurface_radius=1", [0.338, 0.583, 0.962]),
+    ] {
+        let found = rows(&format!("--from {from} --surface-albedo 0.2,0.5,1 --to translucid"));
+        for (channel, d) in ["r", "g", "b"].into_iter().zip(widths) {
+            let in_mm = value(&found, "translucid", "d", channel);
+            assert!((in_mm - d).abs() < 0.6e-3 * d.max(1.0), "{from} {channel}: {in_mm}");
+        }
+    }
+}
+
+#[test]
+fn renderman_goes_to_every_other_system() {
+    // d = 20 · 0.1/(3.5 + 100 (A − 0.33)⁴) at A = 0.5
+    let found = rows("--from renderman:dmfp=20 --surface-albedo 0.5");
+    let d = 2.0 / 3.583521;
+    close(value(&found, "cycles-burley", "subsurface_scale", "all"), 4.0 * std::f64::consts::PI * d);
+    close(value(&found, "cycles-burley", "subsurface_radius", "all"), 1.0);
+    close(value(&found, "pbrt-v3-disney", "scatterdistance", "all"), 5.0 * d);
+    close(value(&found, "appleseed", "mfp", "all"), 1.539 * d);
+    close(value(&found, "moonray", "radius", "all"), 2.0);
+    close(value(&found, "renderman", "dmfp", "all"), 20.0);
+    close(value(&found, "renderman", "unitLength", "all"), 0.1);
+    // Unreal's centimeters
+    close(value(&found, "unreal-5.0", "MeanFreePathDistance", "all"), 0.2);
+    close(value(&found, "unreal", "MeanFreePathDistance", "all"), 0.06 * 1.539 * d);
+    close(value(&found, "hdrp", "scatteringDistanceMultiplier", "all"), d);
+    close(value(&found, "openpbr", "subsurface_radius", "all"), 1.715 * d);
+    close(
+        value(&found, "cycles-random-walk", "subsurface_scale", "all"),
+        4.0 * std::f64::consts::PI * 1.715 * d,
+    );
+    // The other configuration concerns the media only
+    let pencil = rows("--from renderman:dmfp=20 --surface-albedo 0.5 --configuration searchlight");
+    close(value(&pencil, "openpbr", "subsurface_radius", "all"), 1.539 * d);
+    close(value(&pencil, "hdrp", "scatteringDistanceMultiplier", "all"), d);
+    assert!(found.iter().any(|r| r.equal == "d") && found.iter().any(|r| r.equal == "mfp"));
+}
+
+#[test]
+fn colors_and_distances_multiply_to_the_lengths() {
+    let words = "--from renderman:dmfp=8 --from renderman:dmfpColor=1,0.4,0.2 --surface-albedo 0.8,0.5,0.4";
+    let found = rows(words);
+    for (channel, mm) in [("r", 0.8), ("g", 0.32), ("b", 0.16)] {
+        close(value(&found, "moonray", "radius", channel), mm);
+        let color = value(&found, "renderman", "dmfpColor", channel);
+        close(color * value(&found, "renderman", "dmfp", "all") * 0.1, mm);
+    }
+    let colors = ["r", "g", "b"].map(|channel| value(&found, "unreal", "MeanFreePathColor", channel));
+    assert_eq!(colors.iter().copied().fold(0.0, f64::max), 1.0);
+    // A distance and a factor may be chosen
+    let set =
+        "--set unreal:MeanFreePathDistance=0.1 --set renderman:unitLength=1 --to unreal,renderman,moonray";
+    let chosen = rows(&format!("{words} {set}"));
+    close(value(&chosen, "renderman", "dmfp", "all"), 0.8);
+    assert_eq!(value(&chosen, "unreal", "MeanFreePathDistance", "all"), 0.1);
+    let product = value(&chosen, "unreal", "MeanFreePathColor", "g") * 0.1;
+    close(product, colors[1] * value(&found, "unreal", "MeanFreePathDistance", "all"));
+}
+
+#[test]
+fn units_are_those_of_the_scenes() {
+    let meters = rows("--from arnold:radius=0.002 --surface-albedo 0.5 --unit m --to-unit cm");
+    close(value(&meters, "openpbr", "subsurface_radius", "all"), 0.2);
+    let unit = |system: &str, parameter: &str| {
+        meters.iter().find(|r| r.system == system && r.parameter == parameter).unwrap().unit.clone()
+    };
+    assert_eq!(unit("openpbr", "subsurface_radius"), "cm");
+    assert_eq!(unit("pbrt", "sigma_a"), "1/cm");
+    assert_eq!(unit("hdrp", "scatteringDistanceMultiplier"), "mm");
+    assert_eq!(unit("renderman", "dmfp"), "unitLength*cm");
+    assert_eq!(unit("unreal", "MeanFreePathDistance"), "cm");
+    let millimeters = rows("--from arnold:radius=2 --surface-albedo 0.5");
+    close(
+        value(&meters, "hdrp", "scatteringDistanceMultiplier", "all"),
+        value(&millimeters, "hdrp", "scatteringDistanceMultiplier", "all"),
+    );
+    close(
+        value(&meters, "unreal", "MeanFreePathDistance", "all"),
+        value(&millimeters, "unreal", "MeanFreePathDistance", "all"),
+    );
+    // A system with a unit of its own does not mind that of the scene
+    let engine = rows("--from unreal:MeanFreePathDistance=0.3 --surface-albedo 0.5 --unit m --to hdrp");
+    close(value(&engine, "hdrp", "scatteringDistanceMultiplier", "all"), 3.0 / (0.6 * 1.539));
+}
+
+#[test]
+fn coefficients_bring_their_surface_albedo() {
+    // Marble of Jensen et al. 2001, in 1/mm
+    let found = rows("--from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00");
+    for (channel, sigma_a, sigma_s) in [("r", 0.0021, 2.19), ("g", 0.0041, 2.62), ("b", 0.0071, 3.0)] {
+        let a = value(&found, "translucid", "surface_albedo", channel);
+        assert!(a > 0.88 && a < 0.94, "{a}");
+        close(value(&found, "translucid", "mfp", channel), 1.0 / (sigma_a + sigma_s));
+        assert!((value(&found, "pbrt", "sigma_a", channel) / sigma_a - 1.0).abs() < 1e-9);
+        close(value(&found, "pbrt", "sigma_s", channel), sigma_s);
+    }
+    // Forward scattering is turned into the similar isotropic medium
+    let forward =
+        rows("--from pbrt:sigma_a=0.1 --from pbrt:sigma_s=9 --from pbrt:g=0.9 --to translucid,pbrt");
+    close(value(&forward, "translucid", "mfp", "all"), 1.0);
+    close(value(&forward, "pbrt", "sigma_s", "all"), 0.9);
+    let same =
+        rows("--from pbrt:sigma_a=0.1 --from pbrt:sigma_s=9 --from pbrt:g=0.9 --to pbrt --set pbrt:g=0.9");
+    close(value(&same, "pbrt", "sigma_s", "all"), 9.0);
+}
+
+#[test]
+fn every_system_there_and_back_is_the_same() {
+    let first = "--from translucid:d=3.1,1.7e-3,420 --surface-albedo 0.87,0.31,0.5";
+    let all = rows(first);
+    let expected: Vec<f64> = ["r", "g", "b"].map(|channel| value(&all, "translucid", "d", channel)).to_vec();
+    let mut systems: Vec<String> = all.iter().map(|r| r.system.clone()).collect();
+    systems.dedup();
+    assert!(systems.len() >= 20, "{systems:?}");
+    for system in systems {
+        // Of a system with several ways, the first
+        let of_system: Vec<&Row> = all.iter().filter(|r| r.system == system).collect();
+        let mut words = String::new();
+        let mut names: Vec<&str> = of_system.iter().map(|r| r.parameter.as_str()).collect();
+        let with_coefficients = ["pbrt", "rise"].contains(&system.as_str());
+        names.dedup();
+        if system == "translucid" {
+            names.truncate(2);
+        }
+        if system == "pbrt" {
+            names.truncate(4);
+        }
+        for name in names {
+            let numbers: Vec<&&Row> = of_system.iter().filter(|r| r.parameter == name).take(3).collect();
+            if numbers[0].equal == "surface_albedo" {
+                continue;
+            }
+            let numbers: Vec<String> = numbers.iter().map(|r| format!("{}", r.value)).collect();
+            let numbers = if numbers.len() == 3 { numbers.join(",") } else { numbers[0].clone() };
+            words += &format!("--from {system}:{name}={numbers} ");
+        }
+        if !with_coefficients {
+            words += "--surface-albedo 0.87,0.31,0.5 ";
+        }
+        let back = rows(&format!("{words} --to translucid"));
+        for (channel, expected) in ["r", "g", "b"].into_iter().zip(&expected) {
+            let found = value(&back, "translucid", "d", channel);
+            assert!((found / expected - 1.0).abs() < 1e-12, "{words}: {found} is not {expected}");
+        }
+    }
+}
+
+#[test]
+fn json_holds_what_csv_holds() {
+    let words = "--from arnold:radius=1,0.5,0.2 --surface-albedo 0.8";
+    let json = stdout(&here(), &format!("convert {words} --format json"));
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let rows = rows(words);
+    assert_eq!(json.as_array().unwrap().len(), rows.len());
+    for (object, row) in json.as_array().unwrap().iter().zip(rows) {
+        let text = |name: &str| object[name].as_str().unwrap().to_owned();
+        let value = object["value"].as_f64().unwrap();
+        assert!((value - row.value).abs() <= 1e-15 * row.value.abs());
+        let found = Row {
+            system: text("system"),
+            parameter: text("parameter"),
+            channel: text("channel"),
+            value: row.value,
+            unit: text("unit"),
+            equal: text("equal"),
+        };
+        assert_eq!(found, row);
+        assert!(text("source").contains(": "));
+    }
+}
+
+#[test]
+fn list_names_every_parameter() {
+    let list = stdout(&here(), "convert --from list");
+    for row in rows("--from translucid:d=1 --surface-albedo 0.5") {
+        let line = list.lines().find(|line| line.starts_with(&row.system) && line.contains(&row.parameter));
+        assert!(row.equal == "surface_albedo" || line.is_some(), "{row:?}");
+    }
+    assert!(list.contains("unitLength (0.1)"), "{list}");
+}
+
+#[test]
+fn output_file_replaces_stdout() {
+    let directory = tempfile::tempdir().unwrap();
+    let words = "convert --from translucid:mfp=1 --surface-albedo 0.5";
+    let printed = stdout(directory.path(), words);
+    assert_eq!(stdout(directory.path(), &format!("{words} -o table.csv")), "");
+    assert_eq!(std::fs::read_to_string(directory.path().join("table.csv")).unwrap(), printed);
+    let output = run(directory.path(), &format!("{words} -o nowhere/table.csv"));
+    assert_eq!(output.status.code(), Some(2));
+}
+
+#[test]
+fn what_a_system_will_not_use_is_said() {
+    let output = run(&here(), "convert --from translucid:d=1e-5 --surface-albedo 0.1 --to moonray");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(stderr(&output).contains("moonray uses 0.001 in place of the length"), "{}", stderr(&output));
+    // Among all systems one without an answer is passed over with a note; asked for, it is an error
+    let output = run(&here(), "convert --from translucid:d=1 --surface-albedo 0.1");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(stderr(&output).contains("unreal-signed has no numbers"), "{}", stderr(&output));
+    let message = refused("--from translucid:d=1 --surface-albedo 0.1 --to unreal-signed");
+    assert!(message.contains("negative below") && message.contains("(A - 0.8)^3"), "{message}");
+    let message = refused("--from unreal-signed:mean_free_path=1 --surface-albedo 0.1");
+    assert!(message.contains("--surface-albedo is 0.1") && message.contains("negative below"), "{message}");
+}
+
+#[test]
+fn extremes_convert_or_are_refused() {
+    for a in ["0", "1", "1e-12"] {
+        for length in ["1e-100", "1e100"] {
+            let found = rows(&format!("--from renderman:dmfp={length} --surface-albedo {a}"));
+            assert!(found.iter().all(|r| r.value.is_finite() && r.value >= 0.0));
+        }
+    }
+    assert!(
+        refused("--from renderman:dmfp=1e-300 --surface-albedo 0.5").contains("must be in [1e-110, 1e110]")
+    );
+    assert!(refused("--from renderman:dmfp=inf --surface-albedo 0.5").contains("is inf"));
+    assert!(refused("--from renderman:dmfp=nan --surface-albedo 0.5").contains("is NaN"));
+}
+
+#[test]
+fn wrong_input_is_told_what_is_allowed() {
+    for (words, says) in [
+        ("--from rendermann:dmfp=2 --surface-albedo 0.5", "did you mean renderman?"),
+        ("--from cycles:radius=2 --surface-albedo 0.5", "did you mean cycles-burley or cycles-random-walk"),
+        ("--from maya:dmfp=2 --surface-albedo 0.5", "known are translucid"),
+        (
+            "--from renderman:dmpf=2 --surface-albedo 0.5",
+            "did you mean dmfp? Known are dmfp, dmfpColor, unitLength",
+        ),
+        ("--from renderman:dmf=2 --surface-albedo 0.5", "did you mean dmfp"),
+        ("--from renderman --surface-albedo 0.5", "must be SYSTEM:PARAMETER=VALUE"),
+        ("--from renderman:dmfp=x --surface-albedo 0.5", "must be a number, or three"),
+        ("--from renderman:dmfp=1,2 --surface-albedo 0.5", "must be a number, or three"),
+        ("--from renderman:dmfp=1,2,3 --surface-albedo 0.5", "is one for all channels"),
+        ("--from renderman:unitLength=1 --surface-albedo 0.5", "does not say a length"),
+        ("--from renderman:dmfp=2", "--surface-albedo is missing"),
+        ("--from renderman:dmfp=2 --surface-albedo 1.2", "--surface-albedo is 1.2, but must be in [0, 1]"),
+        ("--from renderman:dmfp=2 --surface-albedo 0.1,0.2", "--surface-albedo has 2 numbers"),
+        ("--from renderman:dmfp=0 --surface-albedo 0.5", "Lambertian"),
+        ("--from renderman:dmfp=-1 --surface-albedo 0.5", "--from renderman:dmfp is -1, but must be"),
+        ("--from renderman:dmfp=1 --from renderman:DMFP=2 --surface-albedo 0.5", "twice"),
+        ("--from renderman:dmfp=1 --from arnold:radius=2 --surface-albedo 0.5", "two systems"),
+        ("--from pbrt:sigma_a=1 --from pbrt:sigma_s=2 --surface-albedo 0.5", "follows from the coefficients"),
+        ("--from pbrt:sigma_a=1", "both coefficients"),
+        ("--from pbrt:sigma_a=0 --from pbrt:sigma_s=0", "sigma_t"),
+        ("--from pbrt:sigma_a=1 --from pbrt:sigma_s=1 --from pbrt:g=1", "must be in (-1, 1)"),
+        ("--from translucid:d=1 --surface-albedo 0.5 --to unreel", "did you mean unreal"),
+        ("--from translucid:d=1 --surface-albedo 0.5 --set moonray:radius=1", "what the conversion finds"),
+        (
+            "--from translucid:d=1 --surface-albedo 0.5 --set renderman:unitLength=0",
+            "--set renderman:unitLength is 0",
+        ),
+        (
+            "--from translucid:d=1 --surface-albedo 0.5 --to hdrp --set renderman:unitLength=1",
+            "--to leaves out",
+        ),
+        ("--from translucid:d=1 --surface-albedo 0.5 --unit inch", "--unit"),
+        ("--surface-albedo 0.5", "--from"),
+    ] {
+        let message = refused(words);
+        assert!(message.contains(says), "{words}: {message}");
+    }
+}
+
+/// Every example of the documentation prints what stands below it there.
+#[test]
+fn documentation_prints_what_it_shows() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/guide/conventions.md");
+    let text = std::fs::read_to_string(path).unwrap();
+    let mut examples = 0;
+    for block in text.split("```text\n$ translucid ").skip(1) {
+        let (command, rest) = block.split_once("\n\n").unwrap();
+        let shown = rest.split("```").next().unwrap();
+        let words = command.replace("\\\n", " ");
+        let output = translucid(&here()).args(words.split_whitespace()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{words}: {}", stderr(&output));
+        assert_eq!(String::from_utf8(output.stdout).unwrap().trim_end(), shown.trim_end(), "{words}");
+        examples += 1;
+    }
+    assert_eq!(examples, 2);
+}

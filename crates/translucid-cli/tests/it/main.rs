@@ -1,0 +1,16 @@
+//! The command from outside: what it prints and writes, how it ends, and what the documentation says of it.
+
+mod broken_files;
+mod common;
+mod compare;
+mod convert;
+mod fit;
+mod gallery;
+mod killed;
+mod markdown;
+mod pages;
+mod points;
+mod reference;
+mod render;
+mod side_by_side;
+mod tables;

@@ -1,0 +1,296 @@
+//! `translucid reference`: the contract that scripts depend on.
+
+use crate::common::{files, run, stderr, stdout, translucid};
+use translucid_reference::Incidence;
+use translucid_reference::exact::HalfSpace;
+use translucid_testing::power;
+
+const HEADER: &str = "surface_albedo,single_scattering_albedo,r,reflectance,enclosed,standard_error";
+
+fn here() -> std::path::PathBuf {
+    std::env::temp_dir()
+}
+
+/// The table that a command prints, its header checked.
+fn table(words: &str) -> Vec<[f64; 6]> {
+    let csv = stdout(&here(), &format!("reference {words}"));
+    assert_eq!(csv.lines().next(), Some(HEADER), "{words}");
+    let row = |line: &str| {
+        let numbers: Vec<f64> = line.split(',').map(|number| number.parse().unwrap()).collect();
+        numbers.try_into().unwrap()
+    };
+    csv.lines().skip(1).map(row).collect()
+}
+
+#[test]
+fn exact_prints_the_numbers_of_the_library() {
+    for (options, eta, incidence) in [
+        ("--configuration searchlight", 1.0, Incidence::NORMAL),
+        ("--configuration diffuse", 1.0, Incidence::Cosine),
+        ("", 1.0, Incidence::Cosine),
+        ("--configuration searchlight --eta 1.4", 1.4, Incidence::NORMAL),
+        ("--incidence-angle 0", 1.0, Incidence::NORMAL),
+    ] {
+        let rows = table(&format!("--method exact --single-scattering-albedo 0.9,0.5 {options} --at 0.1,1"));
+        assert_eq!(rows.len(), 4, "{options}");
+        for (row, (albedo, r)) in rows.iter().zip([(0.9, 0.1), (0.9, 1.0), (0.5, 0.1), (0.5, 1.0)]) {
+            let solution = HalfSpace::with_boundary(albedo, eta, incidence).unwrap();
+            let (reflectance, enclosed) = (solution.eval(r), solution.enclosed(r));
+            let total = solution.total().value;
+            let expected = [total, albedo, r, reflectance.value, enclosed.value, reflectance.error];
+            assert_eq!(row, &expected, "{options}");
+            assert!(row[5] < 1e-6 * row[3], "{options}: {row:?}");
+        }
+    }
+}
+
+/// Numbers of an independent solution.
+#[test]
+fn exact_prints_known_numbers() {
+    let searchlight = table(
+        "--method exact --configuration searchlight --single-scattering-albedo 0.5,0.9,0.99 --at 0.1,1",
+    );
+    for (row, [total, reflectance]) in searchlight.iter().zip([
+        [0.11522587770720, 0.27160357244],
+        [0.11522587770720, 5.2531991084e-3],
+        [0.41494747913082, 0.56107802802],
+        [0.41494747913082, 2.1217649785e-2],
+        [0.75272071716030, 0.64361446601],
+        [0.75272071716030, 3.1387826006e-2],
+    ]) {
+        assert!((row[0] - total).abs() < 1e-13 && (row[3] / reflectance - 1.0).abs() < 1e-10, "{row:?}");
+    }
+    // A = ½, whose energies within a radius are known to six digits
+    let half = table("--method exact --configuration searchlight --surface-albedo 0.5 --at 0.1,1,5,20");
+    for (row, enclosed) in half.iter().zip([0.041267, 0.253274, 0.474759, 0.499984]) {
+        assert!((row[1] - 0.938171938710).abs() < 1e-11 && row[0] == 0.5, "{row:?}");
+        assert!((row[4] - enclosed).abs() < 6e-7, "{row:?}");
+    }
+    let glass =
+        table("--method exact --configuration searchlight --single-scattering-albedo 0.9 --eta 1.4 --at 1");
+    assert!((glass[0][0] - 0.25775574626).abs() < 1e-10 && (glass[0][3] / 1.159402e-2 - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn surface_albedo_leads_to_the_single_scattering_albedo() {
+    for options in ["--configuration searchlight", "", "--eta 1.4", "--incidence-angle 60"] {
+        for row in table(&format!("--method exact --surface-albedo 0.05,0.5,0.9 {options} --at 1e9")) {
+            // Within so large a radius is everything
+            assert!((row[4] / row[0] - 1.0).abs() < 1e-9, "{options}: {row:?}");
+        }
+    }
+}
+
+/// Nine photon tables against the exact method: |z| < 4.5 for 30 numbers, false alarm 2e-4.
+///
+/// The others are sums over photons, whose standard errors are below 1e-3 with the fewest of them.
+#[test]
+fn both_methods_print_the_same() {
+    for options in [
+        "--configuration searchlight --single-scattering-albedo 0.3,0.9",
+        "--configuration diffuse --surface-albedo 0.5",
+        "--configuration searchlight --eta 1.4 --single-scattering-albedo 0.9",
+        "--incidence-angle 60 --single-scattering-albedo 0.9",
+        "--incidence-angle 60 --azimuth 5 --single-scattering-albedo 0.9",
+        "--incidence-angle 45 --azimuth 180 --single-scattering-albedo 0.9",
+        "--incidence-angle 60 --azimuth 0 --single-scattering-albedo 0.9",
+        "--incidence-angle 60 --azimuth -33.3 --single-scattering-albedo 0.9",
+        "--configuration diffuse --mfp 0.25 --single-scattering-albedo 0.95",
+    ] {
+        let options = format!("{options} --at 0.5,1,3");
+        let exact = table(&format!("--method exact {options}"));
+        let walk = table(&format!("--method monte-carlo {options} --photons {} --seed 5", power(2_000_000)));
+        assert_eq!(exact.len(), walk.len());
+        for (exact, walk) in exact.iter().zip(&walk) {
+            assert_eq!(exact[1..3], walk[1..3], "{options}");
+            assert!((exact[0] - walk[0]).abs() < 4e-3, "{options}: {exact:?} {walk:?}");
+            // A ring of ±2 % is not its center
+            let allowed = 4.5 * walk[5] + 1e-3 * exact[3];
+            assert!((exact[3] - walk[3]).abs() < allowed, "{options}: {exact:?} {walk:?}");
+            assert!((exact[4] - walk[4]).abs() < 4e-3, "{options}: {exact:?} {walk:?}");
+        }
+    }
+}
+
+#[test]
+fn lengths_scale_with_the_mean_free_path() {
+    for method in ["exact", "monte-carlo --photons 1e5"] {
+        let options = format!("--method {method} --configuration searchlight --single-scattering-albedo 0.9");
+        let one = table(&format!("{options} --at 0.5,4"));
+        let four = table(&format!("{options} --mfp 4 --at 2,16"));
+        for (one, four) in one.iter().zip(&four) {
+            assert_eq!(
+                (one[2] * 4.0, one[3] / 16.0, one[4], one[5] / 16.0),
+                (four[2], four[3], four[4], four[5])
+            );
+        }
+    }
+}
+
+#[test]
+fn walk_depends_on_seed_and_photons_alone() {
+    let words = "--method monte-carlo --single-scattering-albedo 0.9 --g 0.5 --photons 200000 --at 1,2";
+    let one = table(&format!("{words} --threads 1"));
+    assert_eq!(one, table(&format!("{words} --threads 3 --seed 0")));
+    assert_ne!(one, table(&format!("{words} --seed 1")));
+}
+
+#[test]
+fn walk_reaches_the_error_that_is_asked_for() {
+    let rows = table("--method monte-carlo --surface-albedo 0.3,0.6 --g 0.5 --error 0.02 --at 0.5,2");
+    assert_eq!(rows.len(), 4);
+    let worst = rows.iter().map(|row| row[5] / row[3]).fold(0.0, f64::max);
+    assert!(worst <= 0.02 && worst > 0.01, "{worst}");
+}
+
+#[test]
+fn tables_are_kept_continued_and_joined() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1";
+    let at_once = stdout(path, &format!("{walk} --photons 300000"));
+
+    // Continued
+    stdout(path, &format!("{walk} --photons 100000 --table a.npz"));
+    assert_eq!(stdout(path, &format!("{walk} --photons 300000 --table a.npz --resume")), at_once);
+    // Nothing more to walk: the same answer, the same file
+    let bytes = std::fs::read(path.join("a.npz")).unwrap();
+    assert_eq!(stdout(path, &format!("{walk} --photons 300000 --table a.npz --resume")), at_once);
+    assert_eq!(std::fs::read(path.join("a.npz")).unwrap(), bytes);
+
+    // Joined: two seeds in either order make the same file
+    stdout(path, &format!("{walk} --photons 100000 --seed 1 --table b.npz"));
+    let joined = stdout(path, &format!("{walk} --photons 0 --merge a.npz,b.npz --table ab.npz"));
+    assert_eq!(stdout(path, &format!("{walk} --photons 0 --merge b.npz,a.npz --table ba.npz")), joined);
+    assert_eq!(std::fs::read(path.join("ab.npz")).unwrap(), std::fs::read(path.join("ba.npz")).unwrap());
+    assert_ne!(joined, at_once);
+
+    // No photon counts twice
+    let output = run(path, &format!("{walk} --photons 0 --merge a.npz,a.npz"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("twice"), "{}", stderr(&output));
+    let output = run(path, &format!("{walk} --photons 10 --table a.npz"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+    assert_eq!(std::fs::read(path.join("a.npz")).unwrap(), bytes);
+
+    // A damaged file is named, and stays as it is
+    std::fs::write(path.join("c.npz"), &bytes[..bytes.len() / 2]).unwrap();
+    let output = run(path, &format!("{walk} --table c.npz --resume"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("c.npz"), "{}", stderr(&output));
+    assert_eq!(files(path), ["a.npz", "ab.npz", "b.npz", "ba.npz", "c.npz"]);
+}
+
+/// Killed at whatever moment, a walk leaves the old table or the new one, whole, and goes on from it to the same bits.
+#[test]
+fn killed_walks_leave_whole_tables() {
+    use std::process::Stdio;
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons";
+    let start = std::time::Instant::now();
+    stdout(path, &format!("{walk} 65000 --table whole.npz"));
+    let duration = start.elapsed();
+    for kill in 1..=12 {
+        let words = format!("{walk} {} --table killed.npz --resume", 5000 * kill);
+        let mut command = translucid(path);
+        let child = command.args(words.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = child.spawn().unwrap();
+        // Weyl's sequence leaves no moment out for long
+        std::thread::sleep(duration.mul_f64((f64::from(kill) * 0.618_033_988_749_895).fract()));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    stdout(path, &format!("{walk} 65000 --table killed.npz --resume"));
+    let [whole, killed] = ["whole.npz", "killed.npz"].map(|name| std::fs::read(path.join(name)).unwrap());
+    assert!(whole == killed);
+    assert_eq!(files(path), ["killed.npz", "whole.npz"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_walk_keeps_what_it_has() {
+    use std::process::{Command, Stdio};
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz";
+    let mut command = translucid(path);
+    let words = format!("{walk} --photons 1e15 --threads 1");
+    let child = command.args(words.split_whitespace()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = child.spawn().unwrap();
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    // Twice at once is once: some programs signal a process and its group
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+    // What was found so far is printed, and is what the file says
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(printed.lines().count(), 2, "{printed}");
+    assert_eq!(stdout(path, &format!("{walk} --photons 0 --resume")), printed);
+}
+
+/// Every wrong command line: exit code 2, nothing on stdout, and the message names what is in brackets.
+#[test]
+fn wrong_options_are_refused_with_a_reason() {
+    for (words, named) in [
+        ("", "--at"),
+        ("--at 1", "--surface-albedo"),
+        ("--surface-albedo 0.5 --single-scattering-albedo 0.5 --at 1", "cannot be used with"),
+        ("--surface-albedo 0.5,1 --at 1", "--surface-albedo has 1,"),
+        ("--surface-albedo 0 --at 1", "--surface-albedo has 0,"),
+        ("--single-scattering-albedo 1.1 --at 1", "--single-scattering-albedo has 1.1,"),
+        ("--single-scattering-albedo nan --at 1", "NaN"),
+        ("--single-scattering-albedo 0.9 --at -1", "radius -1"),
+        ("--single-scattering-albedo 0.9 --at 1 --mfp 0", "--mfp is 0"),
+        ("--single-scattering-albedo 0.9 --at 1 --g 0.5", "monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --g 1 --method monte-carlo", "--g is 1"),
+        ("--single-scattering-albedo 0.9 --at 1 --phase-function rayleigh", "monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --phase-function rayleigh --g 0.5", "--g is 0.5"),
+        ("--single-scattering-albedo 0.9 --at 1 --thickness 2", "monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --thickness 0 --method monte-carlo", "--thickness is 0"),
+        ("--single-scattering-albedo 0.9 --at 1 --spot-radius 1", "monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --spot-radius -1", "--spot-radius"),
+        ("--single-scattering-albedo 0.9 --at 1 --side transmitted", "--thickness"),
+        ("--single-scattering-albedo 0.9 --at 1 --eta 0", "--eta is 0"),
+        ("--single-scattering-albedo 0.9 --at 1 --incidence-angle 90", "--incidence-angle is 90"),
+        (
+            "--single-scattering-albedo 0.9 --at 1 --incidence-angle 60 --configuration diffuse",
+            "--incidence-angle",
+        ),
+        ("--single-scattering-albedo 0.9 --at 1 --incidence-angle 60 --eta 0.8", "53.1301"),
+        ("--single-scattering-albedo 0.9 --at 1 --azimuth 60", "--incidence-angle"),
+        ("--single-scattering-albedo 0.9 --at 1 --photons 1000", "--method monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --error 0.1", "--method monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --photons 1.5", "whole number"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --photons -1", "-1"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --error 0", "--error is 0"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --error 0.1 --photons 9", "--photons"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --resume", "--table"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --merge none.npz", "none.npz"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --table missing/a.npz", "missing"),
+        ("--single-scattering-albedo 0.9 --at 0 --method monte-carlo", "radius is 0"),
+        ("--single-scattering-albedo 1 --at 1 --method monte-carlo", "exact method"),
+        ("--surface-albedo 0.9 --thickness 0.5 --at 1 --method monte-carlo", "reflects from 0.0000 to 0."),
+        ("--surface-albedo 0.001 --eta 1.5 --thickness 0.5 --at 1 --method monte-carlo", "reflects from 0."),
+        ("--surface-albedo 0.9999 --at 1 --method monte-carlo", "--surface-albedo has 0.9999"),
+        ("--single-scattering-albedo 1e-200 --at 1 --method monte-carlo", "1e-100"),
+        ("--single-scattering-albedo 0.9 --at 1 --mfp 1e200", "--mfp is 1e200"),
+        ("--single-scattering-albedo 0.9 --at 1 --eta 4", "--method monte-carlo"),
+        ("--single-scattering-albedo 0.9 --at 1 --seed 3", "--seed"),
+        ("--single-scattering-albedo 0.9 --at 1 --threads 0", "--threads"),
+        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --table a.npz -o ./a.npz", "replace"),
+        ("--single-scattering-albedo 0.9 --points 1000000000 --max 1 --method monte-carlo", "too many"),
+    ] {
+        let output = run(&here(), &format!("reference {words}"));
+        let message = stderr(&output);
+        assert_eq!(output.status.code(), Some(2), "{words}: {message}");
+        assert!(output.stdout.is_empty(), "{words}");
+        assert!(message.contains(named), "{words}: {message}");
+    }
+}

@@ -1,0 +1,271 @@
+//! OpenEXR files: all channels of a picture, and metadata.
+
+use std::io::{self, Seek, Write};
+use std::path::Path;
+
+use ::exr::block::{BlockIndex, UncompressedBlock};
+use ::exr::image::write::channels::{ChannelsWriter, WritableChannels};
+use ::exr::math::RoundingMode;
+use ::exr::meta::attribute::{
+    AttributeValue, ChannelDescription, ChannelList, IntegerBounds, LevelMode, SampleType,
+};
+use ::exr::meta::header::{Header, ImageAttributes};
+use ::exr::prelude::{
+    Blocks, Compression, Encoding, Image, Layer, LayerAttributes, LineOrder, Text, Vec2, WritableImage, f16,
+};
+
+use crate::picture::{finite, finite_single, invalid};
+use crate::{MetadataValue, OutputError, Picture, Precision, write_atomically};
+
+impl Picture<'_> {
+    /// Writes all channels as an OpenEXR file of one part, ZIP-compressed.
+    ///
+    /// The data window is the picture's region, the display window the whole. Values beyond a channel's range become
+    /// its greatest finite value, NaN becomes 0.
+    ///
+    /// # Errors
+    /// As [`write_atomically`], or the picture is none, see [`write_exr`](Self::write_exr).
+    pub fn save_exr(&self, path: &Path) -> Result<(), OutputError> {
+        write_atomically(path, |out| self.write_exr(out))
+    }
+
+    /// Writes what [`save_exr`](Self::save_exr) does to anything that can go back to its beginning.
+    ///
+    /// # Errors
+    /// `out` refuses, the picture has no pixels or no channels, its region is not within the whole, or two channels
+    /// have the same name or one that is none.
+    pub fn write_exr(&self, out: impl Write + Seek) -> io::Result<()> {
+        self.check()?;
+        let encoding = Encoding {
+            compression: Compression::ZIP16,
+            blocks: Blocks::ScanLines,
+            line_order: LineOrder::Increasing,
+        };
+        let corner = [self.region.x0, self.region.y0].map(|at| i32::try_from(at).map_err(io::Error::other));
+        let [x, y] = corner;
+        let attributes = self.attributes()?.with_position(Vec2(x?, y?));
+        let [width, height] = self.size();
+        let layer = Layer::new((width, height), attributes, encoding, SortedChannels::new(self)?);
+        let [whole_width, whole_height] = self.whole.map(|edge| edge as usize);
+        let display_window = IntegerBounds::from_dimensions((whole_width, whole_height));
+        Image::new(ImageAttributes::new(display_window), layer)
+            .write()
+            .to_buffered(out)
+            .map_err(io::Error::other)
+    }
+
+    /// The metadata as attributes of a header.
+    fn attributes(&self) -> io::Result<LayerAttributes> {
+        let text = |value: &str| Text::new_or_none(value).unwrap_or_else(|| Text::from("?"));
+        let mut attributes = LayerAttributes::default();
+        if !self.software.is_empty() {
+            attributes.software_name = Some(text(&self.software));
+        }
+        for (name, value) in &self.metadata {
+            let value = match value {
+                MetadataValue::Text(value) => AttributeValue::Text(text(value)),
+                MetadataValue::Integer(value) => AttributeValue::I32(*value),
+                MetadataValue::Real(value) => {
+                    AttributeValue::F64(if value.is_finite() { *value } else { 0.0 })
+                }
+            };
+            attributes.other.insert(name_from(name)?, value);
+        }
+        Ok(attributes)
+    }
+}
+
+/// The channels of a picture sorted by name, as the format demands.
+struct SortedChannels<'a> {
+    picture: &'a Picture<'a>,
+    list: ChannelList,
+    /// Place of each channel among the values of a pixel.
+    indices: Vec<usize>,
+}
+
+impl<'a> SortedChannels<'a> {
+    fn new(picture: &'a Picture<'a>) -> io::Result<Self> {
+        let mut channels = Vec::new();
+        for (index, channel) in picture.channels.iter().enumerate() {
+            let name = name_from(&channel.name)?;
+            let sample_type = match channel.precision {
+                Precision::Half => SampleType::F16,
+                Precision::Single => SampleType::F32,
+            };
+            channels.push((ChannelDescription::named(name, sample_type), index));
+        }
+        channels.sort_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        if let Some(twice) = channels.windows(2).find(|pair| pair[0].0.name == pair[1].0.name) {
+            return Err(invalid(&format!("there are two channels {}", twice[0].0.name)));
+        }
+        let (list, indices): (Vec<_>, Vec<_>) = channels.into_iter().unzip();
+        Ok(Self { picture, list: ChannelList::new(list.into()), indices })
+    }
+}
+
+impl<'a> WritableChannels<'a> for SortedChannels<'a> {
+    type Writer = &'a Self;
+
+    fn infer_channel_list(&self) -> ChannelList {
+        self.list.clone()
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    fn create_writer(&'a self, _: &Header) -> Self::Writer {
+        self
+    }
+}
+
+impl ChannelsWriter for &SortedChannels<'_> {
+    /// The values of some rows, row by row and in each channel by channel.
+    fn extract_uncompressed_block(&self, header: &Header, block: BlockIndex) -> Vec<u8> {
+        let picture = self.picture;
+        let mut row = picture.new_row();
+        UncompressedBlock::collect_block_data_from_lines(&header.channels, block, |line| {
+            let at = line.location;
+            // The row is computed once for all its channels.
+            if at.channel == 0 {
+                picture.read_row(picture.region.y0 + at.position.y() as u32, &mut row);
+            }
+            let index = self.indices[at.channel];
+            let value = |x: usize| row[(at.position.x() + x) * self.indices.len() + index];
+            let written = match picture.channels[index].precision {
+                Precision::Half => line.write_samples(|x| half(value(x))),
+                Precision::Single => line.write_samples(|x| finite_single(value(x))),
+            };
+            debug_assert!(written.is_ok(), "a line in memory takes its samples");
+        })
+    }
+}
+
+/// The name of a channel or a note.
+fn name_from(name: &str) -> io::Result<Text> {
+    let text = Text::new_or_none(name).filter(|text| !text.as_slice().is_empty());
+    text.ok_or_else(|| invalid(&format!("`{name}` cannot be a name in an OpenEXR file")))
+}
+
+/// The value as a finite 16-bit number; NaN is 0.
+fn half(value: f64) -> f16 {
+    f16::from_f64(finite(value, f64::from(f16::MAX.to_f32())))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use ::exr::prelude::{AnyChannels, FlatSamples, ReadChannels, ReadLayers, read};
+
+    use super::*;
+    use crate::{PictureChannel, Region};
+
+    type ReadImage = Image<Layer<AnyChannels<FlatSamples>>>;
+
+    fn read_back(picture: &Picture<'_>) -> ReadImage {
+        let mut file = Cursor::new(Vec::new());
+        picture.write_exr(&mut file).unwrap();
+        let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+        image.all_attributes().from_buffered(Cursor::new(file.into_inner())).unwrap()
+    }
+
+    fn values(image: &ReadImage, name: &str) -> Vec<f32> {
+        let text = Text::new_or_panic(name);
+        let channel = image.layer_data.channel_data.list.iter().find(|channel| channel.name == text);
+        channel.unwrap_or_else(|| panic!("no channel {name}")).sample_data.values_as_f32().collect()
+    }
+
+    /// A picture whose values tell row, column and channel.
+    fn numbered(size: [u32; 2], channels: Vec<PictureChannel>) -> Picture<'static> {
+        let count = channels.len();
+        Picture::new(size, channels, move |y, values| {
+            for (i, value) in values.iter_mut().enumerate() {
+                *value = f64::from(y) + (i / count) as f64 * 0.015_625 + (i % count) as f64 * 100.0;
+            }
+        })
+    }
+
+    #[test]
+    fn exr_holds_every_channel_and_the_metadata() {
+        let channels =
+            [PictureChannel::single("b"), PictureChannel::half("a.X"), PictureChannel::single("A")];
+        let metadata = [
+            ("kind", MetadataValue::Text(String::from("ramp"))),
+            ("count", MetadataValue::Integer(-5)),
+            ("time", MetadataValue::Real(1.25)),
+            ("never", MetadataValue::Real(f64::NAN)),
+        ];
+        let metadata = metadata.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        let image = read_back(&numbered([37, 21], channels.to_vec()).with_metadata("a brush 2", metadata));
+        assert_eq!(image.layer_data.size, Vec2(37, 21));
+        for (channel, name) in ["b", "a.X", "A"].into_iter().enumerate() {
+            let exact = |i: usize| (i / 37) as f32 + (i % 37) as f32 * 0.015_625 + channel as f32 * 100.0;
+            for (i, value) in values(&image, name).into_iter().enumerate() {
+                let error = if name == "a.X" { 0.04 } else { 0.0 };
+                assert!((value - exact(i)).abs() <= error, "{name}, pixel {i}: {value}");
+            }
+        }
+        let attributes = &image.layer_data.attributes;
+        let note = |name: &str| attributes.other[&Text::new_or_panic(name)].clone();
+        assert_eq!(attributes.software_name, Some(Text::new_or_panic("a brush 2")));
+        assert_eq!(note("kind"), AttributeValue::Text(Text::new_or_panic("ramp")));
+        assert_eq!(note("count"), AttributeValue::I32(-5));
+        assert_eq!(note("time"), AttributeValue::F64(1.25));
+        assert_eq!(note("never"), AttributeValue::F64(0.0));
+    }
+
+    #[test]
+    fn exr_of_a_region_has_its_pixels_and_its_place() {
+        let channels = vec![PictureChannel::single("Y")];
+        let whole = values(&read_back(&numbered([40, 30], channels.clone())), "Y");
+        let region = Region { x0: 7, y0: 11, x1: 12, y1: 30 };
+        let part = Picture::new([40, 30], channels, |y, values| {
+            for (i, value) in values.iter_mut().enumerate() {
+                *value = f64::from(y) + (i + 7) as f64 * 0.015_625;
+            }
+        });
+        let image = read_back(&part.within(region, [40, 30]));
+        assert_eq!(image.layer_data.size, Vec2(5, 19));
+        assert_eq!(image.layer_data.attributes.layer_position, Vec2(7, 11));
+        assert_eq!(image.attributes.display_window, IntegerBounds::from_dimensions(Vec2(40, 30)));
+        for (i, value) in values(&image, "Y").into_iter().enumerate() {
+            assert_eq!(value, whole[(11 + i / 5) * 40 + 7 + i % 5], "pixel {i}");
+        }
+    }
+
+    #[test]
+    fn exr_has_finite_values_only() {
+        let odd = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300];
+        let channels = vec![PictureChannel::single("single"), PictureChannel::half("half")];
+        let fill = |_, values: &mut [f64]| {
+            values.chunks_exact_mut(2).zip(odd).for_each(|(pixel, value)| pixel.fill(value));
+        };
+        let image = read_back(&Picture::new([4, 1], channels, fill));
+        assert_eq!(values(&image, "single"), [0.0, f32::MAX, f32::MIN, f32::MAX]);
+        assert_eq!(values(&image, "half"), [0.0, 65504.0, -65504.0, 65504.0]);
+    }
+
+    #[test]
+    fn exr_of_no_picture_is_an_error() {
+        let one = || vec![PictureChannel::single("Y")];
+        let twice = [one(), one()].concat();
+        let part = |x1, y1| numbered([3, 2], one()).within(Region { x0: 1, y0: 1, x1, y1 }, [3, 2]);
+        for (picture, words) in [
+            (numbered([0, 2], one()), "not a part of 0x2"),
+            (numbered([3, 2], Vec::new()), "no channels"),
+            (numbered([3, 2], twice), "two channels Y"),
+            (numbered([3, 2], vec![PictureChannel::half("")]), "cannot be a name"),
+            (part(1, 2), "not a part"),
+            (part(4, 2), "the region 1,1,4,2 is not a part of 3x2 pixels"),
+            (part(2, 3), "not a part"),
+            (numbered([u32::MAX, 1], one()), "too many"),
+        ] {
+            let error = picture.write_exr(Cursor::new(Vec::new())).unwrap_err();
+            assert!(error.to_string().contains(words), "{error}");
+        }
+        let nameless = vec![(String::new(), MetadataValue::Integer(1))];
+        let picture = numbered([3, 2], one()).with_metadata("", nameless);
+        assert!(picture.write_exr(Cursor::new(Vec::new())).is_err());
+    }
+}

@@ -1,0 +1,37 @@
+//! Pictures in files.
+//!
+//! A [`Picture`] is a rectangle of pixels with named channels, whose values are asked for row by row, so that sums of
+//! a renderer are written without a copy of them.
+//! It becomes an OpenEXR file of all its channels ([`Picture::save_exr`]) or an 8-bit PNG of what a display shows
+//! ([`Picture::save_png`]), and [`Denoiser`] takes its noise away.
+//! Every file is written beside its target and then takes its place ([`write_atomically`]): no reader meets half of one.
+//!
+//! # Units
+//! Colors are linear Rec. 709, multiplied by coverage. Pixels count from the upper left corner.
+//!
+//! # Out of scope
+//! Reading pictures, and any knowledge of scenes and of how a picture is computed.
+
+#![allow(
+    clippy::manual_clamp,
+    reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as images need it"
+)]
+
+mod atomic_file;
+mod checksummed;
+mod denoise;
+mod error;
+mod exr;
+mod picture;
+mod png;
+mod region;
+mod tone_mapping;
+
+pub use atomic_file::{check_writable, write_atomically};
+pub use checksummed::Checksummed;
+pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
+pub use error::OutputError;
+pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
+pub use png::{CodedPicture, DisplayTransform};
+pub use region::Region;
+pub use tone_mapping::{ToneMapping, display_from_linear};

@@ -1,0 +1,312 @@
+//! PNG files: what a picture looks like on a display.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use ::png::{BitDepth, ColorType, Encoder, PixelDimensions, SrgbRenderingIntent, Unit};
+
+use crate::picture::invalid;
+use crate::{OutputError, Picture, ToneMapping, display_from_linear, write_atomically};
+
+/// The way from linear radiance to a display.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DisplayTransform {
+    /// Exposure in stops.
+    pub exposure: f32,
+    /// Curve of the tones.
+    pub tone_mapping: ToneMapping,
+}
+
+impl Picture<'_> {
+    /// Writes the channels `R`, `G`, `B` and, if it is there, the coverage `A` as an 8-bit sRGB file.
+    ///
+    /// Where nothing covers a pixel the picture is transparent: such files have an alpha channel (straight, as the
+    /// format demands); others have none. A fixed pattern of ±½ code, which depends on a pixel's place in the whole
+    /// picture, hides the steps of smooth gradients. Equal values and metadata give equal bytes.
+    ///
+    /// # Errors
+    /// As [`write_atomically`], or the picture is none, see [`write_png`](Self::write_png).
+    pub fn save_png(&self, path: &Path, display: DisplayTransform) -> Result<(), OutputError> {
+        write_atomically(path, |out| self.write_png(out, display))
+    }
+
+    /// Writes what [`save_png`](Self::save_png) does to anything.
+    ///
+    /// # Errors
+    /// `out` refuses, the picture has no pixels, a color channel is missing, or its region is not within the whole.
+    pub fn write_png(&self, out: impl Write, display: DisplayTransform) -> io::Result<()> {
+        self.check()?;
+        let mut codes = self.display_codes(display)?;
+        let is_opaque = codes.as_chunks().0.iter().all(|[_, _, _, alpha]| *alpha == 255);
+        if is_opaque {
+            drop_alpha(&mut codes);
+        }
+        let software =
+            Some(("Software".to_owned(), self.software.clone())).filter(|_| !self.software.is_empty());
+        let notes = self.metadata.iter().map(|(name, value)| (name.clone(), value.to_string()));
+        CodedPicture {
+            size: self.size(),
+            has_alpha: !is_opaque,
+            codes: &codes,
+            texts: software.into_iter().chain(notes).collect(),
+            pixels_per_meter: None,
+        }
+        .write(out)
+    }
+
+    /// Four codes for each pixel: color and straight alpha.
+    fn display_codes(&self, display: DisplayTransform) -> io::Result<Vec<u8>> {
+        let color = self.indices_of(["R", "G", "B"])?;
+        let alpha = self.index_of("A");
+        let exposure = f64::from(display.exposure).exp2();
+        let [width, height] = self.size();
+        let bytes = width.checked_mul(height).and_then(|count| count.checked_mul(4));
+        let mut codes = Vec::with_capacity(bytes.ok_or_else(|| invalid("the picture is too large"))?);
+        let mut row = self.new_row();
+        for y in self.region.y0..self.region.y1 {
+            self.read_row(y, &mut row);
+            for (x, pixel) in (self.region.x0..self.region.x1).zip(row.chunks_exact(self.channels.len())) {
+                let radiance = color.map(|index| pixel[index]);
+                let alpha = alpha.map_or(1.0, |index| pixel[index]);
+                codes.extend(display_pixel(radiance, alpha, exposure, display.tone_mapping, [x, y]));
+            }
+        }
+        Ok(codes)
+    }
+}
+
+/// The codes of a pixel's color and straight alpha; `at` is its place in the whole picture.
+fn display_pixel(
+    radiance: [f64; 3],
+    alpha: f64,
+    exposure: f64,
+    tone_mapping: ToneMapping,
+    at: [u32; 2],
+) -> [u8; 4] {
+    let alpha = alpha.max(0.0).min(1.0);
+    let alpha_code = (alpha * 255.0).round() as u8;
+    if alpha_code == 0 {
+        return [0; 4];
+    }
+    let linear = radiance.map(|value| (value / alpha * exposure) as f32);
+    let [r, g, b] = display_from_linear(tone_mapping, linear).map(|value| quantize(value, at));
+    [r, g, b, alpha_code]
+}
+
+/// The 8-bit code of a display value in [0, 1], rounded up or down so that the mean over a region is right.
+///
+/// Whole codes stay what they are.
+fn quantize(value: f32, at: [u32; 2]) -> u8 {
+    (value * 255.0 + dither(at)).floor() as u8
+}
+
+/// A threshold in (0, 1) per pixel, equal for all channels, so that grey stays grey.
+///
+/// Multiples of the plane's two irrationals (the root of x³ = x + 1) spread evenly over any neighborhood
+/// [M. Roberts 2018, "The Unreasonable Effectiveness of Quasirandom Sequences"].
+fn dither([x, y]: [u32; 2]) -> f32 {
+    const STEP_X: u32 = 3_242_174_889; // 2³² · 0.754877666
+    const STEP_Y: u32 = 2_447_445_414; // 2³² · 0.569840291
+    let phase = x.wrapping_mul(STEP_X).wrapping_add(y.wrapping_mul(STEP_Y));
+    ((phase >> 16) as f32 + 0.5) / 65536.0
+}
+
+/// Leaves the first three of every four codes.
+fn drop_alpha(codes: &mut Vec<u8>) {
+    let count = codes.len() / 4;
+    for pixel in 0..count {
+        codes.copy_within(4 * pixel..4 * pixel + 3, 3 * pixel);
+    }
+    codes.truncate(3 * count);
+}
+
+/// Pixels as 8-bit sRGB codes, to become a PNG.
+///
+/// ```
+/// let codes = [255, 0, 0, 0, 0, 255];
+/// let bytes = translucid_image::CodedPicture::rgb([2, 1], &codes).with_text("Title", "red and blue").encode()?;
+/// assert!(bytes.starts_with(b"\x89PNG"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CodedPicture<'a> {
+    /// Width and height in pixels.
+    pub size: [usize; 2],
+    /// Whether a straight alpha follows the color.
+    pub has_alpha: bool,
+    /// Three or four codes for each pixel, row by row.
+    pub codes: &'a [u8],
+    /// Keywords and texts.
+    pub texts: Vec<(String, String)>,
+    /// Resolution on paper.
+    pub pixels_per_meter: Option<u32>,
+}
+
+impl<'a> CodedPicture<'a> {
+    /// An opaque picture of three codes a pixel, without texts.
+    #[must_use]
+    pub fn rgb(size: [usize; 2], codes: &'a [u8]) -> Self {
+        Self { size, has_alpha: false, codes, texts: Vec::new(), pixels_per_meter: None }
+    }
+
+    /// Adds a text under a keyword of 1 to 79 Latin letters.
+    #[must_use]
+    pub fn with_text(mut self, keyword: &str, text: &str) -> Self {
+        self.texts.push((keyword.to_owned(), text.to_owned()));
+        self
+    }
+
+    /// The bytes of the PNG.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write).
+    pub fn encode(&self) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.write(&mut bytes)?;
+        Ok(bytes)
+    }
+
+    /// Writes the PNG.
+    ///
+    /// # Errors
+    /// `out` refuses, there is no pixel or more than the format can hold, `codes` has another length than that many
+    /// pixels have, or a keyword is not allowed.
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let edge = |size: usize| u32::try_from(size).map_err(|_| invalid("the picture is too large"));
+        let [width, height] = self.size.map(edge);
+        let mut encoder = Encoder::new(out, width?, height?);
+        encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
+        encoder.set_depth(BitDepth::Eight);
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+        if let Some(density) = self.pixels_per_meter {
+            encoder.set_pixel_dims(Some(PixelDimensions { xppu: density, yppu: density, unit: Unit::Meter }));
+        }
+        for (keyword, text) in &self.texts {
+            encoder.add_itxt_chunk(keyword.clone(), text.replace('\0', "?")).map_err(io::Error::other)?;
+        }
+        let mut writer = encoder.write_header().map_err(io::Error::other)?;
+        writer.write_image_data(self.codes).map_err(io::Error::other)?;
+        writer.finish().map_err(io::Error::other)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{MetadataValue, PictureChannel, Region};
+
+    const PLAIN: DisplayTransform = DisplayTransform { exposure: 0.0, tone_mapping: ToneMapping::Srgb };
+
+    fn read_back(bytes: &[u8]) -> (::png::OutputInfo, Vec<u8>, Vec<(String, String)>) {
+        let mut reader = ::png::Decoder::new(io::Cursor::new(bytes)).read_info().unwrap();
+        let mut codes = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut codes).unwrap();
+        let texts = reader.info().utf8_text.iter();
+        let texts = texts.map(|chunk| (chunk.keyword.clone(), chunk.get_text().unwrap())).collect();
+        (info, codes, texts)
+    }
+
+    fn written(
+        picture: &Picture<'_>,
+        display: DisplayTransform,
+    ) -> (::png::OutputInfo, Vec<u8>, Vec<(String, String)>) {
+        let mut bytes = Vec::new();
+        picture.write_png(&mut bytes, display).unwrap();
+        read_back(&bytes)
+    }
+
+    /// A picture of 32 × 32 pixels, all with these values.
+    fn constant<const N: usize>(names: [&str; N], pixel: [f64; N]) -> Picture<'static> {
+        Picture::new([32, 32], names.map(PictureChannel::single).to_vec(), move |_, values| {
+            values.as_chunks_mut().0.fill(pixel);
+        })
+    }
+
+    #[test]
+    fn png_of_an_opaque_picture_is_rgb_with_metadata() {
+        let metadata = [
+            ("Scene", MetadataValue::Text(String::from("Äpfel\0.toml"))),
+            ("Samples", MetadataValue::Integer(2)),
+        ];
+        let metadata = metadata.map(|(name, value)| (name.to_owned(), value)).to_vec();
+        for picture in
+            [constant(["B", "R", "G"], [1.0, 1.0, 0.0]), constant(["A", "R", "G", "B"], [1.0, 1.0, 0.0, 1.0])]
+        {
+            let (info, codes, texts) = written(&picture.with_metadata("a brush", metadata.clone()), PLAIN);
+            assert_eq!((info.width, info.height, info.color_type), (32, 32, ColorType::Rgb));
+            assert!(codes.chunks(3).all(|pixel| pixel == [255, 0, 255]));
+            let expected = [("Software", "a brush"), ("Scene", "Äpfel?.toml"), ("Samples", "2")];
+            assert_eq!(texts, expected.map(|(keyword, text)| (keyword.to_owned(), text.to_owned())));
+        }
+    }
+
+    #[test]
+    fn png_alpha_is_straight() {
+        // White of coverage ¼: the color is not darkened by its coverage.
+        let (info, codes, _) = written(&constant(["R", "G", "B", "A"], [0.25; 4]), PLAIN);
+        assert_eq!(info.color_type, ColorType::Rgba);
+        assert!(codes.chunks(4).all(|pixel| pixel == [255, 255, 255, 64]));
+    }
+
+    #[test]
+    fn png_of_nothing_is_transparent() {
+        let (_, codes, _) = written(&constant(["R", "G", "B", "A"], [0.0; 4]), PLAIN);
+        assert!(codes.iter().all(|&code| code == 0));
+    }
+
+    #[test]
+    fn png_dither_keeps_the_mean() {
+        // Linear ⅒ two stops up is 0.4, encoded 0.6651850 · 255 = 169.622.
+        let display = DisplayTransform { exposure: 2.0, ..PLAIN };
+        let (_, codes, _) = written(&constant(["R", "G", "B"], [0.1; 3]), display);
+        let mean = codes.iter().map(|&code| f64::from(code)).sum::<f64>() / codes.len() as f64;
+        assert!((mean - 169.622).abs() < 0.02, "{mean}");
+        assert!(codes.chunks(3).all(|pixel| pixel[0] == pixel[1] && pixel[1] == pixel[2]));
+        assert!(codes.iter().all(|code| (169..=170).contains(code)));
+    }
+
+    #[test]
+    fn png_of_a_region_has_the_codes_of_the_whole() {
+        let region = Region { x0: 5, y0: 9, x1: 21, y1: 12 };
+        let (_, whole, _) = written(&constant(["R", "G", "B"], [0.3; 3]), PLAIN);
+        let part = constant(["R", "G", "B"], [0.3; 3]).within(region, [32, 32]);
+        let (info, part, _) = written(&part, PLAIN);
+        assert_eq!((info.width, info.height), (16, 3));
+        for (row, codes) in part.chunks(48).enumerate() {
+            let from = ((9 + row) * 32 + 5) * 3;
+            assert_eq!(codes, &whole[from..from + 48]);
+        }
+    }
+
+    #[test]
+    fn png_survives_values_that_are_not_finite() {
+        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
+            written(&constant(["R", "G", "B", "A"], [odd; 4]), PLAIN);
+            written(&constant(["R", "G", "B", "A"], [odd, odd, odd, 1.0]), PLAIN);
+        }
+    }
+
+    #[test]
+    fn png_of_no_picture_is_an_error() {
+        for picture in [
+            constant(["R", "G", "x"], [0.0; 3]),
+            constant(["R", "G", "B"], [0.0; 3]).within(Region { x0: 3, y0: 3, x1: 33, y1: 4 }, [32, 32]),
+        ] {
+            assert!(picture.write_png(io::sink(), PLAIN).is_err());
+        }
+    }
+
+    #[test]
+    fn coded_picture_gives_its_codes_back() {
+        let codes: Vec<u8> = (0..24).collect();
+        let mut picture = CodedPicture::rgb([4, 2], &codes).with_text("Software", "a brush");
+        picture.pixels_per_meter = Some(7559);
+        let (info, read, texts) = read_back(&picture.encode().unwrap());
+        assert_eq!((info.width, info.height, read), (4, 2, codes.clone()));
+        assert_eq!(texts, [(String::from("Software"), String::from("a brush"))]);
+        for size in [[4, 3], [0, 2], [usize::MAX, 1]] {
+            assert!(CodedPicture::rgb(size, &codes).encode().is_err(), "{size:?}");
+        }
+        assert!(CodedPicture::rgb([4, 2], &codes).with_text("", "no keyword").encode().is_err());
+    }
+}

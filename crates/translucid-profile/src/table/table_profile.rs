@@ -1,0 +1,49 @@
+//! A profile that owns the table that it is read from.
+
+use crate::profile::methods_of;
+use crate::{AlbedoTable, Profile, ProfileView};
+
+/// The profile of an [`AlbedoTable`] at one surface albedo and length, together with the table: a [`ProfileView`] that
+/// borrows nothing.
+#[derive(Clone, Debug)]
+pub struct TableProfile {
+    table: AlbedoTable,
+    surface_albedo: f64,
+    length: f64,
+}
+
+impl AlbedoTable {
+    /// Makes the profile of a surface albedo A ∈ \[0, 1\] and a length \[L\] and keeps the table in it.
+    ///
+    /// Both are clamped as [`at`](Self::at) does.
+    pub fn into_profile(self, surface_albedo: f64, length: f64) -> TableProfile {
+        TableProfile { table: self, surface_albedo, length }
+    }
+}
+
+impl TableProfile {
+    fn view(&self) -> ProfileView<'_> {
+        self.table.at(self.surface_albedo, self.length)
+    }
+}
+
+impl Profile for TableProfile {
+    methods_of!(|own| own.view(); all);
+    methods_of!(|own| own.view(); beyond);
+
+    fn surface_albedo(&self) -> f64 {
+        self.view().surface_albedo()
+    }
+
+    fn scale(&self) -> f64 {
+        self.view().scale()
+    }
+
+    fn evaluations_to_build(&self) -> u32 {
+        self.view().evaluations_to_build()
+    }
+
+    fn samples_directly(&self) -> bool {
+        true
+    }
+}

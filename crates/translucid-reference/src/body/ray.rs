@@ -1,0 +1,39 @@
+//! Vectors and rays in double precision.
+
+pub(super) type Vector = [f64; 3];
+
+/// A point and a unit direction.
+#[derive(Clone, Copy)]
+pub(super) struct Ray {
+    pub(super) position: Vector,
+    pub(super) direction: Vector,
+}
+
+impl Ray {
+    /// Moves the point along the direction.
+    pub(super) fn advance(&mut self, distance: f64) {
+        self.position = std::array::from_fn(|i| self.position[i] + distance * self.direction[i]);
+    }
+}
+
+/// The unit vector at an angle of the given cosine from a unit axis, at an azimuth about it; at azimuth 0 it leans
+/// from the axis away from +z.
+pub(super) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let (sin, cos) = azimuth.sin_cos();
+    let horizontal = axis[0].hypot(axis[1]);
+    let (first, second) = if horizontal > 1e-12 {
+        let (x, y) = (axis[0] / horizontal, axis[1] / horizontal);
+        ([x * axis[2], y * axis[2], -horizontal], [-y, x, 0.0])
+    } else {
+        ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0])
+    };
+    let turned: Vector =
+        std::array::from_fn(|i| cosine * axis[i] + sine * (cos * first[i] + sin * second[i]));
+    let length = dot(turned, turned).sqrt();
+    turned.map(|x| x / length)
+}
+
+pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}

@@ -1,0 +1,76 @@
+//! Light from infinity in all directions: one color, or a latitude–longitude image.
+
+mod map;
+
+use std::f32::consts::PI;
+
+use glam::Vec3;
+use translucid_scene::{Image, Scene};
+
+use super::directions::{cosine_hemisphere, uniform_sphere};
+use super::receiver::{Receiver, luminance};
+use map::EnvironmentMap;
+
+/// See [`translucid_scene::Environment`].
+#[derive(Clone, Debug)]
+pub(crate) enum Environment {
+    /// The same radiance from everywhere.
+    Constant(Vec3),
+    /// An image.
+    Map(Box<EnvironmentMap>),
+}
+
+impl Environment {
+    /// None if there is no environment or it is black.
+    pub(crate) fn new(scene: &Scene) -> Option<Self> {
+        let environment = scene.environment.as_ref()?;
+        let factor = finite_color(environment.radiance);
+        let image: Option<&Image> = environment.image.and_then(|index| scene.images.get(index));
+        match image {
+            Some(image) => EnvironmentMap::new(image, factor, environment.world_from_environment)
+                .map(|map| Self::Map(Box::new(map))),
+            None => (luminance(factor) > 0.0).then_some(Self::Constant(factor)),
+        }
+    }
+
+    /// Radiance from a direction.
+    pub(crate) fn radiance(&self, direction: Vec3) -> Vec3 {
+        match self {
+            Self::Constant(radiance) => *radiance,
+            Self::Map(map) => map.radiance(direction),
+        }
+    }
+
+    /// The irradiance; 0 only if all of the hemisphere is black.
+    pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
+        match self {
+            Self::Constant(radiance) => PI * luminance(*radiance),
+            Self::Map(map) => map.irradiance(receiver),
+        }
+    }
+
+    /// Draws a direction.
+    ///
+    /// One color is drawn with the cosine if there is a normal: that leaves no noise on a matte surface.
+    pub(crate) fn sample(&self, receiver: &Receiver, v: [f32; 2]) -> Vec3 {
+        match self {
+            Self::Constant(_) if receiver.has_normal() => cosine_hemisphere(receiver.normal, v),
+            Self::Constant(_) => uniform_sphere(v),
+            Self::Map(map) => map.sample(v),
+        }
+    }
+
+    /// Solid-angle density of `sample`.
+    pub(crate) fn pdf(&self, receiver: &Receiver, direction: Vec3) -> f32 {
+        match self {
+            Self::Constant(_) if receiver.has_normal() => receiver.cosine(direction) / PI,
+            Self::Constant(_) => 1.0 / (4.0 * PI),
+            Self::Map(map) => map.pdf(direction),
+        }
+    }
+}
+
+/// The color with channels that are negative or not finite set to 0.
+pub(crate) fn finite_color(color: Vec3) -> Vec3 {
+    Vec3::from_array(color.to_array().map(|c| if c.is_finite() { c.max(0.0) } else { 0.0 }))
+}

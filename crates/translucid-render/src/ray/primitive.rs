@@ -1,0 +1,45 @@
+//! Triangles on their way into a hierarchy.
+
+use glam::{Vec3, Vec3A};
+use obvhs::Boundable;
+use obvhs::aabb::Aabb;
+
+/// Where the tree's triangles come from.
+pub(crate) trait PrimitiveSource: Boundable {
+    /// The triangle itself.
+    fn primitive(&self) -> Primitive;
+}
+
+/// A triangle to be sorted into the tree.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Primitive {
+    pub(crate) vertices: [Vec3; 3],
+    pub(crate) object: u32,
+    pub(crate) triangle: u32,
+    pub(crate) group: u32,
+}
+
+impl Boundable for Primitive {
+    fn aabb(&self) -> Aabb {
+        let [a, b, c] = self.vertices.map(Vec3A::from);
+        // The box test rounds: a little room keeps it from culling what the triangle test would hit.
+        // It differs between triangles, since the builder takes quadratic time over equal boxes.
+        let jitter = (self.triangle.wrapping_mul(0x9e37_79b9) >> 28) as f32;
+        let room = a.abs().max(b.abs()).max(c.abs()).max_element() * (4.0 + jitter) * f32::EPSILON;
+        Aabb::new(a.min(b).min(c) - room, a.max(b).max(c) + room)
+    }
+}
+
+impl Primitive {
+    /// The geometric normal, counter-clockwise, twice the area long.
+    pub(crate) fn normal(&self) -> Vec3 {
+        let [a, b, c] = self.vertices;
+        (b - a).cross(c - a)
+    }
+
+    /// The point at barycentric coordinates of vertices 1 and 2.
+    pub(crate) fn point(&self, [b1, b2]: [f32; 2]) -> Vec3 {
+        let [a, b, c] = self.vertices;
+        a + (b - a) * b1 + (c - a) * b2
+    }
+}

@@ -1,0 +1,238 @@
+//! The loop over samples and blocks of pixels.
+
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+use rayon::prelude::*;
+
+use super::film::{FilmSums, TILE_SIZE};
+use super::live_film::LiveFilm;
+use super::pixel_blocks::BlockGrid;
+use super::pixel_rect::PixelRect;
+use super::prepared::PreparedScene;
+use super::view::View;
+use crate::path::PathTracer;
+use crate::sampling::Sampler;
+use crate::world::{PixelSample, layer};
+
+/// Samples that may wait until all before them are done, in pixels: 84 MB, or one sample of each pixel if that is more.
+const MOST_PENDING: u64 = 1 << 20;
+
+/// When a rendering is done.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Samples that each pixel shall have in the end.
+    pub samples: u32,
+    /// When to stop even if they are not reached.
+    pub deadline: Option<Instant>,
+}
+
+/// How far a rendering is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress {
+    /// Camera paths done, those of an earlier run included.
+    pub samples_done: u64,
+    /// Camera paths in all.
+    pub samples_total: u64,
+}
+
+/// Why a rendering ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// Every pixel has its samples.
+    Finished,
+    /// The deadline came first.
+    TimeUp,
+    /// The caller asked to stop.
+    Interrupted,
+}
+
+/// A block of pixels in a sample number's grid.
+#[derive(Clone, Copy)]
+struct BlockSample {
+    /// Number of the sample.
+    number: u32,
+    /// Place of the sample number among those at hand.
+    place: usize,
+    /// Number of the block in the grid.
+    block: usize,
+}
+
+impl PreparedScene {
+    /// Adds samples of a view to the film until the goal is reached, on the current rayon pool.
+    ///
+    /// The film has the size of the view's region. It can be read meanwhile. Of an interrupted rendering it has all samples
+    /// that were done, and a rendering that goes on from there gives the same bits as one that was not interrupted: every
+    /// pixel's samples are added in the order of their numbers, and who shares light with whom depends on their numbers
+    /// alone, so the sums depend neither on the number of threads nor on where the work was interrupted.
+    ///
+    /// `stop` ends the work within the time of a path.
+    pub fn render(
+        &self,
+        view: &View,
+        film: &LiveFilm,
+        goal: Goal,
+        progress: &(dyn Fn(Progress) + Sync),
+        stop: &AtomicBool,
+    ) -> Outcome {
+        let region = view.region();
+        let mut tiles: Vec<u32> = film.sums().tiles.iter().map(|tile| tile.samples).collect();
+        let total = region.area() * u64::from(goal.samples);
+        let done = AtomicU64::new(film.sums().paths().min(total));
+        let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let tracers = Mutex::new(Vec::new());
+        let most = (MOST_PENDING / region.area().max(1)).max(1);
+        while let Some(first) = tiles.iter().copied().min().filter(|first| *first < goal.samples) {
+            // A first picture comes soon, and later the threads seldom wait for each other.
+            let count = most.min(u64::from(first / 2).clamp(1, 16)) as u32;
+            let numbers = first..first.saturating_add(count).min(goal.samples);
+            let grids: Vec<BlockGrid> =
+                numbers.clone().map(|number| BlockGrid::new(view.whole_size(), number)).collect();
+            let blocks: Vec<BlockSample> = numbers
+                .clone()
+                .zip(&grids)
+                .enumerate()
+                .flat_map(|(place, (number, grid))| {
+                    grid.blocks_in(region).map(move |block| BlockSample { number, place, block })
+                })
+                .collect();
+            let samples: Vec<Option<Vec<PixelSample>>> = blocks
+                .par_iter()
+                .map(|&BlockSample { number, place, block }| {
+                    let rect = grids[place].rect(block);
+                    let wanted = rect.intersection(&region)?;
+                    let mut touched = film_tiles(wanted, region);
+                    if !touched.any(|tile| tiles[tile] <= number) || stop.load(Ordering::Relaxed) || late() {
+                        return None;
+                    }
+                    let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
+                    let mut tracer = tracer.unwrap_or_else(|| self.tracer(view.pixel_angle()));
+                    let samples = self.trace_block(&mut tracer, view, rect, number, stop);
+                    tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
+                    let added = wanted.area();
+                    let samples_done = (done.fetch_add(added, Ordering::Relaxed) + added).min(total);
+                    progress(Progress { samples_done, samples_total: total });
+                    samples
+                })
+                .collect();
+            film.change(|sums| {
+                let before = tiles.clone();
+                let mut done = blocks.iter().zip(samples).peekable();
+                for (place, (number, grid)) in numbers.zip(&grids).enumerate() {
+                    let mut traced: Vec<Option<Vec<PixelSample>>> = Vec::new();
+                    traced.resize_with(grid.len(), || None);
+                    while let Some((block, samples)) = done.next_if(|(block, _)| block.place == place) {
+                        traced[block.block] = samples;
+                    }
+                    add_samples(sums, number, region, grid, &traced);
+                }
+                tiles = sums.tiles.iter().map(|tile| tile.samples).collect();
+                tiles.iter().zip(before).map(|(now, before)| *now != before).collect()
+            });
+            if stop.load(Ordering::Relaxed) {
+                return Outcome::Interrupted;
+            }
+            if tiles.iter().any(|samples| *samples < goal.samples) && late() {
+                return Outcome::TimeUp;
+            }
+        }
+        Outcome::Finished
+    }
+
+    /// Traces sample `number` of every pixel of a rectangle, row by row; `None` when stopped.
+    fn trace_block(
+        &self,
+        tracer: &mut PathTracer<'_>,
+        view: &View,
+        rect: PixelRect,
+        number: u32,
+        stop: &AtomicBool,
+    ) -> Option<Vec<PixelSample>> {
+        let shares = self.world.scene.integrator.subsurface_sharing;
+        let mut samples = Vec::with_capacity(rect.area() as usize);
+        for (x, y) in rect.pixels() {
+            if stop.load(Ordering::Relaxed) {
+                tracer.drop_block();
+                return None;
+            }
+            let mut sampler = Sampler::new(view.seed(), x, y, number);
+            let ray = view.ray(x, y, sampler.next_4d());
+            samples.push(if shares {
+                tracer.trace_in_block(ray, &mut sampler, samples.len())
+            } else {
+                tracer.trace(ray, &mut sampler)
+            });
+        }
+        tracer.finish_block(&mut samples);
+        Some(samples)
+    }
+}
+
+/// Numbers of the tiles of a region's film that a rectangle touches, which is within the region.
+fn film_tiles(rect: PixelRect, region: PixelRect) -> impl Iterator<Item = usize> {
+    let per_row = region.width.div_ceil(TILE_SIZE);
+    let (left, top) = (rect.left - region.left, rect.top - region.top);
+    let (right, bottom) = (left + rect.width - 1, top + rect.height - 1);
+    let columns = left / TILE_SIZE..=right / TILE_SIZE;
+    (top / TILE_SIZE..=bottom / TILE_SIZE)
+        .flat_map(move |row| columns.clone().map(move |column| (row * per_row + column) as usize))
+}
+
+/// Adds sample `number` to the tiles that have all before it, where every block that a tile has a part in was traced.
+fn add_samples(
+    film: &mut FilmSums,
+    number: u32,
+    region: PixelRect,
+    grid: &BlockGrid,
+    blocks: &[Option<Vec<PixelSample>>],
+) {
+    let rects: Vec<PixelRect> = (0..film.tiles.len()).map(|index| film.tile_rect(index)).collect();
+    film.tiles.par_iter_mut().zip(rects).for_each(|(tile, rect)| {
+        let rect = PixelRect { left: rect.left + region.left, top: rect.top + region.top, ..rect };
+        let (right, bottom) = (rect.left + rect.width - 1, rect.top + rect.height - 1);
+        let corners = [rect.left, right].map(|x| [rect.top, bottom].map(|y| grid.block_of(x, y)));
+        if tile.samples != number || corners.iter().flatten().any(|&block| blocks[block].is_none()) {
+            return;
+        }
+        for (sums, (x, y)) in tile.pixels.iter_mut().zip(rect.pixels()) {
+            let block = grid.block_of(x, y);
+            let PixelRect { left, top, width, .. } = grid.rect(block);
+            let place = (y - top) * width + (x - left);
+            if let Some(samples) = &blocks[block] {
+                add(sums, &samples[place as usize]);
+            }
+        }
+        tile.samples = number + 1;
+    });
+}
+
+/// Adds a sample to a pixel's sums. A sample that is not finite would spoil the pixel for good; it counts
+/// as black (and is a defect: debug builds stop).
+fn add(sums: &mut [f64; layer::COUNT], sample: &PixelSample) {
+    debug_assert!(sample.radiance().is_finite(), "a sample is not finite: {sample:?}");
+    if !sample.radiance().is_finite() {
+        return;
+    }
+    for (sum, value) in sums.iter_mut().zip(sample.layers()) {
+        *sum += f64::from(value);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tiles_of_a_rect_are_those_with_its_pixels() {
+        let region = PixelRect { left: 7, top: 3, width: 50, height: 40 };
+        for (left, top, width, height) in [(7, 3, 16, 16), (12, 8, 16, 16), (54, 19, 3, 1), (22, 18, 2, 2)] {
+            let rect = PixelRect { left, top, width, height };
+            let tile = |(x, y): (u32, u32)| ((y - 3) / TILE_SIZE * 4 + (x - 7) / TILE_SIZE) as usize;
+            let mut expected: Vec<usize> = rect.pixels().map(tile).collect();
+            expected.sort_unstable();
+            expected.dedup();
+            assert_eq!(film_tiles(rect, region).collect::<Vec<_>>(), expected, "{rect:?}");
+        }
+    }
+}

@@ -1,0 +1,363 @@
+//! Pictures of a film: all its layers for a float image, its colors for a display.
+
+use translucid_image::{Denoised, MetadataValue, Picture, PictureChannel, Region};
+
+use super::film::FilmSums;
+use crate::world::layer;
+
+/// Metadata of a rendered picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ImageInfo {
+    /// Where the scene came from.
+    pub scene: String,
+    /// Seed of all random numbers.
+    pub seed: u64,
+    /// Samples per pixel: the fewest that any pixel has.
+    pub samples: u32,
+    /// Time spent rendering, in seconds, over all runs that added to the picture.
+    pub seconds: f64,
+    /// The command line that made it.
+    pub command: String,
+    /// Where the picture lies in a larger one, and that one's width and height; `None` where it is all there is.
+    pub region: Option<(Region, [u32; 2])>,
+}
+
+/// Program and version, as all pictures state it.
+const SOFTWARE: &str = concat!("translucid ", env!("CARGO_PKG_VERSION"));
+
+impl ImageInfo {
+    /// Number of the first row.
+    fn top(&self) -> u32 {
+        self.region.map_or(0, |(region, _)| region.y0)
+    }
+
+    /// The picture in its place.
+    fn placed<'a>(&self, picture: Picture<'a>) -> Picture<'a> {
+        match self.region {
+            Some((region, whole)) => picture.within(region, whole),
+            None => picture,
+        }
+    }
+
+    /// The notes in a picture of all layers.
+    fn notes_of_layers(&self, denoised: Option<&Denoised>) -> Vec<(String, MetadataValue)> {
+        let text = |text: &str| MetadataValue::Text(text.to_owned());
+        let by = denoised.map(|denoised| ("translucidDenoiser", text(&denoised.by)));
+        let notes = [
+            ("translucidScene", text(&self.scene)),
+            ("translucidCommand", text(&self.command)),
+            ("translucidVersion", text(env!("CARGO_PKG_VERSION"))),
+            // OpenEXR has no 64-bit integer.
+            ("translucidSeed", MetadataValue::Text(self.seed.to_string())),
+            ("translucidSamples", MetadataValue::Integer(i32::try_from(self.samples).unwrap_or(i32::MAX))),
+            ("translucidSeconds", MetadataValue::Real(self.seconds)),
+        ];
+        notes.into_iter().chain(by).map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+
+    /// The notes in a picture for a display: no time, so that equal sums give equal files.
+    fn notes_of_colors(&self, denoised: Option<&Denoised>) -> Vec<(String, MetadataValue)> {
+        let by = denoised.map(|denoised| ("Denoiser", MetadataValue::Text(denoised.by.clone())));
+        let notes = [
+            ("Scene", MetadataValue::Text(self.scene.clone())),
+            ("Seed", MetadataValue::Text(self.seed.to_string())),
+            ("Samples", MetadataValue::Text(self.samples.to_string())),
+        ];
+        notes.into_iter().chain(by).map(|(name, value)| (name.to_owned(), value)).collect()
+    }
+}
+
+/// Channels of 32 bits in a picture of all layers, before those of 16.
+const SINGLE_CHANNELS: [&str; 5] = ["R", "G", "B", "A", "depth.Z"];
+
+/// Channels of a denoised picture beside the noisy ones.
+const DENOISED_CHANNELS: [&str; 3] = ["denoised.R", "denoised.G", "denoised.B"];
+
+impl FilmSums {
+    /// All layers as a picture.
+    ///
+    /// | channels | content | type |
+    /// |---|---|---|
+    /// | `R G B A` | radiance and coverage | 32-bit |
+    /// | `diffuse.RGB`, `specular.RGB`, `subsurface.RGB`, `emission.RGB` | light by its last event before the camera; they sum to `RGB` | 16-bit |
+    /// | `albedo.RGB` | albedo of the first surface | 16-bit |
+    /// | `normal.XYZ` | shading normal of the first surface, world space | 16-bit |
+    /// | `depth.Z` | mean distance to the first surface \[L\], 0 where there is none | 32-bit |
+    ///
+    /// Colors are linear Rec. 709 and multiplied by coverage; so are albedo and normal.
+    #[must_use]
+    pub fn layers_picture(&self, info: &ImageInfo) -> Picture<'_> {
+        self.layers_picture_beside(None, info)
+    }
+
+    /// All layers, and a denoised picture beside them as 32-bit channels `denoised.RGB`.
+    ///
+    /// Pixels that `denoised` does not have are 0.
+    #[must_use]
+    pub fn layers_picture_with<'a>(&'a self, denoised: &'a Denoised, info: &ImageInfo) -> Picture<'a> {
+        self.layers_picture_beside(Some(denoised), info)
+    }
+
+    fn layers_picture_beside<'a>(&'a self, denoised: Option<&'a Denoised>, info: &ImageInfo) -> Picture<'a> {
+        let halves = half_channels();
+        let mut channels: Vec<_> = SINGLE_CHANNELS.into_iter().map(PictureChannel::single).collect();
+        channels.extend(halves.iter().map(|(name, _)| PictureChannel::half(name)));
+        if denoised.is_some() {
+            channels.extend(DENOISED_CHANNELS.into_iter().map(PictureChannel::single));
+        }
+        let count = channels.len();
+        let top = info.top();
+        let fill_row = move |y: u32, values: &mut [f64]| {
+            let y = y - top;
+            for (x, pixel) in (0..self.width).zip(values.chunks_exact_mut(count)) {
+                let (mean, [r, g, b]) = (self.mean(x, y), self.radiance(x, y));
+                let singles = [r, g, b, mean[layer::ALPHA], mean_depth(&mean)];
+                let halves = halves.iter().map(|(_, index)| mean[*index]);
+                let color = denoised.map(|denoised| self.denoised_pixel(denoised, x, y));
+                let all = singles.into_iter().chain(halves).chain(color.into_iter().flatten());
+                pixel.iter_mut().zip(all).for_each(|(place, value)| *place = value);
+            }
+        };
+        let size = [self.width, self.height];
+        let picture = Picture::new(size, channels, fill_row);
+        info.placed(picture).with_metadata(SOFTWARE, info.notes_of_layers(denoised))
+    }
+
+    /// Radiance and coverage as a picture for a display.
+    #[must_use]
+    pub fn display_picture(&self, info: &ImageInfo) -> Picture<'_> {
+        self.color_picture(|x, y| self.radiance(x, y), info, info.notes_of_colors(None))
+    }
+
+    /// Denoised radiance and the film's coverage as a picture for a display.
+    ///
+    /// Pixels that `denoised` does not have are black.
+    #[must_use]
+    pub fn denoised_display_picture<'a>(&'a self, denoised: &'a Denoised, info: &ImageInfo) -> Picture<'a> {
+        let radiance = |x, y| self.denoised_pixel(denoised, x, y);
+        self.color_picture(radiance, info, info.notes_of_colors(Some(denoised)))
+    }
+
+    fn color_picture<'a>(
+        &'a self,
+        radiance: impl Fn(u32, u32) -> [f64; 3] + Sync + 'a,
+        info: &ImageInfo,
+        notes: Vec<(String, MetadataValue)>,
+    ) -> Picture<'a> {
+        let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
+        let top = info.top();
+        let fill_row = move |y: u32, values: &mut [f64]| {
+            let y = y - top;
+            for (x, pixel) in (0..self.width).zip(values.as_chunks_mut().0) {
+                let ([r, g, b], alpha) = (radiance(x, y), self.mean(x, y)[layer::ALPHA]);
+                *pixel = [r, g, b, alpha];
+            }
+        };
+        let size = [self.width, self.height];
+        info.placed(Picture::new(size, channels.to_vec(), fill_row)).with_metadata(SOFTWARE, notes)
+    }
+
+    /// Denoised radiance of a pixel; 0 where there is none.
+    fn denoised_pixel(&self, denoised: &Denoised, x: u32, y: u32) -> [f64; 3] {
+        let index = y as usize * self.width as usize + x as usize;
+        denoised.radiance.get(index).copied().unwrap_or_default().map(f64::from)
+    }
+}
+
+/// Channels of 16 bits: name and index among the sums.
+fn half_channels() -> Vec<(String, usize)> {
+    [
+        ("diffuse", layer::DIFFUSE, "RGB"),
+        ("specular", layer::SPECULAR, "RGB"),
+        ("subsurface", layer::SUBSURFACE, "RGB"),
+        ("emission", layer::EMISSION, "RGB"),
+        ("albedo", layer::ALBEDO, "RGB"),
+        ("normal", layer::NORMAL, "XYZ"),
+    ]
+    .into_iter()
+    .flat_map(|(name, range, components)| {
+        range.zip(components.chars()).map(move |(index, component)| (format!("{name}.{component}"), index))
+    })
+    .collect()
+}
+
+/// Mean distance over the samples that see a surface.
+fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
+    if mean[layer::SURFACE] > 0.0 { mean[layer::DEPTH] / mean[layer::SURFACE] } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use translucid_image::Denoiser;
+    use translucid_scene::{LoadOptions, SceneFile};
+
+    use super::*;
+    use crate::render::film::tests::test_film;
+    use crate::{PreparedScene, measure};
+
+    /// The values of all pixels of a channel.
+    fn values(picture: &Picture<'_>, name: &str) -> Vec<f64> {
+        let [width, height] = picture.size();
+        let index = picture.channels.iter().position(|channel| channel.name == name).unwrap();
+        let mut row = vec![0.0; width * picture.channels.len()];
+        let mut values = Vec::new();
+        for y in 0..height as u32 {
+            picture.read_row(y, &mut row);
+            values.extend(row.chunks(picture.channels.len()).map(|pixel| pixel[index]));
+        }
+        values
+    }
+
+    /// Coordinates of all pixels, row by row.
+    fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> {
+        let (width, height) = (film.width, film.height);
+        (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+    }
+
+    #[test]
+    fn layers_picture_has_every_layer_and_the_metadata() {
+        let film = test_film(37, 21);
+        let info = ImageInfo {
+            scene: String::from("scenes/apple.toml"),
+            seed: u64::MAX,
+            samples: 5,
+            seconds: 1.25,
+            command: String::from("translucid render scenes/apple.toml"),
+            region: None,
+        };
+        let picture = film.layers_picture(&info);
+        assert_eq!(picture.channels.len(), 23);
+        assert_eq!(picture.size(), [37, 21]);
+        let layers = [
+            ("A", layer::ALPHA),
+            ("diffuse.G", layer::DIFFUSE.start + 1),
+            ("subsurface.R", layer::SUBSURFACE.start),
+            ("emission.B", layer::EMISSION.start + 2),
+            ("albedo.B", layer::ALBEDO.start + 2),
+            ("normal.Z", layer::NORMAL.start + 2),
+        ];
+        for (name, index) in layers {
+            let expected: Vec<f64> = pixels(&film).map(|(x, y)| film.mean(x, y)[index]).collect();
+            assert_eq!(values(&picture, name), expected, "{name}");
+        }
+        let green: Vec<f64> = pixels(&film).map(|(x, y)| film.radiance(x, y)[1]).collect();
+        assert_eq!(values(&picture, "G"), green);
+        assert_eq!(values(&film.display_picture(&info), "G"), green);
+        for (name, value) in [
+            ("translucidScene", MetadataValue::Text(info.scene.clone())),
+            ("translucidSeed", MetadataValue::Text(u64::MAX.to_string())),
+            ("translucidSamples", MetadataValue::Integer(5)),
+            ("translucidSeconds", MetadataValue::Real(1.25)),
+        ] {
+            assert!(picture.metadata.contains(&(name.to_owned(), value)), "{name}");
+        }
+        // Equal sums give equal files for displays, however long they took.
+        let later = ImageInfo { seconds: 2.0, command: String::new(), ..info.clone() };
+        assert_eq!(film.display_picture(&info).metadata, film.display_picture(&later).metadata);
+    }
+
+    #[test]
+    fn denoised_stands_beside_the_layers_and_in_place_of_the_colors() {
+        let film = test_film(7, 5);
+        let radiance = (0..34).map(|i| [i as f32, 2.0, 0.5]).collect();
+        let denoised = Denoised { radiance, by: String::from("a broom 1.0.0") };
+        let info = ImageInfo::default();
+        let [plain, both] = [film.layers_picture(&info), film.layers_picture_with(&denoised, &info)];
+        assert_eq!(both.channels[..plain.channels.len()], plain.channels);
+        for channel in &plain.channels {
+            assert_eq!(values(&both, &channel.name), values(&plain, &channel.name), "{}", channel.name);
+        }
+        let mut expected: Vec<f64> = (0..34).map(f64::from).collect();
+        expected.push(0.0);
+        assert_eq!(values(&both, "denoised.R"), expected);
+        let display = film.denoised_display_picture(&denoised, &info);
+        assert_eq!(values(&display, "R"), expected);
+        assert_eq!(values(&display, "A"), values(&plain, "A"));
+        let by = |picture: &Picture<'_>| picture.metadata.iter().any(|(name, _)| name.ends_with("Denoiser"));
+        assert!(by(&both) && by(&display) && !by(&plain));
+    }
+
+    #[test]
+    fn depth_is_the_mean_over_samples_that_hit() {
+        let mut film = FilmSums::new(2, 1);
+        film.tiles[0].samples = 4;
+        // One of four samples sees a surface 10 away, the others a visible sky.
+        let sums = &mut film.tiles[0].pixels[0];
+        (sums[layer::ALPHA], sums[layer::DEPTH], sums[layer::SURFACE]) = (4.0, 10.0, 1.0);
+        assert_eq!(values(&film.layers_picture(&ImageInfo::default()), "depth.Z"), [10.0, 0.0]);
+    }
+
+    /// A ball of wax under a lamp.
+    fn picture(samples: u32, seed: u64) -> FilmSums {
+        let text = "
+            unit = \"cm\"
+            [camera]
+            position = [0.0, 1.0, 5.0]
+            target = [0.0, 0.0, 0.0]
+            [[light]]
+            type = \"rectangle\"
+            center = [-4.0, 4.0, 2.0]
+            target = [0.0, 0.0, 0.0]
+            size = [2.0, 2.0]
+            radiance = [10.0, 10.0, 10.0]
+            [[material]]
+            name = \"wax\"
+            subsurface_weight = 1.0
+            subsurface_radius = 0.2
+            [[object]]
+            shape = \"sphere\"
+            material = \"wax\"
+            [[object]]
+            shape = \"rectangle\"
+            width = 20.0
+            height = 20.0
+            translate = [0.0, 0.0, -2.0]
+        ";
+        let file = SceneFile::parse(text, Path::new("ball.toml")).unwrap();
+        let options = LoadOptions { size: Some([96, 64]), ..LoadOptions::default() };
+        let mut scene = file.load(&options, &mut Vec::new()).unwrap();
+        scene.integrator.seed = seed;
+        let prepared = PreparedScene::new(scene).unwrap();
+        let mut film = FilmSums::new(96, 64);
+        measure::add_samples(&prepared, &mut film, samples).unwrap();
+        film
+    }
+
+    /// Mean of (x − ref)² / (ref² + 0.01) over all channels.
+    fn relative_mse(image: impl Fn(u32, u32) -> [f64; 3], reference: &FilmSums) -> f64 {
+        let mut sum = 0.0;
+        for (x, y) in pixels(reference) {
+            for (value, truth) in image(x, y).into_iter().zip(reference.radiance(x, y)) {
+                sum += (value - truth).powi(2) / (truth * truth + 0.01);
+            }
+        }
+        sum / f64::from(3 * reference.width * reference.height)
+    }
+
+    /// Runs where the library is, else it says that it does not.
+    #[test]
+    #[allow(clippy::print_stderr, reason = "a test that does nothing must say so")]
+    fn denoised_picture_is_closer_to_the_truth() {
+        let denoiser = match Denoiser::load() {
+            Ok(denoiser) => denoiser,
+            Err(error) => return eprintln!("skipped: {error}"),
+        };
+        let info = ImageInfo::default();
+        let mut noisy = picture(4, 1);
+        let reference = picture(1024, 2);
+        let denoised = denoiser.denoise(&noisy.layers_picture(&info), 1).unwrap();
+        assert!(denoised.by.starts_with("Open Image Denoise "), "{}", denoised.by);
+        let before = relative_mse(|x, y| noisy.radiance(x, y), &reference);
+        let at = |x: u32, y: u32| denoised.radiance[(y * noisy.width + x) as usize].map(f64::from);
+        let after = relative_mse(at, &reference);
+        assert!(after < 0.5 * before, "relMSE {before} before and {after} after");
+
+        // What is not a number comes out as one
+        noisy.tiles[0].pixels[0] = [f64::NAN; layer::COUNT];
+        noisy.tiles[0].pixels[1] = [f64::INFINITY; layer::COUNT];
+        let denoised = denoiser.denoise(&noisy.layers_picture(&info), 0).unwrap();
+        assert!(denoised.radiance.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
+    }
+}

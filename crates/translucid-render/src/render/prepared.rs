@@ -1,0 +1,288 @@
+//! A scene made ready: what is prepared once, and again only as far as an edit reaches.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::Vec3;
+use translucid_scene::{
+    Environment, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
+};
+
+use super::fingerprint::{fingerprint, fingerprint_of_points};
+use super::view::View;
+use crate::light::{EmissiveTriangle, LightSet};
+use crate::path::PathTracer;
+use crate::ray::Geometry;
+use crate::subsurface::transport::points::{Making, PointCloud, PointProgress, PointsError};
+use crate::subsurface::{Note, SubsurfaceSet};
+use crate::surface::{self, SurfaceTables};
+use crate::world::World;
+
+/// A scene with everything that does not depend on who looks at it: the hierarchy over its triangles, its lights, the
+/// tables of its materials.
+///
+/// The camera and the film are those of a [`View`].
+pub struct PreparedScene {
+    pub(super) world: World,
+    pub(super) subsurface: SubsurfaceSet,
+}
+
+/// A change of a prepared scene.
+#[derive(Clone, Debug)]
+pub enum Edit {
+    /// Another material in the place of this number.
+    Material(usize, Box<Material>),
+    /// Other lights.
+    Lights(Vec<Light>),
+    /// Another environment, or none.
+    Environment(Option<Environment>),
+    /// Another object in the place of this number: mesh, place, material, subsurface group.
+    Object(usize, Box<Object>),
+    /// Other limits of paths, or another way of finding light under surfaces.
+    Integrator(Integrator),
+}
+
+/// Everything that was prepared anew.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Renewed {
+    /// The hierarchy over the triangles.
+    pub geometry: bool,
+    /// The lights.
+    pub lights: bool,
+    /// Number of materials with new tables.
+    pub materials: usize,
+    /// Points of the point-based method are to be made again: see [`PreparedScene::wants_points`].
+    pub points: bool,
+}
+
+impl PreparedScene {
+    /// Prepares a scene on the current rayon pool.
+    ///
+    /// # Errors
+    /// The scene is not valid: see [`Scene::validate`].
+    pub fn new(scene: Scene) -> Result<Self, SceneError> {
+        scene.validate()?;
+        // Neither needs the other; the tree leaves threads idle now and then.
+        let (geometry, (surfaces, subsurface)) = rayon::join(
+            || Geometry::new(&scene.objects),
+            || (SurfaceTables::new(&scene.materials, &scene.integrator), SubsurfaceSet::new(&scene)),
+        );
+        let lights = light_set(&scene, &geometry);
+        let mut new = Self { world: World { scene, geometry, surfaces, lights }, subsurface };
+        new.subsurface.normalize(&new.world);
+        Ok(new)
+    }
+
+    /// The scene as it was given, with all edits.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.world.scene
+    }
+
+    /// The view that the scene states.
+    ///
+    /// # Errors
+    /// None: the scene was found valid.
+    pub fn view(&self) -> Result<View, SceneError> {
+        View::of(&self.world.scene)
+    }
+
+    /// Everything that is not rendered as the scene asks for.
+    #[must_use]
+    pub fn notes(&self) -> Vec<Note> {
+        self.subsurface.notes(&self.world.scene)
+    }
+
+    /// A number that differs when the picture of a view would: two runs with the same one may be joined.
+    #[must_use]
+    pub fn fingerprint(&self, view: &View) -> u64 {
+        fingerprint(&self.world.scene, view)
+    }
+
+    /// Changes the scene and prepares what depends on the change, and nothing else.
+    ///
+    /// Pictures are then those of a scene that is prepared anew, bit for bit.
+    ///
+    /// # Errors
+    /// There is nothing of that number, or the new value is not valid in this scene, which then stays as it was.
+    pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
+        let renewed = match edit {
+            Edit::Material(index, material) => self.edit_material(index, *material)?,
+            Edit::Object(index, object) => self.edit_object(index, *object)?,
+            Edit::Lights(lights) => {
+                let validate =
+                    |scene: &Scene| (0..scene.lights.len()).try_for_each(|index| scene.validate_light(index));
+                self.swap_checked(lights, |scene| &mut scene.lights, validate)?;
+                Renewed { lights: true, ..Renewed::default() }
+            }
+            Edit::Environment(environment) => {
+                self.swap_checked(environment, |scene| &mut scene.environment, Scene::validate_environment)?;
+                Renewed { lights: true, ..Renewed::default() }
+            }
+            Edit::Integrator(integrator) => {
+                self.swap_checked(
+                    integrator,
+                    |scene| &mut scene.integrator,
+                    |scene| scene.integrator.validate(),
+                )?;
+                let scene = &self.world.scene;
+                for index in 0..scene.materials.len() {
+                    self.world.surfaces.update(index, &scene.materials[index], &scene.integrator);
+                    self.subsurface.update(scene, index);
+                }
+                Renewed { materials: scene.materials.len(), ..Renewed::default() }
+            }
+        };
+        if renewed.lights || renewed.geometry {
+            self.world.lights = light_set(&self.world.scene, &self.world.geometry);
+        }
+        if renewed.geometry || renewed.materials > 0 {
+            self.subsurface.normalize(&self.world);
+        }
+        self.subsurface.forget_points();
+        Ok(Renewed { points: self.wants_points(), ..renewed })
+    }
+
+    /// Puts a value into the scene, which stays as it was if it is then not valid. Returns the value that was there.
+    fn swap_checked<T>(
+        &mut self,
+        mut value: T,
+        place: impl Fn(&mut Scene) -> &mut T,
+        validate: impl Fn(&Scene) -> Result<(), SceneError>,
+    ) -> Result<T, SceneError> {
+        let scene = &mut self.world.scene;
+        std::mem::swap(place(scene), &mut value);
+        let result = validate(scene);
+        if let Err(error) = result {
+            std::mem::swap(place(scene), &mut value);
+            return Err(error);
+        }
+        Ok(value)
+    }
+
+    fn edit_material(&mut self, index: usize, material: Material) -> Result<Renewed, SceneError> {
+        require("material", index, self.world.scene.materials.len())?;
+        let old = self.swap_checked(
+            material,
+            |scene| &mut scene.materials[index],
+            |scene| scene.validate_material(index),
+        )?;
+        let scene = &self.world.scene;
+        let new = &scene.materials[index];
+        self.world.surfaces.update(index, new, &scene.integrator);
+        self.subsurface.update(scene, index);
+        let emission = |material: &Material| (material.emission_luminance, material.emission_color);
+        Ok(Renewed { lights: emission(&old) != emission(new), materials: 1, ..Renewed::default() })
+    }
+
+    fn edit_object(&mut self, index: usize, object: Object) -> Result<Renewed, SceneError> {
+        require("object", index, self.world.scene.objects.len())?;
+        let old = self.swap_checked(
+            object,
+            |scene| &mut scene.objects[index],
+            |scene| scene.validate_object(index).and_then(|()| scene.validate_triangle_count()),
+        )?;
+        let scene = &self.world.scene;
+        self.world.geometry = Geometry::new(&scene.objects);
+        // Vertex colors may count in the widest profile of a material
+        for material in [old.material, scene.objects[index].material] {
+            self.subsurface.update(scene, material);
+        }
+        Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
+    }
+
+    /// Whether the scene asks for points that it does not have yet. Until it has, probes find the light.
+    #[must_use]
+    pub fn wants_points(&self) -> bool {
+        self.world.scene.integrator.subsurface_method == SubsurfaceMethod::PointBased
+            && !self.subsurface.has_points()
+    }
+
+    /// A number that differs when the points would: clouds with the same one may stand in for each other.
+    #[must_use]
+    pub fn points_fingerprint(&self) -> u64 {
+        fingerprint_of_points(&self.world.scene)
+    }
+
+    /// Makes the points of the point-based method on the current rayon pool; `None` when stopped.
+    ///
+    /// The points and their light do not depend on the number of threads.
+    ///
+    /// # Errors
+    /// The points would take more than so many bytes of memory.
+    pub fn make_points(
+        &self,
+        memory: u64,
+        progress: &(dyn Fn(PointProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> Result<Option<PointCloud>, PointsError> {
+        let making = Making { fingerprint: self.points_fingerprint(), memory, progress, stop };
+        // Paths that begin at entry points are in no pixel
+        let tracer = || self.tracer(0.0);
+        PointCloud::new(&self.world, self.subsurface.transports(), tracer, &making)
+    }
+
+    /// Gathers light under surfaces from points, which are this scene's, in place of probing for it.
+    ///
+    /// Where points leave a subsurface group out, probes find the light.
+    pub fn set_points(&mut self, points: &PointCloud) {
+        self.subsurface.set_points(&self.world, points);
+    }
+
+    /// A tracer of paths through pixels of a width over the distance of what they show.
+    pub(crate) fn tracer(&self, pixel_angle: f32) -> PathTracer<'_> {
+        PathTracer::new(&self.world, &self.subsurface, pixel_angle)
+    }
+
+    pub(crate) fn subsurface_mut(&mut self) -> &mut SubsurfaceSet {
+        &mut self.subsurface
+    }
+
+    pub(crate) fn world_mut(&mut self) -> &mut World {
+        &mut self.world
+    }
+
+    #[cfg(test)]
+    pub(crate) fn parts(&self) -> (&World, &SubsurfaceSet) {
+        (&self.world, &self.subsurface)
+    }
+}
+
+/// Refuses the number of something that is not there.
+fn require(what: &str, index: usize, count: usize) -> Result<(), SceneError> {
+    if index < count {
+        return Ok(());
+    }
+    Err(SceneError::new(format!("{what} {index} is not there: the scene has {count}, counted from 0")))
+}
+
+/// The lights of a scene, emissive triangles included.
+fn light_set(scene: &Scene, geometry: &Geometry) -> LightSet {
+    LightSet::new(scene, emissive_triangles(scene, geometry), geometry.bounds())
+}
+
+/// The triangles of all objects that emit light.
+fn emissive_triangles(scene: &Scene, geometry: &Geometry) -> Vec<EmissiveTriangle> {
+    let mut found = Vec::new();
+    for (index, object) in scene.objects.iter().enumerate() {
+        let material = &scene.materials[object.material];
+        if material.emission_luminance <= 0.0 {
+            continue;
+        }
+        for number in 0..object.mesh.triangles.len() as u32 {
+            let primitive = geometry.primitive(index as u32, number);
+            let corners = object.mesh.triangles[number as usize];
+            let vertices = corners.map(|corner| object.mesh.positions[corner as usize]);
+            let center = vertices.iter().sum::<Vec3>() / 3.0;
+            let point = geometry.point_on(scene, primitive, center);
+            let radiance = surface::emission_at(scene, material, &point);
+            // A textured emitter may be dark in the middle of a triangle and bright beside it.
+            let floor = if material.emission_color.texture.is_some() {
+                Vec3::splat(1e-3 * material.emission_luminance)
+            } else {
+                Vec3::ZERO
+            };
+            found.push(EmissiveTriangle { vertices, radiance: radiance.max(floor), primitive });
+        }
+    }
+    found
+}

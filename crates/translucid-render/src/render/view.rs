@@ -1,0 +1,336 @@
+//! What is seen of a prepared scene: a camera, a film, a region of it, a seed.
+
+use std::sync::Arc;
+
+use glam::{DVec3, Vec3};
+use translucid_image::Region;
+use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
+
+use super::pixel_rect::PixelRect;
+use crate::ray::Ray;
+use crate::sampling::{Frame, concentric_disk};
+
+/// Entries of the inverse filter table.
+const FILTER_TABLE: usize = 2048;
+
+/// Offsets in pixels at which a filter's cdf is 0, 1/n, … 1.
+type InverseFilter = [f32; FILTER_TABLE + 1];
+
+/// A part of the resolution, for a first look.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Fraction {
+    /// Every pixel.
+    #[default]
+    Whole,
+    /// One pixel for each square of 2×2.
+    Half,
+    /// One pixel for each square of 4×4.
+    Quarter,
+    /// One pixel for each square of 8×8.
+    Eighth,
+}
+
+impl Fraction {
+    /// Pixels of the film along the edge of one pixel.
+    #[must_use]
+    pub fn divisor(self) -> u32 {
+        match self {
+            Self::Whole => 1,
+            Self::Half => 2,
+            Self::Quarter => 4,
+            Self::Eighth => 8,
+        }
+    }
+}
+
+/// A camera and a film, ready to make rays; changing them prepares nothing of the scene.
+///
+/// The filter is sampled in proportion to its (positive) values, so every sample belongs to one pixel
+/// with weight one: pixels are independent of each other and of the order of work.
+#[derive(Clone, Debug)]
+pub struct View {
+    camera: Camera,
+    film: Film,
+    seed: u64,
+    region: PixelRect,
+    fraction: Fraction,
+    frame: Frame,
+    /// Half the image plane's width and height at distance 1.
+    half_width: f32,
+    half_height: f32,
+    /// Width and height in pixels of the film, and the edge of a pixel in these.
+    size: [f32; 2],
+    step: f32,
+    filter: Arc<InverseFilter>,
+}
+
+impl View {
+    /// The whole film of a camera; `seed` is that of all random numbers.
+    ///
+    /// # Errors
+    /// A number of camera or film is out of its range.
+    pub fn new(camera: Camera, film: Film, seed: u64) -> Result<Self, SceneError> {
+        camera.validate()?;
+        film.validate()?;
+        let filter = Arc::new(inverse_filter(film.filter, film.filter_radius));
+        Ok(Self::with_filter(camera, film, seed, filter))
+    }
+
+    /// The view that a scene states.
+    ///
+    /// # Errors
+    /// A number of camera or film is out of its range.
+    pub fn of(scene: &Scene) -> Result<Self, SceneError> {
+        Self::new(scene.camera, scene.film, scene.integrator.seed)
+    }
+
+    fn with_filter(camera: Camera, film: Film, seed: u64, filter: Arc<InverseFilter>) -> Self {
+        // In double precision: squares of the least and the greatest lengths.
+        let view = (camera.target.as_dvec3() - camera.position.as_dvec3()).normalize();
+        let right = view.cross(camera.up.as_dvec3()).try_normalize();
+        let forward = view.as_vec3();
+        let x = right.map_or_else(|| Frame::from_normal(forward).x, DVec3::as_vec3);
+        let (width, height) = (film.width as f32, film.height as f32);
+        let half_width = (camera.horizontal_fov.to_radians() * 0.5).tan();
+        Self {
+            region: PixelRect { left: 0, top: 0, width: film.width, height: film.height },
+            fraction: Fraction::Whole,
+            frame: Frame { x, y: forward.cross(x), z: forward },
+            half_width,
+            half_height: half_width * height / width,
+            size: [width, height],
+            step: 1.0,
+            filter,
+            camera,
+            film,
+            seed,
+        }
+    }
+
+    /// The view with another camera.
+    ///
+    /// # Errors
+    /// A number of the camera is out of its range.
+    pub fn with_camera(&self, camera: Camera) -> Result<Self, SceneError> {
+        camera.validate()?;
+        let Self { region, fraction, step, .. } = *self;
+        let new = Self::with_filter(camera, self.film, self.seed, Arc::clone(&self.filter));
+        Ok(Self { region, fraction, step, ..new })
+    }
+
+    /// The view of a rectangle of pixels only, half-open: from (x0, y0) to just before (x1, y1). Its pixels are those of the
+    /// whole picture, bit for bit.
+    ///
+    /// # Errors
+    /// The region is empty, or reaches beyond the film.
+    pub fn with_region(&self, [x0, y0, x1, y1]: [u32; 4]) -> Result<Self, SceneError> {
+        let [width, height] = self.whole_size();
+        if x0 >= x1 || y0 >= y1 || x1 > width || y1 > height {
+            let message = format!(
+                "region = {x0},{y0},{x1},{y1}: must be x0,y0,x1,y1 with 0 ≤ x0 < x1 ≤ {width} and 0 ≤ y0 < y1 ≤ {height}"
+            );
+            return Err(SceneError::new(message));
+        }
+        let region = PixelRect { left: x0, top: y0, width: x1 - x0, height: y1 - y0 };
+        Ok(Self { region, ..self.clone() })
+    }
+
+    /// The view at a part of the resolution, its region along with it: as many pixels as cover the same picture.
+    #[must_use]
+    pub fn at(&self, fraction: Fraction) -> Self {
+        let (from, to) = (self.fraction.divisor(), fraction.divisor());
+        let first = |x: u32| x * from / to;
+        let end = |x: u32| (x * from).div_ceil(to);
+        let PixelRect { left, top, width, height } = self.region;
+        let (x0, y0) = (first(left), first(top));
+        let (x1, y1) = (end(left + width), end(top + height));
+        let mut new = self.clone();
+        new.fraction = fraction;
+        new.step = to as f32;
+        let [most_x, most_y] = new.whole_size();
+        new.region = PixelRect { left: x0, top: y0, width: x1.min(most_x) - x0, height: y1.min(most_y) - y0 };
+        new
+    }
+
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> &Camera {
+        &self.camera
+    }
+
+    /// The film; at a fraction of the resolution still the whole one.
+    #[must_use]
+    pub fn film(&self) -> &Film {
+        &self.film
+    }
+
+    /// Seed of all random numbers.
+    #[must_use]
+    pub fn seed(&self) -> u64 {
+        self.seed
+    }
+
+    /// The pixels that are rendered.
+    #[must_use]
+    pub fn region(&self) -> PixelRect {
+        self.region
+    }
+
+    /// Width and height in pixels of the whole picture that the region is a part of.
+    #[must_use]
+    pub fn whole_size(&self) -> [u32; 2] {
+        [self.film.width, self.film.height].map(|edge| edge.div_ceil(self.fraction.divisor()))
+    }
+
+    /// Where the region lies in the whole picture, and that one's width and height; `None` where it is all of it.
+    #[must_use]
+    pub fn place(&self) -> Option<(Region, [u32; 2])> {
+        let (PixelRect { left, top, width, height }, whole) = (self.region, self.whole_size());
+        let region = Region { x0: left, y0: top, x1: left + width, y1: top + height };
+        (region != Region::whole(whole)).then_some((region, whole))
+    }
+
+    /// Resolution of the picture.
+    #[must_use]
+    pub fn fraction(&self) -> Fraction {
+        self.fraction
+    }
+
+    /// Width of a pixel over the distance of what it shows.
+    pub(crate) fn pixel_angle(&self) -> f32 {
+        2.0 * self.half_width / self.size[0] * self.step
+    }
+
+    /// A ray through the pixel (x, y) of the whole picture with its origin on the lens.
+    pub(crate) fn ray(&self, x: u32, y: u32, u: [f32; 4]) -> Ray {
+        let [width, height] = self.size;
+        let Camera { position, lens_radius, focus_distance, .. } = self.camera;
+        let px = (x as f32 + 0.5 + self.filter_offset(u[0])) * self.step / width * 2.0 - 1.0;
+        let py = (y as f32 + 0.5 + self.filter_offset(u[1])) * self.step / height * 2.0 - 1.0;
+        let local = Vec3::new(px * self.half_width, py * self.half_height, 1.0);
+        if lens_radius == 0.0 {
+            return Ray::new(position, self.frame.to_world(local).normalize());
+        }
+        let [lens_x, lens_y] = concentric_disk([u[2], u[3]]);
+        let lens = Vec3::new(lens_x, lens_y, 0.0) * lens_radius;
+        let focus = local.as_dvec3() * f64::from(focus_distance);
+        let direction = (focus - lens.as_dvec3()).normalize().as_vec3();
+        let origin = position + self.frame.to_world(lens);
+        Ray::new(origin, self.frame.to_world(direction).normalize())
+    }
+
+    fn filter_offset(&self, u: f32) -> f32 {
+        let place = u * FILTER_TABLE as f32;
+        let index = (place as usize).min(FILTER_TABLE - 1);
+        let fraction = place - index as f32;
+        self.filter[index] * (1.0 - fraction) + self.filter[index + 1] * fraction
+    }
+}
+
+fn inverse_filter(kind: FilterKind, radius: f32) -> InverseFilter {
+    const FINE: usize = 1 << 14;
+    let value = |t: f64| match kind {
+        FilterKind::Box => 1.0,
+        FilterKind::Gaussian => (-0.5 * (3.0 * t).powi(2)).exp(),
+        FilterKind::BlackmanHarris => {
+            // Four-term window [Harris 1978, table I, 92 dB].
+            let a = std::f64::consts::PI * (t + 1.0);
+            0.35875 - 0.48829 * a.cos() + 0.14128 * (2.0 * a).cos() - 0.01168 * (3.0 * a).cos()
+        }
+    };
+    let mut cumulative = vec![0.0; FINE + 1];
+    for i in 0..FINE {
+        let t = (i as f64 + 0.5) / FINE as f64 * 2.0 - 1.0;
+        cumulative[i + 1] = cumulative[i] + value(t);
+    }
+    let total = cumulative[FINE];
+    std::array::from_fn(|k| {
+        let goal = total * k as f64 / FILTER_TABLE as f64;
+        let i = cumulative.partition_point(|&c| c < goal).clamp(1, FINE);
+        let fraction = (goal - cumulative[i - 1]) / (cumulative[i] - cumulative[i - 1]);
+        let t = (i as f64 - 1.0 + fraction.clamp(0.0, 1.0)) / FINE as f64 * 2.0 - 1.0;
+        t as f32 * radius
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        Camera {
+            position: Vec3::new(0.0, 0.0, 5.0),
+            target: Vec3::ZERO,
+            up: Vec3::Y,
+            horizontal_fov: 90.0,
+            lens_radius: 0.0,
+            focus_distance: 5.0,
+        }
+    }
+
+    fn film(filter: FilterKind, filter_radius: f32) -> Film {
+        Film { width: 200, height: 100, filter, filter_radius, ..Film::default() }
+    }
+
+    fn view(camera: Camera, film: Film) -> View {
+        View::new(camera, film, 0).expect("camera and film are valid")
+    }
+
+    #[test]
+    fn ray_spans_the_field_of_view_upright() {
+        let rays = view(camera(), film(FilterKind::Box, 0.5));
+        let left = rays.ray(0, 50, [0.0, 0.0, 0.5, 0.5]).direction;
+        assert!((left.x / -left.z + 1.0).abs() < 1e-5, "x = −tan 45° at the left edge: {left}");
+        let top = rays.ray(100, 0, [0.0, 0.0, 0.5, 0.5]).direction;
+        assert!(top.y > 0.0 && (top.y / -top.z - 0.5).abs() < 1e-5, "row 0 is the top: {top}");
+    }
+
+    #[test]
+    fn ray_meets_the_focus_point_from_all_of_the_lens() {
+        let lens = Camera { lens_radius: 0.4, ..camera() };
+        let rays = view(lens, film(FilterKind::Box, 0.5));
+        let sharp = view(camera(), film(FilterKind::Box, 0.5)).ray(30, 20, [0.3, 0.6, 0.0, 0.0]);
+        let point = sharp.at(5.0 / -sharp.direction.z);
+        for (a, b) in [(0.1, 0.2), (0.9, 0.4), (0.5, 0.99)] {
+            let ray = rays.ray(30, 20, [0.3, 0.6, a, b]);
+            let distance = (point - ray.origin).cross(ray.direction).length();
+            assert!(distance < 1e-4, "{distance}");
+        }
+    }
+
+    #[test]
+    fn ray_has_a_direction_for_every_lens_and_view() {
+        let film = film(FilterKind::Box, 0.5);
+        let extents = [f32::from_bits(1), 1e-40, 1e-20, 1.0, 1e9];
+        for (lens_radius, focus_distance, fov) in extents.into_iter().flat_map(|lens| {
+            extents.into_iter().flat_map(move |focus| [1e-40, 179.999].map(|fov| (lens, focus, fov)))
+        }) {
+            for target in [Vec3::new(0.0, 0.0, 5.0 - 5e-7), Vec3::new(1e-30, 0.0, 0.0), Vec3::splat(1e9)] {
+                let position = if target.x == 1e-30 { Vec3::ZERO } else { Vec3::new(0.0, 0.0, 5.0) };
+                let camera =
+                    Camera { position, target, lens_radius, focus_distance, horizontal_fov: fov, ..camera() };
+                let ray = view(camera, film).ray(7, 93, [0.1, 0.9, 0.3, 0.8]);
+                assert!(ray.direction.is_normalized() && ray.origin.is_finite(), "{camera:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn filter_has_the_variance_of_its_shape() {
+        // Variances over [−1, 1]. Box: 1/3. Gaussian cut at 3σ: (1 − 6φ(3)/(2Φ(3) − 1))/9.
+        // Blackman–Harris: 1/3 + Σ (−1)ⁿ 2aₙ/(a₀ π² n²) with the signed window coefficients aₙ about t = 0.
+        for (kind, expected) in [
+            (FilterKind::Box, 1.0 / 3.0),
+            (FilterKind::Gaussian, 0.108_148),
+            (FilterKind::BlackmanHarris, 0.0767371),
+        ] {
+            let rays = view(camera(), film(kind, 1.0));
+            let n = 100_000;
+            let variance = (0..n)
+                .map(|i| f64::from(rays.filter_offset((i as f32 + 0.5) / n as f32)).powi(2))
+                .sum::<f64>()
+                / f64::from(n);
+            assert!((variance / expected - 1.0).abs() < 2e-3, "{kind:?}: {variance}");
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! A rendering from start to end: points, previews, passes, checkpoints, denoising.
+//!
+//! ```text
+//! prepared scene + view → Session → run(plan, observer, stop) → film
+//!                            ↑ edit, set_view                    ↓ read at any time
+//! ```
+//!
+//! A session knows no terminal and no page: whoever drives it hears of its progress through an [`Observer`] and reads its
+//! film while it is rendered. [`Session::start`] runs it on threads of its own, so that it can be stopped within
+//! milliseconds, edited and started again.
+
+mod running;
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use translucid_image::{Denoised, Denoiser, OutputError};
+use translucid_scene::SceneError;
+
+use crate::render::{
+    CheckpointInfo, Edit, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene, Progress,
+    Renewed, View, load_checkpoint, save_checkpoint,
+};
+use crate::subsurface::transport::points::{PointCloud, PointProgress, PointsError};
+
+pub use running::RunningSession;
+
+/// Something that happens in a session.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// Points are being made.
+    Points(PointProgress),
+    /// Samples were added.
+    Samples(Progress),
+    /// One sample of each pixel at a fraction of the resolution is there.
+    Preview(Fraction, &'a FilmSums),
+    /// The film was saved for a later run.
+    Checkpoint(&'a Path),
+    /// The finished picture is being denoised.
+    Denoising,
+}
+
+/// Somebody who hears of what happens in a session, from any of its threads.
+pub trait Observer: Sync {
+    /// Hears of an event.
+    fn notice(&self, event: &Event<'_>);
+}
+
+impl<F: Fn(&Event<'_>) + Sync> Observer for F {
+    fn notice(&self, event: &Event<'_>) {
+        self(event);
+    }
+}
+
+/// How far a session is to go, and what it does on the way.
+#[derive(Debug)]
+pub struct Plan {
+    /// Samples that each pixel shall have in the end.
+    pub samples: u32,
+    /// When to stop even if they are not reached.
+    pub deadline: Option<Instant>,
+    /// Where and how often the film is saved for a later run.
+    pub checkpoint: Option<CheckpointPlan>,
+    /// Resolutions at which one sample of each pixel is rendered first.
+    pub previews: Vec<Fraction>,
+    /// Bytes that points may take, where the scene asks for points.
+    pub point_memory: u64,
+    /// What denoises the picture when all samples are there.
+    pub denoiser: Option<Denoiser>,
+    /// Threads that the denoiser may use; 0 is one per processor.
+    pub denoiser_threads: usize,
+}
+
+impl Plan {
+    /// A number of samples, and nothing else.
+    #[must_use]
+    pub fn samples(samples: u32) -> Self {
+        Self {
+            samples,
+            deadline: None,
+            checkpoint: None,
+            previews: Vec::new(),
+            point_memory: u64::MAX,
+            denoiser: None,
+            denoiser_threads: 0,
+        }
+    }
+}
+
+/// Where and how often a film is saved.
+#[derive(Clone, Debug)]
+pub struct CheckpointPlan {
+    /// The file.
+    pub path: PathBuf,
+    /// Time between two savings: what a power cut may cost.
+    pub interval: Duration,
+}
+
+/// A session that has ended.
+#[derive(Debug)]
+pub struct Rendering {
+    /// Why it has.
+    pub outcome: Outcome,
+    /// The picture denoised, if that was asked for and all samples are there.
+    pub denoised: Option<Result<Denoised, OutputError>>,
+}
+
+/// Something that keeps a session from going on.
+#[derive(Debug)]
+pub enum SessionError {
+    /// The points would not fit.
+    Points(PointsError),
+    /// The film cannot be saved.
+    Checkpoint(OutputError),
+}
+
+impl std::fmt::Display for SessionError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Points(error) => error.fmt(f),
+            Self::Checkpoint(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for SessionError {}
+
+/// A prepared scene, a view of it and its film.
+pub struct Session {
+    prepared: PreparedScene,
+    view: View,
+    film: Arc<LiveFilm>,
+    /// Time spent rendering in all runs \[s\].
+    seconds: f64,
+}
+
+impl Session {
+    /// A session with an empty film.
+    #[must_use]
+    pub fn new(prepared: PreparedScene, view: View) -> Self {
+        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0 }
+    }
+
+    /// The scene.
+    #[must_use]
+    pub fn prepared(&self) -> &PreparedScene {
+        &self.prepared
+    }
+
+    /// The view.
+    #[must_use]
+    pub fn view(&self) -> &View {
+        &self.view
+    }
+
+    /// The film, which can be read while the session runs. After an edit or another view it is another one.
+    #[must_use]
+    pub fn film(&self) -> Arc<LiveFilm> {
+        Arc::clone(&self.film)
+    }
+
+    /// Time spent rendering in all runs, that of a checkpoint included \[s\].
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.seconds
+    }
+
+    /// Changes the scene; the film begins anew.
+    ///
+    /// # Errors
+    /// As [`PreparedScene::edit`]; scene and film then stay as they were.
+    pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
+        let renewed = self.prepared.edit(edit)?;
+        self.restart();
+        Ok(renewed)
+    }
+
+    /// Looks at the scene otherwise; the film begins anew.
+    pub fn set_view(&mut self, view: View) {
+        self.view = view;
+        self.restart();
+    }
+
+    fn restart(&mut self) {
+        self.film = Arc::new(empty_film(&self.view));
+        self.seconds = 0.0;
+    }
+
+    /// Takes the points that the scene asks for.
+    pub fn set_points(&mut self, points: &PointCloud) {
+        self.prepared.set_points(points);
+    }
+
+    /// Goes on from what an earlier run has saved.
+    ///
+    /// # Errors
+    /// The file cannot be read, is damaged, or belongs to another scene or view.
+    pub fn resume(&mut self, path: &Path) -> Result<(), OutputError> {
+        let (film, info) = load_checkpoint(path, self.prepared.fingerprint(&self.view))?;
+        self.film = Arc::new(LiveFilm::new(film));
+        self.seconds = info.elapsed_seconds;
+        Ok(())
+    }
+
+    /// Saves the film so that a later run can go on from it.
+    ///
+    /// # Errors
+    /// The file cannot be written; an older one is then still whole.
+    pub fn save(&self, path: &Path) -> Result<(), OutputError> {
+        self.save_after(path, 0.0)
+    }
+
+    fn save_after(&self, path: &Path, seconds: f64) -> Result<(), OutputError> {
+        let info = CheckpointInfo {
+            fingerprint: self.prepared.fingerprint(&self.view),
+            seed: self.view.seed(),
+            elapsed_seconds: self.seconds + seconds,
+        };
+        save_checkpoint(path, &self.film.sums(), &info)
+    }
+
+    /// Renders on the current rayon pool until the plan is fulfilled, its deadline has come, or `stop` is true.
+    ///
+    /// A stopped session goes on where it was, with the bits of one that was not stopped.
+    ///
+    /// # Errors
+    /// Points do not fit into memory, or a checkpoint cannot be written.
+    pub fn run(
+        &mut self,
+        plan: &Plan,
+        observer: &dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<Rendering, SessionError> {
+        let mut rendering = Rendering { outcome: Outcome::Interrupted, denoised: None };
+        if !self.make_points(plan, observer, stop)? {
+            return Ok(rendering);
+        }
+        let start = Instant::now();
+        self.preview(plan, observer, stop);
+        rendering.outcome = self.render_in_slices(plan, observer, stop, start)?;
+        self.seconds += start.elapsed().as_secs_f64();
+        if let (Some(denoiser), Outcome::Finished) = (&plan.denoiser, rendering.outcome) {
+            observer.notice(&Event::Denoising);
+            rendering.denoised = {
+                let sums = self.film.sums();
+                Some(denoiser.denoise(&sums.layers_picture(&ImageInfo::default()), plan.denoiser_threads))
+            };
+        }
+        Ok(rendering)
+    }
+
+    /// Runs on `threads` threads of its own (0: one per processor), which [`RunningSession`] stops.
+    ///
+    /// # Errors
+    /// The threads cannot be started.
+    pub fn start(
+        self,
+        plan: Plan,
+        threads: usize,
+        observer: impl Observer + Send + 'static,
+    ) -> std::io::Result<RunningSession> {
+        RunningSession::start(self, plan, threads, observer)
+    }
+
+    /// Makes the points that the scene asks for; false when stopped.
+    fn make_points(
+        &mut self,
+        plan: &Plan,
+        observer: &dyn Observer,
+        stop: &AtomicBool,
+    ) -> Result<bool, SessionError> {
+        if !self.prepared.wants_points() {
+            return Ok(true);
+        }
+        let allowed = u64::from(self.prepared.scene().integrator.point_memory) << 20;
+        let report = |progress| observer.notice(&Event::Points(progress));
+        let points = self.prepared.make_points(allowed.min(plan.point_memory), &report, stop);
+        let Some(points) = points.map_err(SessionError::Points)? else { return Ok(false) };
+        self.prepared.set_points(&points);
+        Ok(true)
+    }
+
+    /// Renders the previews of an empty film.
+    fn preview(&self, plan: &Plan, observer: &dyn Observer, stop: &AtomicBool) {
+        if self.film.sums().paths() > 0 {
+            return;
+        }
+        for &fraction in &plan.previews {
+            let view = self.view.at(fraction);
+            let film = empty_film(&view);
+            let goal = Goal { samples: 1, deadline: plan.deadline };
+            if self.prepared.render(&view, &film, goal, &|_| {}, stop) != Outcome::Finished {
+                return;
+            }
+            observer.notice(&Event::Preview(fraction, &film.sums()));
+        }
+    }
+
+    /// Renders with a checkpoint now and then.
+    fn render_in_slices(
+        &self,
+        plan: &Plan,
+        observer: &dyn Observer,
+        stop: &AtomicBool,
+        start: Instant,
+    ) -> Result<Outcome, SessionError> {
+        let mut interval = plan.checkpoint.as_ref().map(|checkpoint| checkpoint.interval);
+        loop {
+            let paths = self.film.sums().paths();
+            let slice = interval.and_then(|interval| Instant::now().checked_add(interval));
+            let goal = Goal { samples: plan.samples, deadline: plan.deadline.into_iter().chain(slice).min() };
+            let report = |progress| observer.notice(&Event::Samples(progress));
+            let outcome = self.prepared.render(&self.view, &self.film, goal, &report, stop);
+            let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+            let Some(checkpoint) = &plan.checkpoint else { return Ok(outcome) };
+            if outcome != Outcome::TimeUp || time_is_up || stop.load(Ordering::Relaxed) {
+                return Ok(outcome);
+            }
+            if self.film.sums().paths() == paths {
+                // Not even time for one tile: a longer slice will do.
+                interval = interval.map(|interval| interval * 2);
+                continue;
+            }
+            let seconds = start.elapsed().as_secs_f64();
+            self.save_after(&checkpoint.path, seconds).map_err(SessionError::Checkpoint)?;
+            observer.notice(&Event::Checkpoint(&checkpoint.path));
+        }
+    }
+}
+
+/// A film of the size of a view's region.
+fn empty_film(view: &View) -> LiveFilm {
+    let region = view.region();
+    LiveFilm::new(FilmSums::new(region.width, region.height))
+}

@@ -1,0 +1,106 @@
+//! A point where light enters a medium: the light that arrives there, and the way on for a path.
+
+use glam::Vec3;
+
+use crate::ray::{Ray, SurfacePoint};
+use crate::sampling::{Frame, Sampler};
+use crate::surface;
+use crate::surface::bsdf::EntryBsdf;
+use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
+
+use super::kernel::DirectionalWeight;
+
+/// Light from one direction at an entry point.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Arrival {
+    /// Unit direction toward where it comes from.
+    pub(crate) direction: Vec3,
+    /// What it adds to E/π below the surface.
+    pub(crate) light: Vec3,
+}
+
+impl Arrival {
+    pub(crate) const NONE: Self = Self { direction: Vec3::Z, light: Vec3::ZERO };
+}
+
+/// A point where light enters the medium.
+pub(crate) struct EntryPoint<'a> {
+    world: &'a World,
+    pub(crate) point: SurfacePoint,
+    /// Shading normal on the side that is seen.
+    pub(crate) normal: Vec3,
+    /// Geometric normal on that side.
+    geometric: Vec3,
+    bsdf: EntryBsdf<'a>,
+}
+
+/// The factor of a surface on light that enters there.
+pub(crate) fn entry_bsdf<'a>(world: &'a World, point: &SurfacePoint) -> EntryBsdf<'a> {
+    let (index, material) = world.material(point);
+    EntryBsdf::new(&surface::parameters_at(&world.scene, material, point), world.surfaces.of(index))
+}
+
+impl<'a> EntryPoint<'a> {
+    /// A point of a surface that is seen from its outside (`side` 1) or, in an open mesh, from its inside (−1).
+    pub(crate) fn new(world: &'a World, point: SurfacePoint, side: f32) -> Self {
+        let (_, material) = world.material(&point);
+        Self {
+            world,
+            normal: surface::shading_normal_at(&world.scene, material, &point) * side,
+            geometric: point.geometric_normal * side,
+            bsdf: entry_bsdf(world, &point),
+            point,
+        }
+    }
+
+    /// Goes on where light enters the medium: light from one sampled light, a cosine direction. False where the path
+    /// is over.
+    pub(crate) fn enter(
+        &self,
+        path: &mut PathState,
+        directional: &DirectionalWeight,
+        sampler: &mut Sampler,
+    ) -> bool {
+        if let Some(arrival) = self.direct_light(path.absorption, sampler.next_4d()) {
+            let light = arrival.light * directional.weight(arrival.direction) * path.throughput;
+            path.add_to(path.layer_after(Layer::Subsurface), light);
+        }
+        let Some((direction, weight)) = self.head_off(path, sampler.next_4d()) else {
+            return false;
+        };
+        path.throughput *= weight * directional.weight(direction);
+        path.throughput != Vec3::ZERO
+    }
+
+    /// Sets the path on its way in a cosine direction that light enters from; returns it and its weight, which the path
+    /// does not have yet.
+    pub(crate) fn head_off(&self, path: &mut PathState, v: [f32; 4]) -> Option<(Vec3, Vec3)> {
+        let Self { ref point, normal, geometric, .. } = *self;
+        let (wi, weight) = self.bsdf.sample([v[0], v[1]]);
+        let direction = Frame::from_normal(normal).to_world(wi).normalize();
+        if direction.dot(geometric) <= 0.0 {
+            return None;
+        }
+        let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
+        path.diffuse_depth += 1;
+        path.soft |= !self.world.scene.integrator.caustics;
+        let ray = Ray::new(point.ray_origin(direction), direction);
+        path.scatter(Layer::Subsurface, ray, Vec3::ONE, origin);
+        (weight != Vec3::ZERO).then_some((direction, weight))
+    }
+
+    /// Light from one sampled light that enters here, whatever its direction changes.
+    pub(crate) fn direct_light(&self, absorption: Vec3, u: [f32; 4]) -> Option<Arrival> {
+        let Self { world, ref point, normal, geometric, ref bsdf } = *self;
+        let light = world.lights.sample(point.position, normal, u[0], [u[1], u[2]])?;
+        let direction = light.direction;
+        let cosine = direction.dot(normal);
+        if cosine <= 0.0 || direction.dot(geometric) <= 0.0 {
+            return None;
+        }
+        let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, EntryBsdf::pdf(cosine)) };
+        let medium = ShadowMedium { absorption, soft: !world.scene.integrator.caustics };
+        let light = weighed(world.unoccluded(point, &light, medium), mis / light.pdf) * bsdf.eval(cosine);
+        Some(Arrival { direction, light })
+    }
+}

@@ -1,0 +1,241 @@
+//! From a material to its kernel.
+
+use std::fmt;
+
+use translucid_profile::{
+    AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model,
+    ObliqueDiffusionTable, ParameterError, Parameterization, Profile,
+};
+use translucid_scene::{Material, ProfileTable, SceneError, SubsurfaceModel};
+
+use super::{Angular, SubsurfaceKernel};
+
+/// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
+const DARKEST: f64 = 1e-3;
+/// Greatest surface albedo of a table over the diffuse mean free path, which does not exist at 1.
+const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
+
+/// Below this the directional dipole's energy at grazing incidence is far from the surface albedo: without a change of
+/// index it grows without end.
+const LEAST_ETA_OF_DIRECTIONAL_DIPOLE: f64 = 1.1;
+
+/// All that decides a kernel: materials with equal recipes share one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum KernelRecipe {
+    Model(ModelRecipe),
+    /// The scene's profile table of this number.
+    File(usize),
+}
+
+/// All that decides the kernel of a model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ModelRecipe {
+    model: Model,
+    parameterization: Parameterization,
+    configuration: Configuration,
+    eta: f64,
+    /// By which light is refracted that is then followed by its direction.
+    eta_of_refraction: f64,
+    g: f64,
+    /// The three surface albedos of a material that is not textured.
+    surface_albedos: Option<[f64; 3]>,
+}
+
+/// What a kernel does not do as the material asks.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KernelNote {
+    /// The model reaches no greater surface albedo than this; its shape there stands in above.
+    AlbedoLimit(f64),
+    /// The directional dipole is noisy at so small a relative index of refraction, and pale where light grazes.
+    NoisyBoundary(f64),
+}
+
+impl fmt::Display for KernelNote {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::AlbedoLimit(most) => {
+                write!(f, "reaches a surface albedo of {most:.4}; its shape there stands in above")
+            }
+            Self::NoisyBoundary(eta) => write!(
+                f,
+                "is noisy at subsurface_eta {eta}, and pale where light grazes; it is made for an index like 1.4"
+            ),
+        }
+    }
+}
+
+/// A profile that cannot be made.
+#[derive(Clone, Debug, PartialEq)]
+pub enum KernelError {
+    /// The model has none for these parameters.
+    Model(ParameterError),
+    /// The file's samples make none.
+    File(SceneError),
+}
+
+impl fmt::Display for KernelError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Model(error) => error.fmt(f),
+            Self::File(error) => error.fmt(f),
+        }
+    }
+}
+
+impl std::error::Error for KernelError {}
+
+impl KernelRecipe {
+    /// The recipe of a material's own model; `None` where that is no profile.
+    pub(crate) fn of(material: &Material) -> Option<Self> {
+        match material.subsurface_model {
+            SubsurfaceModel::None | SubsurfaceModel::RandomWalk => None,
+            SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
+            SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
+        }
+    }
+
+    /// Burley's index-matched profile with a material's parameters, which stands in for what cannot be made.
+    pub(crate) fn stand_in(material: &Material) -> Self {
+        let model = Model::NormalizedDiffusion;
+        Self::Model(ModelRecipe { g: 0.0, eta: 1.0, ..ModelRecipe::of(model, material) })
+    }
+
+    /// Tabulates the kernel. Takes milliseconds to tenths of a second.
+    pub(crate) fn make(&self, files: &[ProfileTable]) -> Result<SubsurfaceKernel, KernelError> {
+        match self {
+            Self::Model(recipe) => recipe.make().map_err(KernelError::Model),
+            Self::File(index) => {
+                let table = files[*index].table().map_err(KernelError::File)?;
+                Ok(SubsurfaceKernel {
+                    radial: AlbedoTableF32::from(&table),
+                    brightest: 1.0,
+                    is_from_file: true,
+                    angular: Angular::Nothing,
+                    notes: Vec::new(),
+                })
+            }
+        }
+    }
+}
+
+/// The g and η that a material's model is used with.
+fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
+    let Material { subsurface_scatter_anisotropy: g, subsurface_eta: eta, .. } = *material;
+    model.nearest_known(f64::from(g), f64::from(eta))
+}
+
+/// The g and η that a material asks for and its model is not fitted for, with those that it is used with.
+pub(crate) fn unfitted(material: &Material) -> Vec<NearestParameter> {
+    let SubsurfaceModel::Profile(model) = material.subsurface_model else { return Vec::new() };
+    if !model.knows_boundary() {
+        return Vec::new();
+    }
+    NearestParameter::changed(material, nearest_known(model, material))
+}
+
+/// A parameter that is out of a model's reach and taken for the nearest within.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NearestParameter {
+    /// Name of the parameter as scene files have it.
+    pub parameter: &'static str,
+    /// Value that the material states.
+    pub stated: f32,
+    /// Value in its place.
+    pub used: f64,
+}
+
+impl NearestParameter {
+    /// Which of g and η a material states otherwise than they are used.
+    pub(crate) fn changed(material: &Material, used: [f64; 2]) -> Vec<Self> {
+        let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
+        let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
+        (0..2)
+            .filter(|&i| f64::from(stated[i]) != used[i])
+            .map(|i| Self { parameter: names[i], stated: stated[i], used: used[i] })
+            .collect()
+    }
+}
+
+impl fmt::Display for NearestParameter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} is {}, taken for {}", self.parameter, self.stated, self.used as f32)
+    }
+}
+
+impl ModelRecipe {
+    fn of(model: Model, material: &Material) -> Self {
+        let color = &material.subsurface_color;
+        let textured = color.texture.is_some() || color.vertex_color;
+        let [g, eta] = nearest_known(model, material);
+        let fraction = |a: f32| f64::from(a.clamp(0.0, 1.0));
+        Self {
+            model,
+            parameterization: material.subsurface_parameter,
+            configuration: material.subsurface_configuration,
+            eta,
+            eta_of_refraction: f64::from(material.subsurface_eta),
+            g,
+            surface_albedos: (!textured).then(|| color.factor.to_array().map(fraction)),
+        }
+    }
+
+    fn make(&self) -> Result<SubsurfaceKernel, ParameterError> {
+        let (table, most) = self.table()?;
+        let wanted = self.surface_albedos.map_or(1.0, |albedos| albedos.into_iter().fold(0.0, f64::max));
+        let is_noisy = self.model == Model::DirectionalDipole && self.eta < LEAST_ETA_OF_DIRECTIONAL_DIPOLE;
+        let limit = (most < wanted).then_some(KernelNote::AlbedoLimit(most));
+        let noisy = is_noisy.then_some(KernelNote::NoisyBoundary(self.eta));
+        Ok(SubsurfaceKernel {
+            radial: AlbedoTableF32::from(&table),
+            brightest: self.brightest() as f32,
+            is_from_file: false,
+            angular: self.angular()?,
+            notes: limit.into_iter().chain(noisy).collect(),
+        })
+    }
+
+    fn angular(&self) -> Result<Angular, ParameterError> {
+        let Self { parameterization, configuration, .. } = *self;
+        Ok(match self.model {
+            Model::DirectionalDipole => {
+                Angular::Dipole(DirectionalDipoleTable::new(self.eta, self.g, parameterization)?)
+            }
+            Model::NormalizedDiffusionOblique => Angular::Oblique(ObliqueDiffusionTable::new(
+                self.eta_of_refraction,
+                parameterization,
+                configuration,
+            )?),
+            _ => Angular::Nothing,
+        })
+    }
+
+    fn profile(&self, surface_albedo: f64) -> Result<Box<dyn Profile>, ParameterError> {
+        let Self { parameterization, g, .. } = *self;
+        let appearance = Appearance { surface_albedo, length: 1.0, parameterization, g };
+        self.model.profile(&appearance, self.configuration, self.eta)
+    }
+
+    /// Surface albedo whose shape stands in above it.
+    fn brightest(&self) -> f64 {
+        if self.parameterization == Parameterization::Dmfp { BRIGHTEST_WITH_DMFP } else { 1.0 }
+    }
+
+    /// The table, and the greatest surface albedo that the model reaches.
+    fn table(&self) -> Result<(AlbedoTable, f64), ParameterError> {
+        let brightest = self.brightest();
+        let most = match self.profile(brightest) {
+            Ok(_) => brightest,
+            Err(error) => error.limit.unwrap_or(brightest),
+        };
+        let table = match self.surface_albedos {
+            Some(albedos) => {
+                let mut rows = albedos.map(|a| a.max(DARKEST).min(most)).to_vec();
+                rows.sort_by(f64::total_cmp);
+                rows.dedup();
+                AlbedoTable::new(&rows, |a| self.profile(a))?
+            }
+            None => AlbedoTable::for_every_albedo(|a| self.profile(a.min(brightest)))?,
+        };
+        Ok((table, if most == brightest { 1.0 } else { most }))
+    }
+}

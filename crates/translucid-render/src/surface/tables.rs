@@ -1,0 +1,61 @@
+//! Tables that materials need at their surfaces, made before the first path.
+
+use std::sync::Arc;
+
+use translucid_scene::{Integrator, Material};
+
+use super::bsdf::MaterialTables;
+
+/// The reflectance tables of a scene's materials, and which of them light passes.
+pub(crate) struct SurfaceTables {
+    /// For each material; those with the same indices of refraction share one.
+    tables: Vec<Arc<MaterialTables>>,
+    /// For each material, whether light may pass it: shadow rays then look closer.
+    lets_light_through: Vec<bool>,
+}
+
+impl SurfaceTables {
+    pub(crate) fn new(materials: &[Material], integrator: &Integrator) -> Self {
+        let mut new = Self { tables: Vec::new(), lets_light_through: Vec::new() };
+        for material in materials {
+            new.tables.push(new.tables_of(material));
+            new.lets_light_through.push(lets_light_through(material, integrator));
+        }
+        new
+    }
+
+    /// Makes what a changed material needs.
+    pub(crate) fn update(&mut self, index: usize, material: &Material, integrator: &Integrator) {
+        self.tables[index] = self.tables_of(material);
+        self.lets_light_through[index] = lets_light_through(material, integrator);
+    }
+
+    /// The tables of a material's indices of refraction, which are made if no material has had them.
+    fn tables_of(&self, material: &Material) -> Arc<MaterialTables> {
+        let (specular_ior, coat_ior) = (material.specular_ior, material.coat_ior);
+        let is_alike = |tables: &&Arc<MaterialTables>| {
+            tables.specular_ior() == specular_ior && tables.coat_ior() == coat_ior
+        };
+        let known = self.tables.iter().find(is_alike).cloned();
+        known.unwrap_or_else(|| Arc::new(MaterialTables::new(specular_ior, coat_ior)))
+    }
+
+    pub(crate) fn of(&self, material: usize) -> &MaterialTables {
+        &self.tables[material]
+    }
+
+    pub(crate) fn lets_light_through(&self, material: usize) -> bool {
+        self.lets_light_through[material]
+    }
+
+    /// Whether any shadow ray has to look closer.
+    pub(crate) fn any_lets_light_through(&self) -> bool {
+        self.lets_light_through.contains(&true)
+    }
+}
+
+fn lets_light_through(material: &Material, integrator: &Integrator) -> bool {
+    let opacity = &material.geometry_opacity;
+    let is_clear = material.transmission_weight.factor > 0.0 && !integrator.caustics;
+    opacity.factor < 1.0 || opacity.texture.is_some() || is_clear
+}

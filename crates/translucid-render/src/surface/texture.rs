@@ -1,0 +1,36 @@
+//! Colors and numbers at a point: factors, textures and vertex colors multiplied.
+
+use glam::Vec3;
+use translucid_scene::{Channel, ColorInput, Image, ScalarInput, Scene, TextureRef};
+
+use crate::ray::SurfacePoint;
+
+pub(super) fn color(scene: &Scene, input: &ColorInput, point: &SurfacePoint) -> Vec3 {
+    let mut value = input.factor;
+    if let Some(texture) = &input.texture {
+        let [r, g, b, _] = texel(&scene.images, texture, point);
+        value *= Vec3::new(r, g, b);
+    }
+    if input.vertex_color { value * point.color } else { value }
+}
+
+pub(super) fn scalar(scene: &Scene, input: &ScalarInput, point: &SurfacePoint) -> f32 {
+    match &input.texture {
+        None => input.factor,
+        Some((texture, channel)) => {
+            let texel = texel(&scene.images, texture, point);
+            let index = match channel {
+                Channel::Red => 0,
+                Channel::Green => 1,
+                Channel::Blue => 2,
+                Channel::Alpha => 3,
+            };
+            input.factor * texel[index]
+        }
+    }
+}
+
+pub(super) fn texel(images: &[Image], texture: &TextureRef, point: &SurfacePoint) -> [f32; 4] {
+    let uv = texture.coordinates(point.uv);
+    images[texture.image].bilinear(uv.x, uv.y, texture.wrap)
+}

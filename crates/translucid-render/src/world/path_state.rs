@@ -1,0 +1,118 @@
+//! A path under way: where it is, what it is worth, and what light it has found.
+
+use glam::Vec3;
+
+use super::PixelSample;
+use crate::ray::{Ray, SurfacePoint};
+
+/// Surfaces that a path may pass straight through in a row, against endless loops.
+const MOST_PASSES: u32 = 256;
+
+/// Layer of the image that a path brings light to: the first scattering event decides.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Layer {
+    Emission,
+    /// Reflected or transmitted by the surface; the share that is matte, per channel.
+    Surface(Vec3),
+    Subsurface,
+}
+
+impl Layer {
+    pub(crate) fn add(self, sample: &mut PixelSample, light: Vec3) {
+        match self {
+            Self::Emission => sample.emission += light,
+            Self::Surface(diffuse_share) => {
+                sample.diffuse += light * diffuse_share;
+                sample.specular += light * (1.0 - diffuse_share);
+            }
+            Self::Subsurface => sample.subsurface += light,
+        }
+    }
+}
+
+/// The last point at which the path was scattered, for MIS.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Origin {
+    pub(crate) point: Vec3,
+    /// Normal given to the light selection.
+    pub(crate) normal: Vec3,
+    /// Solid-angle density of the direction taken; infinite where lights could not be sampled instead.
+    pub(crate) pdf: f32,
+}
+
+/// A path from the camera, or from an entry point of light.
+pub(crate) struct PathState {
+    pub(crate) ray: Ray,
+    pub(crate) throughput: Vec3,
+    pub(crate) layer: Layer,
+    pub(crate) origin: Origin,
+    pub(crate) depth: u32,
+    pub(crate) diffuse_depth: u32,
+    passes: u32,
+    /// Whether the path left a matte surface with caustics off; see [`crate::path`].
+    pub(crate) soft: bool,
+    /// Number of the vertex, the camera's being 0.
+    pub(crate) vertex: u32,
+    /// Absorption coefficient of the clear medium around the ray [1/L].
+    pub(crate) absorption: Vec3,
+    pub(crate) sample: PixelSample,
+    /// Number of the sample in its block, until its light under a surface is left to the block.
+    pub(crate) in_block: Option<usize>,
+}
+
+impl PathState {
+    pub(crate) fn new(ray: Ray) -> Self {
+        Self {
+            ray,
+            throughput: Vec3::ONE,
+            layer: Layer::Emission,
+            origin: Origin { point: ray.origin, normal: Vec3::ZERO, pdf: f32::INFINITY },
+            depth: 0,
+            diffuse_depth: 0,
+            passes: 0,
+            soft: false,
+            vertex: 0,
+            absorption: Vec3::ZERO,
+            sample: PixelSample::default(),
+            in_block: None,
+        }
+    }
+
+    /// A path that goes on from here under a surface and is worth `throughput`; its light is counted by itself.
+    pub(crate) fn branch(&self, throughput: Vec3) -> Self {
+        Self { throughput, layer: Layer::Subsurface, sample: PixelSample::default(), in_block: None, ..*self }
+    }
+
+    /// Adds light of the given radiance at the path's end to its layer.
+    pub(crate) fn add(&mut self, radiance: Vec3) {
+        let light = self.throughput * radiance;
+        self.add_to(self.layer, light);
+    }
+
+    pub(crate) fn add_to(&mut self, layer: Layer, light: Vec3) {
+        layer.add(&mut self.sample, light);
+    }
+
+    /// The layer, given the kind of the event at hand.
+    pub(crate) fn layer_after(&self, event: Layer) -> Layer {
+        if self.layer == Layer::Emission { event } else { self.layer }
+    }
+
+    /// Goes on in a new direction.
+    pub(crate) fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: Origin) {
+        self.layer = self.layer_after(event);
+        self.throughput *= weight;
+        self.ray = ray;
+        self.origin = origin;
+        self.depth += 1;
+        self.passes = 0;
+    }
+
+    /// Goes on behind the surface in the same direction; the MIS origin stays. False where nothing is left to go on.
+    pub(crate) fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
+        self.throughput *= transmittance;
+        self.ray = Ray::new(point.ray_origin(self.ray.direction), self.ray.direction);
+        self.passes += 1;
+        self.passes < MOST_PASSES && self.throughput != Vec3::ZERO
+    }
+}

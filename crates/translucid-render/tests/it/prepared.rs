@@ -1,0 +1,146 @@
+//! Edits of a prepared scene: it renders what a scene that is prepared anew renders, and prepares nothing else.
+
+use glam::Vec3;
+use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
+use translucid_scene::{
+    Camera, ColorInput, Environment, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
+    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+};
+
+use crate::common::{matte, quad, render, scene, sphere, uniform_environment};
+
+fn wax(radius: f32) -> Material {
+    Material {
+        name: "wax".into(),
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
+        subsurface_radius: ScalarInput::constant(radius),
+        ..Material::default()
+    }
+}
+
+/// A ball of wax over a matte floor under a rectangle light and an even sky.
+fn still() -> Scene {
+    let floor = quad(Vec3::new(0.0, -1.0, 0.0), Vec3::X * 4.0, Vec3::NEG_Z * 4.0);
+    let mut scene = scene(vec![sphere(1.0, 16), floor], wax(0.2));
+    scene.materials.push(matte(Vec3::splat(0.6)));
+    scene.objects[1].material = 1;
+    scene.objects[1].subsurface_group = 1;
+    scene.environment = uniform_environment(Vec3::splat(0.3));
+    scene.lights = vec![light(2.0)];
+    scene.integrator = Integrator { max_depth: 5, ..Integrator::default() };
+    scene.camera = Camera { position: Vec3::new(0.0, 1.0, 6.0), target: Vec3::ZERO, ..scene.camera };
+    scene
+}
+
+fn light(height: f32) -> Light {
+    Light::Rectangle {
+        center: Vec3::new(1.0, height, 1.0),
+        edge_x: Vec3::X,
+        edge_y: Vec3::Z,
+        radiance: Vec3::splat(5.0),
+        visible: true,
+    }
+}
+
+fn picture(prepared: &PreparedScene) -> FilmSums {
+    let mut film = FilmSums::new(16, 16);
+    render(prepared, &mut film, 2);
+    film
+}
+
+/// Every kind of edit, with what it prepares anew.
+fn edits() -> Vec<(&'static str, Edit, Renewed)> {
+    let none = Renewed::default();
+    let material = Renewed { materials: 1, ..none };
+    let emissive = Material { emission_luminance: 3.0, ..matte(Vec3::ONE) };
+    let walk = Material { subsurface_model: SubsurfaceModel::RandomWalk, ..wax(0.3) };
+    let normalized = Material { subsurface_normalization: SubsurfaceNormalization::Energy, ..wax(0.4) };
+    let moved = Mesh {
+        positions: sphere(1.0, 16).positions.into_iter().map(|p| p + Vec3::X).collect(),
+        ..sphere(1.0, 16)
+    };
+    let object = Object { name: "moved".into(), mesh: moved, material: 0, subsurface_group: 0 };
+    let bright = Environment { radiance: Vec3::ONE, ..uniform_environment(Vec3::ONE).expect("a sky") };
+    let point_based = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..still().integrator };
+    let clear = Integrator { caustics: true, subsurface_sharing: false, ..still().integrator };
+    vec![
+        ("length", Edit::Material(0, Box::new(wax(0.7))), material),
+        ("walk", Edit::Material(0, Box::new(walk)), material),
+        ("normalization", Edit::Material(0, Box::new(normalized)), material),
+        ("emission", Edit::Material(1, Box::new(emissive)), Renewed { lights: true, ..material }),
+        ("lights", Edit::Lights(vec![light(3.0), light(1.5)]), Renewed { lights: true, ..none }),
+        ("no lights", Edit::Lights(Vec::new()), Renewed { lights: true, ..none }),
+        ("environment", Edit::Environment(Some(bright)), Renewed { lights: true, ..none }),
+        ("no environment", Edit::Environment(None), Renewed { lights: true, ..none }),
+        ("object", Edit::Object(0, Box::new(object)), Renewed { geometry: true, lights: true, ..none }),
+        ("integrator", Edit::Integrator(clear), Renewed { materials: 2, ..none }),
+        ("points", Edit::Integrator(point_based), Renewed { materials: 2, points: true, ..none }),
+    ]
+}
+
+fn apply(scene: &mut Scene, edit: Edit) {
+    match edit {
+        Edit::Material(index, material) => scene.materials[index] = *material,
+        Edit::Object(index, object) => scene.objects[index] = *object,
+        Edit::Lights(lights) => scene.lights = lights,
+        Edit::Environment(environment) => scene.environment = environment,
+        Edit::Integrator(integrator) => scene.integrator = integrator,
+    }
+}
+
+#[test]
+fn edited_scene_renders_as_one_that_is_prepared_anew() {
+    // One prepared scene goes through all edits, so that nothing of an earlier one is left
+    let mut prepared = PreparedScene::new(still()).expect("a valid scene");
+    let mut fresh = still();
+    for (name, edit, renewed) in edits() {
+        assert_eq!(prepared.edit(edit.clone()).expect(name), renewed, "{name}");
+        apply(&mut fresh, edit);
+        let anew = PreparedScene::new(fresh.clone()).expect("a valid scene");
+        assert!(picture(&prepared) == picture(&anew), "{name}");
+        assert_eq!(prepared.notes(), anew.notes(), "{name}");
+        if name == "emission" {
+            // Light from the floor would drown what the other edits change
+            let edit = Edit::Material(1, Box::new(matte(Vec3::splat(0.6))));
+            prepared.edit(edit.clone()).expect("a valid material");
+            apply(&mut fresh, edit);
+        }
+    }
+}
+
+#[test]
+fn edit_that_is_not_valid_changes_nothing() {
+    let mut prepared = PreparedScene::new(still()).expect("a valid scene");
+    let before = picture(&prepared);
+    let nan = Material { specular_ior: f32::NAN, ..wax(0.2) };
+    let dangling = Object { material: 7, ..still().objects.remove(0) };
+    let dark = Light::Sphere { center: Vec3::ZERO, radius: -1.0, radiance: Vec3::ONE, visible: true };
+    for edit in [
+        Edit::Material(0, Box::new(nan)),
+        Edit::Material(9, Box::new(wax(0.2))),
+        Edit::Object(0, Box::new(dangling)),
+        Edit::Object(2, Box::new(still().objects.remove(0))),
+        Edit::Lights(vec![dark]),
+        Edit::Environment(Some(Environment {
+            image: Some(3),
+            ..uniform_environment(Vec3::ONE).expect("a sky")
+        })),
+        Edit::Integrator(Integrator { max_depth: 0, ..Integrator::default() }),
+    ] {
+        let error = prepared.edit(edit.clone()).expect_err("not valid");
+        assert!(!error.to_string().is_empty(), "{edit:?}");
+        assert!(picture(&prepared) == before, "{edit:?}: {error}");
+    }
+}
+
+#[test]
+fn camera_and_film_that_are_not_valid_are_refused() {
+    let view = PreparedScene::new(still()).expect("a valid scene").view().expect("a valid view");
+    let camera = *view.camera();
+    assert!(view.with_camera(Camera { target: camera.position, ..camera }).is_err());
+    assert!(view.with_camera(Camera { horizontal_fov: 180.0, ..camera }).is_err());
+    let mut nowhere = still();
+    nowhere.film.width = 0;
+    assert!(PreparedScene::new(nowhere).is_err());
+}

@@ -1,0 +1,114 @@
+//! Sessions: stopped, edited, started again, resumed.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use translucid_render::{Edit, Event, Fraction, Outcome, Plan, PreparedScene, Session};
+use translucid_scene::{LoadOptions, SubsurfaceMethod, still_life};
+
+use crate::common::on_threads;
+
+fn session() -> Session {
+    let options = LoadOptions { size: Some([96, 54]), ..LoadOptions::default() };
+    let prepared = PreparedScene::new(still_life(&options).expect("built in")).expect("a valid scene");
+    let view = prepared.view().expect("a valid view");
+    Session::new(prepared, view)
+}
+
+/// The least time of many between a stop and the session's return, because other processes may have the processor.
+#[test]
+fn session_stops_at_once_and_goes_on() {
+    let mut session = session();
+    let mut least = Duration::MAX;
+    for _ in 0..10 {
+        let running = session.start(Plan::samples(1 << 20), 2, |_: &Event<'_>| {}).expect("threads");
+        std::thread::sleep(Duration::from_millis(60));
+        assert!(!running.is_finished());
+        let before = Instant::now();
+        let result;
+        (session, result) = running.stop();
+        least = least.min(before.elapsed());
+        assert_eq!(result.expect("no error").outcome, Outcome::Interrupted);
+    }
+    assert!(least < Duration::from_millis(20), "{least:?}");
+    // Where it was stopped leaves no trace
+    let samples = session.film().sums().tiles.iter().map(|tile| tile.samples).max().unwrap_or(0) + 1;
+    let never = AtomicBool::new(false);
+    let plan = Plan::samples(samples);
+    assert_eq!(session.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error").outcome, Outcome::Finished);
+    let mut whole = self::session();
+    whole.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error");
+    assert!(*session.film().sums() == *whole.film().sums());
+}
+
+#[test]
+fn session_is_edited_between_runs() {
+    let mut session = session();
+    let never = AtomicBool::new(false);
+    session.run(&Plan::samples(1), &|_: &Event<'_>| {}, &never).expect("no error");
+    let before = session.film();
+    let mut material = session.prepared().scene().materials[0].clone();
+    material.base_weight *= 0.5;
+    session.edit(Edit::Material(0, Box::new(material))).expect("a valid material");
+    assert_eq!(session.film().samples(), 0, "the film begins anew");
+    assert_eq!(before.samples(), 1, "who reads the old film keeps it");
+    session.set_view(session.view().with_region([3, 4, 40, 30]).expect("within the film"));
+    session.run(&Plan::samples(1), &|_: &Event<'_>| {}, &never).expect("no error");
+    assert_eq!((session.film().sums().width, session.film().sums().height), (37, 26));
+}
+
+#[test]
+fn session_goes_on_from_its_file() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("film.checkpoint");
+    let never = AtomicBool::new(false);
+    let quiet = |_: &Event<'_>| {};
+    let mut first = session();
+    first.run(&Plan::samples(1), &quiet, &never).expect("no error");
+    first.save(&path).expect("written");
+    let mut second = session();
+    second.resume(&path).expect("its own");
+    assert!(second.seconds() > 0.0);
+    for session in [&mut first, &mut second] {
+        session.run(&Plan::samples(2), &quiet, &never).expect("no error");
+    }
+    assert!(*first.film().sums() == *second.film().sums());
+    let mut other = session();
+    other.set_view(other.view().with_region([0, 0, 9, 9]).expect("within the film"));
+    assert!(other.resume(&path).is_err(), "a film of another region");
+}
+
+#[test]
+fn observer_hears_of_points_previews_and_samples() {
+    let options = LoadOptions { size: Some([48, 27]), ..LoadOptions::default() };
+    let mut scene = still_life(&options).expect("built in");
+    scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+    scene.integrator.point_tolerance = 1.0;
+    let prepared = PreparedScene::new(scene).expect("a valid scene");
+    let view = prepared.view().expect("a valid view");
+    let mut session = Session::new(prepared, view);
+    let heard = Mutex::new(Vec::new());
+    let observer = |event: &Event<'_>| {
+        let word = match event {
+            Event::Points(_) => String::from("points"),
+            Event::Preview(fraction, film) => format!("{fraction:?} {}x{}", film.width, film.height),
+            Event::Samples(progress) => {
+                assert!(progress.samples_done <= progress.samples_total);
+                String::from("samples")
+            }
+            Event::Checkpoint(_) | Event::Denoising => String::from("other"),
+        };
+        let mut heard = heard.lock().expect("no panic");
+        if heard.last() != Some(&word) {
+            heard.push(word);
+        }
+    };
+    let plan = Plan { previews: vec![Fraction::Eighth, Fraction::Half], ..Plan::samples(1) };
+    let never = AtomicBool::new(false);
+    let rendering = on_threads(2, || session.run(&plan, &observer, &never)).expect("no error");
+    assert_eq!(rendering.outcome, Outcome::Finished);
+    let words = heard.into_inner().expect("no panic");
+    assert_eq!(words, ["points", "Eighth 6x4", "Half 24x14", "samples"]);
+    assert!(!never.load(Ordering::Relaxed));
+}

@@ -1,0 +1,113 @@
+//! Regions and fractions of a picture.
+
+use std::sync::atomic::AtomicBool;
+
+use glam::Vec3;
+use translucid_render::{FilmLayer, FilmSums, Fraction, Goal, LiveFilm, PreparedScene, View};
+use translucid_scene::{ColorInput, Integrator, Material, ScalarInput, Scene};
+
+use crate::common::{distant, scene, sphere, uniform_environment};
+
+/// A ball of wax whose light is shared by pixels of a block.
+fn ball(sharing: bool) -> Scene {
+    let wax = Material {
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
+        subsurface_radius: ScalarInput::constant(0.5),
+        ..Material::default()
+    };
+    let mut scene = scene(vec![sphere(1.0, 24)], wax);
+    (scene.film.width, scene.film.height) = (71, 45);
+    scene.camera.position = Vec3::new(0.0, 0.0, 4.0);
+    scene.environment = uniform_environment(Vec3::splat(0.3));
+    scene.lights = vec![distant(Vec3::ONE)];
+    scene.integrator = Integrator { max_depth: 4, subsurface_sharing: sharing, ..Integrator::default() };
+    scene
+}
+
+fn rendered(prepared: &PreparedScene, view: &View, samples: u32) -> FilmSums {
+    let region = view.region();
+    let film = LiveFilm::new(FilmSums::new(region.width, region.height));
+    prepared.render(view, &film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    film.into_sums()
+}
+
+#[test]
+fn region_has_the_pixels_of_the_whole_picture() {
+    for sharing in [true, false] {
+        let prepared = PreparedScene::new(ball(sharing)).expect("a valid scene");
+        let view = prepared.view().expect("a valid view");
+        let whole = rendered(&prepared, &view, 3);
+        for [x0, y0, x1, y1] in [[0, 0, 71, 45], [20, 11, 53, 30], [31, 22, 32, 23], [55, 40, 71, 45]] {
+            let region = view.with_region([x0, y0, x1, y1]).expect("a region of the film");
+            let part = rendered(&prepared, &region, 3);
+            for (x, y) in region.region().pixels() {
+                assert_eq!(part.mean(x - x0, y - y0), whole.mean(x, y), "{sharing} {x} {y}");
+            }
+        }
+    }
+}
+
+#[test]
+fn region_beyond_the_film_is_refused() {
+    let view = PreparedScene::new(ball(true)).expect("a valid scene").view().expect("a valid view");
+    for region in [[0, 0, 0, 1], [3, 3, 3, 9], [0, 0, 72, 45], [0, 0, 71, 46], [5, 5, 4, 9]] {
+        let error = view.with_region(region).expect_err("not a region").to_string();
+        assert!(error.contains("71") && error.contains("45"), "{error}");
+    }
+    assert_ne!(
+        PreparedScene::new(ball(true)).expect("valid").fingerprint(&view),
+        PreparedScene::new(ball(true))
+            .expect("valid")
+            .fingerprint(&view.with_region([0, 0, 9, 9]).expect("inside")),
+    );
+}
+
+/// A fraction shows what the whole picture shows: means over the same squares agree, up to what the edges of pixels change.
+#[test]
+fn fraction_shows_the_same_picture() {
+    let prepared = PreparedScene::new(ball(true)).expect("a valid scene");
+    let view = prepared.view().expect("a valid view");
+    let whole = rendered(&prepared, &view, 4);
+    for fraction in [Fraction::Half, Fraction::Quarter, Fraction::Eighth] {
+        let n = fraction.divisor();
+        let small = rendered(&prepared, &view.at(fraction), 16);
+        assert_eq!([small.width, small.height], [71_u32.div_ceil(n), 45_u32.div_ceil(n)]);
+        let mut difference = 0.0;
+        let (columns, rows) = (71 / n, 45 / n);
+        for (x, y) in (0..rows).flat_map(|y| (0..columns).map(move |x| (x, y))) {
+            let square = (0..n * n).map(|i| whole.radiance(x * n + i % n, y * n + i / n)[0]).sum::<f64>();
+            difference += (square / f64::from(n * n) - small.radiance(x, y)[0]).abs();
+        }
+        let mean = difference / f64::from(columns * rows);
+        assert!(mean < 0.05, "{fraction:?}: {mean}");
+    }
+    assert_eq!(view.at(Fraction::Half).at(Fraction::Whole).region(), view.region());
+}
+
+#[test]
+fn live_film_gives_layers_and_says_what_has_changed() {
+    let prepared = PreparedScene::new(ball(true)).expect("a valid scene");
+    let view = prepared.view().expect("a valid view");
+    let film = LiveFilm::new(FilmSums::new(71, 45));
+    assert!(film.tiles_changed_since(0).is_empty());
+    let goal = |samples| Goal { samples, deadline: None };
+    prepared.render(&view, &film, goal(1), &|_| {}, &AtomicBool::new(false));
+    let first = film.changes();
+    let area: u64 = film.tiles_changed_since(0).iter().map(|tile| tile.area()).sum();
+    assert_eq!(area, 71 * 45);
+    assert!(film.tiles_changed_since(first).is_empty());
+    prepared.render(&view, &film, goal(2), &|_| {}, &AtomicBool::new(false));
+    assert!(film.changes() > first && !film.tiles_changed_since(first).is_empty());
+    for layer in FilmLayer::ALL {
+        let mut pixels = vec![f32::NAN; 71 * 45 * layer.channels()];
+        film.copy_layer(layer, &mut pixels).expect("the right length");
+        assert!(pixels.iter().all(|value| value.is_finite()), "{layer:?}");
+        let error = film.copy_layer(layer, &mut pixels[1..]).expect_err("one too few");
+        assert_eq!(error.needed, error.given + 1);
+    }
+    let mut radiance = vec![0.0; 71 * 45 * 3];
+    film.copy_layer(FilmLayer::Radiance, &mut radiance).expect("the right length");
+    let expected = film.sums().radiance(40, 20).map(|value| value as f32);
+    assert_eq!(radiance[(20 * 71 + 40) * 3..][..3], expected);
+}

@@ -1,0 +1,145 @@
+//! Errors and warnings of inputs, with their places.
+
+mod nearest;
+
+use std::fmt;
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+pub(crate) use nearest::nearest;
+
+/// Where in a file something was found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// The file.
+    pub path: PathBuf,
+    /// Line, from 1, for text files.
+    pub line: Option<usize>,
+    /// The text and the byte range in it that a message should underline.
+    pub excerpt: Option<(Arc<str>, Range<usize>)>,
+    /// Position in words where lines mean nothing: "accessor 3", "byte 812".
+    pub part: Option<String>,
+}
+
+impl Place {
+    /// A whole file.
+    #[must_use]
+    pub fn file(path: &Path) -> Self {
+        Self { path: path.to_owned(), line: None, excerpt: None, part: None }
+    }
+
+    /// A line of a text file, from 1.
+    #[must_use]
+    pub fn line(path: &Path, line: usize) -> Self {
+        Self { line: Some(line), ..Self::file(path) }
+    }
+
+    /// A named part of a binary file.
+    #[must_use]
+    pub fn part(path: &Path, part: impl Into<String>) -> Self {
+        Self { part: Some(part.into()), ..Self::file(path) }
+    }
+
+    /// A byte range of a text whose whole content is at hand; the line follows from it.
+    #[must_use]
+    pub fn span(path: &Path, text: &Arc<str>, span: Range<usize>) -> Self {
+        let line = 1 + text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count();
+        Self { line: Some(line), excerpt: Some((Arc::clone(text), span)), ..Self::file(path) }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.path.display())?;
+        if let Some(line) = self.line {
+            write!(f, ":{line}")?;
+        }
+        if let Some(part) = &self.part {
+            write!(f, ", {part}")?;
+        }
+        Ok(())
+    }
+}
+
+/// An input that cannot be used: what was found, where, and what to do about it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneError {
+    /// The fault, with the value found and the values allowed; no final stop.
+    pub message: String,
+    /// Where, if it is in a file.
+    pub place: Option<Place>,
+    /// Advice, if there is any.
+    pub help: Option<String>,
+}
+
+impl SceneError {
+    /// An error at a place.
+    #[must_use]
+    pub fn at(place: Place, message: impl Into<String>) -> Self {
+        Self { message: message.into(), place: Some(place), help: None }
+    }
+
+    /// An error that is in no file.
+    #[must_use]
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), place: None, help: None }
+    }
+
+    /// The error with the part of the scene that it is in before its message: "material skin, …".
+    pub(crate) fn within(mut self, part: impl fmt::Display) -> Self {
+        self.message = format!("{part}, {}", self.message);
+        self
+    }
+
+    /// The error with a thing of the scene before its message, by the thing's name if it has one.
+    pub(crate) fn within_named(self, thing: &str, name: &str) -> Self {
+        if name.is_empty() { self.within(thing) } else { self.within(format_args!("{thing} {name}")) }
+    }
+
+    /// The error at a file, if it has no place yet.
+    pub(crate) fn or_at(mut self, path: &Path) -> Self {
+        self.place.get_or_insert_with(|| Place::file(path));
+        self
+    }
+
+    /// Adds advice.
+    #[must_use]
+    pub fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+impl fmt::Display for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(place) = &self.place {
+            write!(f, "{place}: ")?;
+        }
+        write!(f, "{}", self.message)?;
+        if let Some(help) = &self.help {
+            write!(f, " ({help})")?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for SceneError {}
+
+/// Something a loader repaired or left out, and how often.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Warning {
+    /// The finding and the repair, with their count.
+    pub message: String,
+    /// Where.
+    pub place: Option<Place>,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Some(place) => write!(f, "{place}: {}", self.message),
+            None => write!(f, "{}", self.message),
+        }
+    }
+}

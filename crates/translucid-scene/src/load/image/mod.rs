@@ -1,0 +1,95 @@
+//! Image files of any format, told apart by their first bytes.
+
+mod exr;
+mod file_bytes;
+mod jpeg;
+mod png;
+mod radiance;
+mod raster;
+
+use std::path::Path;
+
+use super::read_file;
+use crate::{ColorSpace, Image, Place, SceneError, Warning};
+use file_bytes::ImageBytes;
+
+/// Loads an image file: PNG, JPEG, OpenEXR or Radiance HDR, whatever its name ends in.
+///
+/// `color_space` says how to read integer files; float files are linear.
+/// Color profiles, gamma chunks and orientation tags in the file are ignored.
+///
+/// # Errors
+/// The file cannot be read, is damaged, of another format, beyond 32 768 pixels an edge or 2²⁸ pixels.
+pub fn load_image(
+    path: &Path,
+    color_space: ColorSpace,
+    warnings: &mut Vec<Warning>,
+) -> Result<Image, SceneError> {
+    let image = decode_image(&Place::file(path), &read_file(path)?, color_space, warnings)?;
+    Ok(Image { path: Some(path.to_owned()), ..image })
+}
+
+/// Decodes an image from bytes as [`load_image`] does; `place` is where messages say it came from.
+///
+/// # Errors
+/// As [`load_image`].
+pub fn decode_image(
+    place: &Place,
+    bytes: &[u8],
+    color_space: ColorSpace,
+    warnings: &mut Vec<Warning>,
+) -> Result<Image, SceneError> {
+    let source = ImageBytes { place, bytes };
+    let raster = match bytes {
+        [0x89, b'P', b'N', b'G', ..] => png::decode(&source, color_space)?,
+        [0xff, 0xd8, 0xff, ..] => jpeg::decode(&source, warnings)?,
+        [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source)?,
+        [b'#', b'?', ..] => radiance::decode(&source)?,
+        _ => return Err(source.unknown_format()),
+    };
+    Ok(raster.into_image(place, color_space, warnings))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::mutants::mutants;
+
+    fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
+        decode_image(&Place::file(Path::new("a.png")), bytes, ColorSpace::Srgb, &mut Vec::new())
+    }
+
+    fn is_sound(image: &Image) -> bool {
+        image.validate().is_ok()
+    }
+
+    #[test]
+    fn image_of_unknown_format_is_refused_with_its_name() {
+        for (bytes, part) in [
+            (&b""[..], "is empty"),
+            (b"\x89PN", "not an image of a known format"),
+            (b"GIF89a", "PNG, JPEG, OpenEXR and Radiance HDR can be read"),
+        ] {
+            let message = decoded(bytes).unwrap_err().to_string();
+            assert!(message.starts_with("a.png: ") && message.contains(part), "{message}");
+        }
+        let missing = load_image(Path::new("no/such.png"), ColorSpace::Srgb, &mut Vec::new());
+        assert!(missing.unwrap_err().to_string().starts_with("no/such.png: cannot be read"));
+    }
+
+    #[test]
+    fn image_survives_any_mutation() {
+        let jpegs: [&[u8]; 3] = [
+            include_bytes!("../../../tests/data/color.jpg"),
+            include_bytes!("../../../tests/data/progressive.jpg"),
+            include_bytes!("../../../tests/data/cmyk.jpg"),
+        ];
+        let others = [png::example(), exr::example(), radiance::example()];
+        for file in jpegs.map(<[u8]>::to_vec).into_iter().chain(others) {
+            assert!(decoded(&file).is_ok());
+            for mutant in mutants(&file, 2_000) {
+                assert!(decoded(&mutant).map_or(true, |image| is_sound(&image)));
+            }
+        }
+    }
+}

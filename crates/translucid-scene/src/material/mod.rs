@@ -1,0 +1,221 @@
+//! Surface material with the parameter names of OpenPBR Surface 1.1.
+
+mod parameters;
+
+use glam::Vec3;
+use translucid_profile::Model;
+pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParameter};
+
+use crate::{ColorInput, ScalarInput, TextureRef};
+
+pub(crate) use parameters::{PARAMETERS, Parameter, Slot};
+
+/// How light under the surface is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SubsurfaceModel {
+    /// A reflectance profile.
+    Profile(Model),
+    /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
+    Tabulated(usize),
+    /// No profile: a walk through the volume, scattering event by scattering event.
+    RandomWalk,
+    /// No transport under the surface: `subsurface_color` becomes a Lambertian color.
+    None,
+}
+
+/// The default of a plain medium (g = 0, η = 1).
+impl Default for SubsurfaceModel {
+    fn default() -> Self {
+        Self::default_of(0.0, 1.0)
+    }
+}
+
+impl SubsurfaceModel {
+    /// The model that materials have which name none: the one that is nearest to the truth for a mean cosine g and a
+    /// relative index η.
+    ///
+    /// Oblique light is solved for isotropic scattering without a boundary only; the refined profile knows the rest.
+    #[must_use]
+    pub fn default_of(g: f32, eta: f32) -> Self {
+        let plain = g == 0.0 && eta == 1.0;
+        Self::Profile(if plain {
+            Model::NormalizedDiffusionOblique
+        } else {
+            Model::NormalizedDiffusionRefined
+        })
+    }
+
+    /// Every model that can be asked for by its name alone.
+    pub const ALL: [Self; Model::ALL.len() + 2] = {
+        let mut all = [Self::None; Model::ALL.len() + 2];
+        all[Model::ALL.len()] = Self::RandomWalk;
+        let mut i = 0;
+        while i < Model::ALL.len() {
+            all[i] = Self::Profile(Model::ALL[i]);
+            i += 1;
+        }
+        all
+    };
+
+    /// The model's name as scene files and the command line write it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Profile(model) => model.name(),
+            Self::Tabulated(_) => "tabulated",
+            Self::RandomWalk => "random-walk",
+            Self::None => "none",
+        }
+    }
+
+    /// The model of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|model| model.name() == name)
+    }
+}
+
+/// Point whose surface albedo and mean free path count where a texture gives the exit point and the entry point
+/// different ones.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceTextureAt {
+    /// The parameters at the exit point x_o, where light leaves.
+    #[default]
+    Exit,
+    /// The parameters at the entry point x_i, where light enters.
+    Entry,
+    /// The geometric means of both points: light goes both ways alike.
+    Both,
+}
+
+/// Treatment of the share of a profile for which a thin or curved thing has no surface, or has it twice.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum SubsurfaceNormalization {
+    /// The profile is that of a half space, whatever the shape.
+    #[default]
+    None,
+    /// Light that leaves at a point is divided by the share of the profile that the surface around it has, so that even
+    /// light returns the surface albedo from any shape.
+    Energy,
+}
+
+/// A tangent-space normal map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NormalMap {
+    /// The image, data in [0, 1] meaning [−1, 1].
+    pub texture: TextureRef,
+    /// Factor on the x and y components, in [−100, 100].
+    pub scale: f32,
+}
+
+/// A surface: weights and roughnesses in [0, 1], colors ≥ 0, indices of refraction in [1, 4].
+///
+/// Layers from outside in: opacity, coat, then by `base_metalness` a metal or a dielectric; under the
+/// dielectric's specular reflection by `transmission_weight` clear transmission, else by
+/// `subsurface_weight` subsurface scattering, else diffuse reflection.
+/// Textured values are clamped to their ranges where they are evaluated.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Name for messages.
+    pub name: String,
+    /// Factor on `base_color`.
+    pub base_weight: f32,
+    /// Diffuse albedo, or the metal's reflectance at normal incidence.
+    pub base_color: ColorInput,
+    /// Dielectric 0 … metal 1.
+    pub base_metalness: ScalarInput,
+    /// Strength of the specular reflection (scales F₀); 0 removes the interface.
+    pub specular_weight: ScalarInput,
+    /// Tint of the specular reflection.
+    pub specular_color: ColorInput,
+    /// Perceptual roughness; the GGX width is its square.
+    pub specular_roughness: ScalarInput,
+    /// Index of refraction of the dielectric.
+    pub specular_ior: f32,
+    /// Fraction of the dielectric base that is clear.
+    pub transmission_weight: ScalarInput,
+    /// Color after `transmission_depth`, or the tint of each crossing where that is 0.
+    pub transmission_color: ColorInput,
+    /// Depth at which `transmission_color` is reached \[L\]; 0: tint at the surface.
+    pub transmission_depth: f32,
+    /// Fraction of the dielectric base that scatters light under the surface.
+    pub subsurface_weight: ScalarInput,
+    /// Surface albedo A of the medium: the share of the light that enters which leaves again, not counting what the
+    /// interface reflects.
+    #[doc(alias = "surface_albedo")]
+    #[doc(alias = "albedo")]
+    #[doc(alias = "diffuse_reflectance")]
+    pub subsurface_color: ColorInput,
+    /// Mean free path (or diffuse mean free path, see `subsurface_parameter`) \[L\], ≥ 0.
+    pub subsurface_radius: ScalarInput,
+    /// Factor on `subsurface_radius` for each channel.
+    pub subsurface_radius_scale: ColorInput,
+    /// Mean cosine of the phase function, in (−1, 1).
+    pub subsurface_scatter_anisotropy: f32,
+    /// Model of the transport under the surface.
+    pub subsurface_model: SubsurfaceModel,
+    /// Meaning of `subsurface_radius`.
+    pub subsurface_parameter: SubsurfaceParameter,
+    /// How light enters the medium in the profile's model.
+    pub subsurface_configuration: Configuration,
+    /// Relative index of refraction of the boundary in models that know one, in [0.5, 3]; 1 is index-matched.
+    pub subsurface_eta: f32,
+    /// Whose textured albedo and mean free path count.
+    pub subsurface_texture_at: SubsurfaceTextureAt,
+    /// Whether the shape counts in how much light a profile returns.
+    pub subsurface_normalization: SubsurfaceNormalization,
+    /// Strength of the clear coat.
+    pub coat_weight: ScalarInput,
+    /// Tint of what lies under the coat.
+    pub coat_color: ColorInput,
+    /// Perceptual roughness of the coat.
+    pub coat_roughness: ScalarInput,
+    /// Index of refraction of the coat.
+    pub coat_ior: f32,
+    /// Factor on `emission_color`: emitted radiance.
+    pub emission_luminance: f32,
+    /// Color of the emission.
+    pub emission_color: ColorInput,
+    /// 0: the surface is not there; 1: it is.
+    pub geometry_opacity: ScalarInput,
+    /// Normal map, if any.
+    pub geometry_normal: Option<NormalMap>,
+}
+
+impl Default for Material {
+    /// OpenPBR's defaults, but for `subsurface_configuration`: a surface is lit from all sides.
+    fn default() -> Self {
+        Self {
+            name: String::from("default"),
+            base_weight: 1.0,
+            base_color: ColorInput::constant(Vec3::splat(0.8)),
+            base_metalness: ScalarInput::constant(0.0),
+            specular_weight: ScalarInput::constant(1.0),
+            specular_color: ColorInput::constant(Vec3::ONE),
+            specular_roughness: ScalarInput::constant(0.3),
+            specular_ior: 1.5,
+            transmission_weight: ScalarInput::constant(0.0),
+            transmission_color: ColorInput::constant(Vec3::ONE),
+            transmission_depth: 0.0,
+            subsurface_weight: ScalarInput::constant(0.0),
+            subsurface_color: ColorInput::constant(Vec3::splat(0.8)),
+            subsurface_radius: ScalarInput::constant(1.0),
+            subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.5, 0.25)),
+            subsurface_scatter_anisotropy: 0.0,
+            subsurface_model: SubsurfaceModel::default(),
+            subsurface_parameter: SubsurfaceParameter::Mfp,
+            subsurface_configuration: Configuration::Diffuse,
+            subsurface_eta: 1.0,
+            subsurface_texture_at: SubsurfaceTextureAt::Exit,
+            subsurface_normalization: SubsurfaceNormalization::None,
+            coat_weight: ScalarInput::constant(0.0),
+            coat_color: ColorInput::constant(Vec3::ONE),
+            coat_roughness: ScalarInput::constant(0.0),
+            coat_ior: 1.6,
+            emission_luminance: 0.0,
+            emission_color: ColorInput::constant(Vec3::ONE),
+            geometry_opacity: ScalarInput::constant(1.0),
+            geometry_normal: None,
+        }
+    }
+}

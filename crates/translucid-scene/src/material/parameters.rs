@@ -1,0 +1,214 @@
+//! The parameters of a material that are numbers: the one list for loaders and checks.
+
+use super::{Material, SubsurfaceModel};
+use crate::interval::{Interval, check_index};
+use crate::texture::{TEXTURED_COLOR, TEXTURED_SCALAR};
+use crate::{ColorInput, NormalMap, ScalarInput, SceneError, TextureRef};
+
+/// A parameter that is a number, a scalar with an image or a color with an image.
+pub(crate) struct Parameter {
+    /// The field's name, which is the key in scene files, too.
+    pub(crate) name: &'static str,
+    /// Range of the number, or of each channel, where there is no image.
+    pub(crate) range: Interval,
+    value: fn(&Material) -> Value,
+    slot: fn(&mut Material) -> Slot<'_>,
+}
+
+/// The value of a parameter.
+enum Value {
+    Number(f32),
+    Scalar(ScalarInput),
+    Color(ColorInput),
+}
+
+/// The place of a parameter in a material.
+pub(crate) enum Slot<'a> {
+    Number(&'a mut f32),
+    Scalar(&'a mut ScalarInput),
+    Color(&'a mut ColorInput),
+}
+
+macro_rules! conversions {
+    ($($input:ty => $variant:ident),*) => {
+        $(
+            impl From<$input> for Value {
+                fn from(value: $input) -> Self {
+                    Self::$variant(value)
+                }
+            }
+
+            impl<'a> From<&'a mut $input> for Slot<'a> {
+                fn from(slot: &'a mut $input) -> Self {
+                    Self::$variant(slot)
+                }
+            }
+        )*
+    };
+}
+
+conversions!(f32 => Number, ScalarInput => Scalar, ColorInput => Color);
+
+macro_rules! parameters {
+    ($($name:ident in $range:expr,)*) => {
+        /// Every parameter that is a number, in the order of the fields.
+        pub(crate) const PARAMETERS: &[Parameter] = &[$(Parameter {
+            name: stringify!($name),
+            range: $range,
+            value: |material| material.$name.into(),
+            slot: |material| (&mut material.$name).into(),
+        }),*];
+    };
+}
+
+parameters! {
+    base_weight in Interval::UNIT,
+    base_color in Interval::UNIT,
+    base_metalness in Interval::UNIT,
+    specular_weight in Interval::UNIT,
+    specular_color in Interval::UNIT,
+    specular_roughness in Interval::UNIT,
+    specular_ior in Interval::IOR,
+    transmission_weight in Interval::UNIT,
+    transmission_color in Interval::UNIT,
+    transmission_depth in Interval::LENGTH,
+    subsurface_weight in Interval::UNIT,
+    subsurface_color in Interval::UNIT,
+    subsurface_radius in Interval::LENGTH,
+    subsurface_radius_scale in Interval::FACTOR,
+    subsurface_scatter_anisotropy in Interval::open(-1.0, 1.0),
+    subsurface_eta in Interval::closed(0.5, 3.0),
+    coat_weight in Interval::UNIT,
+    coat_color in Interval::UNIT,
+    coat_roughness in Interval::UNIT,
+    coat_ior in Interval::IOR,
+    emission_luminance in Interval::LIGHT,
+    emission_color in Interval::FACTOR,
+    geometry_opacity in Interval::UNIT,
+}
+
+impl Parameter {
+    /// The parameter's place in a material.
+    pub(crate) fn slot<'a>(&self, material: &'a mut Material) -> Slot<'a> {
+        (self.slot)(material)
+    }
+
+    fn check(&self, material: &Material, images: usize) -> Result<(), SceneError> {
+        match (self.value)(material) {
+            Value::Number(number) => self.range.check(self.name, number),
+            Value::Scalar(ScalarInput { factor, texture: None }) => self.range.check(self.name, factor),
+            Value::Scalar(ScalarInput { factor, texture: Some((texture, _)) }) => {
+                TEXTURED_SCALAR.check(self.name, factor)?;
+                texture.check(self.name, images)
+            }
+            Value::Color(ColorInput { factor, texture, vertex_color }) => {
+                let varies = texture.is_some() || vertex_color;
+                let range = if varies { TEXTURED_COLOR } else { self.range };
+                range.check_all(self.name, factor.to_array())?;
+                texture.map_or(Ok(()), |texture| texture.check(self.name, images))
+            }
+        }
+    }
+}
+
+impl NormalMap {
+    /// Range of `scale`.
+    pub(crate) const SCALE: Interval = Interval::closed(-100.0, 100.0);
+}
+
+impl Material {
+    /// Checks every field in a scene of so many images and profile tables.
+    ///
+    /// # Errors
+    /// A number is out of its range, or there is no image or profile table of an index.
+    ///
+    /// ```
+    /// use translucid_scene::{ColorInput, Material};
+    ///
+    /// let subsurface_radius_scale = ColorInput::constant([1.0, -2.0, 0.5].into());
+    /// let skin = Material { name: "skin".into(), subsurface_radius_scale, ..Material::default() };
+    /// let error = skin.validate(0, 0).unwrap_err();
+    /// assert_eq!(error.message, "material skin, subsurface_radius_scale[1] = -2: must be in [0, 1e6]");
+    /// ```
+    pub fn validate(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
+        self.check(images, profile_tables).map_err(|error| error.within_named("material", &self.name))
+    }
+
+    pub(crate) fn check(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
+        PARAMETERS.iter().try_for_each(|parameter| parameter.check(self, images))?;
+        if let SubsurfaceModel::Tabulated(table) = self.subsurface_model {
+            check_index("subsurface_model.tabulated", table, profile_tables, "profile tables")?;
+        }
+        if let Some(NormalMap { texture, scale }) = &self.geometry_normal {
+            NormalMap::SCALE.check("geometry_normal.scale", *scale)?;
+            texture.check("geometry_normal", images)?;
+        }
+        Ok(())
+    }
+
+    /// Every reference to an image.
+    pub(crate) fn for_each_texture(&mut self, mut visit: impl FnMut(&mut TextureRef)) {
+        for parameter in PARAMETERS {
+            match parameter.slot(self) {
+                Slot::Number(_) => (),
+                Slot::Scalar(input) => input.texture.iter_mut().for_each(|(texture, _)| visit(texture)),
+                Slot::Color(input) => input.texture.iter_mut().for_each(&mut visit),
+            }
+        }
+        self.geometry_normal.iter_mut().for_each(|map| visit(&mut map.texture));
+    }
+
+    /// Brings every number into its range.
+    pub(crate) fn clamp(&mut self) {
+        for parameter in PARAMETERS {
+            let range = parameter.range;
+            match parameter.slot(self) {
+                Slot::Number(number) => *number = range.nearest(*number),
+                Slot::Scalar(input) => {
+                    let range = if input.texture.is_some() { TEXTURED_SCALAR } else { range };
+                    input.factor = range.nearest(input.factor);
+                }
+                Slot::Color(input) => {
+                    let varies = input.texture.is_some() || input.vertex_color;
+                    let range = if varies { TEXTURED_COLOR } else { range };
+                    input.factor = input.factor.map(|channel| range.nearest(channel));
+                }
+            }
+        }
+        if let Some(map) = &mut self.geometry_normal {
+            map.scale = NormalMap::SCALE.nearest(map.scale);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parameters_hold_every_field_that_is_a_number() {
+        let shown = format!("{:#?}", Material::default());
+        // Fields of the material itself are indented once.
+        let fields =
+            shown.lines().filter_map(|line| line.strip_prefix("    ").filter(|l| !l.starts_with(' ')));
+        let numbers = fields.filter_map(|line| line.split_once(": ")).filter(|(_, value)| {
+            let is_number = value.trim_end_matches(',').parse::<f32>().is_ok();
+            is_number || value.starts_with("ScalarInput") || value.starts_with("ColorInput")
+        });
+        let names: Vec<&str> = numbers.map(|(name, _)| name).collect();
+        let listed: Vec<&str> = PARAMETERS.iter().map(|parameter| parameter.name).collect();
+        assert_eq!(names, listed);
+    }
+
+    #[test]
+    fn clamp_makes_a_material_valid_and_leaves_a_valid_one_alone() {
+        let mut material = Material::default();
+        material.clamp();
+        assert_eq!(material, Material::default());
+        material.specular_ior = f32::NAN;
+        material.subsurface_radius.factor = -1.0;
+        material.emission_color.factor.y = f32::INFINITY;
+        material.clamp();
+        assert_eq!(material.validate(0, 0), Ok(()));
+    }
+}

@@ -1,0 +1,138 @@
+//! Geometric solids and flat pieces, centered on the origin.
+
+use std::f32::consts::{PI, TAU};
+
+use glam::{Vec2, Vec3};
+
+use super::lathe::{Corner, curve_profile, fillet_profile, revolve};
+use super::rounded_box::rounded_box;
+use crate::shapes::parameters::{ShapeParameter, Values};
+use crate::{Mesh, SceneError};
+
+const SEGMENTS: ShapeParameter =
+    ShapeParameter::count("segments", "pieces around the axis", 96.0, 3.0, 4096.0);
+const RADIUS: ShapeParameter = ShapeParameter::length("radius", "radius", 1.0);
+const HEIGHT: ShapeParameter = ShapeParameter::length("height", "length along y", 2.0);
+const EDGE_RADIUS: ShapeParameter =
+    ShapeParameter::length_or_zero("edge_radius", "rounding of the edges", 0.05);
+
+/// Pieces of a rounded edge.
+const ARC: usize = 6;
+
+pub(in crate::shapes) const SPHERE: &[ShapeParameter] = &[RADIUS, SEGMENTS];
+
+pub(in crate::shapes) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
+    let (radius, segments) = (values.get("radius"), values.count("segments"));
+    let rings = (segments / 2).max(2);
+    let mut profile = curve_profile(|t| radius * Vec2::new((PI * t).sin(), -(PI * t).cos()), rings);
+    for (i, point) in profile.iter_mut().enumerate() {
+        point.normal = point.position / radius;
+        // The poles lie on the axis exactly.
+        if i == 0 || i == rings {
+            (point.position.x, point.normal.x) = (0.0, 0.0);
+        }
+    }
+    Ok(revolve(&profile, segments))
+}
+
+pub(in crate::shapes) const RECTANGLE: &[ShapeParameter] = &[
+    ShapeParameter::length("width", "length along x", 2.0),
+    ShapeParameter::length("height", "length along y", 2.0),
+];
+
+/// In the plane z = 0, facing +z.
+pub(in crate::shapes) fn rectangle(values: &Values) -> Result<Mesh, SceneError> {
+    let half = 0.5 * Vec2::new(values.get("width"), values.get("height"));
+    let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
+    Ok(Mesh {
+        positions: uvs.iter().map(|uv| ((2.0 * *uv - 1.0) * half).extend(0.0)).collect(),
+        normals: vec![Vec3::Z; 4],
+        uvs: uvs.to_vec(),
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        ..Mesh::default()
+    })
+}
+
+pub(in crate::shapes) const DISC: &[ShapeParameter] = &[RADIUS, SEGMENTS];
+
+/// In the plane z = 0, facing +z.
+pub(in crate::shapes) fn disc(values: &Values) -> Result<Mesh, SceneError> {
+    let (radius, segments) = (values.get("radius"), values.count("segments"));
+    let rim = (0..segments).map(|i| Vec2::from_angle(TAU * i as f32 / segments as f32));
+    let points: Vec<Vec2> = std::iter::once(Vec2::ZERO).chain(rim).collect();
+    let next = |i: usize| (i % segments + 1) as u32;
+    Ok(Mesh {
+        positions: points.iter().map(|point| (radius * *point).extend(0.0)).collect(),
+        normals: vec![Vec3::Z; points.len()],
+        uvs: points.iter().map(|point| 0.5 * *point + 0.5).collect(),
+        triangles: (0..segments).map(|i| [0, next(i), next(i + 1)]).collect(),
+        ..Mesh::default()
+    })
+}
+
+pub(in crate::shapes) const BOX: &[ShapeParameter] = &[
+    ShapeParameter::length("width", "length along x", 2.0),
+    ShapeParameter::length("height", "length along y", 2.0),
+    ShapeParameter::length("depth", "length along z", 2.0),
+    EDGE_RADIUS,
+];
+
+pub(in crate::shapes) fn cuboid(values: &Values) -> Result<Mesh, SceneError> {
+    let half = 0.5 * Vec3::new(values.get("width"), values.get("height"), values.get("depth"));
+    Ok(rounded_box(half, values.get("edge_radius"), ARC, [1; 3]))
+}
+
+pub(in crate::shapes) const CYLINDER: &[ShapeParameter] = &[RADIUS, HEIGHT, EDGE_RADIUS, SEGMENTS];
+
+pub(in crate::shapes) fn cylinder(values: &Values) -> Result<Mesh, SceneError> {
+    let (radius, half) = (values.get("radius"), 0.5 * values.get("height"));
+    let edge = values.get("edge_radius");
+    let corners = [
+        Corner::sharp(0.0, -half),
+        Corner::rounded(radius, -half, edge),
+        Corner::rounded(radius, half, edge),
+        Corner::sharp(0.0, half),
+    ];
+    Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
+}
+
+pub(in crate::shapes) const CONE: &[ShapeParameter] = &[
+    RADIUS,
+    HEIGHT,
+    ShapeParameter::length_or_zero("top_radius", "radius of the upper end", 0.0),
+    EDGE_RADIUS,
+    SEGMENTS,
+];
+
+pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
+    let (radius, half, top) = (values.get("radius"), 0.5 * values.get("height"), values.get("top_radius"));
+    let edge = values.get("edge_radius");
+    let mut corners = vec![Corner::sharp(0.0, -half), Corner::rounded(radius, -half, edge)];
+    if top > 0.0 {
+        corners.push(Corner::rounded(top, half, edge));
+    }
+    corners.push(Corner::sharp(0.0, half));
+    Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
+}
+
+pub(in crate::shapes) const TORUS: &[ShapeParameter] = &[
+    ShapeParameter::length("radius", "radius of the ring's middle line", 1.0),
+    ShapeParameter::length("tube_radius", "radius of the tube, less than radius", 0.3),
+    SEGMENTS,
+    ShapeParameter::count("tube_segments", "pieces around the tube", 48.0, 3.0, 4096.0),
+];
+
+pub(in crate::shapes) fn torus(values: &Values) -> Result<Mesh, SceneError> {
+    let (radius, tube) = (values.get("radius"), values.get("tube_radius"));
+    if tube >= radius {
+        let message = format!("tube_radius is {tube}, but must be less than radius = {radius}");
+        return Err(SceneError::new(message));
+    }
+    let rings = values.count("tube_segments");
+    let mut profile = curve_profile(|t| Vec2::new(radius, 0.0) + tube * Vec2::from_angle(TAU * t), rings);
+    for (i, point) in profile.iter_mut().enumerate() {
+        point.normal = Vec2::from_angle(TAU * (i % rings) as f32 / rings as f32);
+        point.position = Vec2::new(radius, 0.0) + tube * point.normal;
+    }
+    Ok(revolve(&profile, values.count("segments")))
+}

@@ -1,0 +1,148 @@
+//! Damaged files by the thousand: whatever happens to the bytes, the loader returns.
+
+use serde_json::json;
+use translucid_scene::Unit;
+use translucid_testing::power;
+
+use super::builder::{File, parse, png};
+
+/// A file with a bit of everything.
+fn everything() -> File {
+    let mut file = File::with_material(json!({
+        "name": "m",
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0.5, "baseColorFactor": [1, 1, 1, 0.5] },
+        "normalTexture": { "index": 0, "texCoord": 1, "extensions": { "KHR_texture_transform": { "offset": [0, 1], "rotation": 1, "scale": [2, 2] } } },
+        "emissiveFactor": [1, 0, 0], "alphaMode": "MASK",
+        "extensions": {
+            "KHR_materials_volume": { "attenuationColor": [0.9, 0.5, 0.1], "attenuationDistance": 0.01 },
+            "KHR_materials_volume_scatter": { "multiscatterColor": [0.5, 0.2, 0.1] },
+            "KHR_materials_transmission": { "transmissionFactor": 0.5 },
+            "KHR_materials_clearcoat": { "clearcoatFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 }
+        }
+    }));
+    let image = file.view(&png(2, 1, &[[1, 2, 3, 4]; 2]));
+    file.push("images", json!({ "bufferView": image, "mimeType": "image/png" }));
+    file.push("samplers", json!({ "wrapS": 33071 }));
+    file.push("textures", json!({ "source": 0, "sampler": 0 }));
+    let colors = file.accessor("VEC4", 5121, 16, &[200; 16]);
+    file.json["accessors"][colors]["normalized"] = json!(true);
+    file.attribute("COLOR_0", colors);
+    let normals = file.floats("VEC3", &[0.0, 0.6, 0.8].repeat(4));
+    file.attribute("NORMAL", normals);
+    let indices = file.view(&[1, 3]);
+    let values = file.view(&[0x3f; 24]);
+    file.json["accessors"][0]["sparse"] = json!({
+        "count": 2, "indices": { "bufferView": indices, "componentType": 5121 }, "values": { "bufferView": values }
+    });
+    let translation = file.floats("VEC3", &[0.0, 0.0, 0.0, 7.0, 0.0, 0.0]);
+    file.push(
+        "nodes",
+        json!({
+            "mesh": 0, "rotation": [0, 0, 0, 1], "scale": [1, -1, 2],
+            "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translation } } }
+        }),
+    );
+    file.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1, "znear": 1 } }));
+    file.json["extensions"]["KHR_lights_punctual"]["lights"] = json!([{ "type": "spot", "spot": {} }]);
+    file.push(
+        "nodes",
+        json!({
+            "children": [0, 1], "camera": 0, "extensions": { "KHR_lights_punctual": { "light": 0 } },
+            "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 1, 2, 3, 1]
+        }),
+    );
+    file.push("scenes", json!({ "nodes": [2] }));
+    file
+}
+
+/// SplitMix64 (G. Steele, D. Lea & C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % bound as u64) as usize
+    }
+}
+
+/// Words that may stand where a digit stood.
+const NUMBERS: [&[u8]; 8] =
+    [b"-1", b"0", b"99", b"1e39", b"4294967296", b"18446744073709551615", b"0.5", b"null"];
+
+/// One to three damages: a flipped bit, a random byte, a piece cut out or doubled, or another number.
+fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
+    for _ in 0..=random.below(3) {
+        if bytes.is_empty() {
+            return;
+        }
+        let at = random.below(bytes.len());
+        let end = (at + 1 + random.below(16)).min(bytes.len());
+        match random.below(16) {
+            0 => bytes[at] ^= 1 << random.below(8),
+            1 => bytes[at] = random.below(256) as u8,
+            2 => drop(bytes.drain(at..end)),
+            3 => bytes.splice(at..at, bytes[at..end].to_vec()).for_each(drop),
+            _ => {
+                let Some(digit) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()) else { continue };
+                bytes
+                    .splice(digit..=digit, NUMBERS[random.below(NUMBERS.len())].iter().copied())
+                    .for_each(drop);
+            }
+        }
+    }
+}
+
+/// Makes a GLB's header fit its damaged JSON again, so that the damage is met further in.
+fn mend_lengths(bytes: &mut [u8], json_growth: isize) {
+    let total = bytes.len() as u32;
+    if bytes.len() >= 20 {
+        let json = u32::from_le_bytes([bytes[12], bytes[13], bytes[14], bytes[15]]);
+        bytes[8..12].copy_from_slice(&total.to_le_bytes());
+        bytes[12..16].copy_from_slice(
+            &(i64::from(json) + json_growth as i64).clamp(0, i64::from(total)).to_le_bytes()[..4],
+        );
+    }
+}
+
+#[test]
+fn no_damage_makes_the_loader_panic_or_return_numbers_that_are_not_finite() {
+    let file = everything();
+    let originals = [file.glb(), file.gltf()];
+    let mut random = Random(2015);
+    let (mut sound, rounds) = (0, power(6000) as usize);
+    for round in 0..rounds {
+        let original = &originals[round % 2];
+        let mut bytes = original.clone();
+        damage(&mut bytes, &mut random);
+        if round % 4 == 0 {
+            let growth = bytes.len() as isize - original.len() as isize;
+            mend_lengths(&mut bytes, growth);
+        }
+        if let Ok(loaded) = parse(&bytes, Unit::Millimeter) {
+            sound += 1;
+            for object in &loaded.scene.objects {
+                let mesh = &object.mesh;
+                assert!(mesh.positions.iter().all(|p| p.is_finite()), "round {round}");
+                assert!(mesh.normals.iter().all(|n| n.is_normalized()), "round {round}");
+                assert!(mesh.uvs.iter().all(|uv| uv.is_finite()), "round {round}");
+                assert!(mesh.triangles.as_flattened().iter().all(|&i| (i as usize) < mesh.positions.len()));
+                assert!(loaded.scene.materials.is_empty() || object.material < loaded.scene.materials.len());
+            }
+            for material in &loaded.scene.materials {
+                let texture = material.base_color.texture;
+                assert!(texture.is_none_or(|texture| texture.image < loaded.scene.images.len()));
+                assert!(
+                    material.subsurface_radius.factor.is_finite() && material.transmission_depth.is_finite()
+                );
+                assert!((0.0..=1.0).contains(&material.subsurface_weight.factor));
+            }
+            assert!(loaded.scene.camera.is_none_or(|c| c.target.is_finite() && c.target != c.position));
+        }
+    }
+    // Damage that is always refused at the door would test nothing behind it.
+    assert!(sound > rounds / 12, "{sound} of {rounds} damaged files were still read");
+    assert!(parse(&originals[0], Unit::Meter).is_ok());
+}

@@ -1,0 +1,6 @@
+//! Loaders seen from outside.
+
+#![allow(missing_docs, reason = "a test binary has no public items")]
+
+mod gltf;
+mod shared_files;
