@@ -132,7 +132,7 @@ fn print_header(searchlight: &Errors, diffuse: &Errors) {
     }
     let interpolation = searchlight.interpolation.max(diffuse.interpolation);
     println!("//!");
-    println!("//! Of these, interpolation between the nodes is {:.4} or less.", 100.0 * interpolation);
+    println!("//! Interpolation between the nodes makes of these {:.4} or less.", 100.0 * interpolation);
     println!();
     println!("/// Intervals between the nodes, evenly spaced in 1 − √(1 − A).");
     println!("pub(crate) const INTERVALS: usize = {INTERVALS};");

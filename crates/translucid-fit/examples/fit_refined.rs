@@ -36,7 +36,7 @@ const PERCENTS: std::ops::RangeInclusive<usize> = 0..=100;
 const FAINT: f64 = 1e-9;
 /// The greatest surface albedo at which ℓ/ℓ_d is taken.
 const NEXT_TO_WHITE: f64 = 1.0 - 1e-4;
-/// Where the chain of neighbors begins.
+/// Start of the chain of neighbors.
 const FIRST: usize = 50;
 /// Degree of the polynomial for ℓ/ℓ_d.
 const DEGREE_OF_LENGTH: usize = 5;
@@ -74,7 +74,7 @@ fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
 struct Coefficients {
     configuration: Configuration,
     shape: Shape,
-    /// Of the polynomial (ℓ/ℓ_d) / (1 − A).
+    /// Coefficients of the polynomial (ℓ/ℓ_d) / (1 − A).
     length: Vec<f64>,
 }
 

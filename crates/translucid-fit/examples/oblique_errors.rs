@@ -1,4 +1,4 @@
-//! How far the profiles of oblique light are from the exact half space (g = 0, η = 1), as a table in Markdown.
+//! Distance of the profiles of oblique light from the exact half space (g = 0, η = 1), as a table in Markdown.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example oblique_errors
@@ -66,7 +66,7 @@ fn row(errors: &[[f64; 2]]) -> String {
     errors.iter().map(cell).collect::<Vec<_>>().join(" | ")
 }
 
-/// Of each model as it is, and at the exact energy.
+/// Errors of each model as it is, and at the exact energy.
 fn errors(surface_albedo: f64, degrees: f64, cells: [u32; 2]) -> [[f64; 2]; NAMES.len()] {
     let cos_theta = if degrees == 0.0 { 1.0 } else { degrees.to_radians().cos() };
     let sin_theta = (1.0 - cos_theta * cos_theta).sqrt();

@@ -1,4 +1,4 @@
-//! How far similarity carries, and what its repair leaves: the tables of `docs/accuracy/similarity.md`.
+//! Errors of similarity, before and after its repair: the tables of `docs/accuracy/similarity.md`.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
@@ -140,7 +140,7 @@ fn print_by_albedo(words: &str, tables: &[&Table]) {
     }
 }
 
-/// Where the errors are, at A = 0.5.
+/// Errors by radius, at A = 0.5.
 fn print_by_distance(words: &str, tables: &[&Table]) {
     const A: f64 = 0.5;
     const BOUNDS: [f64; 4] = [0.0, 1.0, 4.0, f64::INFINITY];
@@ -204,7 +204,7 @@ fn print_albedos(words: &str, tables: &[&Table]) {
     }
 }
 
-/// How much of an L1 distance rings of half an octave miss.
+/// Share of an L1 distance that rings of half an octave miss.
 fn print_ring_check() {
     let configuration = Configuration::Searchlight;
     let mut worst: f64 = 0.0;

@@ -125,14 +125,14 @@ impl Cubic {
         c0 + t * (c1 + t * (c2 + t * c3))
     }
 
-    /// How far the value travels, up and down, as t goes from 0 to `end`.
+    /// Way that the value travels, up and down, as t goes from 0 to `end`.
     fn variation(&self, end: f64) -> f64 {
         let [turn_1, turn_2] = self.turns();
         let stations = [0.0, turn_1.clamp(0.0, end), turn_2.clamp(0.0, end), end];
         stations.windows(2).map(|pair| (self.eval(pair[1]) - self.eval(pair[0])).abs()).sum()
     }
 
-    /// Where the slope c₁ + 2c₂t + 3c₃t² is 0, in ascending order; 0 where it is not.
+    /// Arguments at which the slope c₁ + 2c₂t + 3c₃t² is 0, in ascending order; 0 where it is not.
     fn turns(&self) -> [f64; 2] {
         let [_, c, b, a] = [0.0, self.0[1], self.0[2], 3.0 * self.0[3]];
         let discriminant = b * b - a * c;
@@ -161,7 +161,7 @@ mod tests {
         Mixture::new(0.5, &[(0.3, 0.1), (0.3, 0.8), (0.4, 3.0)]).unwrap()
     }
 
-    /// The same by brute force: the trapezoidal rule in ln r with steps so small that kinks do not matter.
+    /// Error by brute force: the trapezoidal rule in ln r with steps so small that kinks do not matter.
     fn twin(fit: &dyn Profile, reference: &dyn Profile, r_max: f64) -> f64 {
         let end = r_max.min(3e3);
         let step = 1e-4;

@@ -172,7 +172,7 @@ fn ladder<F: Family>(terms: usize, ratio: f64) -> Vec<(f64, f64)> {
     (0..terms).map(|k| (1.0, scale(k))).collect()
 }
 
-/// What the optimizer moves: logits of the weights, then logarithms of the scales, so that no constraint is left.
+/// Parameters of the optimizer: logits of the weights, then logarithms of the scales, so that no constraint is left.
 struct Problem<'a, F> {
     target: &'a Target,
     parameters: DVector<f64>,

@@ -1,6 +1,6 @@
 //! The minimum of a function of one variable.
 
-/// Where a function is least on an interval, and its value there.
+/// Argument at which a function is least on an interval, and its value there.
 ///
 /// The interval is searched in `steps` equal steps, and the best of them by golden section, until it is narrower than
 /// `tolerance` (J. Kiefer, *Sequential Minimax Search for a Maximum*, 1953). A function that falls and rises more than
@@ -49,7 +49,7 @@ mod tests {
         assert!((x - 2.0).abs() < 1e-9, "{x}");
     }
 
-    /// Of two valleys the deeper one.
+    /// The deeper one of two valleys is found.
     #[test]
     fn minimum_is_that_of_the_deeper_valley() {
         let [x, _] = minimum(|x| (x * x - 1.0).powi(2) - 0.1 * x, [-2.0, 2.0], 20, 1e-6);

@@ -35,7 +35,7 @@ impl<F: Family> Mixture<F> {
         Ok(Self::sorted(total, terms.to_vec()))
     }
 
-    /// The same without a check.
+    /// Makes the mixture without a check.
     pub(crate) fn sorted(total: f64, mut terms: Vec<(f64, f64)>) -> Self {
         terms.sort_by(|a, b| a.1.total_cmp(&b.1));
         let sum: f64 = terms.iter().map(|term| term.0).sum();

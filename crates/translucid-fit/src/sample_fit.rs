@@ -18,7 +18,7 @@ pub struct Sample {
     pub error: f64,
 }
 
-/// What the errors of samples are.
+/// Errors of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Errors {
     /// Standard errors; those of the parameters follow from them alone.
@@ -37,7 +37,7 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Whether the samples determine it: the value is at least three errors away from 0.
+    /// Tells whether the samples determine it: the value is at least three errors away from 0.
     ///
     /// Closer to 0 the linear approximation ends, and the truth may be farther off than the error says: of samples all
     /// close to the entry, whose scale is 1, a fit gives the scale 0.07 ± 0.04.
@@ -192,7 +192,7 @@ impl<F: Family> SampleFit<F> {
         self.degrees_of_freedom
     }
 
-    /// Whether some combination of parameters has no effect on the samples.
+    /// True if some combination of parameters has no effect on the samples.
     pub fn is_singular(&self) -> bool {
         self.is_singular
     }
@@ -254,7 +254,7 @@ fn representable(value: f64) -> f64 {
     if value.is_nan() { 0.0 } else { value.clamp(-1e150, 1e150) }
 }
 
-/// What the optimizer moves: logarithms of the energies, then of the scales.
+/// Parameters of the optimizer: logarithms of the energies, then of the scales.
 struct Problem<'a, F> {
     data: &'a Data,
     parameters: DVector<f64>,
@@ -406,7 +406,7 @@ mod tests {
         Mixture::new(0.6, terms).unwrap()
     }
 
-    /// Of 200 tables the truth lies within one standard error in 68.3 % ± 3.3 %, within two in 95.4 % ± 1.5 %: a count
+    /// The truth lies, of 200 tables, within one standard error in 68.3 % ± 3.3 %, within two in 95.4 % ± 1.5 %: a count
     /// four standard deviations off has a probability of some 1e-4; ten parameters with two counts make it 2e-3.
     fn covers<F: Family>(terms: &[(f64, f64)], errors: Errors) {
         let truth = mixture::<F>(terms);
@@ -518,7 +518,7 @@ mod tests {
         assert!(new(&[Sample { reflectance: -1.0, ..good }; 4], 1).is_err());
     }
 
-    /// The same sample over and over determines neither parameter, and extremes give numbers.
+    /// One sample over and over determines neither parameter, and extremes give numbers.
     #[test]
     fn odd_samples_give_numbers() {
         let good = Sample { r: 1.0, reflectance: 1.0, error: 0.1 };

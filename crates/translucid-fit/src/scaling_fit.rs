@@ -19,7 +19,7 @@ pub struct ScalingPoint {
     pub length: f64,
     /// The scale that minimizes the L1 error, dimensionless.
     pub s: f64,
-    /// That error, [`l1_error`](crate::l1_error) for the radii of the fit.
+    /// Error [`l1_error`](crate::l1_error) for the radii of the fit.
     pub error: f64,
     judge: Judge,
 }

@@ -16,7 +16,7 @@ use translucid_profile::{Configuration, Parameterization};
 pub struct ScalingPolynomial {
     /// Constant term.
     pub constant: f64,
-    /// How fast it falls with A; 0 or 1.
+    /// Slope with which it falls with A; 0 or 1.
     pub slope: f64,
     /// Factor of the power.
     pub factor: f64,
@@ -67,7 +67,7 @@ impl ScalingPolynomial {
     }
 }
 
-/// As a formula, with five significant digits of each constant.
+/// Writes the formula, with five significant digits of each constant.
 impl fmt::Display for ScalingPolynomial {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "s = {}", digits(self.constant))?;

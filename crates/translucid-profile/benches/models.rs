@@ -126,7 +126,7 @@ fn task(row: impl Into<String>, column: &'static str, call: impl Fn(usize) -> f6
     Task { row: row.into(), column, call: Box::new(call), calls: 1, rounds: Vec::new() }
 }
 
-/// What is timed of a model.
+/// Tasks of a model.
 fn tasks_of(row: Row) -> Vec<Task> {
     let Row { name, make, knows_boundary } = row;
     let uniforms = uniforms();
@@ -154,7 +154,7 @@ fn tasks_of(row: Row) -> Vec<Task> {
     tasks
 }
 
-/// What is timed behind no `dyn`.
+/// Tasks of types of their own, behind no `dyn`.
 fn tasks_of_types() -> Vec<Task> {
     let p = normalized_diffusion();
     let radii: Vec<f64> = uniforms().into_iter().map(|u| p.quantile(u)).collect();
@@ -205,7 +205,7 @@ fn nanoseconds(call: &dyn Fn(usize) -> f64, calls: usize) -> f64 {
     start.elapsed().as_nanos() as f64
 }
 
-/// How many calls fill a turn.
+/// Number of calls that fill a turn.
 fn calls_in_a_turn(call: &dyn Fn(usize) -> f64) -> usize {
     let turn = TURN.as_nanos() as f64;
     let mut calls = 1;

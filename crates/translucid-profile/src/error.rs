@@ -1,4 +1,4 @@
-//! What can be wrong with a parameter, said so that it can be mended.
+//! Errors of parameters, said so that they can be mended.
 
 use std::fmt;
 

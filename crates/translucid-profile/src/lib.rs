@@ -16,7 +16,7 @@
 //! - [`SumOfGaussians`]: one to six Gaussians fitted to the exact half space, for those who blur textures or screens.
 //! - [`ExactProfile`]: the exact half space (g = 0, η = 1), from tables.
 //! - [`Model`]: all of these by name, made of one [`Appearance`] or [`Medium`]; [`Profile`] is what they share.
-//! - [`SampledProfile`]: the profile through points that somebody measured or simulated.
+//! - [`SampledProfile`]: the profile through samples or energies that somebody measured or simulated.
 //! - [`TabulatedProfile`], [`AlbedoTable`] and its twin [`AlbedoTableF32`]: any profile as a table, for one surface
 //!   albedo or for all, with cdf, quantile and sampling in constant time.
 //! - [`d_from_surface_albedo`] and [`scaling`]: the profile's width from a surface albedo and a mean free

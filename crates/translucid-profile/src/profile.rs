@@ -118,7 +118,7 @@ pub trait Profile: Send + Sync {
         self.quantile(u)
     }
 
-    /// Whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
+    /// Tells whether [`sample`](Self::sample) is a closed form or looked up in a table, which takes nanoseconds, and not a
     /// search.
     ///
     /// Where it is not, a [`TabulatedProfile`](crate::TabulatedProfile) of the profile pays from a few dozen samples on.

@@ -1,4 +1,4 @@
-//! How much of the light leaves at each angle, as polynomials of the surface albedo.
+//! Energy that leaves at each angle, as polynomials of the surface albedo.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -22,11 +22,11 @@ pub(crate) fn functions(mu: f64) -> [f64; FUNCTIONS] {
 
 /// The coefficients and the worst of their errors.
 pub(crate) struct Energy {
-    /// Of q(μ, A): E = A (1 − (1 − A) q), A for diffuse light.
+    /// Coefficients of q(μ, A): E = A (1 − (1 − A) q), A for diffuse light.
     pub(crate) deviations: [[f64; COEFFICIENTS]; FUNCTIONS],
     /// Greatest |E_fit − E| / A.
     pub(crate) worst: f64,
-    /// Of p: A_diffuse = A (1 + (1 − A) p(A)), A for light along the normal.
+    /// Coefficients of p: A_diffuse = A (1 + (1 − A) p(A)), A for light along the normal.
     pub(crate) diffuse: [f64; COEFFICIENTS],
     /// Greatest relative error of A_diffuse.
     pub(crate) worst_diffuse: f64,
@@ -72,7 +72,7 @@ impl Energy {
     }
 }
 
-/// What the exact half space returns of light at a cosine: 1 − H(μ)√(1−α), with
+/// Share that the exact half space returns of light at a cosine: 1 − H(μ)√(1−α), with
 /// ln H(μ) = −(μ/π) ∫₀^∞ ln[1 − α atan(t)/t] / (1 + μ²t²) dt by the trapezoidal rule in ln t.
 fn total(alpha: f64, mu: f64) -> f64 {
     const STEP: f64 = 0.25;

@@ -21,9 +21,9 @@ const PARAMETERS: usize = 2 * TERMS * OF_TILT + FREE * (OF_WEIGHT + OF_RATE);
 pub(crate) const MOST_DEGREES: f64 = 85.0;
 /// Least tilt, least weight at grazing incidence, and by which factor other rates stay above the slowest.
 const LEAST: [f64; 3] = [0.02, 0.002, 1.02];
-/// How often the weights of the least squares are made anew.
+/// Number of times that the weights of the least squares are made anew.
 const STAGES: u32 = 12;
-/// Where each ends: where the sum of squares gets no better by this share.
+/// Share by which the sum of squares no longer gets better where each ends.
 const TOLERANCE: f64 = 1e-4;
 
 /// c₀ + c₁x + c₂x² + …
@@ -31,7 +31,7 @@ pub(crate) fn polynomial(coefficients: &[f64], x: f64) -> f64 {
     coefficients.iter().rev().fold(0.0, |sum, c| sum * x + c)
 }
 
-/// How much an angle grazes: 0 along the normal, 1 along the surface.
+/// Grazing of an angle: 0 along the normal, 1 along the surface.
 pub(crate) fn grazing(cos_theta: f64) -> f64 {
     1.0 - cos_theta.sqrt()
 }
@@ -93,7 +93,7 @@ impl Shape {
         }
     }
 
-    /// How far the shape is inside of what is allowed at a surface albedo: tilts, weights and rates.
+    /// Distance of the shape from the limits of what is allowed at a surface albedo: tilts, weights and rates.
     fn margins(&self, a: f64) -> Vec<f64> {
         let normal = along_normal(a);
         let grazing = grazing(MOST_DEGREES.to_radians().cos());
@@ -196,7 +196,7 @@ struct Problem<'a> {
     parameters: DVector<f64>,
 }
 
-/// What overstepping a limit by 1 counts as, in differences.
+/// Weight of overstepping a limit by 1, in differences.
 const PENALTY: f64 = 30.0;
 /// Surface albedos at which limits are watched.
 const WATCHED: u32 = 40;

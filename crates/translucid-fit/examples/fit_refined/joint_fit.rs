@@ -15,9 +15,9 @@ pub(crate) const OF_RATE: usize = 4;
 /// The weight of the last term is what the others leave of 1.
 const FREE_WEIGHTS: usize = TERMS - 1;
 const PARAMETERS: usize = FREE_WEIGHTS * OF_WEIGHT + TERMS * OF_RATE;
-/// What a rate counts as where a polynomial falls below it on the way to the optimum.
+/// Least rate, which stands in where a polynomial falls below it on the way to the optimum.
 const LEAST_RATE: f64 = 1e-3;
-/// How often the weights of the least squares are made anew.
+/// Number of times that the weights of the least squares are made anew.
 const STAGES: u32 = 25;
 
 /// c₀ + c₁x + c₂x² + …

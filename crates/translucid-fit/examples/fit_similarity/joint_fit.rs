@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Differences below this count as their squares: at first, and in the end.
 const EPSILON: [f64; 2] = [3e-2, 1e-3];
-/// How often ε falls.
+/// Number of times that ε falls.
 const STAGES: i32 = 8;
 /// Most steps between two ε.
 const STEPS: u32 = 30;

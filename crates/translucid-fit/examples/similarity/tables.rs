@@ -27,7 +27,7 @@ pub(crate) const COLLISIONS: f64 = 5e8;
 pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 /// Greatest surface albedos that a walk serves: below each, one walk has the photons that its budget allows.
 const LEVELS: [f64; 7] = [0.05, 0.2, 0.5, 0.7, 0.8, 0.9, 0.98];
-/// How much of what a level keeps, 1 − A, its walk may keep: room for the noise of the walk above, which finds its albedo.
+/// Share of what a level keeps, 1 − A, its walk may keep: room for the noise of the walk above, which finds its albedo.
 const MARGIN: f64 = 0.85;
 /// Seed of every walk; the second half of its photons has the next one.
 const SEED: u64 = 1;
@@ -41,7 +41,7 @@ pub(crate) struct Case {
     pub(crate) g: f64,
     /// Relative index.
     pub(crate) eta: f64,
-    /// How light enters.
+    /// Way in which light enters.
     pub(crate) configuration: Configuration,
 }
 
@@ -54,13 +54,13 @@ pub(crate) struct Point {
     pub(crate) single_scattering_albedo: [f64; 2],
     /// Shares of the energy in the rings between [`radii`] and beyond the last.
     pub(crate) shares: Vec<f64>,
-    /// The same of two independent halves of the photons; equal to the shares where they are exact.
+    /// Shares of two independent halves of the photons; equal to the shares where they are exact.
     pub(crate) halves: [Vec<f64>; 2],
 }
 
 /// All half spaces of a case.
 pub(crate) struct Table {
-    /// What they have in common.
+    /// Common part of both.
     pub(crate) case: Case,
     /// By surface albedo, which rises.
     pub(crate) points: Vec<Point>,
@@ -165,7 +165,7 @@ impl Point {
         rings.fold([0.0; 2], |sum, (_, (found, share))| [sum[0] + (found - share).abs(), sum[1] + share])
     }
 
-    /// What noise alone makes of the L1 distance: half that of the two halves, whose difference has twice the error of
+    /// L1 distance that noise alone makes: half that of the two halves, whose difference has twice the error of
     /// their mean.
     pub(crate) fn noise(&self) -> f64 {
         0.5 * distance(&self.halves[0], &self.halves[1])
@@ -182,7 +182,7 @@ pub(crate) fn radii() -> Vec<f64> {
 }
 
 impl Case {
-    /// Whether there is an exact solution.
+    /// True if there is an exact solution.
     pub(crate) fn is_exact(self) -> bool {
         self.g == 0.0
     }

@@ -7,6 +7,7 @@ mod refined_coefficients;
 mod length_coefficients;
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use refined_coefficients::{DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_RATES, SEARCHLIGHT_WEIGHTS};
 use translucid_fit::{Exponential, Judge, Mixture};
@@ -14,6 +15,7 @@ use translucid_profile::{
     Configuration, ExactProfile, NormalizedDiffusion, Parameterization, RefinedDiffusion,
 };
 use translucid_reference::exact::HalfSpaceProfile;
+use translucid_testing::power;
 
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 const PARAMETERIZATIONS: [Parameterization; 2] = [Parameterization::Mfp, Parameterization::Dmfp];
@@ -25,6 +27,24 @@ fn refined(surface_albedo: f64, from: Parameterization, configuration: Configura
 
 fn judge(surface_albedo: f64, from: Parameterization, configuration: Configuration) -> Judge {
     Judge::new(&ExactProfile::new(surface_albedo, LENGTH, from, configuration).expect("valid parameters"))
+}
+
+/// Judges of A = 0.01, 0.02, … 0.99 by configuration and parameterization, which several tests share.
+static JUDGES: LazyLock<[[Vec<Judge>; 2]; 2]> = LazyLock::new(|| {
+    let all = |from, configuration| {
+        (1..=99).map(|percent| judge(f64::from(percent) / 100.0, from, configuration)).collect()
+    };
+    CONFIGURATIONS.map(|configuration| PARAMETERIZATIONS.map(|from| all(from, configuration)))
+});
+
+/// Surface albedos A = 0.01, 0.02, … 0.99 with their judges.
+fn judged(
+    from: Parameterization,
+    configuration: Configuration,
+) -> impl Iterator<Item = (f64, &'static Judge)> {
+    let index = |found: bool| usize::from(!found);
+    let judges = &JUDGES[index(configuration == CONFIGURATIONS[0])][index(from == PARAMETERIZATIONS[0])];
+    (1..=99).map(|percent| f64::from(percent) / 100.0).zip(judges)
 }
 
 fn error(surface_albedo: f64, from: Parameterization, configuration: Configuration) -> f64 {
@@ -40,8 +60,9 @@ fn errors_are_those_of_the_table() {
     let of_diffuse = [0.19, 0.89, 0.11, 0.13, 0.17];
     for (configuration, table) in CONFIGURATIONS.into_iter().zip([of_searchlight, of_diffuse]) {
         for from in PARAMETERIZATIONS {
-            let errors: Vec<f64> =
-                (1..=99).map(|percent| error(f64::from(percent) / 100.0, from, configuration)).collect();
+            let error =
+                |(a, judge): (f64, &Judge)| judge.l1_error(&refined(a, from, configuration), f64::INFINITY);
+            let errors: Vec<f64> = judged(from, configuration).map(error).collect();
             let mean = errors.iter().sum::<f64>() / 99.0;
             let worst = errors[..98].iter().fold(0.0, |a: f64, b| a.max(*b));
             let found = [mean, worst, errors[19], errors[49], errors[79]];
@@ -52,7 +73,7 @@ fn errors_are_those_of_the_table() {
     }
 }
 
-/// Where the table of means does not look.
+/// Albedos that the table of means leaves out have small errors, too.
 #[test]
 fn errors_at_the_ends_are_small() {
     for (configuration, black, white) in
@@ -96,9 +117,7 @@ fn refined_is_far_closer_than_normalized_diffusion() {
     for configuration in CONFIGURATIONS {
         for from in PARAMETERIZATIONS {
             let mut means = [[0.0; 3]; 2];
-            for percent in 1..=99 {
-                let a = f64::from(percent) / 100.0;
-                let judge = judge(a, from, configuration);
+            for (a, judge) in judged(from, configuration) {
                 let radii = [8.0 * LENGTH, 16.0 * LENGTH, f64::INFINITY];
                 let normalized =
                     NormalizedDiffusion::new(a, LENGTH, from, configuration).expect("valid parameters");
@@ -184,11 +203,12 @@ fn profile_is_what_the_generated_coefficients_spell() {
 fn coefficients_are_at_an_optimum() {
     for configuration in CONFIGURATIONS {
         // Every other albedo of the generator's grid
-        let albedos: Vec<f64> = (0..=50).map(|i| (f64::from(i) / 50.0).max(1e-9)).collect();
-        let judges: Vec<Judge> =
-            albedos.iter().map(|a| judge(*a, Parameterization::Mfp, configuration)).collect();
+        let mfp = Parameterization::Mfp;
+        let ends = [1e-9, 1.0].map(|a| (a, judge(a, mfp, configuration)));
+        let mut judges: Vec<(f64, &Judge)> = judged(mfp, configuration).skip(1).step_by(2).collect();
+        judges.extend(ends.iter().map(|(a, judge)| (*a, judge)));
         let error = |generated: &Generated| {
-            let errors = albedos.iter().zip(&judges);
+            let errors = judges.iter();
             errors.map(|(a, judge)| judge.l1_error(&generated.mixture(*a), f64::INFINITY)).sum::<f64>() / 51.0
         };
         let best = Generated::new(configuration);
@@ -216,7 +236,7 @@ fn coefficients_are_at_an_optimum() {
 /// the 12 tests with their fixed seeds one would fail by chance in 11,000 seeds.
 #[test]
 fn samples_have_the_distribution() {
-    const COUNT: usize = 200_000;
+    let count = power(200_000) as usize;
     let mut state = 0x5EED_u64;
     // SplitMix64 (G. L. Steele, D. Lea and C. H. Flood 2014)
     let mut random = || {
@@ -229,12 +249,12 @@ fn samples_have_the_distribution() {
     for configuration in CONFIGURATIONS {
         for a in [0.0, 0.1, 0.4, 0.7, 0.9, 1.0] {
             let p = refined(a, Parameterization::Mfp, configuration);
-            let mut shares: Vec<f64> = (0..COUNT).map(|_| p.cdf(p.sample(random()))).collect();
+            let mut shares: Vec<f64> = (0..count).map(|_| p.cdf(p.sample(random()))).collect();
             shares.sort_by(f64::total_cmp);
-            let step = |i: usize| i as f64 / COUNT as f64;
+            let step = |i: usize| i as f64 / count as f64;
             let gap = shares.iter().enumerate().map(|(i, share)| (share - step(i)).max(step(i + 1) - share));
             let distance = gap.fold(0.0, f64::max);
-            assert!(distance * (COUNT as f64).sqrt() < 2.5, "{configuration:?} {a}: {distance}");
+            assert!(distance * (count as f64).sqrt() < 2.5, "{configuration:?} {a}: {distance}");
         }
     }
 }

@@ -131,7 +131,7 @@ fn polynomials_are_as_stated() {
     }
 }
 
-/// What a point keeps judges other profiles, too.
+/// A point's judge serves other profiles, too.
 #[test]
 fn point_judges_any_profile() {
     let point = &fit(SEARCHLIGHT_MFP).points()[49];

@@ -49,7 +49,7 @@ impl Channel {
         Ok(Self { albedo, mfp, d: mfp / scale(albedo, configuration) })
     }
 
-    /// The same channel with lengths in another unit, of which one old unit has `factor`.
+    /// Converts lengths to another unit, of which one old unit has `factor`.
     ///
     /// # Errors
     /// A length leaves [1e-120, 1e120].

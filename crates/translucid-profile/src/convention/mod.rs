@@ -1,4 +1,4 @@
-//! The same material in the numbers of other systems: what each means by "radius", and the conversions.
+//! Conventions of other systems: a material in their numbers, by what each means by "radius".
 //!
 //! Every system that renders subsurface scattering takes a length, and no two agree what it is.
 //! The width d of Burley's profile for a length of 1, by the rule of each system's own code:

@@ -5,11 +5,11 @@
 pub struct Parameter {
     /// Name in the system.
     pub name: &'static str,
-    /// What it does.
+    /// Role in the product of the length.
     pub role: Role,
 }
 
-/// What a parameter does; the product of all lengths, distances and factors is the system's length.
+/// Role of a parameter; the product of all lengths, distances and factors is the system's length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Role {
     /// A number for each channel: a length, or a part of one beside a [`Distance`](Self::Distance).
@@ -41,7 +41,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// Whether each channel has its own value.
+    /// Tells whether each channel has its own value.
     pub fn is_per_channel(self) -> bool {
         matches!(self, Self::Length | Self::Absorption | Self::Scattering)
     }

@@ -7,7 +7,7 @@ use super::skin::mfp_per_radius;
 use crate::error::{ParameterError, require};
 use crate::{scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight};
 
-/// What a system makes of its parameters.
+/// Meaning of a system's parameters.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Rule {
     /// d = length × factor.

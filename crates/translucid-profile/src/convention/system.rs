@@ -22,16 +22,16 @@ pub struct System {
     pub(super) source: Source,
 }
 
-/// Where a rule was read.
+/// Source of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Source {
     /// File with its repository and revision, or document.
     pub place: &'static str,
-    /// Whether the rule is code that was read there, not only what a document says.
+    /// True if the rule is code that was read there, not only what a document says.
     pub is_code: bool,
 }
 
-/// What stays the same when a material goes to a system.
+/// Quantity that stays the same when a material goes to a system.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Equal {
     /// The width d of Burley's profile.
@@ -70,7 +70,7 @@ impl System {
         self.version
     }
 
-    /// What the system calls the surface albedo; none where coefficients determine it.
+    /// Name of the surface albedo in the system; none where coefficients determine it.
     pub fn albedo_name(&self) -> Option<&'static str> {
         self.albedo_name
     }
@@ -90,7 +90,7 @@ impl System {
         self.formula
     }
 
-    /// Where the rule was read.
+    /// Source of the rule.
     pub fn source(&self) -> Source {
         self.source
     }
@@ -100,7 +100,7 @@ impl System {
         self.least_length
     }
 
-    /// What a conversion to this system keeps.
+    /// Quantity that a conversion to this system keeps.
     pub fn equal(&self) -> Equal {
         match self.rule {
             Rule::Width(_) | Rule::MediumAsProfile => Equal::Width,
@@ -108,7 +108,7 @@ impl System {
         }
     }
 
-    /// Whether the parameters determine the surface albedo, too.
+    /// Tells whether the parameters determine the surface albedo, too.
     pub fn has_coefficients(&self) -> bool {
         matches!(self.rule, Rule::Medium | Rule::MediumAsProfile)
     }

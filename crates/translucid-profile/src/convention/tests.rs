@@ -196,7 +196,7 @@ fn names_are_fit_for_a_command_line() {
     }
 }
 
-/// What media return of the surface albedo that was asked for, in diffuse light and without a boundary: the figures of
+/// Media return other surface albedos than were asked for, in diffuse light and without a boundary: the figures of
 /// docs/guide/conventions.md.
 #[test]
 fn inversions_of_the_albedo_differ_between_systems() {

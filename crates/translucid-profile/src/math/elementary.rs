@@ -17,7 +17,7 @@ const FRACTION: u64 = (1 << 52) - 1;
 /// Arguments beyond this give 0: e^−708 is the last whole power of e that is a normal number.
 const GREATEST_EXPONENT: f64 = 708.0;
 
-/// How many terms the polynomials have.
+/// Lengths of the polynomials.
 pub(crate) trait Accuracy {
     /// (e^g − 1 − g) / g² for |g| ≤ ½ ln 2.
     fn exp_tail(g: f64) -> f64;
@@ -105,7 +105,7 @@ const UPPER_START_7: [f64; 7] = [
     -2.794490533996,
     1.208069000754,
 ];
-/// As [`UPPER_START_7`] at 3 nodes; relative error 2.1e-3.
+/// Interpolates as [`UPPER_START_7`] at 3 nodes; relative error 2.1e-3.
 const UPPER_START_3: [f64; 3] = [1.335729962834, -0.084045038434, -0.415636555539];
 /// Interpolates the lower root, divided by v, at 7 Chebyshev nodes of [0, ½]; relative error 6.7e-8.
 const LOWER_START_7: [f64; 7] = [
@@ -117,7 +117,7 @@ const LOWER_START_7: [f64; 7] = [
     0.039452466490,
     -0.061855209920,
 ];
-/// As [`LOWER_START_7`] at 3 nodes; relative error 2.6e-4.
+/// Interpolates as [`LOWER_START_7`] at 3 nodes; relative error 2.6e-4.
 const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512];
 
 /// One of two coefficient sets, chosen number by number: a branch here would keep a loop from being vectorized.

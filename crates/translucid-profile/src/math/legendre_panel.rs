@@ -53,7 +53,7 @@ pub(crate) struct LegendrePanel {
 }
 
 impl LegendrePanel {
-    /// Where the integrand is to be evaluated.
+    /// Points at which the integrand is to be evaluated.
     pub(crate) fn nodes() -> &'static [f64; POINTS] {
         &RULE.nodes
     }

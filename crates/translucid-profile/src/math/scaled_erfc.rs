@@ -57,7 +57,7 @@ fn midpoint_sum(f: impl Fn(f64, f64) -> f64) -> f64 {
     2.0 * STEP / PI * sum
 }
 
-/// What the midpoint rule lacks: 2 e^{x²}/(1 + e^{2πx/h}) up to x = π/h, where it has become 7e-18, and 0 beyond.
+/// Error of the midpoint rule: 2 e^{x²}/(1 + e^{2πx/h}) up to x = π/h, where it has become 7e-18, and 0 beyond.
 fn residue(x: f64) -> f64 {
     let slope = 2.0 * PI / STEP;
     if x < 0.5 * slope { 2.0 * (x * x).exp() / (1.0 + (slope * x).exp()) } else { 0.0 }

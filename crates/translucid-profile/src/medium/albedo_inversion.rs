@@ -109,6 +109,8 @@ impl AlbedoInversion {
 
 #[cfg(test)]
 mod tests {
+    use translucid_testing::is_thorough;
+
     use super::*;
     use crate::{Medium, half_space_single_scattering_albedo};
 
@@ -129,12 +131,13 @@ mod tests {
         }
     }
 
-    /// How far A is off for want of directions: with twice as many or more the error is a fiftieth.
+    /// Error of A for want of directions: with twice as many or more the error is a fiftieth.
     ///
     /// Light thrown straight back by a pencil under a boundary is the hardest: strongly backward scattering is 3e-4 off.
     #[test]
     fn surface_albedo_hardly_changes_with_more_directions() {
-        for (g, eta) in [-0.9, -0.5, 0.0, 0.5, 0.9].into_iter().flat_map(|g| [(g, 1.0), (g, 1.4)]) {
+        let cosines: &[f64] = if is_thorough() { &[-0.9, -0.5, 0.0, 0.5, 0.9] } else { &[-0.9, 0.5] };
+        for (g, eta) in cosines.iter().flat_map(|&g| [(g, 1.0), (g, 1.4)]) {
             let directions = if eta == 1.0 { 64 } else { 40 };
             for configuration in CONFIGURATIONS {
                 let backward_pencil = g < -0.5 && eta > 1.0 && configuration == Configuration::Searchlight;

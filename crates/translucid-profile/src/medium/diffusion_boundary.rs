@@ -1,4 +1,4 @@
-//! How a smooth boundary lets diffused light out: by fluence and by flux, with a share reflected back inside.
+//! Boundary condition of a smooth surface for diffused light, which it lets out by fluence and by flux, with a share reflected back inside.
 //!
 //! E. d'Eon and G. Irving, *A Quantized-Diffusion Model for Rendering Translucent Materials*, SIGGRAPH 2011, after
 //! A. Kienle and M. S. Patterson, *Improved solutions of the steady-state and the time-resolved diffusion equations
@@ -7,7 +7,7 @@
 use crate::error::{ParameterError, require};
 use crate::{fresnel_moment_1_from_inside, fresnel_moment_2_from_inside};
 
-/// What a relative index does to diffused light that meets the boundary from inside.
+/// Constants of a relative index for diffused light that meets the boundary from inside.
 ///
 /// ```text
 /// exitance = C_φ φ + C_E E,   C_φ = ¼ (1 − 2C₁),   C_E = ½ (1 − 3C₂),   A_F = (1 + 3C₂)/(1 − 2C₁)

@@ -1,4 +1,4 @@
-//! How much a half space sends back whose scattering has a preferred direction, under a dielectric boundary.
+//! Surface albedo of a half space whose scattering has a preferred direction, under a dielectric boundary.
 //!
 //! For the total alone light may be summed over the surface and around the normal: what is left depends on the depth τ
 //! and the cosine μ, and on a quadrature of directions it is a linear system (S. Chandrasekhar, *Radiative Transfer*,
@@ -36,7 +36,7 @@ pub(crate) struct DiscreteOrdinates {
     /// Cosines inside, and their weights; the last one is that of the pencil and has none.
     cosines: Vec<f64>,
     weights: Vec<f64>,
-    /// What the boundary lets out, for each.
+    /// Share that the boundary lets out, for each.
     passes: Vec<f64>,
     /// P_l of each cosine.
     legendre: Vec<Vec<f64>>,
@@ -190,7 +190,7 @@ mod tests {
 
     /// A renderer without an interface above does not weigh directions of view by what the boundary passes.
     ///
-    /// How far its mean over them is off in A, which only strongly backward scattering makes more than a thousandth.
+    /// Error of its mean over them in A, which only strongly backward scattering makes more than a thousandth.
     #[test]
     fn mean_over_views_is_nearly_that_of_what_passes() {
         for (g, allowed) in [(-0.9, 4.5e-3), (-0.5, 1.5e-3), (0.0, 1.5e-3), (0.5, 1.5e-3), (0.9, 1.5e-3)] {

@@ -5,7 +5,7 @@ use crate::math::roots::falling_root;
 use crate::medium::media::transport_mfp_over_dmfp;
 use crate::{Medium, Parameterization};
 
-/// How a translucent material looks: a surface albedo, a length, and what a model is told besides.
+/// Looks of a translucent material: a surface albedo, a length, and the phase function's mean cosine.
 ///
 /// The length is the mean free path ℓ = 1/σ_t or the diffuse mean free path ℓ_d = √(D_G/σ_a) with Grosjean's D_G
 /// ([`Medium::dmfp`]), as the parameterization says, for every model alike.
@@ -26,7 +26,7 @@ pub struct Appearance {
 pub struct Found {
     /// The medium.
     pub medium: Medium,
-    /// How often the model's total was evaluated.
+    /// Number of evaluations of the model's total.
     pub evaluations: u32,
 }
 

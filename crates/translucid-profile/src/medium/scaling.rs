@@ -7,7 +7,7 @@
 use crate::math::polynomial::polynomial;
 use crate::medium::length_coefficients;
 
-/// How light enters the medium in the profile's model.
+/// Way in which light enters the medium in the profile's model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
 pub enum Configuration {
     /// A pencil beam enters perpendicularly.

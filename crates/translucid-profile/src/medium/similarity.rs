@@ -18,7 +18,7 @@ use crate::{Configuration, Medium, Parameterization, fresnel_moment_1_from_insid
 /// Monomials of g and the boundary that the fits are made of.
 const MONOMIALS: usize = 7;
 
-/// What a mean cosine g and a relative index η make of a surface albedo A, for g ∈ [−0.5, 0.9], η ∈ [1, 1.5].
+/// Effect of a mean cosine g and a relative index η on the profile of a surface albedo A, for g ∈ [−0.5, 0.9], η ∈ [1, 1.5].
 ///
 /// The half space has the phase function of L. G. Henyey and J. L. Greenstein, 1941, and a smooth dielectric boundary.
 /// As everywhere in this crate, A is the share of the light that *entered* which leaves again: what the boundary
@@ -71,7 +71,7 @@ impl Similarity {
     /// Relative indices η = n_inside/n_outside that the fits are made for.
     pub const ETA: RangeInclusive<f64> = 1.0..=1.5;
 
-    /// What g ∈ [−0.5, 0.9] and η ∈ [1, 1.5] make of a surface albedo A ∈ [0, 1].
+    /// Finds the effect of g ∈ [−0.5, 0.9] and η ∈ [1, 1.5] at a surface albedo A ∈ [0, 1].
     ///
     /// # Errors
     /// A parameter is outside its range.
@@ -85,7 +85,7 @@ impl Similarity {
         Ok(Self::at(surface_albedo, &Monomials::new(g, eta)?, configuration))
     }
 
-    /// The same of a medium: its surface albedo A is the one whose A' has the medium's α'.
+    /// Finds the effect on the profile of a medium: its surface albedo A is the one whose A' has the medium's α'.
     ///
     /// # Errors
     /// The medium's g or η is outside its range.
@@ -220,7 +220,7 @@ impl Similarity {
     }
 }
 
-/// Whether there is neither a phase function nor a boundary to account for.
+/// Tells whether there is neither a phase function nor a boundary to account for.
 pub(crate) fn is_plain(g: f64, eta: f64) -> bool {
     g == 0.0 && eta == 1.0
 }

@@ -12,7 +12,7 @@ use crate::medium::diffusion_boundary::DiffusionBoundary;
 use crate::model::dipole::source_pair::{bounded, damped};
 use crate::{Appearance, Medium, Profile};
 
-/// How many Gaussians; 20 to 60 are in use (R. Habel, P. H. Christensen and W. Jarosz 2013).
+/// Number of Gaussians; 20 to 60 are in use (R. Habel, P. H. Christensen and W. Jarosz 2013).
 const COUNT: usize = 40;
 /// Least variance \[ℓ*²\]: R levels off below r ≈ 1e-3 ℓ*.
 const LEAST_VARIANCE: f64 = 1e-7;
@@ -20,7 +20,7 @@ const LEAST_VARIANCE: f64 = 1e-7;
 const GREATEST_VARIANCE: f64 = 60.0;
 /// Below this σ_tr² the variances stay: the last one is then 6e10 ℓ*², the light beyond it some 1e-5 of all.
 const LEAST_SIGMA_TR_SQUARED: f64 = 1e-9;
-/// Where the steps of time turn from even in ln v to even in √v, as √v σ_tr.
+/// Value of √v σ_tr at which the steps of time turn from even in ln v to even in √v.
 const TURN: f64 = 2.0;
 
 /// Quantized diffusion for one medium, light entering perpendicularly.

@@ -55,7 +55,7 @@ pub struct SimilarRefinedDiffusion {
 }
 
 impl SimilarRefinedDiffusion {
-    /// How many exponentials the sum has.
+    /// Number of exponentials in the sum.
     pub const TERMS: usize = TERMS;
 
     /// Makes the profile of a surface albedo, a length and g, under a boundary of relative index η = n_inside/n_outside.

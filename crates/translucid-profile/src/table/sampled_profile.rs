@@ -1,24 +1,28 @@
-//! A profile through points that somebody measured or simulated.
+//! A profile through what somebody measured or simulated: samples of R, energies within radii, or both.
+//!
+//! Between radii the cdf is a chain of the cells of `monotone_cell.rs`, of unequal widths, whose energies are those that
+//! were given, or those of the curve through the samples.
+//! Inside the first radius the energy is a r + b r², beyond the last it falls exponentially, as in the last rings.
 
 use std::f64::consts::PI;
 
-use crate::Profile;
 use crate::error::{ParameterError, require};
-use crate::math::monotone_cubic::MonotoneCubic;
-use crate::math::quadrature::{integrate, shared_gauss_legendre};
+use crate::math::monotone_cubic::monotone_slopes;
+use crate::profile::Profile;
+use crate::table::monotone_cell::{Cell, Knot, RadialCell};
+use crate::table::radial_table::Tail;
+use crate::table::sample_curve::{POINTS, SampleCurve, falling_rate};
 
-/// Points of the Gauss rule on each panel, on which ln(r R) is a cubic in ln r.
-const POINTS: usize = 8;
-/// The most that r R of a sample of 0 between others counts as, relative to the greatest.
-const FLOOR: f64 = 1e-12;
-/// Natural logarithm by which radius or r R change over one panel of the Gauss rule.
-const PANEL: f64 = 2.0;
-/// Least ratio of a radius to the one before it, so that their logarithms differ.
-const RATIO_MIN: f64 = 1.0 + 1e-9;
+/// Fewest points that make a profile.
+const POINTS_MIN: usize = 4;
+/// Points that tell how the profile falls at the end: those beyond this part of the last radius, or as many.
+const TAIL_PART: f64 = 0.75;
+const TAIL_POINTS: usize = 3;
 
-/// The reflectance profile through samples (r, R): a monotone cubic of ln(r R) in ln r between them, r R a straight line
-/// before the first and an exponential behind the last.
+/// The reflectance profile through samples (r, R), through energies within radii, or through both.
 ///
+/// Energies that are given are kept. Where there are samples alone, their curve is a monotone cubic of ln(r R) in ln r
+/// between them, r R a straight line before the first and an exponential behind the last.
 /// The straight line goes through the first two samples, kept between 0 and twice the first at r = 0: R may tend to a
 /// constant there or grow like 1/r.
 /// The rate of the exponential in r R is the least-squares one of the samples with light in the outer half of the radii.
@@ -41,25 +45,19 @@ const RATIO_MIN: f64 = 1.0 + 1e-9;
 /// ```
 #[derive(Clone, Debug)]
 pub struct SampledProfile {
-    /// ln(r R) over ln r, radii in units of `length`.
-    curve: MonotoneCubic,
-    /// Radii of the samples in units of `length`.
-    radii: Vec<f64>,
-    /// Energy within each sample's radius.
-    enclosed: Vec<f64>,
-    /// Energy beyond each sample's radius.
-    beyond: Vec<f64>,
-    /// r R at r = 0, and at the first sample.
-    head: [f64; 2],
-    /// Rate at which r R falls behind the last sample, in 1/`length`.
-    tail_rate: f64,
-    /// Last sample's r and r R.
-    last: [f64; 2],
-    /// Energy within the last sample's radius and behind it.
-    total: f64,
-    rule: &'static [(f64, f64)],
-    /// Radius of the sample in the middle \[L\].
+    /// Cells between the radii, in units of `length`.
+    cells: Vec<Cell>,
+    tail: Tail,
+    surface_albedo: f64,
     length: f64,
+    evaluations: u32,
+}
+
+/// Energies, not yet normalized: of each interval and its first half, beginning at 0, and of all beyond the last
+/// radius.
+struct Energies {
+    intervals: Vec<[f64; 2]>,
+    tail: f64,
 }
 
 impl SampledProfile {
@@ -68,120 +66,129 @@ impl SampledProfile {
     /// # Errors
     /// A radius or reflectance is out of its range, there are too few, or R does not fall towards its end.
     pub fn new(radii: &[f64], reflectances: &[f64]) -> Result<Self, ParameterError> {
-        let count = radii.len();
+        let curve = SampleCurve::new(radii, reflectances)?;
+        let (densities, intervals) = (curve.densities(), curve.energies());
+        let tail = densities[densities.len() - 1] / curve.tail_rate;
+        let evaluations = (2 * POINTS * (curve.radii.len() - 1)) as u32;
+        let chain = Self::chain(&curve.radii, &densities, &Energies { intervals, tail }, curve.tail_rate)?;
+        Ok(Self { length: curve.length, evaluations, ..chain })
+    }
+
+    /// Makes the profile of which the energies within radii are known, E(rᵢ) = ∫₀^rᵢ R 2πr dr: what a tally of rings
+    /// measures.
+    ///
+    /// # Errors
+    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not
+    /// greater than the one before; an energy is less than the one before or not finite; the last ring does not
+    /// have less than the one before, per length. The error names the value and, as its limit, the index.
+    pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
+        check_radii(radii)?;
+        check_enclosed(radii, enclosed)?;
+        // How it goes on beyond the last radius: densities of the last rings are those of their middles
+        let n = radii.len();
+        let width = radii[n - 1] - radii[n - 2];
+        let chord = |i: usize| (enclosed[i] - enclosed[i - 1]) / (radii[i] - radii[i - 1]);
+        let (before, last) = (chord(n - 2), chord(n - 1));
+        let rate = 2.0 * (before / last).ln() / (radii[n - 1] - radii[n - 3]);
         require(
-            count == reflectances.len(),
-            "number of reflectances",
-            reflectances.len() as f64,
-            "that of radii",
-        )?;
-        let mut before = 0.0;
-        for &r in radii {
-            let allowed = "greater than the one before by 1e-9 of itself, in (0, 1e100]";
-            require(r > before * RATIO_MIN && r <= 1e100, "radius", r, allowed)?;
-            before = r;
-        }
-        for &reflectance in reflectances {
-            require((0.0..=1e200).contains(&reflectance), "reflectance", reflectance, "in [0, 1e200]")?;
-        }
-        let count = count - reflectances.iter().rev().take_while(|&&reflectance| reflectance == 0.0).count();
-        require(count >= 4, "number of radii up to the last with light", count as f64, "at least 4")?;
-
-        // Bring lengths near 1, and take logarithms
-        let length = radii[count / 2];
-        let unit: Vec<f64> = radii[..count].iter().map(|r| r / length).collect();
-        let densities: Vec<f64> =
-            unit.iter().zip(reflectances).map(|(x, value)| (x * length) * value * length).collect();
-        let greatest = densities.iter().copied().fold(0.0, f64::max);
-        let with_light = densities.iter().copied().filter(|density| *density > 0.0);
-        let floor = with_light.fold(FLOOR * greatest, f64::min).max(f64::MIN_POSITIVE);
-        let logarithm = |density: &f64| density.max(floor).ln();
-        let (xs, ys): (Vec<f64>, Vec<f64>) =
-            (unit.iter().map(|x| x.ln()).collect(), densities.iter().map(logarithm).collect());
-        let (first, second) = (ys[0].exp(), ys[1].exp());
-        let at_zero = first - (second - first) / (unit[1] - unit[0]) * unit[0];
-        let head = [at_zero.max(0.0).min(2.0 * first), first];
-        let lit: Vec<(f64, f64)> = (unit.iter().copied().zip(ys.iter().copied()).zip(&densities))
-            .filter_map(|(point, density)| (*density > 0.0).then_some(point))
-            .collect();
-        require(lit.len() > 1, "number of radii with light", lit.len() as f64, "at least 2")?;
-        let tail_rate = falling_rate(&lit);
-        let allowed = "greater than 0: the reflectance has to fall towards its end";
-        require(tail_rate > 0.0, "rate at which r R falls in the outer half", tail_rate / length, allowed)?;
-
-        let last = [unit[count - 1], ys[count - 1].exp()];
-        let mut profile = Self {
-            curve: MonotoneCubic::new(&xs, &ys),
-            radii: unit,
-            enclosed: Vec::new(),
-            beyond: Vec::new(),
-            head,
-            tail_rate,
+            rate > 0.0 || last == 0.0,
+            "energy per length of the last ring",
             last,
-            total: 0.0,
-            rule: shared_gauss_legendre(POINTS),
-            length,
-        };
-
-        // Sum up the energies from both sides, where each keeps its digits
-        let rings: Vec<f64> = xs.windows(2).map(|pair| profile.between(pair[0], pair[1])).collect();
-        let mut enclosed = profile.within_head(profile.radii[0]);
-        let mut beyond = profile.tail(last[0]);
-        profile.enclosed.push(enclosed);
-        profile.beyond.push(beyond);
-        for (ring, opposite) in rings.iter().zip(rings.iter().rev()) {
-            enclosed += ring;
-            beyond += opposite;
-            profile.enclosed.push(enclosed);
-            profile.beyond.push(beyond);
-        }
-        profile.beyond.reverse();
-        profile.total = enclosed + profile.tail(last[0]);
-        let allowed = "finite and greater than 0";
-        require(
-            profile.total > 0.0 && profile.total.is_finite(),
-            "energy of all samples",
-            profile.total,
-            allowed,
+            "less than of that before it",
         )?;
-        Ok(profile)
+        let rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 / radii[n - 1] };
+        let tail = last * (-0.5 * rate * width).exp() / rate;
+        let densities = densities_of_energies(radii, enclosed, tail, rate);
+        Self::with_enclosed(radii, &densities, enclosed, tail, rate)
     }
 
-    /// Energy within x, not beyond the first sample.
-    fn within_head(&self, x: f64) -> f64 {
-        PI * x * (self.head[0] + self.density(x))
+    /// Makes the profile of which both samples and energies within radii are known.
+    ///
+    /// # Errors
+    /// As of [`new`](Self::new) and [`from_enclosed`](Self::from_enclosed).
+    pub fn from_samples_and_enclosed(
+        radii: &[f64],
+        reflectances: &[f64],
+        enclosed: &[f64],
+    ) -> Result<Self, ParameterError> {
+        check_radii(radii)?;
+        check_reflectances(radii, reflectances)?;
+        check_enclosed(radii, enclosed)?;
+        let densities = densities(radii, reflectances);
+        let rate = rate_of_last(radii, &densities)?;
+        let tail = densities[densities.len() - 1] / rate;
+        Self::with_enclosed(radii, &densities, enclosed, tail, rate)
     }
 
-    /// Energy beyond x behind the last sample.
-    fn tail(&self, x: f64) -> f64 {
-        2.0 * PI * self.density(x) / self.tail_rate
+    fn with_enclosed(
+        radii: &[f64],
+        densities: &[f64],
+        enclosed: &[f64],
+        tail: f64,
+        rate: f64,
+    ) -> Result<Self, ParameterError> {
+        // Inside the first radius E = a r + b r² has its energy and density
+        let (within, density) = (enclosed[0], densities[0] * radii[0]);
+        let linear = (2.0 * within - density).max(0.0).min(within);
+        let mut intervals = vec![[within, 0.5 * linear + 0.25 * (within - linear)]];
+        // Halves by the cell that has the densities of both ends and weight 1
+        intervals.extend((1..radii.len()).map(|i| {
+            let (energy, width) = (enclosed[i] - enclosed[i - 1], radii[i] - radii[i - 1]);
+            let [before, after] = [densities[i - 1], densities[i]].map(|density| density * width);
+            [energy, energy * (before + energy) / (2.0 * energy + before + after).max(f64::MIN_POSITIVE)]
+        }));
+        Self::chain(radii, densities, &Energies { intervals, tail }, rate)
     }
 
-    /// Energy between two logarithms of radii, with no sample in between.
-    fn between(&self, from: f64, to: f64) -> f64 {
-        // The curve does not turn between samples: its ends say how much it changes
-        let change = (self.curve.eval(to) - self.curve.eval(from)).abs().max(to - from);
-        let panels = 1 + (change / PANEL) as usize;
-        let edge = |i: usize| from + (to - from) * (i as f64 / panels as f64);
-        let panel = |i: usize| integrate(self.rule, edge(i), edge(i + 1), |x| (self.curve.eval(x) + x).exp());
-        2.0 * PI * (0..panels).map(panel).sum::<f64>()
-    }
+    /// Chains cells for the energies, with densities at their ends, in the unit of the radii.
+    fn chain(
+        radii: &[f64],
+        densities: &[f64],
+        energies: &Energies,
+        rate: f64,
+    ) -> Result<Self, ParameterError> {
+        let total = energies.intervals.iter().map(|[energy, _]| energy).sum::<f64>() + energies.tail;
+        require(
+            total > 0.0 && total.is_finite(),
+            "energy of all samples",
+            total,
+            "finite and greater than 0",
+        )?;
 
-    /// r R at the radius x, both in units of the length.
-    fn density(&self, x: f64) -> f64 {
-        let [first, last] = [self.radii[0], self.last[0]];
-        if x >= last {
-            return self.last[1] * (-self.tail_rate * (x - last)).exp();
+        // Sum up from both sides, so that either keeps its digits
+        let share = |energy: f64| energy / total;
+        let mut beyond = vec![share(energies.tail)];
+        for [energy, _] in energies.intervals.iter().rev() {
+            beyond.push(beyond[beyond.len() - 1] + share(*energy));
         }
-        if x >= first {
-            return self.curve.eval(x.ln()).exp();
+        beyond.reverse();
+        let mut within = 0.0;
+        let mut cells = Vec::with_capacity(radii.len());
+        for (i, [energy, half]) in energies.intervals.iter().enumerate() {
+            let (start, start_density) = if i == 0 {
+                // E = a r + b r² over the interval: the density at 0 from both of its energies
+                (0.0, (4.0 * half - energy) / radii[0])
+            } else {
+                (radii[i - 1], densities[i - 1])
+            };
+            let knot = |x: f64, inside: f64, density: f64| Knot {
+                x,
+                within: within + share(inside),
+                beyond: beyond[i] - share(inside),
+                density: share(density.max(0.0)),
+            };
+            let ends = [knot(start, 0.0, start_density), knot(radii[i], *energy, densities[i])];
+            let middle = knot(0.5 * (start + radii[i]), *half, 0.0);
+            let cell = Cell::new(&ends[0], &middle, &ends[1]);
+            cells.push(Cell { within, beyond: beyond[i + 1], share: share(*energy), ..cell });
+            within += share(*energy);
         }
-        self.head[0] + (self.head[1] - self.head[0]) * (x / first)
+        let tail = Tail { start: radii[radii.len() - 1], share: share(energies.tail), rate };
+        Ok(Self { cells, tail, surface_albedo: total, length: 1.0, evaluations: 0 })
     }
 
-    /// Number of the sample at or before x, which lies between the first and the last.
-    fn sample_before(&self, x: f64) -> usize {
-        self.radii.partition_point(|radius| *radius <= x).saturating_sub(1).min(self.radii.len() - 2)
+    fn cell_at(&self, x: f64) -> &Cell {
+        &self.cells[self.cells.partition_point(|cell| cell.start <= x).saturating_sub(1)]
     }
 
     /// Radius in units of the length; NaN and less than 0 count as 0.
@@ -192,57 +199,141 @@ impl SampledProfile {
 
 impl Profile for SampledProfile {
     fn eval_times_r(&self, r: f64) -> f64 {
-        (self.density(self.unit(r)) / self.length).min(f64::MAX)
+        let x = self.unit(r);
+        let density = if x < self.tail.start {
+            self.cell_at(x).density(x)
+        } else {
+            self.tail.rate * self.tail.beyond(x)
+        };
+        (self.surface_albedo * density / (2.0 * PI) / self.length).min(f64::MAX)
     }
 
     fn enclosed(&self, r: f64) -> f64 {
         let x = self.unit(r);
-        if x >= self.last[0] {
-            return self.total - self.tail(x);
-        }
-        if x <= self.radii[0] {
-            return self.within_head(x);
-        }
-        let i = self.sample_before(x);
-        self.enclosed[i] + self.between(self.radii[i].ln(), x.ln())
+        let share = if x < self.tail.start { self.cell_at(x).within(x) } else { 1.0 - self.tail.beyond(x) };
+        self.surface_albedo * share
     }
 
     fn beyond(&self, r: f64) -> f64 {
         let x = self.unit(r);
-        if x >= self.last[0] {
-            return self.tail(x);
-        }
-        if x <= self.radii[0] {
-            return self.total - self.within_head(x);
-        }
-        let i = self.sample_before(x);
-        self.beyond[i + 1] + self.between(x.ln(), self.radii[i + 1].ln())
+        let share = if x < self.tail.start { self.cell_at(x).beyond(x) } else { self.tail.beyond(x) };
+        self.surface_albedo * share
     }
 
     fn surface_albedo(&self) -> f64 {
-        self.total
+        self.surface_albedo
     }
 
+    /// First radius within which half of the energy leaves \[L\].
     fn scale(&self) -> f64 {
-        let half = self.enclosed.partition_point(|&enclosed| enclosed < 0.5 * self.total);
-        self.length * self.radii[half.min(self.radii.len() - 1)]
+        let half = self.cells.iter().find(|cell| cell.beyond < 0.5);
+        self.length * half.map_or(self.tail.start, |cell| cell.start + 1.0 / cell.inverse_width)
     }
 
     fn evaluations_to_build(&self) -> u32 {
-        (POINTS * (self.enclosed.len() - 1)) as u32
+        self.evaluations
     }
 }
 
-/// Least-squares rate at which the logarithms fall with x over the outer half of the range, two points at least.
-fn falling_rate(points: &[(f64, f64)]) -> f64 {
-    let end = points[points.len() - 1].0;
-    let outer = points.partition_point(|(x, _)| *x < 0.5 * end).min(points.len() - 2);
-    let points = &points[outer..];
-    let mean = |of: fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / points.len() as f64;
-    let (mean_x, mean_y) = (mean(|point| point.0), mean(|point| point.1));
-    let products =
-        |f: fn(f64, f64) -> f64| -> f64 { points.iter().map(|(x, y)| f(x - mean_x, y - mean_y)).sum() };
-    -products(|x, y| x * y) / products(|x, _| x * x)
+/// Densities per length 2πr R.
+fn densities(radii: &[f64], reflectances: &[f64]) -> Vec<f64> {
+    radii.iter().zip(reflectances).map(|(r, value)| 2.0 * PI * r * value).collect()
+}
+
+/// Densities per length from the energies within radii and beyond the last: as the slopes of ln E in ln r up to
+/// the median, of the logarithm of what is beyond in r from there on.
+fn densities_of_energies(radii: &[f64], enclosed: &[f64], tail: f64, rate: f64) -> Vec<f64> {
+    let last = radii.len() - 1;
+    let first = enclosed.iter().position(|energy| *energy > 0.0).unwrap_or(last);
+    let logs = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<f64>>();
+    let powers = monotone_slopes(&logs(&radii[first..]), &logs(&enclosed[first..]));
+    let beyond: Vec<f64> =
+        enclosed.iter().map(|energy| (enclosed[last] - energy + tail).max(f64::MIN_POSITIVE)).collect();
+    let rates = monotone_slopes(radii, &logs(&beyond));
+    let density = |i: usize| match i {
+        _ if i < first => 0.0,
+        _ if i == last => tail * rate,
+        _ if enclosed[i] < beyond[i] => powers[i - first] * enclosed[i] / radii[i],
+        _ => -rates[i] * beyond[i],
+    };
+    (0..=last).map(density).collect()
+}
+
+/// Rate of the exponential through the last densities that are not 0.
+fn rate_of_last(radii: &[f64], densities: &[f64]) -> Result<f64, ParameterError> {
+    let points: Vec<[f64; 2]> = radii
+        .iter()
+        .zip(densities)
+        .filter(|(_, density)| **density > 0.0)
+        .map(|(r, density)| [*r, density.ln()])
+        .collect();
+    let allowed = "greater than 0 at two radii and more";
+    require(points.len() > 1, "number of reflectances", points.len() as f64, allowed)?;
+    let last = points[points.len() - 1][0];
+    let beyond = points.iter().filter(|[r, _]| *r >= TAIL_PART * last).count();
+    let points = &points[points.len() - beyond.max(TAIL_POINTS).min(points.len())..];
+    let rate = falling_rate(points);
+    require(
+        rate > 0.0 && rate.is_finite(),
+        "rate at which r R falls over the last radii",
+        rate,
+        "greater than 0",
+    )
+}
+
+fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
+    require(radii.len() >= POINTS_MIN, "number of radii", radii.len() as f64, "at least 4")?;
+    let mut before = 0.0;
+    for (i, r) in radii.iter().enumerate() {
+        let is_good = *r > before && *r < 1e150 && *r > 1e-150;
+        at_index(
+            is_good,
+            "radius",
+            *r,
+            "in [1e-150, 1e150] and greater than the one before; its index is",
+            i,
+        )?;
+        before = *r;
+    }
+    Ok(())
+}
+
+fn check_reflectances(radii: &[f64], reflectances: &[f64]) -> Result<(), ParameterError> {
+    check_count("number of reflectances", reflectances, radii)?;
+    for (i, value) in reflectances.iter().enumerate() {
+        at_index((0.0..1e300).contains(value), "reflectance", *value, "in [0, 1e300); its index is", i)?;
+    }
+    Ok(())
+}
+
+fn check_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<(), ParameterError> {
+    check_count("number of enclosed energies", enclosed, radii)?;
+    let mut before = 0.0;
+    for (i, value) in enclosed.iter().enumerate() {
+        let is_good = *value >= before && *value < 1e300;
+        at_index(is_good, "enclosed", *value, "finite and no less than the one before; its index is", i)?;
+        before = *value;
+    }
+    Ok(())
+}
+
+fn check_count(parameter: &'static str, values: &[f64], radii: &[f64]) -> Result<(), ParameterError> {
+    let (value, allowed) = (values.len() as f64, "that of the radii,");
+    if values.len() == radii.len() {
+        return Ok(());
+    }
+    Err(ParameterError { parameter, value, allowed, limit: Some(radii.len() as f64) })
+}
+
+/// The error of one of many values says which.
+fn at_index(
+    holds: bool,
+    parameter: &'static str,
+    value: f64,
+    allowed: &'static str,
+    index: usize,
+) -> Result<(), ParameterError> {
+    if holds { Ok(()) } else { Err(ParameterError { parameter, value, allowed, limit: Some(index as f64) }) }
 }
 
 #[cfg(test)]

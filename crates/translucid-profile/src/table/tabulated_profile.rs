@@ -6,7 +6,6 @@ use std::sync::Arc;
 use crate::SampledProfile;
 use crate::error::{ParameterError, require_fraction, require_positive};
 use crate::profile::{Profile, finite_quotient, methods_of};
-use crate::table::energy_profile::EnergyProfile;
 use crate::table::precision::Number;
 use crate::table::radial_table::RadialTable;
 use crate::table::radial_table_build::{Built, build};
@@ -93,23 +92,21 @@ impl TabulatedProfile {
     /// ```
     ///
     /// # Errors
-    /// There are fewer than four radii, or not as many energies; a radius is not in \[1e-150, 1e150\] or not
-    /// greater than the one before; an energy is less than the one before or not finite; the last ring does not
-    /// have less than the one before, per length. The error names the value and, as its limit, the index.
+    /// As [`SampledProfile::from_enclosed`].
     pub fn from_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<Self, ParameterError> {
-        Ok(Self::new(&EnergyProfile::from_enclosed(radii, enclosed)?))
+        Ok(Self::new(&SampledProfile::from_enclosed(radii, enclosed)?))
     }
 
     /// The profile of which both samples and energies within radii are known; it keeps both.
     ///
     /// # Errors
-    /// As [`from_samples`](Self::from_samples) and [`from_enclosed`](Self::from_enclosed).
+    /// As [`SampledProfile::from_samples_and_enclosed`].
     pub fn from_samples_and_enclosed(
         radii: &[f64],
         reflectances: &[f64],
         enclosed: &[f64],
     ) -> Result<Self, ParameterError> {
-        Ok(Self::new(&EnergyProfile::from_samples_and_enclosed(radii, reflectances, enclosed)?))
+        Ok(Self::new(&SampledProfile::from_samples_and_enclosed(radii, reflectances, enclosed)?))
     }
 
     /// A table that is there already; its error against a source is not known here.

@@ -54,7 +54,7 @@ struct Naive {
     eta: f64,
 }
 
-/// Where a question is asked: offset, direction to the light, normals at entry and exit.
+/// Arguments of a question: offset, direction to the light, normals at entry and exit.
 type Question = [Vector; 4];
 
 impl Naive {

@@ -26,7 +26,7 @@ struct Model {
     closed_total: Option<Total>,
     etas: &'static [f64],
     gs: &'static [f64],
-    /// Whether R is smooth; that of a table has kinks where its cells meet, which quadratures feel.
+    /// True if R is smooth; that of a table has kinks where its cells meet, which quadratures feel.
     smooth: bool,
 }
 
@@ -173,7 +173,7 @@ fn single_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> 
     Ok(BeamSingleScattering::from_medium(&medium, eta)?.surface_albedo())
 }
 
-/// What single scattering leaves of photon beam diffusion.
+/// Rest of photon beam diffusion without single scattering.
 fn multiple_total(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
     Ok(PhotonBeamDiffusion::surface_albedo_from_absorbed(absorbed, g, eta)? - single_total(absorbed, g, eta)?)
 }
@@ -367,7 +367,7 @@ fn quantile_inverts_cdf() {
 /// a few at the ends of its terms from one that goes term by term.
 #[test]
 fn samples_have_the_distribution() {
-    const COUNT: i32 = 512;
+    const COUNT: i32 = 128;
     for case in cases() {
         let p = &case.profile;
         let mut bins = [0.0; 4];
@@ -376,7 +376,7 @@ fn samples_have_the_distribution() {
             bins[((4.0 * p.cdf(r)) as usize).min(3)] += 1.0;
         }
         for bin in bins {
-            assert!((bin / f64::from(COUNT) - 0.25f64).abs() < 0.02, "{}: {bins:?}", case.label);
+            assert!((bin / f64::from(COUNT) - 0.25f64).abs() < 0.04, "{}: {bins:?}", case.label);
         }
     }
 }
@@ -476,7 +476,12 @@ fn every_method_is_finite_for_any_radius() {
                 for r in odd {
                     let of_radius = [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r)];
                     let shares = [p.pdf(r), p.pdf_area(r), p.cdf(r), p.complementary_cdf(r)];
-                    let of_share = [p.quantile(r), p.quantile_complement(r), p.sample(r)];
+                    // Searches, where lengths do not matter
+                    let of_share = if length == 1.0 {
+                        [p.quantile(r), p.quantile_complement(r), p.sample(r)]
+                    } else {
+                        [p.quantile(0.3), p.quantile_complement(0.3), p.sample(0.3)]
+                    };
                     for value in of_radius.into_iter().chain(shares).chain(of_share) {
                         assert!(value.is_finite() && value >= 0.0, "{} at {r}: {value}", case.label);
                     }

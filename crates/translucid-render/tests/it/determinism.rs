@@ -1,5 +1,6 @@
 //! Same scene and seed, same bytes: at any number of threads, however the work is interrupted.
 
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -13,6 +14,10 @@ use translucid_scene::{
 use crate::common::{on_threads, prepare, prepare_with_points, render, render_until};
 
 const MEMORY: u64 = 1 << 30;
+/// Size of the film in pixels, which is no multiple of that of blocks and tiles.
+const WIDTH: u32 = 37;
+const HEIGHT: u32 = 25;
+const SAMPLES: u32 = 5;
 
 /// A bumpy translucent sheet with a glossy interface, lit by a rectangle and the sky.
 fn scene() -> Scene {
@@ -46,7 +51,7 @@ fn scene() -> Scene {
             lens_radius: 0.05,
             focus_distance: 5.0,
         },
-        film: Film { width: 50, height: 34, ..Film::default() },
+        film: Film { width: WIDTH, height: HEIGHT, ..Film::default() },
         integrator: Integrator::default(),
         objects: vec![Object { name: "sheet".into(), mesh, material: 0, subsurface_group: 0 }],
         materials: vec![material],
@@ -68,49 +73,53 @@ fn scene() -> Scene {
     }
 }
 
-/// The scene by every way that light can take below its surface.
-fn ways() -> [(&'static str, Scene); 5] {
-    let changed = |change: fn(&mut Scene)| {
-        let mut scene = scene();
-        change(&mut scene);
-        scene
-    };
-    [
-        ("shared", changed(|scene| scene.integrator.subsurface_sharing = true)),
-        ("alone", changed(|scene| scene.integrator.subsurface_sharing = false)),
-        (
-            "normalized",
-            changed(|s| s.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy),
-        ),
-        ("walk", changed(|scene| scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk)),
-        (
-            "points",
-            changed(|scene| {
-                scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
-                scene.integrator.point_tolerance = 0.5;
-            }),
-        ),
-    ]
+/// A way of light below the surface, and the picture of one thread that nobody has disturbed.
+struct Way {
+    name: &'static str,
+    scene: Scene,
+    reference: FilmSums,
 }
 
+static WAYS: LazyLock<Vec<Way>> = LazyLock::new(|| {
+    let changes: [(&'static str, fn(&mut Scene)); 5] = [
+        ("shared", |scene| scene.integrator.subsurface_sharing = true),
+        ("alone", |scene| scene.integrator.subsurface_sharing = false),
+        ("normalized", |scene| {
+            scene.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy;
+        }),
+        ("walk", |scene| scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk),
+        ("points", |scene| {
+            scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+            scene.integrator.point_tolerance = 0.5;
+        }),
+    ];
+    let way = |(name, change): (&'static str, fn(&mut Scene))| {
+        let mut scene = scene();
+        change(&mut scene);
+        let reference = rendered(&scene, 1, &[SAMPLES]);
+        Way { name, scene, reference }
+    };
+    changes.into_iter().map(way).collect()
+});
+
 fn empty_film() -> FilmSums {
-    FilmSums::new(50, 34)
+    FilmSums::new(WIDTH, HEIGHT)
 }
 
 /// The picture of a scene made ready and rendered on so many threads, in steps to these numbers of samples.
 fn rendered(scene: &Scene, threads: usize, steps: &[u32]) -> FilmSums {
     on_threads(threads, || {
-        let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
         let mut film = empty_film();
         for &samples in steps {
-            assert_eq!(render(&renderer, &mut film, samples), Outcome::Finished);
+            assert_eq!(render(&prepared, &mut film, samples), Outcome::Finished);
         }
         film
     })
 }
 
-/// A film whose rendering somebody has stopped after a third.
-fn interrupted(scene: &Scene, threads: usize, samples: u32) -> FilmSums {
+/// A film whose rendering on so many threads somebody has stopped after a third.
+fn interrupted(scene: &Scene, threads: usize) -> FilmSums {
     let mut film = empty_film();
     let stop = AtomicBool::new(false);
     let stop_soon = |progress: Progress| {
@@ -118,57 +127,55 @@ fn interrupted(scene: &Scene, threads: usize, samples: u32) -> FilmSums {
             stop.store(true, Ordering::Relaxed);
         }
     };
-    let goal = Goal { samples, deadline: None };
+    let goal = Goal { samples: SAMPLES, deadline: None };
     let outcome = on_threads(threads, || {
-        let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
-        render_until(&renderer, &mut film, goal, &stop_soon, &stop)
+        let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+        render_until(&prepared, &mut film, goal, &stop_soon, &stop)
     });
     assert_eq!(outcome, Outcome::Interrupted);
-    assert!(film.samples() < samples);
+    assert!(film.samples() < SAMPLES);
     film
 }
 
-#[test]
-fn threads_and_steps_leave_no_trace() {
-    for (name, scene) in ways() {
-        let reference = rendered(&scene, 1, &[9]);
-        assert!(reference.radiance(25, 20).iter().sum::<f64>() > 0.0, "{name}");
-        assert!(reference == rendered(&scene, 2, &[9]), "{name}, two threads");
-        assert!(reference == rendered(&scene, 3, &[1, 2, 6, 9]), "{name}, three threads in steps");
-    }
-}
-
-/// The ways are ways: each has a picture of its own.
+/// Ways that have pictures of their own, or the tests below would tell nothing of one of them.
 #[test]
 fn ways_differ() {
-    let pictures = ways().map(|(name, scene)| (name, rendered(&scene, 2, &[1])));
-    for (index, (name, film)) in pictures.iter().enumerate() {
-        for (other_name, other) in &pictures[..index] {
-            assert!(film != other, "{name} {other_name}");
+    for (index, way) in WAYS.iter().enumerate() {
+        assert!(way.reference.radiance(18, 12).iter().sum::<f64>() > 0.0, "{}", way.name);
+        for other in &WAYS[..index] {
+            assert!(way.reference != other.reference, "{} {}", way.name, other.name);
         }
     }
 }
 
 #[test]
-fn interrupted_film_is_continued_by_another_renderer() {
-    for (name, scene) in ways() {
-        let mut film = interrupted(&scene, 2, 9);
+fn threads_and_steps_leave_no_trace() {
+    for Way { name, scene, reference } in WAYS.iter() {
+        assert!(*reference == rendered(scene, 2, &[SAMPLES]), "{name}, two threads");
+        assert!(*reference == rendered(scene, 3, &[1, 2, SAMPLES]), "{name}, three threads in steps");
+    }
+}
+
+#[test]
+fn interrupted_film_is_continued_on_other_threads() {
+    for Way { name, scene, reference } in WAYS.iter() {
+        let mut film = interrupted(scene, 2);
         let outcome = on_threads(3, || {
-            let renderer = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
-            render(&renderer, &mut film, 9)
+            let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
+            render(&prepared, &mut film, SAMPLES)
         });
         assert_eq!(outcome, Outcome::Finished);
-        assert!(film == rendered(&scene, 1, &[9]), "{name}");
+        assert!(film == *reference, "{name}");
     }
 }
 
 #[test]
 fn deadline_ends_the_rendering_in_time() {
-    let renderer = prepare(scene());
+    let prepared = prepare(scene());
     let mut film = empty_film();
     let start = Instant::now();
     let goal = Goal { samples: 1 << 22, deadline: Some(start + Duration::from_millis(200)) };
-    assert_eq!(render_until(&renderer, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
+    assert_eq!(render_until(&prepared, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
     assert!(start.elapsed() < Duration::from_secs(20));
     assert!(film.samples() > 0);
 }

@@ -12,6 +12,7 @@
 mod common;
 
 mod agreement;
+mod broken_scenes;
 mod determinism;
 mod exact_answers;
 mod fuzzed_scenes;

@@ -98,7 +98,7 @@ fn thin_things_return_what_the_profile_says() {
 fn normalization_is_a_factor_of_the_exit() {
     let means = [SubsurfaceNormalization::None, SubsurfaceNormalization::Energy].map(|normalization| {
         [Vec3::Z, Vec3::NEG_Z].map(|toward| {
-            let mut scene = scene(slab(0.5, 2.0), material(Model::NormalizedDiffusionRefined, normalization));
+            let mut scene = scene(slab(0.5, 3.0), material(Model::NormalizedDiffusionRefined, normalization));
             scene.lights.push(distant(toward));
             measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 14).0
         })

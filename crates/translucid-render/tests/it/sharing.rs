@@ -144,7 +144,6 @@ fn sharing_keeps_the_mean_of_every_region() {
                 *total += statistics(films.iter().map(mean)).1;
             }
         }
-        eprintln!("TUNE {name} {total:?} {}", total[0] / total[1]);
         assert!(total[0] < 0.8 * total[1], "{name}: regions are as noisy, {total:?}");
     }
 }
@@ -166,7 +165,6 @@ fn sharing_takes_most_of_the_noise_away() {
         sum
     };
     let (shared, alone) = (noise(true), noise(false));
-    eprintln!("TUNE noise {}", shared / alone);
     assert!(shared < 0.25 * alone, "{shared} {alone}");
 }
 
@@ -193,7 +191,6 @@ fn sharing_returns_the_surface_albedo_of_a_plane() {
             };
             let (mean, squared) = statistics(films.iter().map(whole));
             let (error, expected) = (squared.sqrt(), f64::from(color[channel]));
-            eprintln!("TUNE plane {}", error / expected);
             assert!(
                 error < bound(6e-3) * expected,
                 "{model:?}, channel {channel}: too noisy to tell, {error}"

@@ -11,6 +11,7 @@ use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, Object, Pixels, ScalarInput, Scene,
     SubsurfaceModel, SubsurfaceTextureAt, TextureRef,
 };
+use translucid_testing::bound;
 
 use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
 
@@ -171,15 +172,14 @@ fn both_is_reciprocal_and_the_others_are_not() {
                 power: Vec3::ONE,
             });
             let renderer = prepare(scene);
-            measure(&renderer, Vec3::new(seen, 0.0, 1.0), Vec3::NEG_Z, samples(1 << 17))
+            measure(&renderer, Vec3::new(seen, 0.0, 1.0), Vec3::NEG_Z, samples(1 << 17).max(1 << 15))
         });
         let z = (there.0 - back.0) / (there.1 * there.1 + back.1 * back.1).map(f32::sqrt);
         let relative = ((there.0 - back.0) / there.0).abs();
         // Both ways have the same distances of pairs
         if policy == SubsurfaceTextureAt::Both {
             assert!(z.abs().max_element() < 4.0, "{there:?} {back:?}, z = {z}");
-            eprintln!("TUNE recip {there:?} {z}");
-            assert!((there.1 / there.0).max_element() < 0.05, "too noisy to tell: {there:?}");
+            assert!((there.1 / there.0).max_element() < bound(0.05) as f32, "too noisy to tell: {there:?}");
         } else {
             assert!(relative.max_element() > 0.3, "{policy:?}: {there:?} {back:?}");
         }

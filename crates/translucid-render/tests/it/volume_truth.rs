@@ -123,7 +123,7 @@ fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
             compared += u32::from(allowed < 0.2 * expected[c]);
         }
     }
-    println!("TUNE {compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
+    println!("{compared} means of regions; whole picture over the truth's: {}", sums[0] / sums[1]);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
     assert!(compared > 15, "too noisy to tell: {compared}");
     assert!((sums[0] / sums[1] - 1.0).abs().max_element() < 0.02, "{sums:?}");

@@ -221,7 +221,7 @@ mod tests {
                 for g in [-1.0 + 1e-15, 0.0, 0.9, 1.0 - 1e-15] {
                     for eta in [0.05, 0.5, 1.0, 1.4, 20.0] {
                         let d = dipole(alpha, length, g, eta);
-                        for _ in 0..4000 {
+                        for _ in 0..translucid_testing::power(4000) {
                             let scale = 10f64.powf(20.0 * random.next() - 18.0) * d.medium().transport_mfp();
                             let sane = random.next() < 0.5;
                             let offset =

@@ -37,7 +37,7 @@ use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
 #[derive(Clone, Debug)]
 pub struct ExactProfile {
     table: TabulatedProfile,
-    /// How often the exact surface albedo was evaluated, for the inversion that a dmfp needs.
+    /// Number of evaluations of the exact surface albedo, for the inversion that a dmfp needs.
     evaluations: u32,
 }
 

@@ -19,16 +19,16 @@ use crate::table::radial_table::{RadialTable, Tail};
 
 /// Rows that an interpolation takes part in.
 const POINTS: usize = 6;
-/// Of these, rows before the one at or before the albedo.
+/// Number of these rows before the one at or before the albedo.
 const BEFORE: usize = 2;
-/// Where less than this is left the table ends.
+/// Share beyond a radius at which the table ends.
 const TAIL_SHARE: f64 = 1e-30;
 
 /// Rows of one configuration.
 #[derive(Debug)]
 pub(crate) struct ExactTable {
     first_exponent: i32,
-    /// Of each octave j: it has 2^j cells.
+    /// Binary logarithm of the number of cells in each octave.
     octaves: Vec<u32>,
     /// Ends of cells, from 0.
     radii: Vec<f64>,

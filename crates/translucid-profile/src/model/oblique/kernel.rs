@@ -26,10 +26,10 @@ const FUNCTIONS: usize = ENERGY.len();
 /// cos 85°, the end of the fit: beams that graze more have this shape.
 pub(crate) const LEAST_COS_THETA: f64 = 0.087_155_742_747_658_17;
 
-/// What the surface albedo decides.
+/// The model at one surface albedo, for every angle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Family {
-    /// What E/A_d is multiplied with, to be the energy of the configuration.
+    /// Factor that makes E/A_d the energy of the configuration.
     energy: f64,
     /// (1 − A_d) q_j(A_d).
     deviations: [f64; FUNCTIONS],
@@ -52,7 +52,7 @@ impl Line {
     }
 }
 
-/// What the angle decides, too; lengths in mean free paths.
+/// The model at one surface albedo and angle; lengths in mean free paths.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Terms {
     pub(crate) weights: [f64; TERMS],
@@ -76,7 +76,7 @@ pub(crate) struct Way {
 }
 
 impl Family {
-    /// Of a surface albedo in [0, 1], under light that enters in all directions inside a cone around the normal, with a
+    /// Makes the family of a surface albedo in [0, 1], under light that enters in all directions inside a cone around the normal, with a
     /// cosine distribution: `means` is [`means_above`] of the cone's cosine. (For the searchlight the cone does not
     /// matter.)
     #[inline]

@@ -71,7 +71,7 @@ pub struct ObliqueDiffusion {
 }
 
 impl ObliqueDiffusion {
-    /// How many exponentials the sum has.
+    /// Number of exponentials in the sum.
     pub const TERMS: usize = TERMS;
 
     /// Makes the profile of a surface albedo A ∈ [0, 1], a length \[L\], mean free path or diffuse mean free path as the

@@ -69,7 +69,7 @@ pub struct RefinedDiffusion {
 }
 
 impl RefinedDiffusion {
-    /// How many exponentials the sum has.
+    /// Number of exponentials in the sum.
     pub const TERMS: usize = 4;
 
     /// Makes the profile of a surface albedo A ∈ [0, 1] and a length \[L\], mean free path or diffuse mean free path as
@@ -278,7 +278,7 @@ mod tests {
         RefinedDiffusion::new(surface_albedo, mfp, Parameterization::Mfp, configuration).unwrap()
     }
 
-    /// Of both configurations, from black to white, for a mean free path of 1.
+    /// Profiles of both configurations, from black to white, for a mean free path of 1.
     fn profiles() -> impl Iterator<Item = RefinedDiffusion> {
         let albedos = [0.0, 1e-12, 0.03, 0.2, 0.5, 0.8, 0.97, 0.9999, 1.0];
         CONFIGURATIONS.into_iter().flat_map(move |c| albedos.map(|a| profile(a, 1.0, c)))

@@ -17,7 +17,7 @@
 //! | 5 | 8.8 | 14.6 | 8.1 | 13.7 |
 //! | 6 | 5.7 | 10.3 | 5.2 | 9.6 |
 //!
-//! Of these, interpolation between the nodes is 0.0007 or less.
+//! Interpolation between the nodes makes of these 0.0007 or less.
 
 /// Intervals between the nodes, evenly spaced in 1 − √(1 − A).
 pub(crate) const INTERVALS: usize = 24;

@@ -58,7 +58,7 @@ impl SumOfGaussians {
     /// Most Gaussians in a sum.
     pub const MAX_TERMS: usize = 6;
 
-    /// How many Gaussians a sum has where nobody says: six, as E. d'Eon and D. Luebke 2007 took for skin.
+    /// Number of Gaussians in a sum where nobody says: six, as E. d'Eon and D. Luebke 2007 took for skin.
     pub const DEFAULT_TERMS: usize = 6;
 
     /// Makes the sum of `terms` ∈ 1..=6 Gaussians for a surface albedo A ∈ [0, 1] and a length \[L\], mean free path or
@@ -234,7 +234,7 @@ impl Profile for SumOfGaussians {
         (0.5 * PI).sqrt() * self.sum(|deviation| deviation)
     }
 
-    /// How often the exact surface albedo was evaluated, for the inversion that a dmfp needs.
+    /// Number of evaluations of the exact surface albedo, for the inversion that a dmfp needs.
     fn evaluations_to_build(&self) -> u32 {
         self.evaluations
     }
