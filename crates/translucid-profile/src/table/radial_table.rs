@@ -34,7 +34,7 @@ pub(crate) struct RadialTable<T: Precision = f64> {
 struct Octave {
     /// Bits of a radius beyond these are within the cell.
     shift: u32,
-    /// What the remaining bits exceed the cell's number by.
+    /// Excess of the remaining bits over the cell's number.
     base: u32,
 }
 

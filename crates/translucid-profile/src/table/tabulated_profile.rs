@@ -51,7 +51,7 @@ pub struct TabulatedProfile {
 impl TabulatedProfile {
     /// Tabulates a profile: asks it for some 200 to 700 numbers.
     ///
-    /// Of a black profile the shape is that of normalized diffusion, so that it can be sampled.
+    /// A black profile gets the shape of normalized diffusion, so that it can be sampled.
     pub fn new(source: &dyn Profile) -> Self {
         let Built { table, length, error, evaluations } = build(source);
         Self {
@@ -122,7 +122,7 @@ impl TabulatedProfile {
         }
     }
 
-    /// The same shape with every length multiplied by a factor and another surface albedo; shares the table.
+    /// A profile of this shape with every length multiplied by a factor and another surface albedo; shares the table.
     ///
     /// # Errors
     /// The factor is not finite and greater than 0, or takes lengths out of range; the surface albedo is not in

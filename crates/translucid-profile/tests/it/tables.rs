@@ -1,6 +1,7 @@
 //! The laws of tables, checked from outside the crate against the profiles that they were made from.
 
 use std::f64::consts::PI;
+use std::sync::LazyLock;
 
 use translucid_profile::{
     AlbedoTable, AlbedoTableF32, Appearance, BetterDipole, Configuration, DirectionalDipoleAverage,
@@ -52,6 +53,15 @@ fn sources() -> Vec<(String, Box<dyn Profile>)> {
     sources
 }
 
+/// The sources with their tables.
+static TABLES: LazyLock<Vec<(String, Box<dyn Profile>, TabulatedProfile)>> = LazyLock::new(|| {
+    let tabulated = |(name, source): (String, Box<dyn Profile>)| {
+        let table = TabulatedProfile::new(&*source);
+        (name, source, table)
+    };
+    sources().into_iter().map(tabulated).collect()
+});
+
 /// Radii from 1e-7 to 1e4 times a profile's scale.
 fn radii(scale: f64) -> impl Iterator<Item = f64> {
     (-1600..=920).map(move |i| scale * (0.01 * f64::from(i)).exp())
@@ -59,8 +69,7 @@ fn radii(scale: f64) -> impl Iterator<Item = f64> {
 
 #[test]
 fn table_has_the_cdf_of_its_source() {
-    for (name, source) in sources() {
-        let table = TabulatedProfile::new(&*source);
+    for (name, source, table) in &*TABLES {
         let total = source.surface_albedo();
         let (mut worst, mut worst_density) = (0.0f64, 0.0f64);
         for r in radii(source.scale()) {
@@ -139,8 +148,7 @@ fn table_does_not_rest_on_the_scale() {
 
 #[test]
 fn cdf_rises_to_one_and_quantile_inverts_it() {
-    for (name, source) in sources() {
-        let table = TabulatedProfile::new(&*source);
+    for (name, source, table) in &*TABLES {
         let (mut within, mut beyond) = (0.0, 1.0);
         for r in radii(source.scale()) {
             let (u, v) = (table.cdf(r), table.complementary_cdf(r));
@@ -159,8 +167,7 @@ fn cdf_rises_to_one_and_quantile_inverts_it() {
 
 #[test]
 fn pdf_is_the_slope_of_cdf_and_integrates_to_one() {
-    for (name, source) in sources() {
-        let table = TabulatedProfile::new(&*source);
+    for (name, source, table) in &*TABLES {
         let scale = source.scale();
         let mut sum = 0.0;
         let step: f64 = 0.01;
@@ -189,22 +196,27 @@ fn pdf_is_the_slope_of_cdf_and_integrates_to_one() {
     }
 }
 
-/// Kolmogorov–Smirnov: √n D exceeds 2.2 by chance once in 8,000 (2 e^{−2·2.2²}), for the 49
-/// profiles here once in 160. The numbers are fixed, so it either always passes or never does.
+/// Greatest distance between a cdf and that of samples, times √n (Kolmogorov and Smirnov).
+///
+/// Whatever their number n, it exceeds 2.2 by chance once in 8,000 (2 e^{−2·2.2²}).
+/// The samples here are fixed, so that a test either always passes or never does.
+fn kolmogorov_smirnov(mut samples: Vec<f64>, cdf: impl Fn(f64) -> f64) -> f64 {
+    samples.sort_by(f64::total_cmp);
+    let count = samples.len() as f64;
+    let steps = samples.iter().enumerate().map(|(i, sample)| {
+        let share = cdf(*sample);
+        (share - i as f64 / count).abs().max((share - (i + 1) as f64 / count).abs())
+    });
+    steps.fold(0.0, f64::max) * count.sqrt()
+}
+
+/// A false alarm once in 160 for the 49 profiles here.
 #[test]
 fn samples_are_distributed_like_the_source() {
-    let count = power(100_000) as u32;
-    for (name, source) in sources() {
-        let table = TabulatedProfile::new(&*source);
+    for (name, source, table) in &*TABLES {
         let mut state = 1u64;
-        let mut radii: Vec<f64> = (0..count).map(|_| table.sample(uniform(&mut state))).collect();
-        radii.sort_by(f64::total_cmp);
-        let steps = radii.iter().zip(0u32..).map(|(r, i)| {
-            let within = source.enclosed(*r) / source.surface_albedo();
-            let (before, after) = (f64::from(i) / f64::from(count), f64::from(i + 1) / f64::from(count));
-            (within - before).abs().max((within - after).abs())
-        });
-        let statistic = steps.fold(0.0, f64::max) * f64::from(count).sqrt();
+        let radii = (0..power(100_000)).map(|_| table.sample(uniform(&mut state))).collect();
+        let statistic = kolmogorov_smirnov(radii, |r| source.enclosed(r) / source.surface_albedo());
         assert!(statistic < 2.2, "{name}: {statistic}");
     }
 }
@@ -258,8 +270,8 @@ fn assert_finite(name: &str, table: &TabulatedProfile) {
 
 #[test]
 fn every_method_is_finite_for_any_argument() {
-    for (name, source) in sources() {
-        assert_finite(&name, &TabulatedProfile::new(&*source));
+    for (name, _, table) in &*TABLES {
+        assert_finite(name, table);
     }
     for (a, d) in [(0.0, 1e-150), (1.0, 1e-150), (0.5, 1.0), (1.0, 1e150), (1e-300, 1e150), (1e-320, 1.0)] {
         assert_finite(&format!("A {a:e}, d {d:e}"), &TabulatedProfile::new(&diffusion(a, d)));
@@ -321,14 +333,17 @@ const MODELS: [(&str, Model); 9] = [
     }),
 ];
 
-fn every_albedo(model: Model) -> AlbedoTable {
-    AlbedoTable::for_every_albedo(model).expect("a model of every albedo")
-}
+/// The models with their tables for every surface albedo.
+static EVERY_ALBEDO: LazyLock<Vec<(&str, Model, AlbedoTable)>> = LazyLock::new(|| {
+    let every = |&(name, model): &(&'static str, Model)| {
+        (name, model, AlbedoTable::for_every_albedo(model).expect("a model of every albedo"))
+    };
+    MODELS.iter().map(every).collect()
+});
 
 #[test]
 fn rows_are_the_model_and_between_them_is_little_else() {
-    for (name, model) in MODELS {
-        let table = every_albedo(model);
+    for (name, model, table) in &*EVERY_ALBEDO {
         assert!(table.cdf_error_of_rows() < REACHED, "{name}");
         let rows = table.surface_albedos();
         for pair in rows.windows(2) {
@@ -337,7 +352,7 @@ fn rows_are_the_model_and_between_them_is_little_else() {
                 let off = |r: f64| (view.cdf(r) - source.enclosed(r) / source.surface_albedo()).abs();
                 let worst = radii(source.scale()).step_by(7).map(off).fold(0.0, f64::max);
                 // The Gaussians of its ripples come and go towards white
-                let allowed = if name == "quantized diffusion" && a > 0.999 { 3e-4 } else { allowed };
+                let allowed = if *name == "quantized diffusion" && a > 0.999 { 3e-4 } else { allowed };
                 assert!(worst < allowed, "{name} {a}: {worst:e}");
                 assert_eq!(view.surface_albedo(), a);
             }
@@ -347,8 +362,7 @@ fn rows_are_the_model_and_between_them_is_little_else() {
 
 #[test]
 fn views_are_distributions() {
-    for (name, model) in MODELS {
-        let table = every_albedo(model);
+    for (name, _, table) in &*EVERY_ALBEDO {
         for (a, length) in [(0.0, 1.0), (0.02, 3.0), (0.5, 1e-100), (0.83, 1e100), (0.997, 0.1), (1.0, 1.0)] {
             let view = table.at(a, length);
             let (mut within, mut sum, step) = (0.0, 0.0, 0.01f64);
@@ -373,13 +387,11 @@ fn views_are_distributions() {
     }
 }
 
-/// Kolmogorov–Smirnov, as [`samples_are_distributed_like_the_source`]: 8 trials, false alarm once in 1,000.
+/// A false alarm once in 400 for the 18 cases here.
 #[test]
 fn samples_of_views_are_distributed_like_their_cdf() {
-    let count = power(100_000) as u32;
-    for (name, model) in MODELS {
-        let view = every_albedo(model);
-        let view = view.at(0.7654, 2.0);
+    for (name, _, table) in &*EVERY_ALBEDO {
+        let view = table.at(0.7654, 2.0);
         let r_max = view.truncation_radius(0.05);
         let mut state = 7u64;
         for limit in [f64::INFINITY, r_max] {
@@ -387,15 +399,9 @@ fn samples_of_views_are_distributed_like_their_cdf() {
                 let u = uniform(&mut state);
                 if limit.is_finite() { view.sample_within(u, limit) } else { view.sample(u) }
             };
-            let mut radii: Vec<f64> = (0..count).map(|_| sample()).collect();
-            radii.sort_by(f64::total_cmp);
-            assert!(radii[radii.len() - 1] <= limit);
-            let steps = radii.iter().zip(0u32..).map(|(r, i)| {
-                let within = view.cdf(*r) / view.cdf(limit);
-                let (before, after) = (f64::from(i) / f64::from(count), f64::from(i + 1) / f64::from(count));
-                (within - before).abs().max((within - after).abs())
-            });
-            let statistic = steps.fold(0.0, f64::max) * f64::from(count).sqrt();
+            let radii: Vec<f64> = (0..power(100_000)).map(|_| sample()).collect();
+            assert!(radii.iter().all(|r| *r <= limit));
+            let statistic = kolmogorov_smirnov(radii, |r| view.cdf(r) / view.cdf(limit));
             assert!(statistic < 2.2, "{name} {limit}: {statistic}");
         }
     }
@@ -403,9 +409,8 @@ fn samples_of_views_are_distributed_like_their_cdf() {
 
 #[test]
 fn single_precision_follows_double() {
-    for (name, model) in MODELS {
-        let table = every_albedo(model);
-        let twin = AlbedoTableF32::from(&table);
+    for (name, _, table) in &*EVERY_ALBEDO {
+        let twin = AlbedoTableF32::from(table);
         for (a, length) in [(0.0f32, 1.0f32), (0.02, 3.0), (0.5, 1e-9), (0.83, 1e9), (0.997, 0.1), (1.0, 1.0)]
         {
             let (exact, view) = (table.at(f64::from(a), f64::from(length)), twin.at(a, length));
@@ -444,11 +449,11 @@ fn single_precision_follows_double() {
     }
 }
 
-/// Radii drawn below a radius have the density over the cdf there: the mean of 1/p over samples is the radius.
+/// Shares of the energy within a radius that are drawn below it are even.
 #[test]
 fn sample_within_is_exact_in_single_precision() {
-    for (name, model) in MODELS {
-        let table = AlbedoTableF32::from(&every_albedo(model));
+    for (name, _, table) in &*EVERY_ALBEDO {
+        let table = AlbedoTableF32::from(table);
         for a in [0.3, 0.9531] {
             let view = table.at(a, 1.0);
             let r_max = view.truncation_radius(0.02);
@@ -474,9 +479,8 @@ fn sample_within_is_exact_in_single_precision() {
 
 #[test]
 fn views_are_finite_for_any_argument() {
-    for (name, model) in MODELS {
-        let table = every_albedo(model);
-        let twin = AlbedoTableF32::from(&table);
+    for (name, _, table) in &*EVERY_ALBEDO {
+        let twin = AlbedoTableF32::from(table);
         for (a, length) in ARGUMENTS.iter().flat_map(|a| ARGUMENTS.map(|length| (*a, length))) {
             let (view, narrow) = (table.at(a, length), twin.at(a as f32, length as f32));
             for x in ARGUMENTS {

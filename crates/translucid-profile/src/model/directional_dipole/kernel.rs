@@ -48,7 +48,7 @@ pub(crate) struct Kernel {
     pub(crate) mirror: f64,
     /// (1/3σ_t)², which keeps the source off the exit point where light is refracted towards that point's outside.
     pub(crate) back_lit: f64,
-    /// What the source emits of the light that entered.
+    /// Part of the light that entered which the source emits.
     pub(crate) strength: f64,
     /// Transport mean free paths per unit of length \[L⁻¹\].
     pub(crate) sigma_t_prime: f64,

@@ -6,7 +6,6 @@
 //! Translucent Materials*, 2011.
 
 pub(crate) mod average;
-mod correction;
 mod kernel;
 pub(crate) mod single_precision;
 
@@ -14,9 +13,8 @@ use std::cell::Cell;
 
 use crate::error::ParameterError;
 use crate::math::elementary::Double;
-use crate::math::quadrature::shared_gauss_legendre;
 use crate::medium::diffusion_boundary::DiffusionBoundary;
-use crate::model::directional_dipole::average::{NormalBeam, POINTS};
+use crate::model::directional_dipole::average::NormalBeam;
 use crate::model::directional_dipole::kernel::Kernel;
 use crate::{Appearance, Found, Medium};
 
@@ -127,7 +125,7 @@ impl DirectionalDipole {
         self.eval_unclamped(offset, omega_i, n_i, n_o).max(0.0)
     }
 
-    /// As [`eval`](Self::eval) before the part that is less than 0 is cut off.
+    /// R(x_o − x_i; ω_i) as [`eval`](Self::eval) has it before the part that is less than 0 is cut off \[L⁻²\].
     pub fn eval_unclamped(&self, offset: [f64; 3], omega_i: [f64; 3], n_i: [f64; 3], n_o: [f64; 3]) -> f64 {
         self.kernel.unclamped::<Double>(offset, omega_i, n_i, n_o)
     }
@@ -151,13 +149,12 @@ impl DirectionalDipole {
 pub(crate) fn find_medium(appearance: &Appearance, eta: f64) -> Result<Found, ParameterError> {
     let boundary = DiffusionBoundary::new(eta)?;
     let evaluations = Cell::new(0);
-    let rule = shared_gauss_legendre(POINTS);
     let total = |absorbed: f64| {
         let alpha_prime = 1.0 - absorbed;
         let beam =
             NormalBeam { kernel: Kernel::new([absorbed, alpha_prime], alpha_prime, 1.0, 1.0, boundary, eta) };
         evaluations.set(evaluations.get() + beam.evaluations_of_total());
-        alpha_prime * beam.beyond(0.0, rule)
+        alpha_prime * beam.beyond(0.0)
     };
     let Found { medium, .. } = appearance.medium(total)?;
     Ok(Found { medium, evaluations: evaluations.get() })

@@ -54,8 +54,8 @@ impl DirectionalDipoleF32 {
 
 /// Directional dipoles of every surface albedo and length, for one boundary and phase function.
 ///
-/// What [`DirectionalDipole::new`] finds by a root finder is tabulated over the surface albedo once, in some
-/// milliseconds. For η from 0.5 to 1.5 √(1 − α') is off by at most 1e-7, and α' by 3e-7 of itself; up to η = 3 by
+/// The table holds the media that [`DirectionalDipole::new`] finds by a root finder, over the surface albedo; making it
+/// takes some milliseconds. For η from 0.5 to 1.5 √(1 − α') is off by at most 1e-7, and α' by 3e-7 of itself; up to η = 3 by
 /// 4e-7 and 1.3e-6.
 ///
 /// ```
