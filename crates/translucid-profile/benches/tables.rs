@@ -104,11 +104,7 @@ mod single {
         bench_view(bencher, false, |view, x| view.pdf(x));
     }
 
-<<<<<<< HEAD
-    /// A material whose albedo is no texture has one row.
-=======
     /// Tables of a material whose albedo is no texture.
->>>>>>> main
     #[divan::bench]
     fn pdf_of_one_row(bencher: Bencher<'_, '_>) {
         let table = AlbedoTableF32::from(&AlbedoTable::new(&[0.8], dipole).expect("one albedo"));

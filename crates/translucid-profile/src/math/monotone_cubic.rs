@@ -8,11 +8,7 @@
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct MonotoneCubic {
     xs: Vec<f64>,
-<<<<<<< HEAD
-    /// Value, slope, half the second and a sixth of the third derivative at the beginning of each interval.
-=======
     /// Coefficients of each interval: value, slope, and half the second and a sixth of the third derivative at its beginning.
->>>>>>> main
     cubics: Vec<[f64; 4]>,
 }
 

@@ -9,6 +9,8 @@ use translucid_profile::{
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 
+use translucid_testing::is_thorough;
+
 use crate::solutions::oblique;
 
 fn appearance(surface_albedo: f64) -> Appearance {
