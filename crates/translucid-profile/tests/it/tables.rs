@@ -53,8 +53,11 @@ fn sources() -> Vec<(String, Box<dyn Profile>)> {
     sources
 }
 
+/// A model in words, its profile, and the table of that.
+type Tabulated = (String, Box<dyn Profile>, TabulatedProfile);
+
 /// The sources with their tables.
-static TABLES: LazyLock<Vec<(String, Box<dyn Profile>, TabulatedProfile)>> = LazyLock::new(|| {
+static TABLES: LazyLock<Vec<Tabulated>> = LazyLock::new(|| {
     let tabulated = |(name, source): (String, Box<dyn Profile>)| {
         let table = TabulatedProfile::new(&*source);
         (name, source, table)

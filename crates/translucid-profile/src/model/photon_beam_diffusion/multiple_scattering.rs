@@ -40,7 +40,7 @@ const KAPPA_POINTS: [usize; 2] = [20, 10];
 /// One α' is the source's, the other belongs to Grosjean's point source, of which dipoles take the part that has
 /// been scattered. κ is the paper's empirical correction near the beam.
 /// At A = 0.5 (η = 1, g = 0, single scattering added) the mean error against the exact solution is 7.1 % with it, and
-/// 15.8 % without it, which is [`QuantizedDiffusion`](crate::QuantizedDiffusion) (bench `model_errors`).
+/// 15.8 % without it, which is [`QuantizedDiffusion`](crate::QuantizedDiffusion).
 ///
 /// R(r) has a logarithm at r = 0; 8 digits are right at every radius.
 #[derive(Clone, Debug)]
