@@ -45,6 +45,33 @@ fn render_is_the_same_for_any_number_of_threads() {
     assert_ne!(bytes("one.png"), bytes("other.png"));
 }
 
+/// The region's pixels are those of the whole picture, and the file says where they lie in it.
+#[test]
+fn render_region_is_a_part_of_the_picture() {
+    use exr::prelude::*;
+
+    let (_keep, directory) = directory_with_ball();
+    stdout(&directory, "render ball.toml -q --spp 3 -o whole.exr");
+    stdout(&directory, "render ball.toml -q --spp 3 --region 7,5,31,20 -o part.exr");
+    let image = read().no_deep_data().largest_resolution_level().all_channels().first_valid_layer();
+    let image = image.all_attributes().from_file(directory.join("part.exr")).unwrap();
+    let (layer, display) = (&image.layer_data, image.attributes.display_window);
+    assert_eq!((layer.size, layer.attributes.layer_position), (Vec2(24, 15), Vec2(7, 5)));
+    assert_eq!((display.position, display.size), (Vec2(0, 0), Vec2(40, 24)));
+    let [whole, part] = ["whole.exr", "part.exr"].map(|name| exr_values(&directory.join(name)));
+    for ((name, whole), (_, part)) in whole.iter().zip(&part) {
+        for (row, values) in part.chunks(24).enumerate() {
+            assert_eq!(values, &whole[(row + 5) * 40 + 7..][..24], "{name}");
+        }
+    }
+    for (region, word) in [("0,0,41,24", "41"), ("9,9,9,10", "X0 < X1"), ("1,2,3", "X0,Y0,X1,Y1")] {
+        let output = run(&directory, &format!("render ball.toml --region {region} -o no.exr"));
+        assert_eq!(output.status.code(), Some(2), "{region}");
+        assert!(stderr(&output).contains(word), "{}", stderr(&output));
+    }
+    assert!(!directory.join("no.exr").exists());
+}
+
 #[test]
 fn render_resumes_to_the_same_bits() {
     let (_keep, directory) = directory_with_ball();

@@ -211,11 +211,11 @@ impl<'a> Bsdf<'a> {
         self.matte = self.coat_tint
             * p.matte_albedo()
             * (opaque * transmittance * FRAC_1_PI / self.layers.average_transmittance());
-        let subsurface_color = p.subsurface_albedo_active();
+        let travelling_albedo = p.subsurface_albedo_active();
         let subsurface = opaque * p.subsurface_weight * transmittance;
         self.subsurface = coat_tint_one_way(p) * subsurface * active_mask(p);
         let matte_albedo = self.coat_tint * p.matte_albedo() * (opaque * transmittance);
-        let subsurface_albedo = self.coat_tint * subsurface_color * subsurface;
+        let subsurface_albedo = self.coat_tint * travelling_albedo * subsurface;
         let reflection = (p.specular_color * (opaque * specular) + self.metal_albedo()) * self.coat_tint;
         self.choose(coat, reflection, matte_albedo, subsurface_albedo);
     }
