@@ -251,7 +251,7 @@ fn lights_beside_the_tree_shed_theirs() {
 #[test]
 fn tree_is_nearly_as_quiet_as_weighing_every_light() {
     let hall = light_set((0..1000).map(lamp).collect(), (0..200).map(shard).collect(), None);
-    // Nine of twelve have normals: enough for a mean over places, whose factors below leave room of a half
+    // Nine of twelve have normals
     let count = if translucid_testing::is_thorough() { 48 } else { 12 };
     let [power, weighed, tree] = WAYS.map(|way| {
         let lights = hall.clone().with_selection(way);
