@@ -25,7 +25,7 @@ impl<const N: usize> Weights<N> {
         Self::of_first(weights, N, even_share)
     }
 
-    /// The same for the first `len` weights, the rest being 0.
+    /// From the first `len` weights, the rest being 0.
     #[inline]
     pub(crate) fn of_first(weights: [f32; N], len: usize, even_share: f32) -> Self {
         // In lanes, which a processor adds side by side; weights not in use are 0.

@@ -1,4 +1,4 @@
-//! What is seen of a prepared scene: a camera, a film, a region of it, a seed.
+//! Views of a prepared scene: a camera, a film, a region of it, a seed.
 
 use std::sync::Arc;
 

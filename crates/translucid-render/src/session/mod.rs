@@ -67,7 +67,7 @@ pub struct Plan {
     pub previews: Vec<Fraction>,
     /// Bytes that points may take, where the scene asks for points.
     pub point_memory: u64,
-    /// What denoises the picture when all samples are there.
+    /// Denoiser for the picture when all samples are there.
     pub denoiser: Option<Denoiser>,
     /// Threads that the denoiser may use; 0 is one per processor.
     pub denoiser_threads: usize,

@@ -15,7 +15,7 @@ use super::kernel::DirectionalWeight;
 pub(crate) struct Arrival {
     /// Unit direction toward where it comes from.
     pub(crate) direction: Vec3,
-    /// What it adds to E/π below the surface.
+    /// Its contribution to E/π below the surface.
     pub(crate) light: Vec3,
 }
 

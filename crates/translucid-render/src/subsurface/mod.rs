@@ -96,7 +96,7 @@ impl SubsurfaceSet {
         new
     }
 
-    /// Makes what a changed material needs. Points, if there were any, are no longer those of the scene.
+    /// Makes what a changed material needs. Points belong to the scene before the change: see `forget_points`.
     pub(crate) fn update(&mut self, scene: &Scene, index: usize) {
         let (transport, notes) = self.prepare(scene, index);
         self.transports[index] = transport;

@@ -33,7 +33,7 @@ pub(crate) struct SubsurfaceKernel {
     notes: Vec<KernelNote>,
 }
 
-/// What a kernel knows of directions.
+/// A kernel's knowledge of directions.
 enum Angular {
     Nothing,
     Dipole(DirectionalDipoleTable),
@@ -64,7 +64,7 @@ impl SubsurfaceKernel {
         self.radial(surface_albedo, length).truncation_radius(0.5)
     }
 
-    /// What the kernel does not do as its material asks.
+    /// Notes on what the kernel does not do as its material asks.
     pub(crate) fn notes(&self) -> &[KernelNote] {
         &self.notes
     }
