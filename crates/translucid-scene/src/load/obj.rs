@@ -571,7 +571,7 @@ mod tests {
             ("f 1 2 3\nf 1 1 2\n", "1 triangle of zero area"),
             ("v nan 0 0\nf 1 2 3\nf 1 2 5\n", "1 triangle with a vertex that is NaN"),
             ("v 1e99 0 0\nf 1 2 3\nf 1 2 5\n", "1 triangle with a vertex that is NaN"),
-            ("vn 0 0 0\nf 1//1 2//1 3//1\n", "3 normals are zero"),
+            ("vn 0 0 0\nf 1//1 2//1 3//1\n", "3 normals without a direction"),
             (
                 "mtllib gone.mtl\nf 1 2 3\n",
                 "a.obj:5: material library no/such/folder/gone.mtl: cannot be read",
