@@ -17,15 +17,15 @@ mod toml;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-pub use gltf::{GltfScene, load_gltf, parse_gltf};
+pub use gltf::{load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
-pub use obj::{ObjPart, ObjScene, load_obj, parse_obj};
+pub use mesh_file::MeshFile;
+pub use obj::{load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use toml::SceneFile;
 
-use crate::{Film, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
-use mesh_file::MeshFile;
+use crate::{Film, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
 /// Wishes of the caller in place of the file's own values.
 #[derive(Clone, Debug, Default)]
@@ -89,6 +89,11 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase()
 }
 
+/// A file's name without its extension.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
 fn is_scene_file(path: &Path) -> bool {
     extension(path) == "toml"
 }
@@ -100,13 +105,14 @@ fn is_gltf(path: &Path) -> bool {
 /// Loads a mesh file by its extension; its lengths are as the file has them.
 fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
-        return load_gltf(path, Unit::Meter, warnings).map(MeshFile::from);
-    }
-    if extension(path) == "ply" {
-        return load_ply(path, warnings).map(|mesh| MeshFile::from_mesh(path, mesh));
+        return load_gltf(path, Unit::Meter, warnings);
     }
     if extension(path) == "obj" {
-        return load_obj(path, warnings).map(|scene| MeshFile::from_obj(path, scene));
+        return load_obj(path, warnings);
+    }
+    if extension(path) == "ply" {
+        let object = Object { name: stem(path), mesh: load_ply(path, warnings)?, ..Object::default() };
+        return Ok(MeshFile { objects: vec![object], ..MeshFile::default() });
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),

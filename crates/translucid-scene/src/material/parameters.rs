@@ -160,16 +160,25 @@ impl Material {
         self.geometry_normal.iter_mut().for_each(|map| visit(&mut map.texture));
     }
 
-    /// Brings every number into its range.
-    pub(crate) fn clamp(&mut self) {
+    /// Brings every number into its range; what that changed, in words.
+    pub(crate) fn clamp(&mut self) -> Vec<String> {
+        let mut changes = Vec::new();
+        let mut clamp = |name: &str, number: &mut f32, range: Interval| {
+            let nearest = range.nearest(*number);
+            if nearest != *number {
+                changes.push(format!("{name} is {number}, but must be in {range}: it becomes {nearest}"));
+                *number = nearest;
+            }
+        };
         for parameter in PARAMETERS {
             let mut slot = parameter.slot(self);
             let range = slot.range(parameter.range);
-            slot.numbers().iter_mut().for_each(|number| *number = range.nearest(*number));
+            slot.numbers().iter_mut().for_each(|number| clamp(parameter.name, number, range));
         }
         if let Some(map) = &mut self.geometry_normal {
-            map.scale = NormalMap::SCALE.nearest(map.scale);
+            clamp("geometry_normal.scale", &mut map.scale, NormalMap::SCALE);
         }
+        changes
     }
 }
 
@@ -195,12 +204,12 @@ mod tests {
     #[test]
     fn clamp_makes_a_material_valid_and_leaves_a_valid_one_alone() {
         let mut material = Material::default();
-        material.clamp();
+        drop(material.clamp());
         assert_eq!(material, Material::default());
         material.specular_ior = f32::NAN;
         material.subsurface_radius.factor = -1.0;
         material.emission_color.factor.y = f32::INFINITY;
-        material.clamp();
+        drop(material.clamp());
         assert_eq!(material.validate(0, 0), Ok(()));
     }
 }

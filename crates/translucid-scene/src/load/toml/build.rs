@@ -10,7 +10,7 @@ use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::error::nearest;
 use crate::interval::Interval;
-use crate::load::mesh_file::{MeshFile, scale_lengths, shift_images};
+use crate::load::mesh_file::{MeshFile, scale_lengths};
 use crate::load::stage::Stage;
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
 use crate::scene::MOST_TRIANGLES;
@@ -283,7 +283,7 @@ impl Builder<'_> {
             self.images.append(&mut loaded.model.images);
             self.materials.extend(loaded.model.materials.iter().map(|material| {
                 let mut material = material.clone();
-                shift_images(&mut material, shift);
+                material.for_each_texture(|texture| texture.image += shift);
                 material
             }));
         }

@@ -18,6 +18,7 @@ use document::{DocumentText, Item, Table};
 use input::{FileList, ImageRequest, TableRequest};
 use object::{GeometryOrigin, ObjectEntry};
 
+use super::stem;
 use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError, Unit};
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
@@ -176,9 +177,7 @@ fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Res
 fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
     for (i, object) in objects.iter_mut().enumerate().filter(|(_, object)| object.name.is_empty()) {
         let plain = match &object.geometry {
-            GeometryOrigin::File { path, .. } => {
-                path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-            }
+            GeometryOrigin::File { path, .. } => stem(path),
             GeometryOrigin::Shape { name, .. } => name.clone(),
         };
         object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };
