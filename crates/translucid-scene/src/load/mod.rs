@@ -49,6 +49,15 @@ impl LoadOptions {
         let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| Film::EDGE.nearest(n));
         Film { width, height, ..film }
     }
+
+    /// The scene with the model that is asked for, if it is valid; an error without a place is in a file.
+    fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, SceneError> {
+        if let Some(model) = self.subsurface_model {
+            scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
+        }
+        scene.validate().map_err(|error| error.or_at(path))?;
+        Ok(scene)
+    }
 }
 
 /// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`) as a scene of its own.
@@ -62,16 +71,11 @@ pub fn load_scene(
     options: &LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Scene, SceneError> {
-    let mut scene = if is_scene_file(path) {
-        refuse_mesh_options(path, options)?;
-        SceneFile::read(path)?.load(options, warnings)?
-    } else {
-        bare_mesh::load_bare_mesh(path, options, warnings)?
-    };
-    if let Some(model) = options.subsurface_model {
-        scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
+    if extension(path) != "toml" {
+        return bare_mesh::load_bare_mesh(path, options, warnings);
     }
-    Ok(scene)
+    refuse_mesh_options(path, options)?;
+    SceneFile::read(path)?.load(options, warnings)
 }
 
 /// A scene file states its own materials and unit.
@@ -92,10 +96,6 @@ fn extension(path: &Path) -> String {
 /// A file's name without its extension.
 fn stem(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn is_scene_file(path: &Path) -> bool {
-    extension(path) == "toml"
 }
 
 fn is_gltf(path: &Path) -> bool {

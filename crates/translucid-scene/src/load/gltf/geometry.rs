@@ -9,7 +9,7 @@ use crate::{Mesh, SceneError, Triangle};
 /// Triangles and vertices that a file may unfold to by instances and shared accessors.
 ///
 /// A scene of this size fills tens of gigabytes; a small damaged file could ask for any number.
-pub(super) const MOST: usize = 1 << 29;
+pub(super) const MOST: usize = 1 << 28;
 
 /// Rest of an allowance; `None` if there is not so much left.
 fn left_of(budget: usize, vertices: usize, triangles: usize) -> Option<usize> {
