@@ -33,10 +33,14 @@ impl MeshFile {
     pub(crate) fn camera_for(&self, aspect: f64) -> Option<Camera> {
         let camera = self.camera?;
         let Some(vertical) = self.vertical_fov else { return Some(camera) };
-        let tangent = aspect * (0.5 * f64::from(vertical).to_radians()).tan();
-        let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
-        Some(Camera { horizontal_fov, ..camera })
+        Some(Camera { horizontal_fov: horizontal_fov(f64::from(vertical).to_radians(), aspect), ..camera })
     }
+}
+
+/// Horizontal field of view \[degrees\] of a vertical one in radians, for a picture of an aspect ratio.
+pub(super) fn horizontal_fov(vertical: f64, aspect: f64) -> f32 {
+    let tangent = aspect * (0.5 * vertical).tan();
+    (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32
 }
 
 /// Multiplies every length of a model by a factor.

@@ -7,6 +7,7 @@ mod mesh_file;
 mod mtl;
 #[cfg(test)]
 mod mutants;
+mod number;
 mod obj;
 mod ply;
 mod polygon;

@@ -1,11 +1,14 @@
 //! Punctual lights (KHR_lights_punctual) and cameras.
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
 use super::document::{self, Camera as CameraData, Document, Node, PunctualLight};
 use super::notes::Notes;
 use crate::interval::Interval;
+use crate::load::mesh_file::horizontal_fov;
 use crate::{Camera, Film, Light, SceneError};
 
 /// A node's KHR_lights_punctual.
@@ -106,7 +109,7 @@ fn cone(data: &PunctualLight, part: &str, notes: &Notes<'_>) -> (f32, f32) {
     let inner = (stated.inner_cone_angle.to_degrees().max(0.0) as f32).min(0.999 * outer);
     let sound = stated.inner_cone_angle >= 0.0
         && stated.inner_cone_angle < stated.outer_cone_angle
-        && stated.outer_cone_angle <= std::f64::consts::FRAC_PI_2 + 1e-6;
+        && stated.outer_cone_angle <= FRAC_PI_2 + 1e-6;
     if !sound {
         notes.warn(
             part,
@@ -133,13 +136,8 @@ pub(super) fn camera(
     };
     let film = Film::default();
     let aspect = perspective.aspect_ratio.unwrap_or(f64::from(film.width) / f64::from(film.height));
-    let tangent = (0.5 * perspective.yfov).tan() * aspect;
-    if !(perspective.yfov > 0.0
-        && perspective.yfov < std::f64::consts::PI
-        && aspect > 0.0
-        && tangent.is_finite())
-    {
-        let (yfov, aspect) = (perspective.yfov, aspect);
+    let yfov = perspective.yfov;
+    if !(yfov > 0.0 && yfov < PI && aspect > 0.0 && aspect.is_finite()) {
         let message =
             format!("its yfov is {yfov} and aspectRatio {aspect}, but must be in (0, π) and above 0");
         return Err(notes.error(part, message));
@@ -150,12 +148,11 @@ pub(super) fn camera(
     let target = position + forward(world_from_local).as_dvec3() * distance;
     check_position(position.as_vec3(), part, notes)?;
     check_position(target.as_vec3(), part, notes)?;
-    let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
     Ok(Some(Camera {
         position: position.as_vec3(),
         target: target.as_vec3(),
         up: upward(world_from_local),
-        horizontal_fov,
+        horizontal_fov: horizontal_fov(yfov, aspect),
         lens_radius: 0.0,
         focus_distance: distance as f32,
     }))

@@ -9,22 +9,20 @@ use crate::{
     SubsurfaceTextureAt, Unit,
 };
 
-/// Keys that are no number.
-const OTHER_KEYS: [&str; 9] = [
-    "name",
-    "preset",
-    "subsurface_model",
-    "subsurface_table",
-    "subsurface_parameter",
-    "subsurface_configuration",
-    "subsurface_texture_at",
-    "subsurface_normalization",
-    "geometry_normal",
-];
-
 /// Every key.
 pub(super) fn keys() -> Vec<&'static str> {
-    OTHER_KEYS.into_iter().chain(PARAMETERS.iter().map(|parameter| parameter.name)).collect()
+    let mut keys = vec!["name", "preset"];
+    keys.extend(PARAMETERS.iter().map(|parameter| parameter.name));
+    keys.extend([
+        "subsurface_model",
+        "subsurface_table",
+        "subsurface_parameter",
+        "subsurface_configuration",
+        "subsurface_texture_at",
+        "subsurface_normalization",
+        "geometry_normal",
+    ]);
+    keys
 }
 
 const PARAMETERIZATIONS: [(&str, SubsurfaceParameter); 2] =
