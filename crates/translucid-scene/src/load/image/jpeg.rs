@@ -57,6 +57,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::SceneError;
     use crate::load::decode_image;
     use crate::{ColorSpace, Image, Place};
 
