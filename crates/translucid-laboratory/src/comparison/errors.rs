@@ -5,15 +5,7 @@ use translucid_fit::ErrorSummary;
 use translucid_profile::{Configuration, ParameterError};
 
 use super::watch::{Progress, Stopped};
-use super::{Contender, Inversion, Reference, Settings};
-
-/// Greatest radii that errors are stated for, in mean free paths.
-pub const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
-
-/// The surface albedos that the talk takes its means over: 0.01, 0.02, … 0.99.
-pub fn talk_albedos() -> Vec<f64> {
-    (1..=99).map(|percent| f64::from(percent) / 100.0).collect()
-}
+use super::{Contender, Inversion, R_MAX, Reference, Settings};
 
 /// The errors of one contender at one surface albedo.
 #[derive(Clone, Debug, PartialEq)]

@@ -315,9 +315,8 @@ struct Builder<'a> {
     part: u32,
     /// For each vertex of the part its corner, and the next older vertex of the same position.
     vertices: Vec<(Corner, u32)>,
-    lost_triangles: usize,
-    lost_uvs: usize,
-    lost_normals: usize,
+    /// Triangles, texture coordinates and normals with an index that points nowhere.
+    lost: [usize; 3],
 }
 
 impl<'a> Builder<'a> {
@@ -328,9 +327,7 @@ impl<'a> Builder<'a> {
             newest: vec![(0, NONE); file.positions.len()],
             part: 0,
             vertices: Vec::new(),
-            lost_triangles: 0,
-            lost_uvs: 0,
-            lost_normals: 0,
+            lost: [0; 3],
         }
     }
 
@@ -344,7 +341,7 @@ impl<'a> Builder<'a> {
                 let triangle = triangle.map(|corner| self.vertex(corner, &mut mesh));
                 mesh.triangles.push(triangle);
             } else {
-                self.lost_triangles += 1;
+                self.lost[0] += 1;
             }
         }
         if self.vertices.iter().all(|(corner, _)| corner.uv == NONE) {
@@ -375,11 +372,11 @@ impl<'a> Builder<'a> {
     fn checked(&mut self, mut corner: Corner) -> Corner {
         if corner.uv != NONE && corner.uv as usize >= self.file.uvs.len() {
             corner.uv = NONE;
-            self.lost_uvs += 1;
+            self.lost[1] += 1;
         }
         if corner.normal != NONE && corner.normal as usize >= self.file.normals.len() {
             corner.normal = NONE;
-            self.lost_normals += 1;
+            self.lost[2] += 1;
         }
         corner
     }
@@ -397,15 +394,13 @@ impl<'a> Builder<'a> {
 
     /// Things left out, of all parts.
     fn messages(&self) -> Vec<String> {
-        let count = |lost: usize, what: &str| (lost > 0).then(|| format!("{lost} {what}"));
-        [
-            count(self.lost_triangles, "triangles with an index out of range: left out"),
-            count(self.lost_uvs, "corners with a texture coordinate index out of range: set to (0, 0)"),
-            count(self.lost_normals, "corners with a normal index out of range: normals computed"),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        let kinds = [
+            "triangles with an index out of range: left out",
+            "corners with a texture coordinate index out of range: set to (0, 0)",
+            "corners with a normal index out of range: normals computed",
+        ];
+        let lost = self.lost.iter().zip(kinds).filter(|(count, _)| **count > 0);
+        lost.map(|(count, kind)| format!("{count} {kind}")).collect()
     }
 }
 

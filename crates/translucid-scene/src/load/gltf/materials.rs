@@ -184,22 +184,23 @@ impl MaterialReader<'_> {
 
     fn read_base(&mut self, material: &mut Material) -> Result<(), SceneError> {
         let data = &self.data.pbr_metallic_roughness;
-        let [r, g, b, _] = data.base_color_factor;
+        let [r, g, b, _] = data.base_color_factor.unwrap_or([1.0; 4]);
         material.base_color = self.color([r, g, b], data.base_color_texture.as_ref(), "baseColorFactor")?;
         material.base_color.vertex_color = true;
         let texture = data.metallic_roughness_texture.as_ref();
         material.base_metalness =
-            self.weight(data.metallic_factor, texture, Channel::Blue, "metallicFactor")?;
+            self.weight(data.metallic_factor.unwrap_or(1.0), texture, Channel::Blue, "metallicFactor")?;
         material.specular_roughness =
-            self.weight(data.roughness_factor, texture, Channel::Green, "roughnessFactor")?;
+            self.weight(data.roughness_factor.unwrap_or(1.0), texture, Channel::Green, "roughnessFactor")?;
         Ok(())
     }
 
     fn read_opacity(&mut self, material: &mut Material) -> Result<(), SceneError> {
         let data = &self.data.pbr_metallic_roughness;
-        let alpha = self.unit(data.base_color_factor[3], "alpha of baseColorFactor");
+        let alpha = data.base_color_factor.map_or(1.0, |[.., alpha]| alpha);
+        let alpha = self.unit(alpha, "alpha of baseColorFactor");
         let texture = data.base_color_texture.as_ref();
-        let cutoff = self.data.alpha_cutoff;
+        let cutoff = self.data.alpha_cutoff.unwrap_or(0.5);
         material.geometry_opacity = match (self.data.alpha_mode, texture) {
             (AlphaMode::Opaque, _) => ScalarInput::constant(1.0),
             (AlphaMode::Blend, _) => {

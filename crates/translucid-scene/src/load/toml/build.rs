@@ -15,8 +15,7 @@ use crate::load::stage::Stage;
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
 use crate::scene::MOST_TRIANGLES;
 use crate::{
-    ColorSpace, Image, Light, Material, Mesh, Object, Place, ProfileTable, Scene, SceneError, Unit, Warning,
-    build_shape, repair_mesh,
+    Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
 };
 
 /// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
@@ -40,7 +39,7 @@ impl SceneFile {
         let overrides = resolve_overrides(&self.objects, &options.mesh_overrides)?;
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
-        scene.images = load_images(&self.images, warnings)?;
+        scene.images = load_files(&self.images, |image| load_image(&image.path, image.kind, warnings))?;
         let mut builder = Builder {
             scene,
             grouping: self.grouping,
@@ -70,7 +69,7 @@ impl SceneFile {
             scene.lights = stage.lights();
             scene.environment = Some(stage.environment());
         }
-        scene.profile_tables = load_profile_tables(&self.profile_tables)?;
+        scene.profile_tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
         options.finish(scene, &self.path)
     }
@@ -123,23 +122,14 @@ fn resolve_overrides<'a>(
     Ok(resolved)
 }
 
-fn load_images(
-    requests: &[FileRequest<ColorSpace>],
-    warnings: &mut Vec<Warning>,
-) -> Result<Vec<Image>, SceneError> {
-    let load = |request: &FileRequest<ColorSpace>| {
-        check_present(&request.path, &request.place)?;
-        load_image(&request.path, request.kind, warnings)
-    };
-    requests.iter().map(load).collect()
-}
-
-fn load_profile_tables(requests: &[FileRequest<()>]) -> Result<Vec<ProfileTable>, SceneError> {
-    let load = |request: &FileRequest<()>| {
-        check_present(&request.path, &request.place)?;
-        load_profile_table(&request.path)
-    };
-    requests.iter().map(load).collect()
+/// Loads the files that are asked for.
+fn load_files<K, T>(
+    requests: &[FileRequest<K>],
+    mut load: impl FnMut(&FileRequest<K>) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
+    let checked =
+        |request: &FileRequest<K>| check_present(&request.path, &request.place).and_then(|()| load(request));
+    requests.iter().map(checked).collect()
 }
 
 /// A missing file is the scene file's mistake, so the message points there.
