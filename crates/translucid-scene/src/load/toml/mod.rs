@@ -98,7 +98,6 @@ impl SceneFile {
         };
         let camera = open(&root, "camera", camera::KEYS)?;
         let lights = root.tables("light", MOST_ENTRIES)?;
-        let objects = read_objects(&root, &materials)?;
         let scene = Scene {
             unit,
             film: root.settings("film", settings::FILM)?,
@@ -108,6 +107,7 @@ impl SceneFile {
             environment,
             ..Scene::default()
         };
+        let objects = read_objects(&root, &scene.materials)?;
         Ok(Self {
             path: path.to_owned(),
             scene,
