@@ -250,7 +250,8 @@ impl PartialEq for Layout {
     }
 }
 
-fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
+/// Refuses radii out of range or out of order.
+pub(super) fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
     let fail = |value, allowed| Err(ParameterError::new("radius", value, allowed));
     if let Some(&radius) = radii.iter().find(|radius| !Layout::RADII.contains(radius)) {
         return fail(radius, "in [1e-15, 1e15]");
