@@ -1,6 +1,6 @@
 //! Radial profile of the half space.
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::albedo::single_scattering_albedo;
 use super::boundary_entrance::BoundaryEntrance;
@@ -35,10 +35,7 @@ impl HalfSpace {
     /// A parameter is outside its range.
     pub fn new(single_scattering_albedo: f64, incidence: Incidence) -> Result<Self, ParameterError> {
         let alpha = single_scattering_albedo;
-        if !(alpha > 0.0 && alpha <= 1.0) {
-            let parameter = "single_scattering_albedo";
-            return Err(ParameterError::new(parameter, alpha, "in (0, 1]"));
-        }
+        require(alpha > 0.0 && alpha <= 1.0, "single_scattering_albedo", alpha, "in (0, 1]")?;
         let matched = MatchedHalfSpace::new(alpha, Entrance::of(incidence)?, &Settings::default());
         Ok(Self { incidence, eta: 1.0, solution: Solution::Matched(Box::new(matched)) })
     }

@@ -1,6 +1,6 @@
 //! A white table at one albedo.
 
-use translucid_profile::{ParameterError, TabulatedProfile};
+use translucid_profile::{ParameterError, TabulatedProfile, require};
 
 use super::layout::Region;
 use super::photon_exit::Side;
@@ -58,10 +58,9 @@ impl WhiteTable {
     /// The albedo is not in [0, reference albedo].
     pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
         let value = single_scattering_albedo;
-        if !(0.0..=self.reference_albedo()).contains(&value) {
-            let allowed = "at least 0 and at most the table's reference albedo";
-            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
-        }
+        let allowed = "at least 0 and at most the table's reference albedo";
+        let is_allowed = (0.0..=self.reference_albedo()).contains(&value);
+        require(is_allowed, "single_scattering_albedo", value, allowed)?;
         Ok(AtAlbedo::new(self, value))
     }
 }

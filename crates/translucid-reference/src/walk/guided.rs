@@ -64,10 +64,9 @@
 use std::f64::consts::{LN_2, PI, TAU};
 
 use rayon::prelude::*;
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::layout::check_radii;
-use super::problem::require;
 use crate::exact::{Entrance, SingleScattering};
 use crate::split_mix::SplitMix;
 use crate::{Estimate, Incidence};

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::layout::{Layout, Region};
 use super::orders::Cell;
@@ -80,10 +80,8 @@ impl WhiteTable {
         counts: PhotonCounts,
         cells: Vec<Cell>,
     ) -> Result<Self, ParameterError> {
-        if !(reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO) {
-            let parameter = "reference_albedo";
-            return Err(ParameterError::new(parameter, reference_albedo, "in (0, 0.999999]"));
-        }
+        let is_allowed = reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO;
+        require(is_allowed, "reference_albedo", reference_albedo, "in (0, 0.999999]")?;
         Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
     }
 
@@ -160,11 +158,8 @@ impl WhiteTable {
         let target = surface_albedo * self.photons() as f64;
         let (mut low, mut high) = (0.0, self.reference_albedo);
         let reached = total(low).first <= target && target <= total(high).first;
-        if self.photons() == 0 || !reached {
-            let allowed =
-                "among those of the table's albedos: from that at 0 to that at its reference albedo";
-            return Err(ParameterError::new("surface_albedo", surface_albedo, allowed));
-        }
+        let allowed = "among those of the table's albedos: from that at 0 to that at its reference albedo";
+        require(self.photons() > 0 && reached, "surface_albedo", surface_albedo, allowed)?;
         // R(α) is a power series without negative terms, hence convex: Newton's method comes down from the
         // right without overshooting. The bracket is for rounding.
         let mut alpha = high;
