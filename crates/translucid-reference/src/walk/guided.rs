@@ -132,7 +132,8 @@ impl GuidedWalk {
         // Threads share a block of chunks; then these count in their order
         for first in (0..chunks).step_by(BLOCK) {
             let block = first..first.saturating_add(BLOCK as u32).min(chunks);
-            let energies: Vec<_> = block.into_par_iter().map(|chunk| guide.walk(radii, seed, chunk)).collect();
+            let energies: Vec<_> =
+                block.into_par_iter().map(|chunk| guide.walk(radii, seed, chunk)).collect();
             for energies in energies {
                 let mut sum = 0.0;
                 for ((energy, ring), enclosed) in energies.into_iter().zip(&mut rings).zip(&mut enclosed) {
@@ -476,7 +477,9 @@ mod tests {
     fn direction_has_its_density() {
         for alpha in [0.01, 0.5, 0.99, 1.0 - 1e-10] {
             let guide = Guide::new(alpha, Entrance::Normal);
-            assert!((guide.direction(0.0).0 - 1.0).abs() < 1e-9 && (guide.direction(1.0).0 + 1.0).abs() < 1e-9);
+            assert!(
+                (guide.direction(0.0).0 - 1.0).abs() < 1e-9 && (guide.direction(1.0).0 + 1.0).abs() < 1e-9
+            );
             for i in 1..100 {
                 let u = f64::from(i) / 100.0;
                 let (mu, sigma) = guide.direction(u);
