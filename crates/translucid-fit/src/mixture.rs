@@ -83,10 +83,6 @@ impl<F: Family> Profile for Mixture<F> {
     fn scale(&self) -> f64 {
         F::MEAN_RADIUS * self.terms().map(|(weight, scale)| weight * scale).sum::<f64>()
     }
-
-    fn evaluations_to_build(&self) -> u32 {
-        0
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Where on a face, and after how many collisions: the bins of a table.
 
 use std::f64::consts::PI;
-use std::fmt;
 use std::ops::Range;
 
 use translucid_profile::{ParameterError, require};
@@ -20,7 +19,7 @@ use super::orders::OrderBins;
 /// would only make noise.
 ///
 /// *Orders.* See [`OrderBins`]; the same in every sector.
-#[derive(Clone)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     radii: Vec<f64>,
     sectors: u32,
@@ -226,24 +225,6 @@ impl Layout {
         let is_here = (here - r).abs() <= Self::SAME * r;
         // Edges are rounded to 1e-16 of the radius, and can be as close as 1e-9 / 3 of it.
         (is_here && (inner - outer).abs() <= 1e-3 * inner).then_some(nearest)
-    }
-}
-
-impl fmt::Debug for Layout {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { radii, sectors, order_bins, .. } = self;
-        f.debug_struct("Layout")
-            .field("radii", radii)
-            .field("sectors", sectors)
-            .field("order_bins", order_bins)
-            .finish_non_exhaustive()
-    }
-}
-
-/// Two layouts are equal if all their bins are.
-impl PartialEq for Layout {
-    fn eq(&self, other: &Self) -> bool {
-        self.radii == other.radii && self.sectors == other.sectors && self.order_bins == other.order_bins
     }
 }
 

@@ -31,7 +31,7 @@ use super::edge_search::EdgeSearch;
 /// assert!(bins.weight_error_bound() < 0.0011);
 /// # Ok::<(), translucid_profile::ParameterError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OrderBins {
     /// The first orders of all bins but bin 0, which starts at 0.
     search: EdgeSearch,
@@ -112,13 +112,6 @@ impl OrderBins {
         };
         let widest = (0..self.len()).map(relative_width).fold(0.0, f64::max);
         widest * widest / (2.0 * std::f64::consts::E.powi(2))
-    }
-}
-
-/// Two sets are equal if their bins are.
-impl PartialEq for OrderBins {
-    fn eq(&self, other: &Self) -> bool {
-        self.search.edges() == other.search.edges()
     }
 }
 

@@ -133,14 +133,11 @@ impl WhiteTable {
             return Estimate::ZERO;
         }
         let weights = Weights::new(bins, 1.0, self.reference_albedo);
-        let mut sum = Weighed::default();
         let cells = self.cells(side, region);
         if cells.is_empty() {
             return Estimate::ZERO;
         }
-        for orders in cells.chunks_exact(bins.len()) {
-            sum += weights.weigh(bin, orders[bin]);
-        }
+        let sum: Weighed = cells.chunks_exact(bins.len()).map(|orders| weights.weigh(bin, orders[bin])).sum();
         let greatest = self.reference_albedo.powf(-f64::from(bins.orders(bin).0));
         sum.mean(self.photons(), greatest)
     }
@@ -186,15 +183,9 @@ impl WhiteTable {
 
     /// Weighs cells, whole sets of order bins.
     pub(crate) fn weigh(&self, weights: &Weights, cells: &[Cell]) -> Weighed {
-        let mut sum = Weighed::default();
-        for orders in cells.chunks_exact(self.layout.order_bins().len()) {
-            for (bin, &cell) in orders.iter().enumerate() {
-                if cell.count > 0 {
-                    sum += weights.weigh(bin, cell);
-                }
-            }
-        }
-        sum
+        let places = cells.chunks_exact(self.layout.order_bins().len());
+        let cells = places.flat_map(|orders| orders.iter().enumerate()).filter(|(_, cell)| cell.count > 0);
+        cells.map(|(bin, &cell)| weights.weigh(bin, cell)).sum()
     }
 
     /// Greatest weight that a photon can have: only a slab lets some through without a collision.
