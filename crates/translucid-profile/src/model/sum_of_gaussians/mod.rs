@@ -395,11 +395,12 @@ mod tests {
     fn dmfp_reaches_its_limit_near_white() {
         for complement in [1e-4, 1e-6, 1e-9, 1e-15] {
             let a = 1.0 - complement;
-            let (mfp, _) = mfp_from_dmfp(a, 1.0, Configuration::Searchlight).unwrap();
+            let (mfp, _) =
+                half_space_mfp(a, 1.0, Parameterization::Dmfp, Configuration::Searchlight).unwrap();
             let expected = 3f64.sqrt() * (1.0 - a) / 2.9078;
             assert!((mfp / expected - 1.0).abs() < 3e-4, "{complement:e}: {mfp:e} {expected:e}");
         }
-        assert!(mfp_from_dmfp(1.0, 1.0, Configuration::Searchlight).is_err());
+        assert!(half_space_mfp(1.0, 1.0, Parameterization::Dmfp, Configuration::Searchlight).is_err());
     }
 
     #[test]
