@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use translucid_image::{OutputError, check_writable, write_atomically};
+use translucid_laboratory::Chart;
 use translucid_laboratory::figures::Report;
-use translucid_laboratory::{Chart, Theme};
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -92,7 +92,7 @@ pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<V
         let png = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         let file = |end: &str, content: Vec<u8>| (format!("{}.{end}", chart.name), content);
         let files = [
-            file("svg", chart.svg(Theme::Light).into_bytes()),
+            file("svg", chart.svg().into_bytes()),
             file("png", png),
             file("csv", chart.table().csv().into_bytes()),
         ];

@@ -50,11 +50,11 @@ const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "
 
 /// The texts of a row; the fourth is a number.
 fn fields(row: &Row) -> [String; 7] {
-    let source = row.system.source();
+    let source = row.system.source;
     let kind = if source.is_code { "code" } else { "document" };
     let text = |text: &str| text.to_owned();
     [
-        text(row.system.name()),
+        text(row.system.name),
         text(row.parameter),
         text(row.channel),
         exact(row.value),
@@ -105,13 +105,13 @@ fn json_string(text: &str) -> String {
 fn paragraphs(rows: &[Row]) -> String {
     let width = rows.iter().map(|row| row.parameter.len()).max().unwrap_or(0);
     let mut text = String::new();
-    for system in rows.chunk_by(|a, b| a.system.title() == b.system.title()) {
+    for system in rows.chunk_by(|a, b| a.system.title == b.system.title) {
         let first = system[0].system;
         let separator = if text.is_empty() { "" } else { "\n" };
-        let (name, title, version) = (first.name(), first.title(), first.version());
+        let (name, title, version) = (first.name, first.title, first.version);
         // Writing to a string cannot fail
         let _ = writeln!(text, "{separator}{name}: {title} ({version})");
-        let _ = writeln!(text, "  {}", first.formula());
+        let _ = writeln!(text, "  {}", first.formula);
         for parameter in system.chunk_by(|a, b| a.parameter == b.parameter) {
             let values: Vec<String> =
                 parameter.iter().map(|row| format!("{:>10}", rounded(row.value))).collect();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use translucid_image::{OutputError, check_writable, write_atomically};
-use translucid_laboratory::{Chart, Theme};
+use translucid_laboratory::Chart;
 
 use crate::failure::Failure;
 use crate::messages;
@@ -132,7 +132,7 @@ impl OutputArguments {
     /// Writes a chart to the directory, if there is one, as SVG and as PNG.
     pub(super) fn write_chart(&self, chart: &Chart, [svg, png]: [&str; 2]) -> Result<(), Failure> {
         let Some(directory) = &self.output else { return Ok(()) };
-        write_file(&directory.join(svg), chart.svg(Theme::Light).as_bytes())?;
+        write_file(&directory.join(svg), chart.svg().as_bytes())?;
         let picture = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         write_file(&directory.join(png), &picture)
     }
