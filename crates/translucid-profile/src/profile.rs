@@ -132,19 +132,24 @@ pub trait Profile: Send + Sync {
     ///
     /// One call of a `dyn Profile` for many numbers; closed forms run in vector registers.
     fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {
-        fn each(from: &[f64], to: &mut [f64], f: impl Fn(f64) -> f64) {
-            to.iter_mut().zip(from).for_each(|(to, &from)| *to = f(from));
-        }
-        match quantity {
-            Quantity::Eval => each(from, to, |r| self.eval(r)),
-            Quantity::Pdf => each(from, to, |r| self.pdf(r)),
-            Quantity::PdfArea => each(from, to, |r| self.pdf_area(r)),
-            Quantity::Cdf => each(from, to, |r| self.cdf(r)),
-            Quantity::Enclosed => each(from, to, |r| self.enclosed(r)),
-            Quantity::Beyond => each(from, to, |r| self.beyond(r)),
-            Quantity::Quantile => each(from, to, |u| self.quantile(u)),
-            Quantity::Sample => each(from, to, |u| self.sample(u)),
-        }
+        apply_each(self, quantity, from, to);
+    }
+}
+
+/// [`Profile::apply`] for models without vector code of their own.
+pub(crate) fn apply_each<P: Profile + ?Sized>(profile: &P, quantity: Quantity, from: &[f64], to: &mut [f64]) {
+    fn each(from: &[f64], to: &mut [f64], f: impl Fn(f64) -> f64) {
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = f(from));
+    }
+    match quantity {
+        Quantity::Eval => each(from, to, |r| profile.eval(r)),
+        Quantity::Pdf => each(from, to, |r| profile.pdf(r)),
+        Quantity::PdfArea => each(from, to, |r| profile.pdf_area(r)),
+        Quantity::Cdf => each(from, to, |r| profile.cdf(r)),
+        Quantity::Enclosed => each(from, to, |r| profile.enclosed(r)),
+        Quantity::Beyond => each(from, to, |r| profile.beyond(r)),
+        Quantity::Quantile => each(from, to, |u| profile.quantile(u)),
+        Quantity::Sample => each(from, to, |u| profile.sample(u)),
     }
 }
 
