@@ -15,7 +15,7 @@ use crate::failure::Failure;
 use crate::outputs::Outputs;
 use crate::points;
 use crate::progress::{Meter, Unit, duration};
-use crate::{interrupt, machine, messages};
+use crate::{command_line, interrupt, machine, messages};
 
 /// Memory that a pixel takes: its sums, and a sample that waits, or while it is written its values in all channels.
 pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 84;
@@ -259,7 +259,7 @@ impl<'a> Work<'a> {
             seed: scene.integrator.seed,
             samples: sums.samples(),
             seconds: self.session.seconds(),
-            command: command_line(),
+            command: command_line::shown(),
             region: self.session.view().place(),
         };
         let outputs = &self.task.outputs;
@@ -328,18 +328,4 @@ fn is_to_resume(task: &Task) -> bool {
         (_, false) => {}
     }
     false
-}
-
-/// The command as it was typed, with quotes where a shell needs them.
-fn command_line() -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
-    let words = std::env::args_os().enumerate().map(|(index, word)| {
-        let word = word.to_string_lossy().into_owned();
-        match index {
-            0 => String::from("translucid"),
-            _ if !word.is_empty() && word.chars().all(plain) => word,
-            _ => format!("'{}'", word.replace('\'', r"'\''")),
-        }
-    });
-    words.collect::<Vec<_>>().join(" ")
 }
