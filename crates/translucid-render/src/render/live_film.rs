@@ -46,6 +46,28 @@ impl FilmLayer {
         Self::Depth,
     ];
 
+    /// The layer's name, as files and the Python module write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Radiance => "radiance",
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Subsurface => "subsurface",
+            Self::Emission => "emission",
+            Self::Alpha => "alpha",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+        }
+    }
+
+    /// The layer of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
+
     /// Number of channels.
     #[must_use]
     pub fn channels(self) -> usize {
