@@ -6,6 +6,7 @@
 mod compare;
 mod convert;
 mod failure;
+mod files;
 mod fit;
 mod interrupt;
 mod machine;

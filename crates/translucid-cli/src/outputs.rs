@@ -1,8 +1,6 @@
 //! The files of a rendering.
 
 use std::ffi::OsStr;
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use translucid_image::{Denoised, DisplayTransform, OutputError, check_writable};
@@ -10,6 +8,7 @@ use translucid_render::{FilmSums, ImageInfo};
 use translucid_scene::Film;
 
 use crate::failure::Failure;
+use crate::files::{input_among, is_own};
 
 /// The files that a rendering writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -121,43 +120,6 @@ impl Outputs {
 /// The way to a display that a scene's film asks for.
 fn display_of(film: &Film) -> DisplayTransform {
     DisplayTransform { exposure: film.exposure, tone_mapping: film.tone_mapping }
-}
-
-/// The first of some files that is one of the inputs, whatever paths both go by, or will be when both are there.
-pub(crate) fn input_among<'a, 'b>(
-    mut files: impl Iterator<Item = &'b Path>,
-    inputs: impl Iterator<Item = &'a Path>,
-) -> Option<&'b Path> {
-    let inputs: Vec<PathBuf> = inputs.filter_map(place).collect();
-    files.find(|path| place(path).is_some_and(|path| inputs.contains(&path)))
-}
-
-/// Where a file is, or would be, in a directory that is there.
-fn place(path: &Path) -> Option<PathBuf> {
-    let of_a_new_file = || {
-        let directory =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
-    };
-    fs::canonicalize(path).ok().or_else(of_a_new_file)
-}
-
-/// Whether a file says at its start, where images keep their notes, that this program has made it.
-pub(crate) fn is_own(path: &Path) -> bool {
-    const NAME: &[u8] = b"translucid";
-    let mut start = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut start));
-    read.is_ok() && start.windows(NAME.len()).any(|bytes| bytes == NAME)
-}
-
-/// Whether a page says that this program has made it, with a title that begins so.
-pub(crate) fn is_own_page(page: &Path, title: &str) -> bool {
-    const GENERATOR: &str = "name=\"generator\" content=\"translucid\"";
-    const START: u64 = 4096;
-    let mut start = Vec::new();
-    let read = fs::File::open(page).and_then(|file| file.take(START).read_to_end(&mut start));
-    let start = String::from_utf8_lossy(&start);
-    read.is_ok() && start.contains(GENERATOR) && start.contains(&format!("<title>{title}"))
 }
 
 #[cfg(test)]

@@ -170,7 +170,7 @@ impl<'a> Work<'a> {
         if ended.outcome == Outcome::Interrupted {
             let checkpoint = self.task.outputs.checkpoint.display();
             let help = format!("repeat the command with --resume to go on from {checkpoint}");
-            return Err(Failure::Interrupted { help });
+            return Err(Failure::interrupted(help));
         }
         Ok(Rendering {
             is_finished: ended.outcome == Outcome::Finished,
@@ -191,7 +191,7 @@ impl<'a> Work<'a> {
                 Some(_) => "repeat the command with --resume to go on",
                 None => "the rendering had not begun, so nothing was written",
             };
-            return Err(Failure::Interrupted { help: help.into() });
+            return Err(Failure::interrupted(help));
         }
         let message = "the rendering ended before its first samples, so nothing was written";
         Err(Failure::work(message).with_help("give it more time"))

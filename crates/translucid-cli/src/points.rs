@@ -80,7 +80,7 @@ fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<Po
     meters.iter().filter_map(OnceLock::get).for_each(Meter::finish);
     let Some(points) = made.map_err(failure)? else {
         let help = String::from("the points were not ready: repeat the command to make them anew");
-        return Err(Failure::Interrupted { help });
+        return Err(Failure::interrupted(help));
     };
     if !quiet {
         let seconds = duration(start.elapsed().as_secs_f64());

@@ -6,14 +6,14 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use translucid_image::Denoiser;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };
 
 use crate::failure::Failure;
-use crate::model::ModelName;
+use crate::model::{ModelName, UnitName};
 use crate::outputs::Outputs;
 use crate::picture::{self, Task};
 use crate::presets::print_presets;
@@ -128,27 +128,6 @@ pub(crate) struct Arguments {
 impl Arguments {
     fn checkpoint_interval(&self) -> Duration {
         self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
-    }
-}
-
-/// Length units of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UnitName {
-    /// Millimeters
-    Mm,
-    /// Centimeters
-    Cm,
-    /// Meters
-    M,
-}
-
-impl From<UnitName> for Unit {
-    fn from(name: UnitName) -> Self {
-        match name {
-            UnitName::Mm => Self::Millimeter,
-            UnitName::Cm => Self::Centimeter,
-            UnitName::M => Self::Meter,
-        }
     }
 }
 

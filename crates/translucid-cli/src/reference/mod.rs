@@ -6,10 +6,12 @@ mod walk_method;
 pub(crate) use walk_method::parse_photons;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use translucid_reference::Incidence;
+use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
+use translucid_reference::{Estimate, Incidence};
 
 use crate::failure::Failure;
+use crate::machine;
 use crate::model::ConfigurationName;
 use crate::radii::RadiiArguments;
 use crate::table::{TableArguments, exact};
@@ -131,7 +133,7 @@ const COLUMNS: [&str; 6] =
 pub(crate) fn run(arguments: &ReferenceArguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
-    arguments.walk.pool()?.install(|| match arguments.method {
+    machine::threads(arguments.walk.threads)?.install(|| match arguments.method {
         Method::Exact => exact_method::run(arguments, &problem),
         Method::MonteCarlo => walk_method::run(arguments, &problem),
     })
@@ -236,12 +238,37 @@ impl ReferenceArguments {
         Ok(())
     }
 
+    /// Surface albedo, where it was given, and single-scattering albedo of every part of the table, by the exact solution.
+    fn albedos(&self, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
+        if !self.single_scattering_albedo.is_empty() {
+            return Ok(self.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
+        }
+        let parameters = problem.parameters();
+        let invert = |&surface_albedo: &f64| {
+            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
+            alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| self.name_option(error))
+        };
+        self.surface_albedo.iter().map(invert).collect()
+    }
+
     fn side(&self) -> Side {
         match self.side {
             SideName::Reflected => Side::Reflected,
             SideName::Transmitted => Side::Transmitted,
         }
     }
+}
+
+/// A line of the table: albedos and radius, then what was found, lengths turned back into the unit of the mean free path.
+fn row(
+    [surface_albedo, alpha, r]: [f64; 3],
+    mfp: f64,
+    reflectance: Estimate,
+    enclosed: Estimate,
+) -> [f64; 6] {
+    let per_area = |value: f64| (value / mfp / mfp).min(f64::MAX);
+    let (reflectance, error) = (per_area(reflectance.value), per_area(reflectance.error));
+    [surface_albedo, alpha, r, reflectance, enclosed.value, error]
 }
 
 fn require_positive(option: &str, value: f64) -> Result<(), Failure> {

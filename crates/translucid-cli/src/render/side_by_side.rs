@@ -1,6 +1,6 @@
 //! One scene with each of several models: pictures, their differences, a sheet, a table and a page.
 
-mod directory;
+mod files;
 mod report;
 
 use std::ffi::OsString;
@@ -14,10 +14,10 @@ use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::{Arguments, inputs, require_memory, scene, scene_name};
 use crate::failure::Failure;
+use crate::files::Directory;
 use crate::model::ModelName;
 use crate::picture::{self, Part, Rendering, Task};
 use crate::{interrupt, messages};
-use directory::Directory;
 use report::{Entry, Report};
 
 /// Most models of one sheet.
@@ -37,12 +37,11 @@ pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(
     let (first, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
     require_size(&first, models.len())?;
-    let directory = Directory::prepare(&path, models)?;
-    let result = directory.spare(inputs(arguments, &first)).and_then(|()| {
-        let entries = render_all(arguments, models, first, &directory)?;
-        write(arguments, &directory, entries, judge)
-    });
-    result.inspect_err(|_| directory.abandon())
+    Directory::fill(&path, |directory| {
+        files::check(directory, models, inputs(arguments, &first))?;
+        let entries = render_all(arguments, models, first, directory)?;
+        write(arguments, directory, entries, judge)
+    })
 }
 
 /// Refuses a model that is named twice, and more models than a sheet has room for.
@@ -113,9 +112,7 @@ fn render_all(
     let mut entries = Vec::new();
     for (number, &model) in models.iter().enumerate() {
         if interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted {
-                help: String::from("repeat the command with --resume to go on"),
-            });
+            return Err(Failure::interrupted("repeat the command with --resume to go on"));
         }
         let scene = match loaded.take() {
             Some(scene) => scene,
@@ -126,7 +123,7 @@ fn render_all(
         let goal = scene.integrator.samples_per_pixel;
         let task = Task {
             scene_name: scene_name(arguments),
-            outputs: directory.outputs(model),
+            outputs: files::outputs(directory, model.name()),
             limit: arguments.time,
             threads: arguments.threads.map_or(0, usize::from),
             resume: arguments.resume,
@@ -138,7 +135,7 @@ fn render_all(
             verbose: arguments.verbose,
             part: Some(Part {
                 label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
-                first_half: directory.first_half(model),
+                first_half: files::first_half(directory, model.name()),
             }),
         };
         entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
@@ -192,11 +189,12 @@ fn write(
     directory.write(&report.files()?)?;
     for (entry, unfinished) in report.entries.iter().zip(unfinished) {
         if !unfinished && !arguments.resume {
-            directory.remove_checkpoints(&entry.model);
+            files::remove_checkpoints(directory, &entry.model);
         }
     }
     if !arguments.quiet {
-        messages::line(&format!("wrote {}; open {}", directory.path().display(), directory.page().display()));
+        let page = directory.file(files::PAGE);
+        messages::line(&format!("wrote {}; open {}", directory.path().display(), page.display()));
     }
     Ok(())
 }
