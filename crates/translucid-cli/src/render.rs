@@ -1,5 +1,9 @@
 //! `translucid render`: a scene or mesh becomes a picture, or one of each of several models.
 
+mod outputs;
+mod picture;
+mod points;
+mod presets;
 mod side_by_side;
 
 use std::ffi::OsStr;
@@ -14,19 +18,16 @@ use translucid_scene::{
 
 use crate::failure::Failure;
 use crate::model::{ModelName, UnitName};
-use crate::outputs::Outputs;
-use crate::picture::{self, Task};
-use crate::presets::print_presets;
-use crate::{machine, messages, points};
+use crate::{machine, messages};
+use outputs::Outputs;
+use picture::Task;
+use presets::print_presets;
 
 /// Most samples per pixel, as the scene's settings have it.
 const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Time between two checkpoints where none is asked for.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
-/// Memory for denoising a pixel: three layers that are read, the picture, and what is written of it.
-const BYTES_PER_DENOISED_PIXEL: u64 = 5 * 12;
 
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
@@ -126,6 +127,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// Time between two checkpoints: what a power cut may cost.
     fn checkpoint_interval(&self) -> Duration {
         self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
     }
@@ -138,17 +140,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
-        if arguments.region.is_some() {
-            let message = "--region is not for comparisons, but --subsurface has several models";
-            return Err(Failure::input(message).with_help("leave --region out, or name one model"));
-        }
-        if arguments.points.is_some() {
-            let message = "--points keeps the points of one model, but --subsurface has several";
-            return Err(Failure::input(message).with_help("leave --points out, or name one model"));
-        }
-        if arguments.denoise {
-            let message = "--denoise is not for comparisons, but --subsurface has several models";
-            return Err(Failure::input(message).with_help("leave --denoise out, or name one model"));
+        for (given, option) in [
+            (arguments.region.is_some(), "--region"),
+            (arguments.points.is_some(), "--points"),
+            (arguments.denoise, "--denoise"),
+        ] {
+            if given {
+                let message = format!("{option} is not for comparisons, but --subsurface has several models");
+                return Err(
+                    Failure::input(message).with_help(format!("leave {option} out, or name one model"))
+                );
+            }
         }
         return side_by_side::run(arguments, &models);
     }
@@ -178,26 +180,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    let denoising = if arguments.denoise { BYTES_PER_DENOISED_PIXEL } else { 0 };
-    require_memory(&scene, picture::BYTES_PER_PIXEL + denoising)?;
-    picture::render(
-        scene,
-        &Task {
-            scene_name: scene_name(arguments),
-            outputs,
-            limit: arguments.time,
-            threads: arguments.threads.map_or(0, usize::from),
-            resume: arguments.resume,
-            checkpoint_interval: arguments.checkpoint_interval(),
-            points: arguments.points.clone(),
-            denoiser,
-            region: arguments.region,
-            quiet: arguments.quiet,
-            verbose: arguments.verbose,
-            part: None,
-        },
-    )
-    .map(drop)
+    require_memory(&scene, picture::BYTES_PER_PIXEL)?;
+    picture::render(scene, &Task { arguments, outputs, denoiser, part: None }).map(drop)
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.

@@ -258,7 +258,7 @@ impl FilterImages {
         let mut images =
             Self { color: Vec::new(), albedo: Vec::new(), normal: Vec::new(), size: picture.size() };
         let mut row = picture.new_row();
-        for y in picture.region.y0..picture.region.y1 {
+        for y in picture.region.rows() {
             picture.read_row(y, &mut row);
             for pixel in row.chunks_exact(picture.channels.len()) {
                 let [color, albedo, normal] =

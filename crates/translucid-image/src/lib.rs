@@ -23,8 +23,8 @@ mod denoise;
 mod error;
 mod exr;
 mod picture;
+mod pixel_rect;
 mod png;
-mod region;
 mod tone_mapping;
 
 pub use atomic_file::{check_writable, write_atomically};
@@ -32,6 +32,6 @@ pub use checksummed::Checksummed;
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
 pub use error::OutputError;
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
+pub use pixel_rect::PixelRect;
 pub use png::{CodedPicture, DisplayTransform};
-pub use region::Region;
 pub use tone_mapping::{ToneMapping, display_from_linear};

@@ -80,9 +80,9 @@ mod world;
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
     CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LayerSizeError, LiveFilm, Outcome,
-    PixelRect, PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
+    PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
-pub use session::{CheckpointPlan, Event, Observer, Plan, Rendering, RunningSession, Session, SessionError};
+pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
 pub use subsurface::{KernelNote, MaterialNote, NearestParameter, Note, SubsurfaceProfileError};
 pub use world::{PixelSample, layer};

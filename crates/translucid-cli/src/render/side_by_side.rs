@@ -7,16 +7,16 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
-use translucid_image::display_from_linear;
+use translucid_image::{PixelRect, display_from_linear};
 use translucid_laboratory::picture::{Picture, PicturePixel};
 use translucid_render::{FilmSums, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
+use super::picture::{self, Part, Rendering, Task};
 use super::{Arguments, inputs, require_memory, scene, scene_name};
 use crate::failure::Failure;
 use crate::files::Directory;
 use crate::model::ModelName;
-use crate::picture::{self, Part, Rendering, Task};
 use crate::{interrupt, messages};
 use report::{Entry, Report};
 
@@ -121,23 +121,12 @@ fn render_all(
         };
         let film = scene.film;
         let goal = scene.integrator.samples_per_pixel;
-        let task = Task {
-            scene_name: scene_name(arguments),
-            outputs: files::outputs(directory, model.name()),
-            limit: arguments.time,
-            threads: arguments.threads.map_or(0, usize::from),
-            resume: arguments.resume,
-            checkpoint_interval: arguments.checkpoint_interval(),
-            points: None,
-            denoiser: None,
-            region: None,
-            quiet: arguments.quiet,
-            verbose: arguments.verbose,
-            part: Some(Part {
-                label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
-                first_half: files::first_half(directory, model.name()),
-            }),
+        let part = Part {
+            label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
+            first_half: files::first_half(directory, model.name()),
         };
+        let outputs = files::outputs(directory, model.name());
+        let task = Task { arguments, outputs, denoiser: None, part: Some(part) };
         entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
     }
     Ok(entries)
@@ -160,7 +149,7 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
 /// A film as a picture; its background is black.
 fn compared(film: &FilmSums, settings: &Film) -> Picture {
     let exposure = settings.exposure.exp2();
-    let pixels = pixels(film).map(|(x, y)| {
+    let pixels = PixelRect::whole([film.width, film.height]).pixels().map(|(x, y)| {
         let radiance = film.radiance(x, y).map(|value| value as f32);
         PicturePixel {
             radiance,
@@ -169,12 +158,6 @@ fn compared(film: &FilmSums, settings: &Film) -> Picture {
         }
     });
     Picture::new(film.width as usize, film.height as usize, pixels)
-}
-
-/// Coordinates of all pixels, row by row.
-fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let (width, height) = (film.width, film.height);
-    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
 /// Compares the pictures, writes what that gives, and takes away what was kept for an interruption.

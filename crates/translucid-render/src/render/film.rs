@@ -1,6 +1,7 @@
 //! Sums of pixel samples, tile by tile.
 
-use super::pixel_rect::PixelRect;
+use translucid_image::PixelRect;
+
 use crate::world::layer;
 
 /// Edge of a tile in pixels: the unit of work of a thread.

@@ -5,8 +5,9 @@ use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
+use translucid_image::PixelRect;
+
 use super::film::FilmSums;
-use super::pixel_rect::PixelRect;
 use crate::world::layer;
 
 /// A layer of a picture, for those who read it.
@@ -143,8 +144,9 @@ impl LiveFilm {
         if out.len() != needed {
             return Err(LayerSizeError { needed, given: out.len() });
         }
-        let whole = PixelRect { left: 0, top: 0, width: sums.width, height: sums.height };
-        for ((x, y), out) in whole.pixels().zip(out.chunks_exact_mut(layer.channels())) {
+        for ((x, y), out) in
+            PixelRect::whole([sums.width, sums.height]).pixels().zip(out.chunks_exact_mut(layer.channels()))
+        {
             layer.write(&sums.mean(x, y), out);
         }
         Ok(())

@@ -7,7 +7,6 @@ mod live_film;
 mod passes;
 mod picture;
 mod pixel_blocks;
-mod pixel_rect;
 mod prepared;
 mod view;
 
@@ -16,6 +15,5 @@ pub use film::{FilmSums, TILE_SIZE, TileSums};
 pub use live_film::{FilmLayer, LayerSizeError, LiveFilm};
 pub use passes::{Goal, Outcome, Progress};
 pub use picture::ImageInfo;
-pub use pixel_rect::PixelRect;
 pub use prepared::{Edit, PreparedScene, Renewed};
 pub use view::{Fraction, View};

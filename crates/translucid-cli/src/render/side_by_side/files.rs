@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 use translucid_image::check_writable;
 use translucid_scene::SubsurfaceModel;
 
+use super::super::outputs::Outputs;
 use crate::failure::Failure;
 use crate::files::{Directory, input_among, is_own, is_own_page, refusal};
-use crate::outputs::Outputs;
 
 /// The files that are there once.
 pub(super) const PAGE: &str = "index.html";

@@ -3,7 +3,7 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use translucid_image::{Denoised, DisplayTransform, OutputError, check_writable};
+use translucid_image::{DisplayTransform, OutputError, check_writable};
 use translucid_render::{FilmSums, ImageInfo};
 use translucid_scene::Film;
 
@@ -89,37 +89,12 @@ impl Outputs {
         }
     }
 
-    /// Writes the images.
-    pub(crate) fn write(
-        &self,
-        film: &FilmSums,
-        settings: &Film,
-        info: &ImageInfo,
-    ) -> Result<(), OutputError> {
-        if let Some(exr) = &self.exr {
-            film.layers_picture(info).save_exr(exr)?;
-        }
-        film.display_picture(info).save_png(&self.png, display_of(settings))
+    /// Writes the images: the layers with a denoised picture beside them, and for a display that in their place.
+    pub(crate) fn write(&self, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), Failure> {
+        let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
+        let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
+        exr.and_then(|()| film.display_picture(info).save_png(&self.png, display)).map_err(Failure::late)
     }
-
-    /// Writes the images with a denoised picture: beside the layers in the float image, in place of the display image.
-    pub(crate) fn write_denoised(
-        &self,
-        film: &FilmSums,
-        denoised: &Denoised,
-        settings: &Film,
-        info: &ImageInfo,
-    ) -> Result<(), OutputError> {
-        if let Some(exr) = &self.exr {
-            film.layers_picture_with(denoised, info).save_exr(exr)?;
-        }
-        film.denoised_display_picture(denoised, info).save_png(&self.png, display_of(settings))
-    }
-}
-
-/// The way to a display that a scene's film asks for.
-fn display_of(film: &Film) -> DisplayTransform {
-    DisplayTransform { exposure: film.exposure, tone_mapping: film.tone_mapping }
 }
 
 #[cfg(test)]
