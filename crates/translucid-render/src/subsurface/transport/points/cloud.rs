@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::super::{SubsurfaceTransport, Tracing};
@@ -27,7 +28,8 @@ pub struct PointCloud {
 }
 
 /// The points of a subsurface group.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct CloudGroup {
     pub(super) number: u32,
     pub(super) count: u32,
