@@ -12,7 +12,7 @@ mod view;
 
 pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
 pub use film::{FilmSums, TILE_SIZE, TileSums};
-pub use live_film::{FilmLayer, LayerSizeError, LiveFilm};
+pub use live_film::{FilmLayer, LiveFilm};
 pub use passes::{Goal, Outcome, Progress};
 pub use picture::ImageInfo;
 pub use prepared::{Edit, PreparedScene, Renewed};

@@ -2,7 +2,7 @@
 
 use translucid_image::{Denoised, Denoiser, MetadataValue, OutputError, Picture, PictureChannel, PixelRect};
 
-use super::film::FilmSums;
+use super::film::{FilmSums, mean_depth, radiance};
 use crate::world::layer;
 
 /// What is known of a rendered picture besides its film.
@@ -84,7 +84,8 @@ impl FilmSums {
             channels.extend(DENOISED_CHANNELS.into_iter().map(PictureChannel::single));
         }
         let fill = move |x, y, pixel: &mut [f64]| {
-            let (mean, [r, g, b]) = (self.mean(x, y), self.radiance(x, y));
+            let mean = self.mean(x, y);
+            let [r, g, b] = radiance(&mean);
             let singles = [r, g, b, mean[layer::ALPHA], mean_depth(&mean)];
             let halves = halves.iter().map(|(_, index)| mean[*index]);
             let color = info.denoised.iter().flat_map(|denoised| self.denoised_pixel(denoised, x, y));
@@ -155,11 +156,6 @@ fn half_channels() -> Vec<(String, usize)> {
         range.zip(components.chars()).map(move |(index, component)| (format!("{name}.{component}"), index))
     })
     .collect()
-}
-
-/// Mean distance over the samples that see a surface.
-fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
-    if mean[layer::SURFACE] > 0.0 { mean[layer::DEPTH] / mean[layer::SURFACE] } else { 0.0 }
 }
 
 #[cfg(test)]
