@@ -121,7 +121,7 @@ pub(crate) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let count = Directory::fill(&arguments.output, |directory| {
         output::check(directory)?;
         interrupt::catch("\nstopping; nothing has been written yet")?;
-        let meter = Meter::new(Unit::Parts, 0, None);
+        let meter = Meter::new(Unit::Parts);
         let progress = |done: f64| meter.update((1e6 * done) as u64, 1_000_000);
         let compute = |done: f64| progress((1.0 - DRAWING) * done);
         let draw = |done: f64| progress(1.0 - DRAWING + DRAWING * done);

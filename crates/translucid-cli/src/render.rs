@@ -252,11 +252,15 @@ fn scene_name(arguments: &Arguments) -> String {
 }
 
 fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
-    match (&arguments.output, &arguments.scene) {
-        (Some(path), _) => Outputs::from_option(path),
-        (None, Some(scene)) => Ok(Outputs::from_stem(scene.file_stem().unwrap_or_default())),
-        (None, None) => Ok(Outputs::from_stem(OsStr::new("still-life"))),
+    match &arguments.output {
+        Some(path) => Outputs::from_option(path),
+        None => Ok(Outputs::in_directory(Path::new(""), stem(arguments))),
     }
+}
+
+/// What files are named after where no name is given.
+fn stem(arguments: &Arguments) -> &OsStr {
+    arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
 }
 
 /// Refuses a picture that does not fit into memory: the system would end the process without a word.

@@ -83,5 +83,5 @@ pub use render::{
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError};
 pub use subsurface::Note;
-pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
+pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
 pub use world::{PixelSample, layer};

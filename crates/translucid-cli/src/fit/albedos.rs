@@ -106,7 +106,7 @@ pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) 
     let files = ["points.csv", "errors.csv"];
     output.check(&files, None)?;
     let albedos = talk_albedos();
-    let meter = Meter::new(Unit::Albedos, 0, None);
+    let meter = Meter::new(Unit::Albedos);
     let done = AtomicU64::new(0);
     let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
         .par_iter()

@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     drop(arguments.radii.iter()?);
     let radii = || arguments.radii.iter().into_iter().flatten();
 
-    let meter = Meter::new(Unit::Albedos, 0, None);
+    let meter = Meter::new(Unit::Albedos);
     let (mut done, count) = (0, albedos.len() as u64);
     let failed: Cell<Option<Failure>> = Cell::new(None);
     let solutions = albedos.chunks(rayon::current_num_threads()).flat_map(|albedos| {

@@ -222,17 +222,13 @@ impl ReferenceArguments {
     }
 
     fn check_albedos(&self) -> Result<(), Failure> {
-        for &alpha in &self.single_scattering_albedo {
-            if !(alpha > 0.0 && alpha <= 1.0) {
-                let alpha = exact(alpha);
-                let message = format!("--single-scattering-albedo has {alpha}, but must be in (0, 1]");
-                return Err(Failure::input(message));
-            }
-        }
-        for &albedo in &self.surface_albedo {
-            if !(albedo > 0.0 && albedo < 1.0) {
-                let albedo = exact(albedo);
-                return Err(Failure::input(format!("--surface-albedo has {albedo}, but must be in (0, 1)")));
+        for (option, albedos, most, range) in [
+            ("--single-scattering-albedo", &self.single_scattering_albedo, 1.0, "(0, 1]"),
+            ("--surface-albedo", &self.surface_albedo, 1.0_f64.next_down(), "(0, 1)"),
+        ] {
+            if let Some(&found) = albedos.iter().find(|albedo| !(**albedo > 0.0 && **albedo <= most)) {
+                let found = exact(found);
+                return Err(Failure::input(format!("{option} has {found}, but must be in {range}")));
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! `translucid reference --method monte-carlo`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
@@ -216,7 +216,7 @@ impl<'a> WalkWork<'a> {
     /// Walks until there are enough photons, the error is small enough, or Ctrl-C.
     fn walk(&mut self) -> Result<(), Failure> {
         let (start, cpu_before) = (Instant::now(), machine::cpu_seconds());
-        let meter = Meter::new(Unit::Photons, 0, None);
+        let meter = Meter::new(Unit::Photons);
         let walked = match self.arguments.walk.error {
             Some(error) => self.walk_to_error(error, &meter),
             None => self.walk_photons(self.arguments.walk.photons.unwrap_or(DEFAULT_PHOTONS), &meter),
@@ -268,7 +268,7 @@ impl<'a> WalkWork<'a> {
             let Forecast { photons_done, photons_left, .. } = *forecast;
             total.store(photons_done.saturating_add(photons_left), Ordering::Relaxed);
             if saved.0.elapsed() > SAVE_INTERVAL {
-                saved = (Instant::now(), save(arguments.walk.table_file.as_deref(), table));
+                saved = (Instant::now(), save(arguments, table));
             }
         };
         let control = Control {
@@ -284,7 +284,7 @@ impl<'a> WalkWork<'a> {
     }
 
     fn save(&self) -> Result<(), Failure> {
-        save(self.arguments.walk.table_file.as_deref(), &self.table)
+        save(self.arguments, &self.table)
     }
 
     fn print(&self) -> Result<(), Failure> {
@@ -473,11 +473,11 @@ fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, F
     }
 }
 
-fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
-    match path {
-        Some(path) => translucid_image::write_atomically(path, |out| table.write(out)).map_err(Failure::late),
-        None => Ok(()),
-    }
+/// Keeps the table where that is asked for.
+fn save(arguments: &ReferenceArguments, table: &WhiteTable) -> Result<(), Failure> {
+    let path = arguments.walk.table_file.as_deref();
+    path.map_or(Ok(()), |path| translucid_image::write_atomically(path, |out| table.write(out)))
+        .map_err(Failure::late)
 }
 
 fn foreign_table(arguments: &ReferenceArguments, what: &str) -> Failure {

@@ -40,19 +40,13 @@ impl Outputs {
         Ok(Self { exr, png, checkpoint: checkpoint.into() })
     }
 
-    /// Both images in the current directory.
-    pub(crate) fn from_stem(stem: &OsStr) -> Self {
+    /// Both images in a directory.
+    pub(crate) fn in_directory(directory: &Path, stem: &OsStr) -> Self {
         let file = |end: &str| {
             let mut name = stem.to_owned();
             name.push(end);
-            PathBuf::from(name)
+            directory.join(name)
         };
-        Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
-    }
-
-    /// Both images in a directory.
-    pub(crate) fn in_directory(directory: &Path, stem: &str) -> Self {
-        let file = |end: &str| directory.join(format!("{stem}{end}"));
         Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
     }
 
@@ -116,7 +110,7 @@ mod tests {
 
     #[test]
     fn outputs_of_a_stem_keep_its_dots() {
-        let outputs = Outputs::from_stem(OsStr::new("head.v2"));
+        let outputs = Outputs::in_directory(Path::new(""), OsStr::new("head.v2"));
         assert_eq!(
             outputs.images().collect::<Vec<_>>(),
             [Path::new("head.v2.exr"), Path::new("head.v2.png")]

@@ -130,11 +130,8 @@ impl<'a> Work<'a> {
         let cpu_before = machine::cpu_seconds();
         let paths_before = self.session.film().sums().paths();
         let deadline = self.limit().and_then(|limit| Instant::now().checked_add(limit));
-        let mut meter = if self.task.arguments.quiet {
-            Meter::quiet(Unit::Samples, paths_before, deadline)
-        } else {
-            Meter::new(Unit::Samples, paths_before, deadline)
-        };
+        let mut meter =
+            Meter::new(Unit::Samples).quiet(self.task.arguments.quiet).between(paths_before, deadline);
         if let Some(part) = &self.task.part {
             meter = meter.named(&part.label);
         }
@@ -217,7 +214,7 @@ impl<'a> Work<'a> {
             }
         };
         self.session.run(&plan, &observer, &interrupt::STOP).map_err(|error| match error {
-            SessionError::Points(error) => points::failure(error),
+            SessionError::Points(error) => Failure::from(error),
             SessionError::Checkpoint(error) => Failure::late(error),
         })
     }

@@ -3,8 +3,7 @@
 mod files;
 mod report;
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
 use translucid_image::{PixelRect, display_from_linear};
@@ -13,7 +12,7 @@ use translucid_render::{FilmSums, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::picture::{self, Part, Rendering, Task};
-use super::{Arguments, inputs, require_memory, scene, scene_name};
+use super::{Arguments, inputs, require_memory, scene, scene_name, stem};
 use crate::failure::Failure;
 use crate::files::Directory;
 use crate::model::ModelName;
@@ -74,8 +73,7 @@ fn judge(models: &[SubsurfaceModel], against: Option<ModelName>) -> Result<usize
 /// Where to write: what `-o` says, or a directory named after the scene.
 fn directory_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
     let Some(path) = &arguments.output else {
-        let stem = arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem();
-        let mut name = OsString::from(stem.unwrap_or_default());
+        let mut name = stem(arguments).to_owned();
         name.push("-side-by-side");
         return Ok(name.into());
     };

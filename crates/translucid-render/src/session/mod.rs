@@ -23,7 +23,7 @@ use crate::render::{
     CheckpointInfo, Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed,
     View, load_checkpoint, save_checkpoint,
 };
-use crate::subsurface::transport::points::{PointCloud, PointProgress, PointsError};
+use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
 pub use running::RunningSession;
 
@@ -79,7 +79,7 @@ pub struct CheckpointPlan {
 #[derive(Debug)]
 pub enum SessionError {
     /// The points would not fit.
-    Points(PointsError),
+    Points(SceneError),
     /// The film cannot be saved.
     Checkpoint(OutputError),
 }

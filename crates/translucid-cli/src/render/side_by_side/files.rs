@@ -24,7 +24,7 @@ pub(super) fn map_names(model: &str) -> [String; 2] {
 
 /// The files of the picture with a model.
 pub(super) fn outputs(directory: &Directory, model: &str) -> Outputs {
-    Outputs::in_directory(directory.path(), model)
+    Outputs::in_directory(directory.path(), model.as_ref())
 }
 
 /// Where the first half of a picture's samples is kept while the work goes on.
