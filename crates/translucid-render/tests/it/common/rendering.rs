@@ -10,7 +10,7 @@ pub(crate) use translucid_render::PreparedScene;
 use translucid_render::{
     FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, Progress, View, measure,
 };
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SceneError};
 
 /// Makes a scene ready to be rendered.
 pub(crate) fn prepare(scene: Scene) -> PreparedScene {
