@@ -44,7 +44,8 @@ impl Failure {
 
     /// A file that could be written when the work began, but not when it ended.
     pub(crate) fn late(error: OutputError) -> Self {
-        Self { help: error.help.clone(), ..Self::work(error.located_message()) }
+        let message = error.located_message();
+        Self { help: error.help, ..Self::work(message) }
     }
 
     /// Adds advice.

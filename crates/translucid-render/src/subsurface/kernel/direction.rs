@@ -20,6 +20,10 @@ pub(crate) struct Passage {
 }
 
 /// A model that knows directions at the parameters of an exit point, per channel.
+#[allow(
+    clippy::large_enum_variant,
+    reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
+)]
 #[derive(Clone, Copy)]
 pub(crate) enum DirectedProfiles {
     /// The directional dipole.
