@@ -105,13 +105,13 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         match written {
             Ok(more) => {
                 // A system with several ways has one surface albedo
-                let is_told = |row: &rows::Row| row.is_albedo() && row.system.name() == target.name();
+                let is_told = |row: &rows::Row| row.is_albedo() && row.system.name == target.name;
                 let is_repeated = rows.iter().any(is_told);
                 rows.extend(more.into_iter().filter(|row| !(is_repeated && row.is_albedo())));
             }
             // A system that was asked for must answer; of all systems some may have nothing to say.
             Err(error) if arguments.to.is_empty() && !names_a_setting(&settings, target, &error) => {
-                messages::print_note(&format!("{} has no numbers: {error}", target.name()));
+                messages::print_note(&format!("{} has no numbers: {error}", target.name));
             }
             Err(error) => return Err(target_failure(&settings, target, &error)),
         }
@@ -153,7 +153,7 @@ impl ConvertArguments {
                     let given = settings.iter().find(|setting| setting.is_of(parameter));
                     given.map_or(parameter.role.default(), |setting| setting.value(channel))
                 };
-                source.parameters().iter().map(value).collect()
+                source.parameters.iter().map(value).collect()
             })
             .collect();
 
@@ -167,7 +167,7 @@ impl ConvertArguments {
             .map(|(&a, values)| {
                 let albedo = SurfaceAlbedo::new(a, greatest.max(a)).map_err(fail)?;
                 let channel = source.read(values, albedo, self.configuration.into()).map_err(fail)?;
-                channel.in_unit(millimeters(source.unit(), self.unit.into())).map_err(fail)
+                channel.in_unit(millimeters(source.unit, self.unit.into())).map_err(fail)
             })
             .collect()
     }
@@ -183,7 +183,7 @@ impl ConvertArguments {
             };
         }
         if !self.surface_albedo.is_empty() {
-            let name = source.name();
+            let name = source.name;
             return Err(Failure::input(format!("--surface-albedo follows from the coefficients of {name}"))
                 .with_help("leave it out, or give a mean free path in place of the coefficients"));
         }
@@ -197,12 +197,12 @@ impl ConvertArguments {
 
     /// A parameter's error in the words of the command line.
     fn source_failure(&self, source: &System, error: &ParameterError) -> Failure {
-        let (name, value) = (source.name(), exact(error.value));
+        let (name, value) = (source.name, exact(error.value));
         let requirement = error.requirement();
         if error.parameter == "surface_albedo" && !source.has_coefficients() {
             return Failure::input(format!("--surface-albedo is {value}, but must be {requirement}"));
         }
-        let parameter = source.parameters().iter().find(|parameter| parameter.name == error.parameter);
+        let parameter = source.parameters.iter().find(|parameter| parameter.name == error.parameter);
         let Some(parameter) = parameter else {
             let what = error.parameter;
             return Failure::input(format!(
@@ -234,16 +234,16 @@ fn require_target(setting: &Setting, targets: &[&System]) -> Result<(), Failure>
 }
 
 fn names_a_setting(settings: &[Setting], target: &System, error: &ParameterError) -> bool {
-    settings.iter().any(|setting| setting.system == target.name() && setting.names(error.parameter))
+    settings.iter().any(|setting| setting.system == target.name && setting.names(error.parameter))
 }
 
 /// Why a system that was asked for has no numbers.
 fn target_failure(settings: &[Setting], target: &System, error: &ParameterError) -> Failure {
     if names_a_setting(settings, target, error) {
         let value = exact(error.value);
-        let (name, parameter, requirement) = (target.name(), error.parameter, error.requirement());
+        let (name, parameter, requirement) = (target.name, error.parameter, error.requirement());
         return Failure::input(format!("--set {name}:{parameter} is {value}, but must be {requirement}"));
     }
-    Failure::input(format!("{} has no numbers for this material: {error}", target.name()))
-        .with_help(format!("its rule is {}", target.formula()))
+    Failure::input(format!("{} has no numbers for this material: {error}", target.name))
+        .with_help(format!("its rule is {}", target.formula))
 }

@@ -1,7 +1,7 @@
 //! Distance of the profiles of oblique light from the exact half space (g = 0, η = 1), as a table in Markdown.
 //!
 //! ```text
-//! cargo run --release -p translucid-fit --example oblique_errors
+//! cargo run --release -p translucid-fit -F generators --example oblique_errors
 //! ```
 //!
 //! An error is ∫|R_model − R| dA / ∫R dA over the whole plane, in percent: as the model is, told A for light along the

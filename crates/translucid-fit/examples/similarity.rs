@@ -1,8 +1,8 @@
 //! Errors of similarity, before and after its repair: the tables of `docs/accuracy/similarity.md`.
 //!
 //! ```text
-//! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
-//! cargo run --release -p translucid-fit --example similarity -- target/similarity_tables.csv
+//! cargo run --release -p translucid-fit -F generators --example similarity_tables > target/similarity_tables.csv
+//! cargo run --release -p translucid-fit -F generators --example similarity -- target/similarity_tables.csv
 //! ```
 //!
 //! Without the file the tables are made anew, which takes some minutes.

@@ -1,7 +1,7 @@
 //! Writes the tables that the examples `fit_similarity` and `similarity` take in place of making them anew.
 //!
 //! ```text
-//! cargo run --release -p translucid-fit --example similarity_tables > target/similarity_tables.csv
+//! cargo run --release -p translucid-fit -F generators --example similarity_tables > target/similarity_tables.csv
 //! ```
 //!
 //! Some seven minutes of one core. The seed is fixed, and the numbers do not depend on the threads.

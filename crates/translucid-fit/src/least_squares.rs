@@ -16,7 +16,7 @@
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
-use translucid_profile::{ParameterError, Profile};
+use translucid_profile::{ParameterError, Profile, require};
 
 use crate::{Family, Mixture};
 
@@ -70,9 +70,7 @@ impl Target {
     /// The reference has no energy.
     pub fn new(reference: &dyn Profile) -> Result<Self, ParameterError> {
         let (total, scale) = (reference.surface_albedo(), reference.scale());
-        if !(total > 0.0 && total.is_finite()) {
-            return Err(ParameterError::new("total", total, "greater than 0"));
-        }
+        require(total > 0.0 && total.is_finite(), "total", total, "greater than 0")?;
         let point = |step: i32| {
             let r = (Self::STEP * f64::from(step)).exp();
             Point {
@@ -93,9 +91,7 @@ impl Target {
     /// # Errors
     /// `terms` is not in 1..=16.
     pub fn fit<F: Family>(&self, terms: usize) -> Result<Vec<Fit<F>>, ParameterError> {
-        if !(1..=16).contains(&terms) {
-            return Err(ParameterError::new("terms", terms as f64, "in 1..=16"));
-        }
+        require((1..=16).contains(&terms), "terms", terms as f64, "in 1..=16")?;
         let mut fits: Vec<Fit<F>> = Vec::with_capacity(terms);
         for _ in 0..terms {
             let next = self.extend(fits.last());

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use translucid_profile::{ParameterError, Profile};
+use translucid_profile::{ParameterError, Profile, require};
 
 use crate::Family;
 
@@ -22,16 +22,13 @@ impl<F: Family> Mixture<F> {
     /// There are no terms, a weight is negative, all are 0, a scale is not greater than 0, or `total` is not finite and
     /// at least 0.
     pub fn new(total: f64, terms: &[(f64, f64)]) -> Result<Self, ParameterError> {
-        let check = |holds: bool, parameter, value, allowed| {
-            if holds { Ok(()) } else { Err(ParameterError::new(parameter, value, allowed)) }
-        };
-        check(total >= 0.0 && total.is_finite(), "total", total, "finite and at least 0")?;
+        require(total >= 0.0 && total.is_finite(), "total", total, "finite and at least 0")?;
         for (weight, scale) in terms {
-            check(*weight >= 0.0, "weight", *weight, "at least 0")?;
-            check(*scale > 0.0 && scale.is_finite(), "scale", *scale, "finite and greater than 0")?;
+            require(*weight >= 0.0, "weight", *weight, "at least 0")?;
+            require(*scale > 0.0 && scale.is_finite(), "scale", *scale, "finite and greater than 0")?;
         }
         let sum: f64 = terms.iter().map(|term| term.0).sum();
-        check(sum > 0.0 && sum.is_finite(), "sum of weights", sum, "finite and greater than 0")?;
+        require(sum > 0.0 && sum.is_finite(), "sum of weights", sum, "finite and greater than 0")?;
         Ok(Self::sorted(total, terms.to_vec()))
     }
 
@@ -85,10 +82,6 @@ impl<F: Family> Profile for Mixture<F> {
 
     fn scale(&self) -> f64 {
         F::MEAN_RADIUS * self.terms().map(|(weight, scale)| weight * scale).sum::<f64>()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        0
     }
 }
 

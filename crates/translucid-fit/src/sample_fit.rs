@@ -2,7 +2,7 @@
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use crate::least_squares::extensions;
 use crate::{Family, Mixture};
@@ -82,20 +82,17 @@ impl<F: Family> SampleFit<F> {
     /// `terms` is not in 1..=8, there are not more samples than parameters (two for each term), a sample is not what
     /// [`Sample`] says, or none is greater than 0.
     pub fn new(samples: &[Sample], errors: Errors, terms: usize) -> Result<Self, ParameterError> {
-        let check = |holds: bool, parameter, value, allowed| {
-            if holds { Ok(()) } else { Err(ParameterError::new(parameter, value, allowed)) }
-        };
-        check((1..=8).contains(&terms), "terms", terms as f64, "in 1..=8")?;
+        require((1..=8).contains(&terms), "terms", terms as f64, "in 1..=8")?;
         let (count, parameters) = (samples.len(), 2 * terms);
-        check(count > parameters, "number of samples", count as f64, "greater than that of parameters")?;
+        require(count > parameters, "number of samples", count as f64, "greater than that of parameters")?;
         for sample in samples {
-            check((1e-100..=1e100).contains(&sample.r), "r", sample.r, "in [1e-100, 1e100]")?;
+            require((1e-100..=1e100).contains(&sample.r), "r", sample.r, "in [1e-100, 1e100]")?;
             let (size, error) = (sample.reflectance.abs(), sample.error);
-            check(size <= 1e200, "reflectance", sample.reflectance, "in [-1e200, 1e200]")?;
-            check((1e-250..=1e250).contains(&error), "error", error, "in [1e-250, 1e250]")?;
+            require(size <= 1e200, "reflectance", sample.reflectance, "in [-1e200, 1e200]")?;
+            require((1e-250..=1e250).contains(&error), "error", error, "in [1e-250, 1e250]")?;
         }
         let greatest = samples.iter().map(|sample| sample.reflectance).fold(0.0, f64::max);
-        check(greatest > 0.0, "greatest reflectance", greatest, "greater than 0")?;
+        require(greatest > 0.0, "greatest reflectance", greatest, "greater than 0")?;
 
         // Find the best mixture, each number of terms from one less
         let data = Data::new(samples);

@@ -4,7 +4,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DVector, Dyn, OMatrix, Owned, U3, Vector3};
 use translucid_profile::{
     Configuration, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization, Profile,
-    half_space_single_scattering_albedo,
+    half_space_single_scattering_albedo, require,
 };
 
 use crate::minimum::minimum;
@@ -123,12 +123,10 @@ impl ScalingFit {
         surface_albedos: &[f64],
         r_max: f64,
     ) -> Result<Self, ParameterError> {
-        if r_max.is_nan() || r_max <= 0.0 {
-            return Err(ParameterError::new("r_max", r_max, "greater than 0"));
-        }
-        let open = |a: &f64| *a > 0.0 && (*a < 1.0 || parameterization == Parameterization::Mfp);
-        if let Some(a) = surface_albedos.iter().find(|a| !open(a)) {
-            return Err(ParameterError::new("surface_albedo", *a, "in (0, 1], and below 1 with a dmfp"));
+        require(r_max > 0.0, "r_max", r_max, "greater than 0")?;
+        for &a in surface_albedos {
+            let is_allowed = a > 0.0 && (a < 1.0 || parameterization == Parameterization::Mfp);
+            require(is_allowed, "surface_albedo", a, "in (0, 1], and below 1 with a dmfp")?;
         }
         let mut fit = Self { parameterization, configuration, r_max, points: Vec::new() };
         fit.points = surface_albedos.iter().map(|a| ScalingPoint::new(&fit, *a)).collect::<Result<_, _>>()?;

@@ -168,11 +168,6 @@ mod f32_slices {
     }
 
     #[divan::bench]
-    fn quantile_complement(bencher: Bencher<'_, '_>) {
-        together(bencher, &narrowed(&uniforms()), |from, to| twin().quantile_complement_slice(from, to));
-    }
-
-    #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
         together(bencher, &narrowed(&uniforms()), |from, to| twin().sample_slice(from, to));
     }

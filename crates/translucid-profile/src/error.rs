@@ -61,8 +61,11 @@ impl fmt::Display for Written {
     }
 }
 
-/// Passes a value on if the condition holds.
-pub(crate) fn require(
+/// Passes a parameter's value on if a condition holds.
+///
+/// # Errors
+/// It does not hold; `allowed` says what does, worded to follow "must be".
+pub fn require(
     holds: bool,
     parameter: &'static str,
     value: f64,

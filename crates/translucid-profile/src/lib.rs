@@ -78,7 +78,7 @@ mod model;
 mod profile;
 mod table;
 
-pub use error::ParameterError;
+pub use error::{ParameterError, require};
 pub use math::{quadrature, roots};
 pub use medium::albedo_inversion::AlbedoInversion;
 pub use medium::fresnel::{

@@ -61,7 +61,9 @@ pub trait Profile: Send + Sync {
 
     /// Cost of making this profile: how many times its kernel (one exponential of depth or radius, one trial of an
     /// inversion) was evaluated. 0 where there is nothing to do but to store the parameters.
-    fn evaluations_to_build(&self) -> u32;
+    fn evaluations_to_build(&self) -> u32 {
+        0
+    }
 
     /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\].
     fn pdf(&self, r: f64) -> f64 {

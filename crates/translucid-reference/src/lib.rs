@@ -24,6 +24,7 @@ pub mod body;
 mod estimate;
 pub mod exact;
 mod incidence;
+mod ray;
 mod split_mix;
 pub mod walk;
 

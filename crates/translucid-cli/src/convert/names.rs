@@ -6,7 +6,7 @@ use crate::failure::Failure;
 
 /// Every system's name, once.
 pub(super) fn all() -> Vec<&'static str> {
-    let mut names: Vec<_> = System::ALL.iter().map(System::name).collect();
+    let mut names: Vec<_> = System::ALL.iter().map(|system| system.name).collect();
     names.dedup();
     names
 }
@@ -15,13 +15,13 @@ pub(super) fn all() -> Vec<&'static str> {
 pub(super) fn list() -> String {
     let mut text = String::from("system                 length in  parameters and rule\n");
     for system in System::ALL {
-        let unit = match system.unit() {
+        let unit = match system.unit {
             LengthUnit::Scene => "scene unit",
             LengthUnit::Millimeter => "mm",
             LengthUnit::Centimeter => "cm",
         };
         let parameters: Vec<String> = system
-            .parameters()
+            .parameters
             .iter()
             .map(|parameter| match parameter.role {
                 Role::Factor { default, .. } | Role::Setting { default, .. } => {
@@ -30,7 +30,7 @@ pub(super) fn list() -> String {
                 _ => parameter.name.to_owned(),
             })
             .collect();
-        let (name, parameters, formula) = (system.name(), parameters.join(", "), system.formula());
+        let (name, parameters, formula) = (system.name, parameters.join(", "), system.formula);
         text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
     }
     text

@@ -39,10 +39,10 @@ pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) ->
 const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
 fn cells(row: &Row) -> [Cell; 7] {
-    let source = row.system.source();
+    let source = row.system.source;
     let kind = if source.is_code { "code" } else { "document" };
     [
-        Cell::from(row.system.name()),
+        Cell::from(row.system.name),
         Cell::from(row.parameter),
         Cell::from(row.channel),
         Cell::from(row.value),
@@ -55,13 +55,13 @@ fn cells(row: &Row) -> [Cell; 7] {
 fn paragraphs(rows: &[Row]) -> String {
     let width = rows.iter().map(|row| row.parameter.len()).max().unwrap_or(0);
     let mut text = String::new();
-    for system in rows.chunk_by(|a, b| a.system.title() == b.system.title()) {
+    for system in rows.chunk_by(|a, b| a.system.title == b.system.title) {
         let first = system[0].system;
         let separator = if text.is_empty() { "" } else { "\n" };
-        let (name, title, version) = (first.name(), first.title(), first.version());
+        let (name, title, version) = (first.name, first.title, first.version);
         // Writing to a string cannot fail
         let _ = writeln!(text, "{separator}{name}: {title} ({version})");
-        let _ = writeln!(text, "  {}", first.formula());
+        let _ = writeln!(text, "  {}", first.formula);
         for parameter in system.chunk_by(|a, b| a.parameter == b.parameter) {
             let values: Vec<String> =
                 parameter.iter().map(|row| format!("{:>10}", rounded(row.value))).collect();

@@ -36,14 +36,14 @@ pub(super) fn write(
 ) -> Result<Vec<Row>, ParameterError> {
     // Convert every channel
     let given = |parameter: &Parameter| {
-        settings.iter().find(|setting| setting.system == system.name() && setting.is_of(parameter))
+        settings.iter().find(|setting| setting.system == system.name && setting.is_of(parameter))
     };
     let values: Vec<f64> = system
-        .parameters()
+        .parameters
         .iter()
         .map(|p| given(p).map_or(p.role.default(), |setting| setting.value(0)))
         .collect();
-    let millimeters = millimeters(system.unit(), scene);
+    let millimeters = millimeters(system.unit, scene);
     let written: Vec<Written> = channels
         .iter()
         .map(|channel| system.write(&channel.in_unit(1.0 / millimeters)?, &values, configuration))
@@ -52,8 +52,8 @@ pub(super) fn write(
     // Let the distance be the greatest length, where there is one that nobody has chosen
     let lengths: Vec<f64> =
         written.iter().map(|w| if let Written::Length(l) = w { *l } else { 0.0 }).collect();
-    let has_distance = system.parameters().iter().any(|p| p.role == Role::Distance);
-    let chosen = system.parameters().iter().find(|p| p.role == Role::Distance).and_then(given);
+    let has_distance = system.parameters.iter().any(|p| p.role == Role::Distance);
+    let chosen = system.parameters.iter().find(|p| p.role == Role::Distance).and_then(given);
     let greatest = lengths.iter().copied().fold(0.0, f64::max);
     let distance = if has_distance { chosen.map_or(greatest, |setting| setting.value(0)) } else { 1.0 };
     warn_of_short_lengths(system, &lengths);
@@ -63,7 +63,7 @@ pub(super) fn write(
     let mut push = |parameter, channel, value, unit: &str, equal| {
         rows.push(Row { system, parameter, channel, value, unit: unit.to_owned(), equal });
     };
-    if let Some(name) = system.albedo_name() {
+    if let Some(name) = system.albedo_name {
         for (i, channel) in channels.iter().enumerate() {
             push(name, channel_name(i, channels.len()), channel.albedo().of_channel(), "", "surface_albedo");
         }
@@ -73,7 +73,7 @@ pub(super) fn write(
         Equal::MeanFreePath => "mfp",
     };
     let unit = unit_name(system, scene);
-    for (parameter, &value) in system.parameters().iter().zip(&values) {
+    for (parameter, &value) in system.parameters.iter().zip(&values) {
         let length_unit = if has_distance { "" } else { unit.as_str() };
         match parameter.role {
             Role::Distance => push(parameter.name, "all", distance, &unit, equal),
@@ -97,16 +97,14 @@ pub(super) fn write(
 
 /// Unit of a length, with the factor that the system multiplies it by.
 fn unit_name(system: &System, scene: Unit) -> String {
-    let unit = match system.unit() {
+    let unit = match system.unit {
         LengthUnit::Scene => scene.name(),
         LengthUnit::Millimeter => "mm",
         LengthUnit::Centimeter => "cm",
     };
     // A factor that starts as what changes nothing leaves the unit as it is
-    let factor = system
-        .parameters()
-        .iter()
-        .find(|p| matches!(p.role, Role::Factor { default, per } if default != per));
+    let factor =
+        system.parameters.iter().find(|p| matches!(p.role, Role::Factor { default, per } if default != per));
     factor.map_or(unit.to_owned(), |factor| format!("{}*{unit}", factor.name))
 }
 
@@ -116,9 +114,9 @@ fn channel_name(index: usize, count: usize) -> &'static str {
 
 /// Says where a system will not use the numbers as they are.
 fn warn_of_short_lengths(system: &System, lengths: &[f64]) {
-    let Some(least) = system.least_length() else { return };
+    let Some(least) = system.least_length else { return };
     if let Some(short) = lengths.iter().find(|&&length| length > 0.0 && length < least) {
-        let (name, short, least) = (system.name(), exact(*short), exact(least));
+        let (name, short, least) = (system.name, exact(*short), exact(least));
         messages::print_note(&format!("{name} uses {least} in place of the length {short}, in scene units"));
     }
 }

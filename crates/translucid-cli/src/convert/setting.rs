@@ -74,8 +74,8 @@ impl Setting {
     pub(super) fn resolve(&self, option: &str, systems: &[&System]) -> Result<&'static Parameter, Failure> {
         let Self { system, parameter, .. } = self;
         let mut known = Vec::new();
-        for candidate in systems.iter().filter(|candidate| candidate.name() == system) {
-            for found in candidate.parameters() {
+        for candidate in systems.iter().filter(|candidate| candidate.name == system) {
+            for found in candidate.parameters {
                 if self.is_of(found) {
                     return self.with_right_count(option, found);
                 }
@@ -118,15 +118,15 @@ pub(super) fn source(settings: &[Setting]) -> Result<&'static System, Failure> {
         setting.resolve("--from", &ways)?;
     }
     let has = |system: &System, parameter: &Parameter| {
-        system.parameters().contains(parameter) && settings.iter().any(|setting| setting.is_of(parameter))
+        system.parameters.contains(parameter) && settings.iter().any(|setting| setting.is_of(parameter))
     };
     for way in &ways {
-        let knows_all = settings.iter().all(|s| way.parameters().iter().any(|parameter| s.is_of(parameter)));
+        let knows_all = settings.iter().all(|s| way.parameters.iter().any(|parameter| s.is_of(parameter)));
         let is_length = |p: &&Parameter| matches!(p.role, Role::Length | Role::Distance);
         let is_coefficient = |p: &&Parameter| matches!(p.role, Role::Absorption | Role::Scattering);
-        let has_length = way.parameters().iter().filter(is_length).any(|p| has(way, p));
+        let has_length = way.parameters.iter().filter(is_length).any(|p| has(way, p));
         let has_coefficients =
-            way.has_coefficients() && way.parameters().iter().filter(is_coefficient).all(|p| has(way, p));
+            way.has_coefficients() && way.parameters.iter().filter(is_coefficient).all(|p| has(way, p));
         if knows_all && (has_length || has_coefficients) {
             return Ok(way);
         }
@@ -134,7 +134,7 @@ pub(super) fn source(settings: &[Setting]) -> Result<&'static System, Failure> {
     let name = &first.system;
     let all: Vec<String> = ways
         .iter()
-        .map(|way| way.parameters().iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", "))
+        .map(|way| way.parameters.iter().map(|parameter| parameter.name).collect::<Vec<_>>().join(", "))
         .collect();
     Err(Failure::input(format!("--from does not say a length, or both coefficients, of {name}"))
         .with_help(format!("{name} takes {}", all.join("; or "))))

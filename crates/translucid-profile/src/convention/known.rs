@@ -54,7 +54,10 @@ const fn system(
         name,
         title,
         version,
-        albedo_name: Some("surface_albedo"),
+        albedo_name: match rule {
+            Rule::Width(_) | Rule::Mfp(_) => Some("surface_albedo"),
+            Rule::Medium | Rule::MediumAsProfile => None,
+        },
         parameters,
         unit: LengthUnit::Scene,
         rule,
@@ -75,11 +78,6 @@ impl System {
 
     const fn albedo(mut self, name: &'static str) -> Self {
         self.albedo_name = Some(name);
-        self
-    }
-
-    const fn albedo_by_coefficients(mut self) -> Self {
-        self.albedo_name = None;
         self
     }
 
@@ -186,8 +184,7 @@ const KNOWN: &[System] = &[
         Rule::Medium,
         "mfp = 1/(scale (sigma_a + (1 - g) sigma_s))",
         code("mmp/pbrt-v4@04fd052 src/pbrt/materials.h, SubsurfaceMaterial"),
-    )
-    .albedo_by_coefficients(),
+    ),
     system(
         "pbrt",
         "pbrt, reflectance and mean free path",
@@ -340,8 +337,7 @@ const KNOWN: &[System] = &[
         Rule::MediumAsProfile,
         "d = mfp/s(alpha'), s diffuse; alpha' counts as surface albedo",
         code("aravindkrishnaswamy/RISE@0dea553 src/Library/Materials/BurleyNormalizedDiffusionProfile.cpp"),
-    )
-    .albedo_by_coefficients(),
+    ),
     system(
         "sort",
         "SORT, Disney and SSS materials",

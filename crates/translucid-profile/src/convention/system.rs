@@ -10,16 +10,25 @@ use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_
 /// Some systems have several, with the same name and other parameters.
 #[derive(Clone, Copy, Debug)]
 pub struct System {
-    pub(super) name: &'static str,
-    pub(super) title: &'static str,
-    pub(super) version: &'static str,
-    pub(super) albedo_name: Option<&'static str>,
-    pub(super) parameters: &'static [Parameter],
-    pub(super) unit: LengthUnit,
+    /// Name, in letters, digits, hyphens and dots.
+    pub name: &'static str,
+    /// Name in words.
+    pub title: &'static str,
+    /// Versions of the system for which the rule is known to hold.
+    pub version: &'static str,
+    /// Name of the surface albedo in the system; none where coefficients determine it.
+    pub albedo_name: Option<&'static str>,
+    /// The parameters, in the order of the values that [`read`](Self::read) takes.
+    pub parameters: &'static [Parameter],
+    /// Unit of lengths, and the reciprocal of coefficients' unit.
+    pub unit: LengthUnit,
     pub(super) rule: Rule,
-    pub(super) formula: &'static str,
-    pub(super) least_length: Option<f64>,
-    pub(super) source: Source,
+    /// The rule as a formula, for people; `length` is the product of the parameters.
+    pub formula: &'static str,
+    /// The shortest length that the system uses as it is; it takes this one for every shorter one.
+    pub least_length: Option<f64>,
+    /// Source of the rule.
+    pub source: Source,
 }
 
 /// Source of a rule.
@@ -55,51 +64,6 @@ pub enum Written {
 }
 
 impl System {
-    /// Name, in letters, digits, hyphens and dots.
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Name in words.
-    pub fn title(&self) -> &'static str {
-        self.title
-    }
-
-    /// Versions of the system for which the rule is known to hold.
-    pub fn version(&self) -> &'static str {
-        self.version
-    }
-
-    /// Name of the surface albedo in the system; none where coefficients determine it.
-    pub fn albedo_name(&self) -> Option<&'static str> {
-        self.albedo_name
-    }
-
-    /// The parameters, in the order of the values that [`read`](Self::read) takes.
-    pub fn parameters(&self) -> &'static [Parameter] {
-        self.parameters
-    }
-
-    /// Unit of lengths, and the reciprocal of coefficients' unit.
-    pub fn unit(&self) -> LengthUnit {
-        self.unit
-    }
-
-    /// The rule as a formula, for people; `length` is the product of the parameters.
-    pub fn formula(&self) -> &'static str {
-        self.formula
-    }
-
-    /// Source of the rule.
-    pub fn source(&self) -> Source {
-        self.source
-    }
-
-    /// The shortest length that the system uses as it is; it takes this one for every shorter one.
-    pub fn least_length(&self) -> Option<f64> {
-        self.least_length
-    }
-
     /// Quantity that a conversion to this system keeps.
     pub fn equal(&self) -> Equal {
         match self.rule {
@@ -110,7 +74,7 @@ impl System {
 
     /// Tells whether the parameters determine the surface albedo, too.
     pub fn has_coefficients(&self) -> bool {
-        matches!(self.rule, Rule::Medium | Rule::MediumAsProfile)
+        self.albedo_name.is_none()
     }
 
     /// Values where nothing is said: 1 for lengths, the system's own for factors and settings.

@@ -11,7 +11,7 @@ fn find(name: &str) -> &'static System {
 /// Width d for a product of parameters of 1.
 fn width_at_one(system: &System, albedo: SurfaceAlbedo) -> Result<f64, ParameterError> {
     let values: Vec<f64> = system
-        .parameters()
+        .parameters
         .iter()
         .map(|parameter| match parameter.role {
             Role::Factor { per, .. } => per,
@@ -108,16 +108,16 @@ fn every_system_there_and_back_is_the_same() {
 }
 
 fn there_and_back(system: &System, channel: &Channel, configuration: crate::Configuration) {
-    let name = system.title();
+    let name = system.title;
     let a = channel.albedo().of_channel();
     let mut values = system.defaults();
     match system.write(channel, &values, configuration) {
         Err(error) => {
-            assert!(system.name() == "unreal-signed" && a < 0.18, "{name} at {a}: {error}");
+            assert!(system.name == "unreal-signed" && a < 0.18, "{name} at {a}: {error}");
             return;
         }
         Ok(Written::Length(length)) => {
-            let first = system.parameters().iter().position(|p| p.role == Role::Length).unwrap();
+            let first = system.parameters.iter().position(|p| p.role == Role::Length).unwrap();
             values[first] = length;
         }
         Ok(Written::Coefficients { sigma_a, sigma_s }) => values[..2].copy_from_slice(&[sigma_a, sigma_s]),
@@ -157,7 +157,7 @@ fn read_and_write_refuse_what_has_no_meaning() {
     let albedo = SurfaceAlbedo::gray(0.5).unwrap();
     for system in System::ALL {
         for bad in [-1.0, f64::NAN, f64::INFINITY, 1e-111, 1e111] {
-            for i in 0..system.parameters().len() {
+            for i in 0..system.parameters.len() {
                 let mut values = system.defaults();
                 if system.has_coefficients() {
                     values[..2].copy_from_slice(&[0.5, 0.5]);
@@ -165,14 +165,14 @@ fn read_and_write_refuse_what_has_no_meaning() {
                 values[i] = bad;
                 let is_tiny_coefficient =
                     i < 2 && system.has_coefficients() && bad.abs() < 1e112 && bad > 0.0;
-                let is_setting = matches!(system.parameters()[i].role, Role::Setting { .. });
+                let is_setting = matches!(system.parameters[i].role, Role::Setting { .. });
                 let is_small_setting = is_setting && bad == 1e-111;
                 let read = system.read(&values, albedo, Diffuse);
                 assert_eq!(
                     read.is_ok(),
                     is_tiny_coefficient || is_small_setting,
                     "{} {i} {bad}",
-                    system.title()
+                    system.title
                 );
             }
         }
@@ -186,12 +186,12 @@ fn read_and_write_refuse_what_has_no_meaning() {
 fn names_are_fit_for_a_command_line() {
     for system in System::ALL {
         let fit = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || "-.".contains(c);
-        assert!(system.name().chars().all(fit) && !system.source().place.is_empty());
-        let lengths = system.parameters().iter().filter(|p| p.role == Role::Length).count();
-        assert_eq!(lengths == 1, !system.has_coefficients(), "{}", system.name());
+        assert!(system.name.chars().all(fit) && !system.source.place.is_empty());
+        let lengths = system.parameters.iter().filter(|p| p.role == Role::Length).count();
+        assert_eq!(lengths == 1, !system.has_coefficients(), "{}", system.name);
         // Parameters tell the ways of one system apart
-        for other in System::named(system.name()).filter(|other| other.title() != system.title()) {
-            assert_ne!(other.parameters()[0].name, system.parameters()[0].name);
+        for other in System::named(system.name).filter(|other| other.title != system.title) {
+            assert_ne!(other.parameters[0].name, system.parameters[0].name);
         }
     }
 }

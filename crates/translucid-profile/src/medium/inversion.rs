@@ -2,8 +2,9 @@
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
 use crate::math::roots::falling_root;
+use crate::medium::half_space::half_space_absorption;
 use crate::medium::media::transport_mfp_over_dmfp;
-use crate::{Medium, Parameterization};
+use crate::{Configuration, Medium, Parameterization};
 
 /// Looks of a translucent material: a surface albedo, a length, and the phase function's mean cosine.
 ///
@@ -85,6 +86,29 @@ impl Appearance {
         Medium::from_reduced(absorbed / transport_mfp, alpha_prime / transport_mfp, self.g)
             .map_err(|_| ParameterError::new("length", self.length, allowed))
     }
+}
+
+/// The mean free path \[L\] behind a surface albedo and a length, which is it or the diffuse one, and how many evaluations
+/// of the albedo it took to find.
+pub(crate) fn half_space_mfp(
+    surface_albedo: f64,
+    length: f64,
+    parameterization: Parameterization,
+    configuration: Configuration,
+) -> Result<(f64, u32), ParameterError> {
+    require_fraction("surface_albedo", surface_albedo)?;
+    require_positive("length", length)?;
+    let (mfp, evaluations) = match parameterization {
+        Parameterization::Mfp => (length, 0),
+        Parameterization::Dmfp => {
+            require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
+            let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
+            (length * transport_mfp_over_dmfp(absorbed), evaluations)
+        }
+    };
+    let allowed = "such that the mean free path is in [1e-150, 1e150]";
+    require((1e-150..=1e150).contains(&mfp), "length", length, allowed)?;
+    Ok((mfp, evaluations))
 }
 
 #[cfg(test)]

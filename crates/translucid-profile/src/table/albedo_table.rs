@@ -423,10 +423,6 @@ impl Profile for ProfileView<'_> {
         1.0 / self.scales[0]
     }
 
-    fn evaluations_to_build(&self) -> u32 {
-        0
-    }
-
     fn samples_directly(&self) -> bool {
         true
     }

@@ -285,14 +285,8 @@ fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
     require(radii.len() >= POINTS_MIN, "number of radii", radii.len() as f64, "at least 4")?;
     let mut before = 0.0;
     for (i, r) in radii.iter().enumerate() {
-        let is_good = *r > before && *r < 1e150 && *r > 1e-150;
-        at_index(
-            is_good,
-            "radius",
-            *r,
-            "in [1e-150, 1e150] and greater than the one before; its index is",
-            i,
-        )?;
+        let allowed = "in [1e-150, 1e150] and greater than the one before; its index is";
+        require_of(i, *r > before && *r < 1e150 && *r > 1e-150, "radius", *r, allowed)?;
         before = *r;
     }
     Ok(())
@@ -301,7 +295,7 @@ fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
 fn check_reflectances(radii: &[f64], reflectances: &[f64]) -> Result<(), ParameterError> {
     check_count("number of reflectances", reflectances, radii)?;
     for (i, value) in reflectances.iter().enumerate() {
-        at_index((0.0..1e300).contains(value), "reflectance", *value, "in [0, 1e300); its index is", i)?;
+        require_of(i, (0.0..1e300).contains(value), "reflectance", *value, "in [0, 1e300); its index is")?;
     }
     Ok(())
 }
@@ -310,30 +304,28 @@ fn check_enclosed(radii: &[f64], enclosed: &[f64]) -> Result<(), ParameterError>
     check_count("number of enclosed energies", enclosed, radii)?;
     let mut before = 0.0;
     for (i, value) in enclosed.iter().enumerate() {
-        let is_good = *value >= before && *value < 1e300;
-        at_index(is_good, "enclosed", *value, "finite and no less than the one before; its index is", i)?;
+        let allowed = "finite and no less than the one before; its index is";
+        require_of(i, *value >= before && *value < 1e300, "enclosed", *value, allowed)?;
         before = *value;
     }
     Ok(())
 }
 
 fn check_count(parameter: &'static str, values: &[f64], radii: &[f64]) -> Result<(), ParameterError> {
-    let (value, allowed) = (values.len() as f64, "that of the radii,");
-    if values.len() == radii.len() {
-        return Ok(());
-    }
-    Err(ParameterError { parameter, value, allowed, limit: Some(radii.len() as f64) })
+    let count = values.len();
+    require_of(radii.len(), count == radii.len(), parameter, count as f64, "that of the radii,")
 }
 
-/// The error of one of many values says which.
-fn at_index(
+/// Demands as [`require`] does what ends in a number: the index of one of many values, or how many there must be.
+fn require_of(
+    number: usize,
     holds: bool,
     parameter: &'static str,
     value: f64,
     allowed: &'static str,
-    index: usize,
 ) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError { parameter, value, allowed, limit: Some(index as f64) }) }
+    let numbered = |error| ParameterError { limit: Some(number as f64), ..error };
+    require(holds, parameter, value, allowed).map(drop).map_err(numbered)
 }
 
 #[cfg(test)]

@@ -451,40 +451,49 @@ fn eval_is_continuous_in_the_surface_albedo() {
     }
 }
 
+/// Arguments at the ends of the numbers, and beyond them.
+const ODD: [f64; 19] = [
+    0.0,
+    -0.0,
+    f64::NAN,
+    f64::INFINITY,
+    f64::NEG_INFINITY,
+    -1.0,
+    5e-324,
+    f64::MIN_POSITIVE,
+    1e-300,
+    1e-150,
+    1e-60,
+    0.25,
+    1.0 - f64::EPSILON / 2.0,
+    1.0,
+    1.5,
+    1e60,
+    1e150,
+    1e300,
+    f64::MAX,
+];
+
+/// All that a profile says of a radius and of a share is a number, at least 0.
+fn assert_finite(p: &dyn Profile, r: f64, share: f64, label: &str) {
+    let of_radius = [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r)];
+    let shares = [p.pdf(r), p.pdf_area(r), p.cdf(r), p.complementary_cdf(r)];
+    let of_share = [p.quantile(share), p.quantile_complement(share), p.sample(share)];
+    for value in of_radius.into_iter().chain(shares).chain(of_share) {
+        assert!(value.is_finite() && value >= 0.0, "{label} at {r} or {share}: {value}");
+    }
+}
+
 #[test]
 fn every_method_is_finite_for_any_radius() {
-    let odd = [
-        0.0,
-        -0.0,
-        f64::NAN,
-        f64::INFINITY,
-        f64::NEG_INFINITY,
-        -1.0,
-        5e-324,
-        f64::MIN_POSITIVE,
-        1e-300,
-        1e-60,
-        1.0,
-        1e60,
-        1e300,
-        f64::MAX,
-    ];
     for model in models() {
         for length in [1e-100, 1e-60, 1.0, 1e60, 1e100] {
             for case in cases_of(&model, length) {
                 let p = &case.profile;
-                for r in odd {
-                    let of_radius = [p.eval(r), p.eval_times_r(r), p.enclosed(r), p.beyond(r)];
-                    let shares = [p.pdf(r), p.pdf_area(r), p.cdf(r), p.complementary_cdf(r)];
-                    // Searches, where lengths do not matter
-                    let of_share = if length == 1.0 {
-                        [p.quantile(r), p.quantile_complement(r), p.sample(r)]
-                    } else {
-                        [p.quantile(0.3), p.quantile_complement(0.3), p.sample(0.3)]
-                    };
-                    for value in of_radius.into_iter().chain(shares).chain(of_share) {
-                        assert!(value.is_finite() && value >= 0.0, "{} at {r}: {value}", case.label);
-                    }
+                for r in ODD {
+                    // Shares take searches, where lengths do not matter
+                    let share = if length == 1.0 { r } else { 0.3 };
+                    assert_finite(&**p, r, share, &case.label);
                     assert!(p.enclosed(r) <= p.surface_albedo() * (1.0 + 1e-12), "{} at {r}", case.label);
                 }
                 for r in [-0.0, -1.0, f64::NAN, f64::NEG_INFINITY] {
@@ -494,6 +503,22 @@ fn every_method_is_finite_for_any_radius() {
                 assert!(p.scale() > 0.0 && p.scale().is_finite(), "{}", case.label);
             }
         }
+    }
+}
+
+/// Closed forms take lengths from 1e-150 to 1e150.
+#[test]
+fn closed_forms_are_finite_at_the_ends_of_their_lengths() {
+    let (mfp, searchlight) = (Parameterization::Mfp, Configuration::Searchlight);
+    for (a, length) in [(0.0, 1e-150), (1.0, 1e-150), (1.0, 1e150), (1e-300, 1e150)] {
+        let burley = NormalizedDiffusion::from_d(a, length).unwrap();
+        let refined = RefinedDiffusion::new(a, length, mfp, searchlight).unwrap();
+        for x in ODD {
+            assert_finite(&burley, x, x, "NormalizedDiffusion");
+            assert_finite(&refined, x, x, "RefinedDiffusion");
+        }
+        let moments = [burley.mean_squared_radius(), refined.mean_squared_radius()];
+        assert!(moments.iter().all(|moment| moment.is_finite()), "{moments:?}");
     }
 }
 

@@ -128,10 +128,6 @@ impl Profile for Misleading {
     fn scale(&self) -> f64 {
         self.0
     }
-
-    fn evaluations_to_build(&self) -> u32 {
-        0
-    }
 }
 
 #[test]

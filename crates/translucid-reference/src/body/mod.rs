@@ -36,12 +36,11 @@
 //! ```
 
 mod photon;
-mod ray;
 mod shape;
 mod tally;
 mod two_halves;
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 pub use shape::{SPHERE_RINGS, Shape};
 pub use tally::Tally;
@@ -90,14 +89,11 @@ impl Body {
     pub fn new(shape: Shape, interior: Interior, lighting: Lighting) -> Result<Self, ParameterError> {
         shape.check()?;
         let Interior { single_scattering_albedo: alpha, g, eta } = interior;
-        let is_allowed = |holds: bool, name, value, allowed| {
-            if holds { Ok(()) } else { Err(ParameterError::new(name, value, allowed)) }
-        };
-        is_allowed((0.0..=1.0).contains(&alpha), "single_scattering_albedo", alpha, "in [0, 1]")?;
+        require((0.0..=1.0).contains(&alpha), "single_scattering_albedo", alpha, "in [0, 1]")?;
         let ends = alpha < 1.0 || shape.is_finite();
-        is_allowed(ends, "single_scattering_albedo", alpha, "below 1 in a wedge")?;
-        is_allowed(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
-        is_allowed((0.1..=10.0).contains(&eta), "eta", eta, "in [0.1, 10]")?;
+        require(ends, "single_scattering_albedo", alpha, "below 1 in a wedge")?;
+        require(g > -1.0 && g < 1.0, "g", g, "in (-1, 1)")?;
+        require((0.1..=10.0).contains(&eta), "eta", eta, "in [0.1, 10]")?;
         Ok(Self { shape, interior, lighting })
     }
 

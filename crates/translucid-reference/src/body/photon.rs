@@ -5,9 +5,9 @@ use std::f64::consts::TAU;
 use translucid_profile::fresnel_from_inside;
 
 use super::Interior;
-use super::ray::{Ray, across, dot};
 use super::shape::Shape;
 use super::tally::PhotonEnd;
+use crate::ray::{Ray, across, dot, henyey_greenstein};
 use crate::split_mix::SplitMix;
 
 /// Follows a photon until it is out or absorbed.
@@ -21,7 +21,7 @@ pub(super) fn follow(shape: &Shape, interior: &Interior, mut ray: Ray, random: &
         if random.uniform() >= interior.single_scattering_albedo {
             return PhotonEnd { part: None, collisions };
         }
-        let cosine = deflection(interior.g, random);
+        let cosine = henyey_greenstein(interior.g, random);
         ray.direction = across(ray.direction, cosine, TAU * random.uniform());
     }
 }
@@ -42,15 +42,4 @@ fn fly(shape: &Shape, eta: f64, ray: &mut Ray, random: &mut SplitMix) -> Option<
     }
     ray.advance(flight);
     None
-}
-
-/// The cosine of a deflection: Henyey and Greenstein's distribution, inverted.
-fn deflection(g: f64, random: &mut SplitMix) -> f64 {
-    let u = 2.0 * random.uniform() - 1.0;
-    // Close to isotropic the inverse loses its digits to cancellation, and is u to within g
-    if g.abs() < 1e-9 {
-        return u;
-    }
-    let ratio = (1.0 - g * g) / (1.0 + g * u);
-    ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
 }

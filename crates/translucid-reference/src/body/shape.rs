@@ -2,10 +2,10 @@
 
 use std::f64::consts::{PI, TAU};
 
-use translucid_profile::{ParameterError, fresnel_from_outside};
+use translucid_profile::{ParameterError, fresnel_from_outside, require};
 
 use super::Lighting;
-use super::ray::{Ray, Vector, across, dot};
+use crate::ray::{Ray, Vector, across, dot};
 use crate::split_mix::SplitMix;
 
 /// Rings of equal area into which a sphere is divided, from the one that faces a distant light to the one behind.
@@ -45,20 +45,16 @@ pub(super) struct Wall {
 
 impl Shape {
     pub(super) fn check(&self) -> Result<(), ParameterError> {
-        let positive = |name, value: f64| {
-            let holds = value > 0.0 && value.is_finite();
-            if holds { Ok(()) } else { Err(ParameterError::new(name, value, "greater than 0 and finite")) }
-        };
-        match *self {
-            Self::Sphere { radius } => positive("radius", radius),
-            Self::Slab { thickness } => positive("thickness", thickness),
+        let (name, length) = match *self {
+            Self::Sphere { radius } => ("radius", radius),
+            Self::Slab { thickness } => ("thickness", thickness),
             Self::Wedge { angle, distance } => {
-                if !(angle > 0.0 && angle < PI) {
-                    return Err(ParameterError::new("angle", angle, "in (0, π)"));
-                }
-                positive("distance", distance)
+                require(angle > 0.0 && angle < PI, "angle", angle, "in (0, π)")?;
+                ("distance", distance)
             }
-        }
+        };
+        require(length > 0.0 && length.is_finite(), name, length, "greater than 0 and finite")?;
+        Ok(())
     }
 
     /// Tells whether light leaves after finitely many collisions on average, though none absorbs it.

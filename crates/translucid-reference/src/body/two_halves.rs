@@ -2,10 +2,10 @@
 
 use std::f64::consts::TAU;
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
-use super::ray::{Ray, across};
 use super::tally::{PhotonEnd, Tally};
+use crate::ray::{Ray, across};
 use crate::split_mix::SplitMix;
 
 /// A medium that scatters isotropically, without a boundary.
@@ -30,12 +30,8 @@ impl TwoHalves {
     /// A parameter is outside the range that [`Half`] states.
     pub fn new(halves: [Half; 2]) -> Result<Self, ParameterError> {
         for Half { single_scattering_albedo: alpha, mfp } in halves {
-            if !(0.0..1.0).contains(&alpha) {
-                return Err(ParameterError::new("single_scattering_albedo", alpha, "in [0, 1)"));
-            }
-            if !(mfp > 0.0 && mfp.is_finite()) {
-                return Err(ParameterError::new("mfp", mfp, "greater than 0 and finite"));
-            }
+            require((0.0..1.0).contains(&alpha), "single_scattering_albedo", alpha, "in [0, 1)")?;
+            require(mfp > 0.0 && mfp.is_finite(), "mfp", mfp, "greater than 0 and finite")?;
         }
         Ok(Self { halves })
     }

@@ -1,7 +1,7 @@
 //! From surface albedos back to single-scattering albedos.
 
 use translucid_profile::roots::falling_root;
-use translucid_profile::{Configuration, ParameterError, half_space_single_scattering_albedo};
+use translucid_profile::{Configuration, ParameterError, half_space_single_scattering_albedo, require};
 
 use super::boundary_entrance::BoundaryEntrance;
 use super::dielectric::total;
@@ -32,10 +32,8 @@ pub fn single_scattering_albedo(
     eta: f64,
     incidence: Incidence,
 ) -> Result<f64, ParameterError> {
-    if !(surface_albedo > 0.0 && surface_albedo <= 1.0) {
-        let parameter = "surface_albedo";
-        return Err(ParameterError::new(parameter, surface_albedo, "in (0, 1]"));
-    }
+    let is_allowed = surface_albedo > 0.0 && surface_albedo <= 1.0;
+    require(is_allowed, "surface_albedo", surface_albedo, "in (0, 1]")?;
     let entrance = BoundaryEntrance::checked(1.0, eta, incidence)?;
     let alpha = match (incidence, eta == 1.0) {
         _ if surface_albedo == 1.0 => 1.0,

@@ -1,7 +1,7 @@
 //! Light on its way through a dielectric boundary into the half space.
 
 use num_complex::Complex64;
-use translucid_profile::{ParameterError, fresnel_moment_1_from_inside};
+use translucid_profile::{ParameterError, fresnel_moment_1_from_inside, require};
 
 use super::dielectric_directions::azimuthal_mean;
 use super::dielectric_response::Response;
@@ -84,19 +84,13 @@ fn mean_over_azimuths(beam: &Beam, k: Complex64, f: impl Fn(Complex64) -> Comple
 /// Checks the parameters of a pencil beam as [`BoundaryEntrance::checked`] does, and refracts it.
 pub(crate) fn checked_beam(alpha: f64, eta: f64, cos_theta: f64) -> Result<Beam, ParameterError> {
     check_medium(alpha, eta)?;
-    let refuse = |allowed| ParameterError::new("cos_theta", cos_theta, allowed);
-    if !(cos_theta > 0.0 && cos_theta <= 1.0) {
-        return Err(refuse("in (0, 1]"));
-    }
-    Beam::refracted(eta, cos_theta).ok_or_else(|| refuse("above that of total reflection, sqrt(1 - eta^2)"))
+    require(cos_theta > 0.0 && cos_theta <= 1.0, "cos_theta", cos_theta, "in (0, 1]")?;
+    let allowed = "above that of total reflection, sqrt(1 - eta^2)";
+    Beam::refracted(eta, cos_theta).ok_or(ParameterError::new("cos_theta", cos_theta, allowed))
 }
 
 fn check_medium(alpha: f64, eta: f64) -> Result<(), ParameterError> {
-    if !(alpha > 0.0 && alpha <= 1.0) {
-        return Err(ParameterError::new("single_scattering_albedo", alpha, "in (0, 1]"));
-    }
-    if !(0.5..=3.0).contains(&eta) {
-        return Err(ParameterError::new("eta", eta, "in [0.5, 3] for the exact solution"));
-    }
+    require(alpha > 0.0 && alpha <= 1.0, "single_scattering_albedo", alpha, "in (0, 1]")?;
+    require((0.5..=3.0).contains(&eta), "eta", eta, "in [0.5, 3] for the exact solution")?;
     Ok(())
 }

@@ -151,7 +151,7 @@ fn transmittance(mu: Complex64, mu_outside: Complex64, eta: f64) -> Complex64 {
 }
 
 /// Gauss–Legendre on [0, 1].
-fn unit_rule(count: usize) -> Vec<(f64, f64)> {
+pub(crate) fn unit_rule(count: usize) -> Vec<(f64, f64)> {
     gauss_legendre(count).into_iter().map(|(x, weight)| (0.5 + 0.5 * x, 0.5 * weight)).collect()
 }
 

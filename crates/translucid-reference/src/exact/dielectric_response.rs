@@ -22,7 +22,7 @@
 use num_complex::Complex64;
 
 use super::dielectric_directions::{DirectionCounts, Directions};
-use super::dispersion::Dispersion;
+use super::dispersion::{Dispersion, exp_m1};
 use super::h_function::{HFunction, WaveNumber};
 
 /// Residual of the equation, as part of its right side, at which the solution is good.
@@ -166,11 +166,6 @@ impl Response {
         }
         (single, multiple)
     }
-}
-
-/// e^z − 1, with every digit for small z.
-fn exp_m1(z: Complex64) -> Complex64 {
-    super::dispersion::exp_m1(z)
 }
 
 /// 1/z, without the care for overflow that makes the general one slow.

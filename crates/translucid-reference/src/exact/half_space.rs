@@ -1,6 +1,6 @@
 //! Radial profile of the half space.
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::albedo::single_scattering_albedo;
 use super::boundary_entrance::BoundaryEntrance;
@@ -16,11 +16,7 @@ use crate::{Estimate, Incidence};
 /// Without a boundary it is G. B. Rybicki's solution; under a [boundary](Self::with_boundary) that of an integral
 /// equation over directions.
 #[derive(Clone, Debug)]
-pub struct HalfSpace {
-    incidence: Incidence,
-    eta: f64,
-    solution: Solution,
-}
+pub struct HalfSpace(Solution);
 
 #[derive(Clone, Debug)]
 enum Solution {
@@ -35,12 +31,9 @@ impl HalfSpace {
     /// A parameter is outside its range.
     pub fn new(single_scattering_albedo: f64, incidence: Incidence) -> Result<Self, ParameterError> {
         let alpha = single_scattering_albedo;
-        if !(alpha > 0.0 && alpha <= 1.0) {
-            let parameter = "single_scattering_albedo";
-            return Err(ParameterError::new(parameter, alpha, "in (0, 1]"));
-        }
+        require(alpha > 0.0 && alpha <= 1.0, "single_scattering_albedo", alpha, "in (0, 1]")?;
         let matched = MatchedHalfSpace::new(alpha, Entrance::of(incidence)?, &Settings::default());
-        Ok(Self { incidence, eta: 1.0, solution: Solution::Matched(Box::new(matched)) })
+        Ok(Self(Solution::Matched(Box::new(matched))))
     }
 
     /// Solves the half space of a surface albedo A ∈ (0, 1], which its total then is to 1e-12.
@@ -102,30 +95,20 @@ impl HalfSpace {
         }
         let settings = DielectricSettings::default();
         let solution = DielectricHalfSpace::new(single_scattering_albedo, eta, entrance, &settings);
-        Ok(Self { incidence, eta, solution: Solution::Boundary(Box::new(solution)) })
+        Ok(Self(Solution::Boundary(Box::new(solution))))
     }
 
     /// Single-scattering albedo α.
     pub fn single_scattering_albedo(&self) -> f64 {
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.single_scattering_albedo(),
             Solution::Boundary(boundary) => boundary.single_scattering_albedo(),
         }
     }
 
-    /// Relative index of refraction η = n_inside/n_outside.
-    pub fn eta(&self) -> f64 {
-        self.eta
-    }
-
-    /// Directions in which light enters.
-    pub fn incidence(&self) -> Incidence {
-        self.incidence
-    }
-
     /// Profile of the light that is scattered once.
     pub fn single_scattering(&self) -> &SingleScattering {
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.single_scattering(),
             Solution::Boundary(boundary) => boundary.single_scattering(),
         }
@@ -133,7 +116,7 @@ impl HalfSpace {
 
     /// Surface albedo A = ∫ R 2πr dr.
     pub fn total(&self) -> Estimate {
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.total(),
             Solution::Boundary(boundary) => boundary.total(),
         }
@@ -145,7 +128,7 @@ impl HalfSpace {
     /// number as that one. NaN counts as 0.
     pub fn eval(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.eval(r),
             Solution::Boundary(boundary) => boundary.eval(r),
         }
@@ -168,7 +151,7 @@ impl HalfSpace {
 
     fn split(&self, r: f64) -> [Estimate; 2] {
         let r = positive_radius(r);
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.split(r),
             Solution::Boundary(boundary) => boundary.split(r),
         }
@@ -177,7 +160,7 @@ impl HalfSpace {
     /// Hankel transform R̂(k) = ∫ R(r) J₀(kr) 2πr dr of the wave number k ≥ 0.
     pub fn hankel(&self, k: f64) -> Estimate {
         let k = if k > 0.0 { k } else { 0.0 };
-        match &self.solution {
+        match &self.0 {
             Solution::Matched(matched) => matched.hankel(k),
             Solution::Boundary(boundary) => boundary.hankel(k),
         }

@@ -22,6 +22,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use translucid_profile::fresnel_from_inside;
 use translucid_profile::quadrature::gauss_legendre;
 
+use super::dielectric_directions::unit_rule;
 use super::single_scattering::SingleScattering;
 
 /// Points of the rule on each panel of w.
@@ -65,7 +66,7 @@ impl Beam {
     /// Single scattering towards the azimuth φ.
     pub(crate) fn single_scattering(&self, single_scattering_albedo: f64, phi: f64) -> SingleScattering {
         let mut nodes = Vec::new();
-        self.for_each(phi, &rule(), |node| nodes.push(node));
+        self.for_each(phi, &unit_rule(POINTS), |node| nodes.push(node));
         SingleScattering::from_nodes(single_scattering_albedo, nodes, self.relative_error())
     }
 
@@ -77,7 +78,7 @@ impl Beam {
     /// Single scattering averaged over the azimuth.
     pub(crate) fn mean_single_scattering(&self, single_scattering_albedo: f64) -> SingleScattering {
         let mut gathered = Gathered::new();
-        self.gather_mean(1.0, &rule(), &mut gathered);
+        self.gather_mean(1.0, &unit_rule(POINTS), &mut gathered);
         gathered.finish(single_scattering_albedo, self.relative_error())
     }
 
@@ -153,7 +154,7 @@ impl Beam {
 
 /// Single scattering of light that enters with equal radiance from all directions outside, for unit flux entered.
 pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) -> SingleScattering {
-    let rule_of_w = rule();
+    let rule_of_w = unit_rule(POINTS);
     let mut gathered = Gathered::new();
     // Angles gather at grazing, where single scattering has terms like μ ln μ
     let angles: Vec<(f64, f64)> = (gauss_legendre(24).into_iter())
@@ -241,11 +242,6 @@ fn integrate_to_edges(rule: &[(f64, f64)], from: f64, to: f64, mut f: impl FnMut
         0.5 * weight * 6.0 * x * (1.0 - x) * f(from + length * x * x * (3.0 - 2.0 * x))
     };
     length * rule.iter().map(point).sum::<f64>()
-}
-
-/// Gauss–Legendre on [0, 1].
-fn rule() -> Vec<(f64, f64)> {
-    gauss_legendre(POINTS).into_iter().map(|(x, weight)| (0.5 + 0.5 * x, 0.5 * weight)).collect()
 }
 
 /// Weights gathered on fixed σ: each goes to the nodes of its panel in the shares of Lagrange's interpolation,

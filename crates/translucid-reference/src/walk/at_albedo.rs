@@ -1,6 +1,6 @@
 //! A white table at one albedo.
 
-use translucid_profile::{ParameterError, TabulatedProfile};
+use translucid_profile::{ParameterError, TabulatedProfile, require};
 
 use super::layout::Region;
 use super::photon_exit::Side;
@@ -58,10 +58,9 @@ impl WhiteTable {
     /// The albedo is not in [0, reference albedo].
     pub fn at_albedo(&self, single_scattering_albedo: f64) -> Result<AtAlbedo<'_>, ParameterError> {
         let value = single_scattering_albedo;
-        if !(0.0..=self.reference_albedo()).contains(&value) {
-            let allowed = "at least 0 and at most the table's reference albedo";
-            return Err(ParameterError::new("single_scattering_albedo", value, allowed));
-        }
+        let allowed = "at least 0 and at most the table's reference albedo";
+        let is_allowed = (0.0..=self.reference_albedo()).contains(&value);
+        require(is_allowed, "single_scattering_albedo", value, allowed)?;
         Ok(AtAlbedo::new(self, value))
     }
 }
@@ -146,8 +145,7 @@ impl<'a> AtAlbedo<'a> {
             return Err(ParameterError::new("radius", radius, allowed));
         };
         let regions = [edge, edge + 1].map(region);
-        let mut both = Weighed::default();
-        regions.iter().for_each(|&region| both += self.sum(side, region).unwrap_or_default());
+        let both = regions.iter().filter_map(|&region| self.sum(side, region)).sum();
         let energy =
             if self.sum(side, Region::Everywhere).is_some() { self.mean(both) } else { Estimate::ZERO };
         let area: f64 = regions.iter().map(|&region| self.table.layout().area(region)).sum();
@@ -172,9 +170,7 @@ impl<'a> AtAlbedo<'a> {
 
     /// Energy that is absorbed: what does not leave.
     pub fn absorbed(&self) -> Estimate {
-        let mut left = Weighed::default();
-        self.places.iter().for_each(|&place| left += place);
-        let Estimate { value, error } = self.mean(left);
+        let Estimate { value, error } = self.mean(self.places.iter().copied().sum());
         Estimate { value: 1.0 - value, error }
     }
 
@@ -205,11 +201,7 @@ impl<'a> AtAlbedo<'a> {
         let layout = self.table.layout();
         let (start, places) = (side as usize * layout.place_count(), layout.places(region));
         let places = self.places.get(start + places.start..start + places.end)?;
-        let add = |mut sum: Weighed, &place: &Weighed| {
-            sum += place;
-            sum
-        };
-        (!places.is_empty()).then(|| places.iter().fold(Weighed::default(), add))
+        (!places.is_empty()).then(|| places.iter().copied().sum())
     }
 
     fn mean(&self, sum: Weighed) -> Estimate {

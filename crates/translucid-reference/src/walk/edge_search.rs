@@ -7,7 +7,7 @@ use std::fmt;
 /// A binary search over 300 edges mispredicts some eight branches, which costs as much as ten collisions of the
 /// walk. Here the upper bits of the value, read as an `f32`, name a bucket; all but the few edges in the same
 /// bucket are settled by a table.
-#[derive(Clone)]
+#[derive(Clone, PartialEq)]
 pub(crate) struct EdgeSearch {
     /// Increasing, at least 0.
     edges: Vec<f64>,

@@ -12,11 +12,10 @@ const EXITS: usize = 1024;
 
 /// Buffered exits, as a structure of arrays.
 pub(super) struct ExitBuffer<'a> {
-    x: [f32; EXITS + LANES],
-    y: [f32; EXITS + LANES],
-    cos_theta: [f32; EXITS + LANES],
-    order: [u32; EXITS + LANES],
-    transmitted: [u32; EXITS + LANES],
+    /// x, y and the cosine.
+    floats: [[f32; EXITS + LANES]; 3],
+    /// Order, and 1 for those transmitted.
+    words: [[u32; EXITS + LANES]; 2],
     count: usize,
     /// Number of exits that have been handed on.
     pub(super) total: u64,
@@ -26,45 +25,28 @@ pub(super) struct ExitBuffer<'a> {
 
 impl<'a> ExitBuffer<'a> {
     pub(super) fn new(hand_on: &'a mut dyn FnMut(&[PhotonExit])) -> Self {
-        Self {
-            x: [0.0; EXITS + LANES],
-            y: [0.0; EXITS + LANES],
-            cos_theta: [0.0; EXITS + LANES],
-            order: [0; EXITS + LANES],
-            transmitted: [0; EXITS + LANES],
-            count: 0,
-            total: 0,
-            batch: Vec::with_capacity(EXITS + LANES),
-            hand_on,
-        }
+        let (floats, words) = ([[0.0; EXITS + LANES]; 3], [[0; EXITS + LANES]; 2]);
+        Self { floats, words, count: 0, total: 0, batch: Vec::with_capacity(EXITS + LANES), hand_on }
     }
 
     /// Adds the first `count` lanes.
     #[inline(always)]
-    pub(super) fn push<S: Simd>(
-        &mut self,
-        [x, y, cos_theta]: [Floats<S>; 3],
-        [order, transmitted]: [Words<S>; 2],
-        count: usize,
-    ) {
-        let range = self.count..self.count + LANES;
-        x.store_slice(&mut self.x[range.clone()]);
-        y.store_slice(&mut self.y[range.clone()]);
-        cos_theta.store_slice(&mut self.cos_theta[range.clone()]);
-        order.store_slice(&mut self.order[range.clone()]);
-        transmitted.store_slice(&mut self.transmitted[range]);
+    pub(super) fn push<S: Simd>(&mut self, floats: [Floats<S>; 3], words: [Words<S>; 2], count: usize) {
+        let places = self.count..self.count + LANES;
+        for (array, values) in self.floats.iter_mut().zip(floats) {
+            values.store_slice(&mut array[places.clone()]);
+        }
+        for (array, values) in self.words.iter_mut().zip(words) {
+            values.store_slice(&mut array[places.clone()]);
+        }
         self.added(count);
     }
 
     /// Adds one.
     #[inline(always)]
-    pub(super) fn push_one(&mut self, x: f32, y: f32, cos_theta: f32, order: u32, transmitted: u32) {
-        let i = self.count;
-        self.x[i] = x;
-        self.y[i] = y;
-        self.cos_theta[i] = cos_theta;
-        self.order[i] = order;
-        self.transmitted[i] = transmitted;
+    pub(super) fn push_one(&mut self, floats: [f32; 3], words: [u32; 2]) {
+        self.floats.iter_mut().zip(floats).for_each(|(array, value)| array[self.count] = value);
+        self.words.iter_mut().zip(words).for_each(|(array, value)| array[self.count] = value);
         self.added(1);
     }
 
@@ -81,13 +63,10 @@ impl<'a> ExitBuffer<'a> {
     pub(super) fn flush(&mut self) {
         self.batch.clear();
         for i in 0..self.count {
-            self.batch.push(PhotonExit {
-                x: self.x[i],
-                y: self.y[i],
-                cos_theta: self.cos_theta[i],
-                order: self.order[i],
-                side: if self.transmitted[i] == 0 { Side::Reflected } else { Side::Transmitted },
-            });
+            let [x, y, cos_theta] = self.floats.each_ref().map(|array| array[i]);
+            let [order, transmitted] = self.words.each_ref().map(|array| array[i]);
+            let side = if transmitted == 0 { Side::Reflected } else { Side::Transmitted };
+            self.batch.push(PhotonExit { x, y, cos_theta, order, side });
         }
         self.total += self.count as u64;
         self.count = 0;

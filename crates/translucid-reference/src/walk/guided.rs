@@ -1,13 +1,32 @@
 //! A walk for one albedo, guided towards the surface.
 //!
-//! The white walk serves every albedo, phase function and boundary. This one serves one albedo of the half space
-//! that has an exact solution, with as little CPU time for a given error as could be found: it is the independent
-//! judge of that solution, and nothing else.
+//! The white walk serves every albedo, phase function and boundary. This one serves one albedo of the half space that
+//! has an exact solution, with far less variance: it is the independent judge of that solution, and nothing else. So
+//! it is written to be read: one photon at a time, in double precision.
+//!
+//! # The guide
+//! Deep in the medium a photon at the depth τ has a chance ∝ e^{−kτ} to get out, where
+//!
+//! ```text
+//! α atanh(k)/k = 1.
+//! ```
+//!
+//! Importance sampling of the next collision (direction cosine μ towards the surface, length s) by that chance is
+//! H. Dwivedi's scheme (*A new importance biasing scheme for deep-penetration problems*, 1982); J. Křivánek and
+//! E. d'Eon 2014 (*A zero-variance-based sampling scheme for Monte Carlo subsurface scattering*) brought it to
+//! skin:
+//!
+//! ```text
+//! p(μ) = k / (2 atanh k) · 1/σ,    σ = 1 − kμ,    p(s | μ) = σ e^{−σs}.
+//! ```
+//!
+//! The weight is α (½ e^{−s}) / (p(μ) p(s|μ)) = e^{k (τ' − τ)} per collision. It depends on the depth alone, and
+//! is left out of the walk: what remains at the exit is a factor σ for the last flight.
 //!
 //! # Parts and their gains
 //! Relative variance × collisions for MCML's scheme (implicit capture, late roulette), in which every collision
 //! costs much the same, divided by the same with the parts below added one by one. Total and ring from 1 to 3 ℓ
-//! under a pencil beam, measured with a plain loop in double precision to which the parts are added one by one.
+//! under a pencil beam.
 //!
 //! ```text
 //! α                                      0.5          0.9          0.99         0.999
@@ -20,11 +39,14 @@
 //! lattice                              495  127     449   53    1080   29    3400   40
 //! ```
 //!
-//! 1. *Guided flights* (Dwivedi; `guided_sampling.rs` has the formulas): directions and lengths are drawn so that the
-//!    weight is known from where a photon is. No photon is absorbed, and what it carries out is 1 − kμ, times a
-//!    constant.
+//! 1. *Guided flights*, see above. 1 − kμ = √(1−k²) e^{v atanh k} with v uniform in (−1, 1). k is at most 1 − 10⁻⁶,
+//!    beyond which flights reach too far; where the equation asks for more (α < 0.14), every collision takes from
+//!    the weight what the equation lacks.
 //! 2. *From the second collision on:* light scattered once is a closed form
-//!    ([`SingleScattering`](crate::exact::SingleScattering)).
+//!    ([`SingleScattering`](crate::exact::SingleScattering)). So a photon starts at its second collision, at the
+//!    depth τ, reached from below (second flight upwards) or from above. Both cases are products of elementary
+//!    densities once τ takes the place of the first collision's depth: upwards e^{−(1/μ₀+k)τ} e^{−s(1+μ/μ₀)},
+//!    downwards e^{−s₀(1+kμ₀)} e^{−s(1+k|μ|)}.
 //! 3. *All azimuths of the last flight:* given its slope, it ends on a circle around the last collision. The part of
 //!    that circle in each ring is an arc cosine.
 //! 4. *Roulette with a control variate:* a photon far from all rings tells nothing about them. At a distance D from the
@@ -34,30 +56,19 @@
 //!    counts c less. This has no bias for any c.
 //! 5. *Lattice:* the start and the first three flights of a chunk of 1024 photons take their numbers from one rank-1
 //!    lattice, shifted at random. Chunks are independent; the standard error comes from their scatter.
-//! 6. *Sixteen lanes*, breadth first, some 10 ns for a photon at α = 0.5 and 46 ns at α = 0.999 (`guided_chunk.rs`).
-//!
-//! In CPU time to 0.1 % of the total and to 1 % of the ring, beside analog absorption in lanes of the same kind:
-//! some 320 and 90 times less (α = 0.5), 250 and 25 (0.9), 580 and 10 (0.99), 1270 and 9 (0.999).
 //!
 //! Tried and left out: scoring the expected escape at every collision (2 times less variance per collision at
 //! α = 0.5, more variance from α = 0.9 on, and each score costs as much as a flight); k below the discrete
 //! eigenvalue, with absorption (always worse); roulette by D or by D² (less gain, or rare heavy photons).
-//!
-//! # Figures
-//! Weights are single precision, sums are whole numbers: the same in any order, on any number of threads. Against the exact
-//! solution no deviation was found down to relative errors of 10⁻⁶ (64 million photons, α from 10⁻⁶ to 0.99999).
 
-use fearless_simd::Level;
+use std::f64::consts::{LN_2, PI, TAU};
+
 use rayon::prelude::*;
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
-use super::guided_chunk::{BLOCK, CHUNK, Workspace, walk_block};
-use super::guided_sampling::Guide;
-use super::guided_scoring::{ChunkSums, Scoring};
-use super::guided_tally::GuidedTally;
-use super::instruction_sets::dispatched;
-use super::problem::{Parameters, PhaseFunction, Problem, require};
+use super::layout::check_radii;
 use crate::exact::{Entrance, SingleScattering};
+use crate::split_mix::SplitMix;
 use crate::{Estimate, Incidence};
 
 /// Total and rings of one albedo, by a walk with little variance: of an index-matched half space of isotropic
@@ -69,10 +80,10 @@ use crate::{Estimate, Incidence};
 /// of light scattered once, and the error of one photon.
 ///
 /// ```
-/// use translucid_reference::walk::{GuidedWalk, Parameters, Problem};
+/// use translucid_reference::Incidence;
+/// use translucid_reference::walk::GuidedWalk;
 ///
-/// let problem = Problem::new(Parameters::default())?;
-/// let walk = GuidedWalk::run(&problem, 0.9, &[1.0, 3.0], 1, 200)?;
+/// let walk = GuidedWalk::run(0.9, Incidence::NORMAL, &[1.0, 3.0], 1, 200)?;
 /// let total = walk.total();
 /// assert!((total.value - 0.41494747913082).abs() < 4.0 * total.error && total.relative_error() < 1e-3);
 /// let ring = walk.ring(1);
@@ -84,15 +95,15 @@ pub struct GuidedWalk {
     radii: Vec<f64>,
     /// Profile of the light scattered once.
     single_scattering: SingleScattering,
-    tally: GuidedTally,
+    /// Energy of the other light in each ring.
+    rings: Vec<Estimate>,
+    /// Energy of the other light in each ring and all before it.
+    enclosed: Vec<Estimate>,
 }
 
 impl GuidedWalk {
     /// Photons of a chunk.
-    pub const CHUNK: u64 = CHUNK as u64;
-
-    /// Smallest and largest radius.
-    const RADII: std::ops::RangeInclusive<f64> = 1e-15..=1e15;
+    pub const CHUNK: u64 = 1024;
 
     /// Walks the first chunks of photons of a seed, on all threads of the current rayon pool, and tallies the rings
     /// between increasing radii \[ℓ\]: ring i reaches from radius i − 1 to radius i, ring 0 from the center, the last
@@ -103,51 +114,54 @@ impl GuidedWalk {
     /// often: the larger the last radius, the longer a photon takes, up to some 1/√(1−α) collisions.
     ///
     /// # Errors
-    /// α is not in (0, 1), a radius is not in [1e-15, 1e15] or not greater than the one before, or the problem is not
-    /// the half space that the guide is made for: isotropic scattering, η = 1, a pencil along the normal, cosine
-    /// or uniform incidence at one point.
+    /// α is not in (0, 1), a radius is not in [1e-15, 1e15] or not greater than the one before, or the light is a
+    /// pencil that is not along the normal.
     pub fn run(
-        problem: &Problem,
         single_scattering_albedo: f64,
+        incidence: Incidence,
         radii: &[f64],
         seed: u64,
         chunks: u32,
     ) -> Result<Self, ParameterError> {
-        let entrance = entrance_to_guide(problem)?;
-        let alpha = single_scattering_albedo;
-        let allowed = "in (0, 1) for the guided walk";
-        require(alpha > 0.0 && alpha < 1.0, "single_scattering_albedo", alpha, allowed)?;
-        let mut least = 0.0;
-        for &radius in radii {
-            let increases = radius > least && Self::RADII.contains(&radius);
-            require(increases, "radius", radius, "in [1e-15, 1e15] and greater than the one before")?;
-            least = radius;
+        let (alpha, entrance) = (single_scattering_albedo, Entrance::of(incidence)?);
+        require(alpha > 0.0 && alpha < 1.0, "single_scattering_albedo", alpha, "in (0, 1)")?;
+        check_radii(radii)?;
+        let guide = Guide::new(alpha, entrance);
+        let mut rings = vec![Samples::default(); radii.len() + 1];
+        let mut enclosed = rings.clone();
+        // Threads share a block of chunks; then these count in their order
+        for first in (0..chunks).step_by(BLOCK) {
+            let block = first..first.saturating_add(BLOCK as u32).min(chunks);
+            let energies: Vec<_> =
+                block.into_par_iter().map(|chunk| guide.walk(radii, seed, chunk)).collect();
+            for energies in energies {
+                let mut sum = 0.0;
+                for ((energy, ring), enclosed) in energies.into_iter().zip(&mut rings).zip(&mut enclosed) {
+                    sum += energy;
+                    ring.add(energy);
+                    enclosed.add(sum);
+                }
+            }
         }
+        let estimates = |samples: Vec<Samples>| {
+            samples.into_iter().map(|samples| samples.estimate(guide.greatest_weight())).collect()
+        };
         Ok(Self {
             radii: radii.to_vec(),
             single_scattering: SingleScattering::new(alpha, entrance),
-            tally: tally(alpha, entrance, radii, seed, u64::from(chunks)),
+            rings: estimates(rings),
+            enclosed: estimates(enclosed),
         })
-    }
-
-    /// Number of photons walked.
-    pub fn photons(&self) -> u64 {
-        self.tally.photons()
-    }
-
-    /// Mean number of collisions that a photon was followed through, the first included; 0 without photons.
-    pub fn mean_collisions(&self) -> f64 {
-        if self.photons() == 0 { 0.0 } else { self.tally.collisions() as f64 / self.photons() as f64 }
     }
 
     /// Surface albedo A = ∫ R 2πr dr.
     pub fn total(&self) -> Estimate {
-        shifted(self.tally.total(), self.single_scattering.total().value)
+        self.enclosed(self.radii.len())
     }
 
     /// Energy that leaves through a ring.
     pub fn ring(&self, ring: usize) -> Estimate {
-        let Some(estimate) = self.tally.ring(ring) else { return Estimate::ZERO };
+        let Some(&estimate) = self.rings.get(ring) else { return Estimate::ZERO };
         let single = &self.single_scattering;
         let inner = ring.checked_sub(1).and_then(|i| self.radii.get(i));
         let enclosed = |radius: Option<&f64>| radius.map_or(0.0, |&radius| single.enclosed(radius).value);
@@ -157,67 +171,402 @@ impl GuidedWalk {
             // Far out the energy inside has no digits left for a ring
             outer => beyond(inner).unwrap_or(single.total().value) - beyond(outer).unwrap_or(0.0),
         };
-        shifted(estimate, once)
-    }
-
-    /// Mean exitance over a ring \[ℓ⁻²\]: its energy by its area. 0 for the last ring, whose area is infinite.
-    pub fn reflectance(&self, ring: usize) -> Estimate {
-        let Some(&outer) = self.radii.get(ring) else { return Estimate::ZERO };
-        let inner = ring.checked_sub(1).map_or(0.0, |i| self.radii[i]);
-        let area = std::f64::consts::PI * (outer - inner) * (outer + inner);
-        let Estimate { value, error } = self.ring(ring);
-        Estimate { value: value / area, error: error / area }
+        Estimate { value: estimate.value + once, ..estimate }
     }
 
     /// Energy that leaves within a radius, given by its index.
     pub fn enclosed(&self, radius: usize) -> Estimate {
-        match (self.tally.enclosed(radius), self.radii.get(radius)) {
-            (Some(estimate), Some(&radius)) => {
-                shifted(estimate, self.single_scattering.enclosed(radius).value)
+        let single = &self.single_scattering;
+        let once = self.radii.get(radius).map_or(single.total(), |&radius| single.enclosed(radius));
+        let estimate = self.enclosed[radius.min(self.radii.len())];
+        Estimate { value: estimate.value + once.value, ..estimate }
+    }
+}
+
+/// Photons of a chunk: they share a lattice, and their mean is one sample of the statistics.
+const CHUNK: usize = GuidedWalk::CHUNK as usize;
+/// Chunks that threads share at a time.
+const BLOCK: usize = 4096;
+/// Coordinates of the lattice: at most five for the start, three for each of the first flights.
+const DIMENSIONS: usize = 14;
+/// Multiplier of the Korobov lattice, 1024 points i·441ʲ/1024: of all 512 odd ones it gave the least variance of total
+/// and ring at α = 0.5, 0.9 and 0.99, measured over 256 chunks: 0.41 of that without a lattice in the geometric mean.
+/// The median is some 0.55, the worst (1) 50.
+const LATTICE: usize = 441;
+
+/// Largest k: nearer to 1 the densities reach too far.
+const K_LIMIT: f64 = 1.0 - 1e-6;
+
+/// Samples, one a chunk, as far as mean and variance need them (B. P. Welford 1962, *Note on a Method for Calculating
+/// Corrected Sums of Squares and Products*).
+#[derive(Clone, Copy, Default)]
+struct Samples {
+    count: u32,
+    mean: f64,
+    /// Sum of the squared distances from the mean.
+    squares: f64,
+}
+
+impl Samples {
+    fn add(&mut self, sample: f64) {
+        self.count += 1;
+        let distance = sample - self.mean;
+        self.mean += distance / f64::from(self.count);
+        self.squares += distance * (sample - self.mean);
+    }
+
+    /// Mean and its standard error; where nothing was seen, the error of one photon of the greatest weight.
+    fn estimate(self, greatest_weight: f64) -> Estimate {
+        let n = f64::from(self.count);
+        let error = match self {
+            Self { count: 0 | 1, .. } => f64::INFINITY,
+            Self { mean: 0.0, .. } => greatest_weight / (n * CHUNK as f64),
+            Self { squares, .. } => (squares / (n * (n - 1.0))).sqrt(),
+        };
+        Estimate { value: self.mean, error }
+    }
+}
+
+/// Uniform numbers of one photon in [0, 1): the coordinates of its point of the shifted lattice, then random ones.
+struct Numbers<'a> {
+    point: usize,
+    /// 441ʲ modulo 1024 for the next coordinate.
+    multiplier: usize,
+    /// Shifts of the coordinates left.
+    shifts: std::slice::Iter<'a, f64>,
+    random: SplitMix,
+}
+
+impl Numbers<'_> {
+    fn next(&mut self) -> f64 {
+        let Some(shift) = self.shifts.next() else { return self.random.uniform() };
+        let coordinate = self.point * self.multiplier % CHUNK;
+        self.multiplier = self.multiplier * LATTICE % CHUNK;
+        (coordinate as f64 / CHUNK as f64 + shift).fract()
+    }
+
+    /// Exponential with mean 1.
+    fn exponential(&mut self) -> f64 {
+        -(-self.next()).ln_1p()
+    }
+}
+
+/// A photon at a collision.
+struct Photon {
+    x: f64,
+    y: f64,
+    /// Depth.
+    z: f64,
+    weight: f64,
+}
+
+/// Constants of one albedo and one direction of light.
+struct Guide {
+    entrance: Entrance,
+    alpha: f64,
+    k: f64,
+    /// atanh k.
+    atanh_k: f64,
+    /// ln √(1 − k²).
+    ln_root: f64,
+    /// Part of the weight that a collision leaves: 1 unless k is at its limit.
+    survival: f64,
+    /// ln(1 + k)/k.
+    descent: f64,
+    /// Mean of σ at the exit from afar: what a photon that roulette ends would have given.
+    mean_exit: f64,
+}
+
+impl Guide {
+    /// α in (0, 1).
+    fn new(alpha: f64, entrance: Entrance) -> Self {
+        let k = discrete_eigenvalue(alpha).min(K_LIMIT);
+        Self {
+            entrance,
+            alpha,
+            k,
+            atanh_k: k.atanh(),
+            ln_root: 0.5 * (-k * k).ln_1p(),
+            survival: (alpha * k.atanh() / k).min(1.0),
+            descent: k.ln_1p() / k,
+            mean_exit: mean_exit_factor(alpha, k),
+        }
+    }
+
+    /// Bound on what a photon can carry out, roulette apart.
+    fn greatest_weight(&self) -> f64 {
+        0.5 * self.alpha * self.survival * (LN_2 + self.descent)
+    }
+
+    /// Mean energy in each ring of the photons of a chunk.
+    fn walk(&self, radii: &[f64], seed: u64, chunk: u32) -> Vec<f64> {
+        // Indices of chunks' shifts count down from the last, those of photons up from 0
+        let mut random = SplitMix::of_photon(seed, u64::MAX - u64::from(chunk));
+        let shifts: [f64; DIMENSIONS] = std::array::from_fn(|_| random.uniform());
+        let mut rings = vec![0.0; radii.len() + 1];
+        for point in 0..CHUNK {
+            let random = SplitMix::of_photon(seed, u64::from(chunk) * GuidedWalk::CHUNK + point as u64);
+            let numbers = Numbers { point, multiplier: 1, shifts: shifts.iter(), random };
+            self.walk_photon(radii, numbers, &mut rings);
+        }
+        rings.iter_mut().for_each(|energy| *energy /= CHUNK as f64);
+        rings
+    }
+
+    /// Adds the energy of one photon to the rings where it may leave.
+    fn walk_photon(&self, radii: &[f64], mut numbers: Numbers, rings: &mut [f64]) {
+        let reach = radii.last().copied().unwrap_or(3.0) + 1.0;
+        let mut photon = self.second_collision(&mut numbers);
+        let mut factor = 1.0;
+        loop {
+            // Roulette: 2 factor ≤ (D/b)^1.5
+            let rho2 = photon.x * photon.x + photon.y * photon.y;
+            let distance = (rho2 + photon.z * photon.z).sqrt() / reach;
+            if 2.0 * factor <= distance * distance.sqrt() {
+                let expected = factor * photon.weight * self.mean_exit;
+                if numbers.random.uniform() < 0.5 {
+                    rings[radii.len()] += expected;
+                    return;
+                }
+                rings[radii.len()] -= expected;
+                factor *= 2.0;
             }
-            _ => self.total(),
+
+            // Fly
+            let (mu, sigma) = self.direction(numbers.next());
+            let length = numbers.exponential() / sigma;
+            let (sin, cos) = (TAU * numbers.next()).sin_cos();
+            photon.weight *= self.survival;
+            let depth = photon.z - mu * length;
+            if depth < 0.0 {
+                let aside = sine(mu) * photon.z / mu;
+                let score = photon.weight * factor * sigma;
+                return spread(score, rho2.sqrt(), aside, radii, rings);
+            }
+            let aside = sine(mu) * length;
+            photon.x += aside * cos;
+            photon.y += aside * sin;
+            photon.z = depth;
+        }
+    }
+
+    /// Cosine μ towards the surface and σ = 1 − kμ, for a uniform number.
+    fn direction(&self, u: f64) -> (f64, f64) {
+        let minus_k_mu = ((2.0 * u - 1.0) * self.atanh_k + self.ln_root).exp_m1();
+        (-minus_k_mu / self.k, 1.0 + minus_k_mu)
+    }
+
+    /// Draws the second collision.
+    fn second_collision(&self, numbers: &mut Numbers) -> Photon {
+        // Cosine μ₀ of the entry, and chances of going up and down from the first collision
+        let entry = match self.entrance {
+            Entrance::Normal => 1.0,
+            Entrance::Cosine => (1.0 - numbers.next()).sqrt(),
+            Entrance::UniformCosine => 1.0 - numbers.next(),
+        };
+        let rise = entry.recip().ln_1p();
+        let up_mass = entry * rise;
+        let mass = up_mass + self.descent;
+        let damping = 1.0 + self.k * entry;
+
+        // Cosine of the second flight, lengths of both, and the depth
+        let u = numbers.next() * mass;
+        let (length, other) = (numbers.exponential(), numbers.exponential() / damping);
+        let (cosine, first, second, z) = if u < up_mass {
+            let cosine = ((u / up_mass * rise).exp_m1() * entry).min(1.0);
+            let second = length * entry / (entry + cosine);
+            // `other` is τ/μ₀
+            (cosine, other + second * cosine / entry, second, other * entry)
+        } else {
+            let cosine = (((u - up_mass) * self.k).exp_m1() / self.k).min(1.0);
+            let second = length / (1.0 + self.k * cosine);
+            (cosine, other, second, other * entry + second * cosine)
+        };
+
+        // A pencil has no azimuth of its own
+        let azimuth = if entry == 1.0 { 0.0 } else { TAU * numbers.next() };
+        let aside = sine(cosine) * second;
+        Photon {
+            x: aside * azimuth.cos() + sine(entry) * first,
+            y: aside * azimuth.sin(),
+            z,
+            weight: 0.5 * self.alpha * mass / damping,
         }
     }
 }
 
-/// Walks chunks of photons, some of them at a time.
-fn tally(alpha: f64, entrance: Entrance, radii: &[f64], seed: u64, chunks: u64) -> GuidedTally {
-    let (guide, scoring) = (Guide::new(alpha, entrance), Scoring::new(radii));
-    // Light scattered twice or more is of this order where α is small
-    let empty = || GuidedTally::new(radii.len(), alpha * alpha, guide.greatest_weight());
-    let walk = |workspace: &mut Workspace, block: u64| {
-        let first = block * BLOCK as u64;
-        let count = (chunks - first).min(BLOCK as u64) as usize;
-        let mut sums = vec![ChunkSums::new(radii.len()); count];
-        dispatched!(Level::new(), simd => walk_block(simd, &guide, &scoring, seed, first, &mut sums, workspace));
-        let mut tally = empty();
-        sums.iter().for_each(|sums| tally.add(sums));
-        tally
-    };
-    let blocks = (0..chunks.div_ceil(BLOCK as u64)).into_par_iter();
-    blocks.map_init(Workspace::new, walk).reduce(empty, |all, part| all.merged(&part))
-}
-
-fn shifted(estimate: Estimate, by: f64) -> Estimate {
-    Estimate { value: estimate.value + by, ..estimate }
-}
-
-/// Directions of entering light for which the guide serves.
-fn entrance_to_guide(problem: &Problem) -> Result<Entrance, ParameterError> {
-    let Parameters { phase_function, eta, thickness, incidence, spot_radius } = *problem.parameters();
-    let g = phase_function.mean_cosine();
-    let isotropic = phase_function == PhaseFunction::ISOTROPIC;
-    require(isotropic, "g", g, "0, of isotropic scattering, for the guided walk: use the white walk")?;
-    require(eta == 1.0, "eta", eta, "1 for the guided walk: use the white walk")?;
-    let infinite = thickness == f64::INFINITY;
-    require(infinite, "thickness", thickness, "infinite for the guided walk: use the white walk")?;
-    require(spot_radius == 0.0, "spot_radius", spot_radius, "0 for the guided walk: use the white walk")?;
-    match incidence {
-        Incidence::Pencil { cos_theta } => {
-            require(cos_theta == 1.0, "cos_theta", cos_theta, "1 for the guided walk: use the white walk")?;
-            Ok(Entrance::Normal)
+/// Spreads a score over the rings that a circle meets: one of the radius `aside` whose center is at the distance `rho`
+/// from the axis.
+fn spread(score: f64, rho: f64, aside: f64, radii: &[f64], rings: &mut [f64]) {
+    let mut before = 0.0;
+    for (radius, ring) in radii.iter().zip(&mut *rings) {
+        let inside = part_inside(rho, aside, *radius);
+        *ring += score * (inside - before);
+        before = inside;
+        if inside == 1.0 {
+            return;
         }
-        Incidence::Cosine => Ok(Entrance::Cosine),
-        Incidence::UniformCosine => Ok(Entrance::UniformCosine),
+    }
+    rings[radii.len()] += score * (1.0 - before);
+}
+
+/// Part of a circle of the radius `aside`, whose center is at the distance `rho` from the axis, that lies within a
+/// radius of the axis: arccos(c)/π.
+fn part_inside(rho: f64, aside: f64, radius: f64) -> f64 {
+    let c = (rho * rho + aside * aside - radius * radius) / (2.0 * rho * aside).max(f64::MIN_POSITIVE);
+    if c.abs() < 1.0 { c.acos() / PI } else { f64::from(u8::from(c < 0.0)) }
+}
+
+fn sine(cosine: f64) -> f64 {
+    ((1.0 - cosine) * (1.0 + cosine)).max(0.0).sqrt()
+}
+
+/// k in (0, 1) with α atanh(k)/k = 1.
+///
+/// Newton's method in t = atanh k, where the equation reads α t = tanh t: from the right of the root, where the
+/// function is convex, it decreases to the root without leaving it.
+fn discrete_eigenvalue(alpha: f64) -> f64 {
+    let mut t = 1.0 / alpha;
+    for _ in 0..200 {
+        let tanh = t.tanh();
+        let next = t - (alpha * t - tanh) / (alpha - (1.0 - tanh) * (1.0 + tanh));
+        if next >= t {
+            break;
+        }
+        t = next;
+    }
+    t.tanh()
+}
+
+/// Mean of 1 − kμ over light that emerges from great depth, whose angular law is H(μ) μ/(1 − kμ), with
+/// H(μ) ≈ (1+2μ)/(1+2μ√(1−α)) (B. W. Hapke 1981, good to 4 %). Any number leaves the walk unbiased.
+fn mean_exit_factor(alpha: f64, k: f64) -> f64 {
+    let gamma = (1.0 - alpha).sqrt();
+    let (mut flux, mut weighted) = (0.0, 0.0);
+    for i in 0..64 {
+        let mu = (f64::from(i) + 0.5) / 64.0;
+        let h = (1.0 + 2.0 * mu) / (1.0 + 2.0 * mu * gamma);
+        weighted += mu * h;
+        flux += mu * h / (1.0 - k * mu);
+    }
+    weighted / flux
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn eigenvalue_solves_its_equation() {
+        for alpha in [1e-3, 0.2, 0.5, 0.9, 0.99, 0.999, 1.0 - 1e-9] {
+            let k = discrete_eigenvalue(alpha);
+            assert!(k > 0.0 && k <= 1.0);
+            // atanh k is not to be had back from a k that rounds to 1
+            if alpha > 0.1 {
+                assert!((alpha * k.atanh() / k - 1.0).abs() < 1e-11, "{alpha}: {k}");
+            }
+        }
+        // Values of the dispersion equation
+        for (alpha, k) in [(0.5, 0.95750), (0.9, 0.52543), (0.99, 0.17251), (0.999, 0.05475)] {
+            assert!((discrete_eigenvalue(alpha) - k).abs() < 5e-6);
+        }
+    }
+
+    /// dμ/du = −1/p(μ).
+    #[test]
+    fn direction_has_its_density() {
+        for alpha in [0.01, 0.5, 0.99, 1.0 - 1e-10] {
+            let guide = Guide::new(alpha, Entrance::Normal);
+            assert!(
+                (guide.direction(0.0).0 - 1.0).abs() < 1e-9 && (guide.direction(1.0).0 + 1.0).abs() < 1e-9
+            );
+            for i in 1..100 {
+                let u = f64::from(i) / 100.0;
+                let (mu, sigma) = guide.direction(u);
+                assert!((sigma - (1.0 - guide.k * mu)).abs() < 1e-15);
+                let slope = (guide.direction(u + 1e-6).0 - guide.direction(u - 1e-6).0) / 2e-6;
+                let density = guide.k / (2.0 * guide.atanh_k) / sigma;
+                assert!((slope * density + 1.0).abs() < 1e-4, "α = {alpha}, u = {u}: {slope} {density}");
+            }
+        }
+    }
+
+    /// The mean of weight · e^{kz}/α over all starts is the chance of a second collision, 1 − P₁, with
+    /// P₁ = (1 − ln 2)/2, 0.2045685463 and ¼. 2¹⁸ photons, seed fixed; 6 figures within 5 standard errors: false
+    /// alarm 3e-6.
+    #[test]
+    fn start_has_the_chance_of_a_second_collision() {
+        let once = [(1.0 - LN_2) / 2.0, 0.2045685463, 0.25];
+        let entrances = [Entrance::Normal, Entrance::Cosine, Entrance::UniformCosine];
+        for (entrance, once) in entrances.into_iter().zip(once) {
+            for alpha in [1.0 - 1e-12, 0.9] {
+                let guide = Guide::new(alpha, entrance);
+                let (mut sum, mut squares, n) = (0.0, 0.0, 1 << 18);
+                for index in 0..n {
+                    let random = SplitMix::of_photon(5, index);
+                    let mut numbers = Numbers { point: 0, multiplier: 1, shifts: [].iter(), random };
+                    let Photon { z, weight, .. } = guide.second_collision(&mut numbers);
+                    assert!(z >= 0.0 && weight <= 1.0001 * guide.greatest_weight());
+                    let value = weight * (guide.k * z).exp() / alpha;
+                    sum += value;
+                    squares += value * value;
+                }
+                let n = n as f64;
+                let mean = sum / n;
+                let error = ((squares / n - mean * mean) / n).sqrt() + 1e-9;
+                assert!((mean - (1.0 - once)).abs() < 5.0 * error, "{entrance:?} {alpha}: {mean} ± {error}");
+            }
+        }
+    }
+
+    /// Against counting azimuths.
+    #[test]
+    fn part_inside_agrees_with_counting() {
+        for (rho, aside) in [(1.0, 0.3), (0.2, 0.9), (0.7, 0.7), (1e-3, 1.0)] {
+            for radius in (1..=16).map(|i| 0.13 * f64::from(i)) {
+                let n = 20_000;
+                let inside = (0..n).filter(|&i| {
+                    let (sin, cos) = (PI * (f64::from(i) + 0.5) / f64::from(n)).sin_cos();
+                    (rho + aside * cos).hypot(aside * sin) < radius
+                });
+                let counted = inside.count() as f64 / f64::from(n);
+                let found = part_inside(rho, aside, radius);
+                assert!((found - counted).abs() < 1e-4, "{rho} {aside} {radius}: {found} {counted}");
+            }
+        }
+    }
+
+    #[test]
+    fn lattice_stratifies_every_coordinate() {
+        let shifts = [0.3; DIMENSIONS];
+        for coordinate in 0..DIMENSIONS {
+            let mut strata: Vec<usize> = (0..CHUNK)
+                .map(|point| {
+                    let random = SplitMix::of_photon(1, 0);
+                    let mut numbers = Numbers { point, multiplier: 1, shifts: shifts.iter(), random };
+                    let number = (0..=coordinate).map(|_| numbers.next()).last().unwrap();
+                    (number * CHUNK as f64) as usize
+                })
+                .collect();
+            strata.sort_unstable();
+            assert!(strata.into_iter().eq(0..CHUNK), "{coordinate}");
+        }
+    }
+
+    #[test]
+    fn estimate_is_mean_and_its_standard_error() {
+        let values: Vec<f64> = (0..100).map(|i| 700.0 + f64::from(i).sin()).collect();
+        let mut samples = Samples::default();
+        assert_eq!(samples.estimate(0.3).error, f64::INFINITY);
+        values.iter().for_each(|&value| samples.add(value));
+        let mean = values.iter().sum::<f64>() / 100.0;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 99.0;
+        let found = samples.estimate(0.3);
+        assert!((found.value / mean - 1.0).abs() < 1e-14);
+        assert!((found.error / (variance / 100.0).sqrt() - 1.0).abs() < 1e-9);
+
+        // Of nothing seen: that of one photon
+        let nothing = Samples { count: 4, ..Samples::default() };
+        assert_eq!(nothing.estimate(0.3), Estimate { value: 0.0, error: 0.3 / (4 * CHUNK) as f64 });
     }
 }

@@ -1,10 +1,9 @@
 //! Where on a face, and after how many collisions: the bins of a table.
 
 use std::f64::consts::PI;
-use std::fmt;
 use std::ops::Range;
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::edge_search::EdgeSearch;
 use super::orders::OrderBins;
@@ -20,7 +19,7 @@ use super::orders::OrderBins;
 /// would only make noise.
 ///
 /// *Orders.* See [`OrderBins`]; the same in every sector.
-#[derive(Clone)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Layout {
     radii: Vec<f64>,
     sectors: u32,
@@ -72,10 +71,10 @@ impl Layout {
     pub fn new(radii: &[f64], sectors: u32) -> Result<Self, ParameterError> {
         check_radii(radii)?;
         let cells = (radii.len() + 1).saturating_mul(sectors as usize);
-        match OrderBins::finest(cells, Self::MOST_ENTRIES) {
-            Some(order_bins) => Self::with_order_bins(radii, sectors, order_bins),
-            None => Err(too_many("rings × sectors", cells, "fewer: with their order bins at most 2097152")),
-        }
+        let allowed = "fewer: with their order bins at most 2097152";
+        let too_many = || ParameterError::new("rings × sectors", cells as f64, allowed);
+        let order_bins = OrderBins::finest(cells, Self::MOST_ENTRIES).ok_or_else(too_many)?;
+        Self::with_order_bins(radii, sectors, order_bins)
     }
 
     /// Makes a layout as [`Layout::new`] does, with the given order bins.
@@ -88,14 +87,11 @@ impl Layout {
         order_bins: OrderBins,
     ) -> Result<Self, ParameterError> {
         check_radii(radii)?;
-        if !(1..=Self::MOST_SECTORS).contains(&sectors) {
-            return Err(too_many("sectors", sectors as usize, "in [1, 720]"));
-        }
+        require((1..=Self::MOST_SECTORS).contains(&sectors), "sectors", sectors.into(), "in [1, 720]")?;
         let cells = (radii.len() + 1).saturating_mul(sectors as usize);
         let entries = cells.saturating_mul(order_bins.len());
-        if entries > Self::MOST_ENTRIES {
-            return Err(too_many("rings × sectors × order bins", entries, "at most 2097152"));
-        }
+        let fits = entries <= Self::MOST_ENTRIES;
+        require(fits, "rings × sectors × order bins", entries as f64, "at most 2097152")?;
         let ring_search = EdgeSearch::new(radii.iter().map(|r| r * r).collect());
         let angle = |bound: u32| PI * f64::from(bound) / f64::from(sectors);
         let sector_bounds = (1..sectors).map(|bound| (angle(bound).cos(), angle(bound).sin())).collect();
@@ -232,37 +228,15 @@ impl Layout {
     }
 }
 
-impl fmt::Debug for Layout {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { radii, sectors, order_bins, .. } = self;
-        f.debug_struct("Layout")
-            .field("radii", radii)
-            .field("sectors", sectors)
-            .field("order_bins", order_bins)
-            .finish_non_exhaustive()
+/// Refuses radii out of range or out of order.
+pub(super) fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
+    for &radius in radii {
+        require(Layout::RADII.contains(&radius), "radius", radius, "in [1e-15, 1e15]")?;
     }
-}
-
-/// Two layouts are equal if all their bins are.
-impl PartialEq for Layout {
-    fn eq(&self, other: &Self) -> bool {
-        self.radii == other.radii && self.sectors == other.sectors && self.order_bins == other.order_bins
-    }
-}
-
-fn check_radii(radii: &[f64]) -> Result<(), ParameterError> {
-    let fail = |value, allowed| Err(ParameterError::new("radius", value, allowed));
-    if let Some(&radius) = radii.iter().find(|radius| !Layout::RADII.contains(radius)) {
-        return fail(radius, "in [1e-15, 1e15]");
-    }
-    if let Some(pair) = radii.windows(2).find(|pair| pair[0] >= pair[1]) {
-        return fail(pair[1], "greater than the radius before it");
+    for pair in radii.windows(2) {
+        require(pair[0] < pair[1], "radius", pair[1], "greater than the radius before it")?;
     }
     Ok(())
-}
-
-fn too_many(parameter: &'static str, value: usize, allowed: &'static str) -> ParameterError {
-    ParameterError::new(parameter, value as f64, allowed)
 }
 
 #[cfg(test)]

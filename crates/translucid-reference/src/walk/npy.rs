@@ -22,8 +22,6 @@ pub(crate) struct Header {
     pub(crate) descr: String,
     /// Length in each dimension; none for a single number.
     pub(crate) shape: Vec<u64>,
-    /// Bytes before the data.
-    pub(crate) length: u64,
 }
 
 impl Header {
@@ -52,7 +50,7 @@ impl Header {
         let (descr, shape) = Parser(&text)
             .dictionary()
             .ok_or_else(|| format!("has the header {:?}, which is not understood", text.trim_end()))?;
-        Ok(Self { descr, shape, length: (PREFIX + length) as u64 })
+        Ok(Self { descr, shape })
     }
 }
 
@@ -151,12 +149,9 @@ mod tests {
                 let mut bytes = Vec::new();
                 write_header(&mut bytes, descr, shape).unwrap();
                 assert_eq!((bytes.len() % 64, bytes.last()), (0, Some(&b'\n')));
-                let header = Header::read(&mut &bytes[..]).unwrap();
-                let expected: Vec<_> = shape.iter().map(|&n| n as u64).collect();
-                assert_eq!(
-                    header,
-                    Header { descr: descr.to_owned(), shape: expected, length: bytes.len() as u64 }
-                );
+                let (mut rest, shape) = (&bytes[..], shape.iter().map(|&n| n as u64).collect());
+                assert_eq!(Header::read(&mut rest).unwrap(), Header { descr: descr.to_owned(), shape });
+                assert!(rest.is_empty());
             }
         }
     }
@@ -179,10 +174,7 @@ mod tests {
             "{'descr': '<u8', 'fortran_order': False, 'shape': (4)}",
         ] {
             let header = Header::read(&mut &with_text(text)[..]).unwrap();
-            assert_eq!(
-                (header.descr.as_str(), header.shape, header.length),
-                ("<u8", vec![4], 10 + text.len() as u64)
-            );
+            assert_eq!(header, Header { descr: "<u8".to_owned(), shape: vec![4] });
         }
     }
 
@@ -216,7 +208,7 @@ mod tests {
 
     #[test]
     fn elements_do_not_overflow() {
-        let header = |shape: &[u64]| Header { descr: String::new(), shape: shape.to_vec(), length: 0 };
+        let header = |shape: &[u64]| Header { descr: String::new(), shape: shape.to_vec() };
         assert_eq!(header(&[]).elements(), Some(1));
         assert_eq!(header(&[3, 0, 5]).elements(), Some(0));
         assert_eq!(header(&[1 << 32, 1 << 32]).elements(), None);

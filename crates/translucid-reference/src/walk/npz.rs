@@ -11,9 +11,6 @@ use zip::{CompressionMethod, DateTime, ZipArchive, ZipWriter};
 use super::npy::{Header, write_header};
 use super::table_error::TableError;
 
-/// Longest text that is read.
-const LONGEST_TEXT: u64 = 64;
-
 /// An archive on its way. It is put together in memory, since what is written to may know no way back.
 pub(crate) struct Writer(ZipWriter<Cursor<Vec<u8>>>);
 
@@ -70,7 +67,6 @@ impl Writer {
 /// An archive to be read.
 pub(crate) struct Reader {
     path: PathBuf,
-    length: u64,
     archive: ZipArchive<Cursor<Vec<u8>>>,
 }
 
@@ -89,8 +85,7 @@ impl Reader {
         let error = |problem| Err(TableError::File { path: path.to_owned(), member: String::new(), problem });
         let mut bytes = Vec::new();
         input.take(longest + 1).read_to_end(&mut bytes).map_err(TableError::unreadable(path))?;
-        let length = bytes.len() as u64;
-        if length > longest {
+        if bytes.len() as u64 > longest {
             return error(format!("has more than {longest} bytes, which are the most that are allowed"));
         }
         let config = Config { archive_offset: ArchiveOffset::Known(0) };
@@ -109,7 +104,7 @@ impl Reader {
         if let Some(name) = archive.file_names_raw().find(|name| !known(name)) {
             return error(format!("has an unknown member {:?}", String::from_utf8_lossy(name)));
         }
-        Ok(Self { path: path.to_owned(), length, archive })
+        Ok(Self { path: path.to_owned(), archive })
     }
 
     /// Error that says what is wrong with a member.
@@ -118,16 +113,12 @@ impl Reader {
     }
 
     /// Reads an array of eight-byte elements of a shape that `accept` accepts.
-    ///
-    /// The words that `take` gets are to be trusted only when all went well: the checksum is known at the end. There are no more
-    /// than the file is long.
     pub(crate) fn words(
         &mut self,
         name: &str,
         descr: &str,
         accept: impl FnOnce(&[u64]) -> Result<(), String>,
-        mut take: impl FnMut(u64),
-    ) -> Result<(), TableError> {
+    ) -> Result<Vec<u64>, TableError> {
         let size = |header: &Header| {
             if header.descr != descr {
                 return Err(format!("has elements of type {:?}, but they must be {descr:?}", header.descr));
@@ -136,21 +127,8 @@ impl Reader {
             let bytes = header.elements().and_then(|elements| elements.checked_mul(8));
             bytes.ok_or_else(|| format!("has the shape {:?}, which is too large", header.shape))
         };
-        self.read(name, size, |bytes| {
-            bytes.as_chunks().0.iter().for_each(|word| take(u64::from_le_bytes(*word)));
-        })
-    }
-
-    /// Reads a list of eight-byte elements of a shape that `accept` accepts.
-    pub(crate) fn list(
-        &mut self,
-        name: &str,
-        descr: &str,
-        accept: impl FnOnce(&[u64]) -> Result<(), String>,
-    ) -> Result<Vec<u64>, TableError> {
-        let mut list = Vec::new();
-        self.words(name, descr, accept, |word| list.push(word))?;
-        Ok(list)
+        let bytes = self.read(name, size)?;
+        Ok(bytes.as_chunks().0.iter().map(|word| u64::from_le_bytes(*word)).collect())
     }
 
     /// Reads a whole number.
@@ -164,9 +142,8 @@ impl Reader {
     }
 
     fn single(&mut self, name: &str, descr: &str) -> Result<u64, TableError> {
-        let mut word = 0;
-        self.words(name, descr, |shape| expect_shape(shape, &[]), |found| word = found)?;
-        Ok(word)
+        let words = self.words(name, descr, |shape| expect_shape(shape, &[]))?;
+        Ok(words[0])
     }
 
     /// Reads a text that must be one of some.
@@ -174,29 +151,23 @@ impl Reader {
         let size = |header: &Header| {
             expect_shape(&header.shape, &[])?;
             let length = header.descr.strip_prefix("|S").and_then(|length| length.parse().ok());
-            let wrong =
-                || format!("has the type {:?}, but must be \"|S\" and a length up to 64", header.descr);
-            length.filter(|&length| length <= LONGEST_TEXT).ok_or_else(wrong)
+            length.ok_or_else(|| format!("has the type {:?}, but must be \"|S\" and a length", header.descr))
         };
-        let mut found = Vec::new();
-        self.read(name, size, |bytes| found.extend_from_slice(bytes))?;
-        let same = |text: &&str| text.as_bytes() == found;
-        allowed.iter().copied().find(same).ok_or_else(|| {
+        let found = self.read(name, size)?;
+        allowed.iter().copied().find(|text| text.as_bytes() == found).ok_or_else(|| {
             let found = String::from_utf8_lossy(&found);
             self.error(name, format!("is {found:?}, but must be one of {}", allowed.join(", ")))
         })
     }
 
-    /// Reads a member, of whose data `size` says how many bytes there must be; `take` gets it in pieces whose length
-    /// is a multiple of eight, except for the last.
+    /// Reads the data of a member, of which `size` says by its header how many bytes there must be.
     fn read(
         &mut self,
         name: &str,
         size: impl FnOnce(&Header) -> Result<u64, String>,
-        take: impl FnMut(&[u8]),
-    ) -> Result<(), TableError> {
+    ) -> Result<Vec<u8>, TableError> {
         let found = match self.archive.by_name(&format!("{name}.npy")) {
-            Ok(mut file) => read_member(&mut file, self.length, size, take),
+            Ok(mut file) => read_member(&mut file, size),
             Err(ZipError::FileNotFound) => Err("is missing".to_owned()),
             Err(error) => Err(format!("cannot be read: {error}")),
         };
@@ -206,40 +177,21 @@ impl Reader {
 
 fn read_member<R: Read>(
     file: &mut ZipFile<'_, R>,
-    archive_length: u64,
     size: impl FnOnce(&Header) -> Result<u64, String>,
-    mut take: impl FnMut(&[u8]),
-) -> Result<(), String> {
-    let unreadable = |error: io::Error| format!("is cut short or damaged ({error})");
-
-    // Compare what directory and header say of its length with what the file has
-    let length = file.size();
-    if file.compression() != CompressionMethod::Stored || file.compressed_size() != length {
+) -> Result<Vec<u8>, String> {
+    // As long as it is stored it is no longer than the archive, whatever its directory says
+    if file.compression() != CompressionMethod::Stored || file.compressed_size() != file.size() {
         return Err("is compressed, but must be stored".to_owned());
-    }
-    if length > archive_length {
-        return Err(format!("claims {length} bytes in a file of {archive_length}"));
     }
     let header = Header::read(file)?;
     let bytes = size(&header)?;
-    let found = length.saturating_sub(header.length);
-    if bytes != found {
+    let mut data = Vec::new();
+    file.read_to_end(&mut data).map_err(|error| format!("is cut short or damaged ({error})"))?;
+    let found = data.len() as u64;
+    if found != bytes {
         return Err(format!("has {found} bytes of data, but its shape {:?} asks for {bytes}", header.shape));
     }
-
-    // Pass the data on, and read its end, where the checksum is compared
-    let mut buffer = [0; 1 << 15];
-    let mut left = bytes;
-    while left > 0 {
-        let piece = left.min(buffer.len() as u64) as usize;
-        file.read_exact(&mut buffer[..piece]).map_err(unreadable)?;
-        take(&buffer[..piece]);
-        left -= piece as u64;
-    }
-    match file.read(&mut buffer).map_err(unreadable)? {
-        0 => Ok(()),
-        _ => Err("is longer than its directory says".to_owned()),
-    }
+    Ok(data)
 }
 
 /// Demands a shape.

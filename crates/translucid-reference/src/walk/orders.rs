@@ -14,7 +14,7 @@
 //! [`OrderBins::weight_error_bound`]. What weight is taken inside these limits
 //! is the matter of [`Weights`](super::weights::Weights).
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::edge_search::EdgeSearch;
 
@@ -31,7 +31,7 @@ use super::edge_search::EdgeSearch;
 /// assert!(bins.weight_error_bound() < 0.0011);
 /// # Ok::<(), translucid_profile::ParameterError>(())
 /// ```
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct OrderBins {
     /// The first orders of all bins but bin 0, which starts at 0.
     search: EdgeSearch,
@@ -49,9 +49,7 @@ impl OrderBins {
     /// # Errors
     /// `growth` is not in [1/256, 1].
     pub fn new(growth: f64) -> Result<Self, ParameterError> {
-        if !(1.0 / 256.0..=1.0).contains(&growth) {
-            return Err(ParameterError::new("growth", growth, "in [1/256, 1]"));
-        }
+        require((1.0 / 256.0..=1.0).contains(&growth), "growth", growth, "in [1/256, 1]")?;
         let next = |&first: &u32| {
             let width = (growth * f64::from(first)).floor().max(1.0);
             Some(first + width as u32).filter(|&next| next <= Self::LAST)
@@ -62,18 +60,12 @@ impl OrderBins {
     /// Bins that start at the given orders: 0 first, then strictly increasing.
     pub(crate) fn from_first_orders(first: impl IntoIterator<Item = u32>) -> Result<Self, ParameterError> {
         let first: Vec<f64> = first.into_iter().map(f64::from).collect();
-        let fail = |value, allowed| Err(ParameterError::new("first order of a bin", value, allowed));
-        match first.first() {
-            Some(0.0) => {}
-            found => return fail(found.copied().unwrap_or(f64::NAN), "0 for the first bin"),
+        let (name, least) = ("first order of a bin", first.first().copied().unwrap_or(f64::NAN));
+        require(least == 0.0, name, least, "0 for the first bin")?;
+        for pair in first.windows(2) {
+            require(pair[0] < pair[1], name, pair[1], "greater than that of the bin before")?;
         }
-        if let Some(pair) = first.windows(2).find(|pair| pair[0] >= pair[1]) {
-            return fail(pair[1], "greater than that of the bin before");
-        }
-        if first.len() > Self::MOST {
-            let value = first.len() as f64;
-            return Err(ParameterError::new("number of order bins", value, "at most 4096"));
-        }
+        require(first.len() <= Self::MOST, "number of order bins", first.len() as f64, "at most 4096")?;
         Ok(Self { search: EdgeSearch::new(first[1..].to_vec()) })
     }
 
@@ -120,13 +112,6 @@ impl OrderBins {
         };
         let widest = (0..self.len()).map(relative_width).fold(0.0, f64::max);
         widest * widest / (2.0 * std::f64::consts::E.powi(2))
-    }
-}
-
-/// Two sets are equal if their bins are.
-impl PartialEq for OrderBins {
-    fn eq(&self, other: &Self) -> bool {
-        self.search.edges() == other.search.edges()
     }
 }
 

@@ -18,66 +18,35 @@ const PLACES: usize = BLOCK + LANES;
 /// Photons that are about to collide, as a structure of arrays.
 #[repr(align(64))]
 pub(super) struct Photons {
-    x: [f32; PLACES],
-    y: [f32; PLACES],
-    z: [f32; PLACES],
-    /// Directions before the collision; unused where scattering forgets them.
-    ux: [f32; PLACES],
-    uy: [f32; PLACES],
-    uz: [f32; PLACES],
-    stream: [[u32; PLACES]; 4],
-    /// Collisions that it will yet survive.
-    left: [u32; PLACES],
-    /// Collisions that it will survive in all.
-    budget: [u32; PLACES],
+    /// x, y and z, then the direction before the collision, unused where scattering forgets it.
+    floats: [[f32; PLACES]; 6],
+    /// Random stream, collisions that the photon will yet survive, and those that it will survive in all.
+    words: [[u32; PLACES]; 6],
     /// Number of photons, from place 0 on.
     pub(super) count: usize,
 }
 
 impl Photons {
     pub(super) fn none() -> Box<Self> {
-        let (floats, words) = ([0.0; PLACES], [0; PLACES]);
-        Box::new(Self {
-            x: floats,
-            y: floats,
-            z: floats,
-            ux: floats,
-            uy: floats,
-            uz: floats,
-            stream: [words; 4],
-            left: words,
-            budget: words,
-            count: 0,
-        })
+        Box::new(Self { floats: [[0.0; PLACES]; 6], words: [[0; PLACES]; 6], count: 0 })
     }
 
     /// Copies one photon; `to` and `from` are places in this and the other structure.
     #[inline(always)]
     pub(super) fn copy_from(&mut self, to: usize, photons: &Self, from: usize) {
-        self.x[to] = photons.x[from];
-        self.y[to] = photons.y[from];
-        self.z[to] = photons.z[from];
-        self.ux[to] = photons.ux[from];
-        self.uy[to] = photons.uy[from];
-        self.uz[to] = photons.uz[from];
-        for (array, other) in self.stream.iter_mut().zip(&photons.stream) {
+        for (array, other) in self.floats.iter_mut().zip(&photons.floats) {
             array[to] = other[from];
         }
-        self.left[to] = photons.left[from];
-        self.budget[to] = photons.budget[from];
+        for (array, other) in self.words.iter_mut().zip(&photons.words) {
+            array[to] = other[from];
+        }
     }
 
     /// Copies one photon to another place.
     #[inline(always)]
     pub(super) fn copy_within(&mut self, to: usize, from: usize) {
-        for array in [&mut self.x, &mut self.y, &mut self.z, &mut self.ux, &mut self.uy, &mut self.uz] {
-            array[to] = array[from];
-        }
-        for array in &mut self.stream {
-            array[to] = array[from];
-        }
-        self.left[to] = self.left[from];
-        self.budget[to] = self.budget[from];
+        self.floats.iter_mut().for_each(|array| array[to] = array[from]);
+        self.words.iter_mut().for_each(|array| array[to] = array[from]);
     }
 }
 
@@ -97,45 +66,34 @@ impl<S: Simd> Group<S> {
     /// Loads the photons from the place `first` on.
     #[inline(always)]
     pub(super) fn load<P: Scatter>(simd: S, photons: &Photons, first: usize) -> Self {
-        let floats = |array| Floats::from_slice(simd, window(array, first));
-        let words = |array| Words::from_slice(simd, window(array, first));
-        let directions = if P::REMEMBERS {
-            Directions { x: floats(&photons.ux), y: floats(&photons.uy), z: floats(&photons.uz) }
-        } else {
-            let nothing = Floats::splat(simd, 0.0);
-            Directions { x: nothing, y: nothing, z: nothing }
-        };
+        let places = first..first + LANES;
+        let float = |i: usize| Floats::from_slice(simd, &photons.floats[i][places.clone()]);
+        let word = |i: usize| Words::from_slice(simd, &photons.words[i][places.clone()]);
+        let direction = |i: usize| if P::REMEMBERS { float(i) } else { Floats::splat(simd, 0.0) };
         Self {
-            x: floats(&photons.x),
-            y: floats(&photons.y),
-            z: floats(&photons.z),
-            directions,
-            streams: Stream([
-                words(&photons.stream[0]),
-                words(&photons.stream[1]),
-                words(&photons.stream[2]),
-                words(&photons.stream[3]),
-            ]),
-            left: words(&photons.left),
-            budget: words(&photons.budget),
+            x: float(0),
+            y: float(1),
+            z: float(2),
+            directions: Directions { x: direction(3), y: direction(4), z: direction(5) },
+            streams: Stream([word(0), word(1), word(2), word(3)]),
+            left: word(4),
+            budget: word(5),
         }
     }
 
     #[inline(always)]
     pub(super) fn store<P: Scatter>(&self, photons: &mut Photons, first: usize) {
-        self.x.store_slice(window_mut(&mut photons.x, first));
-        self.y.store_slice(window_mut(&mut photons.y, first));
-        self.z.store_slice(window_mut(&mut photons.z, first));
-        if P::REMEMBERS {
-            self.directions.x.store_slice(window_mut(&mut photons.ux, first));
-            self.directions.y.store_slice(window_mut(&mut photons.uy, first));
-            self.directions.z.store_slice(window_mut(&mut photons.uz, first));
+        let places = first..first + LANES;
+        let Directions { x: ux, y: uy, z: uz } = self.directions;
+        let floats = [self.x, self.y, self.z, ux, uy, uz];
+        let count = if P::REMEMBERS { 6 } else { 3 };
+        for (array, values) in photons.floats.iter_mut().zip(floats).take(count) {
+            values.store_slice(&mut array[places.clone()]);
         }
-        for (array, words) in photons.stream.iter_mut().zip(self.streams.0) {
-            words.store_slice(window_mut(array, first));
+        let [a, b, c, d] = self.streams.0;
+        for (array, values) in photons.words.iter_mut().zip([a, b, c, d, self.left, self.budget]) {
+            values.store_slice(&mut array[places.clone()]);
         }
-        self.left.store_slice(window_mut(&mut photons.left, first));
-        self.budget.store_slice(window_mut(&mut photons.budget, first));
     }
 
     /// Applies a permutation of lanes to everything.
@@ -179,15 +137,4 @@ impl<S: Simd> Group<S> {
         self.y = flight.mul_add(self.directions.y, self.y);
         self.z = flight.mul_add(self.directions.z, self.z);
     }
-}
-
-/// The sixteen elements of an array from `first` on.
-#[inline(always)]
-fn window<T>(array: &[T; PLACES], first: usize) -> &[T] {
-    &array[first..first + LANES]
-}
-
-#[inline(always)]
-fn window_mut<T>(array: &mut [T; PLACES], first: usize) -> &mut [T] {
-    &mut array[first..first + LANES]
 }

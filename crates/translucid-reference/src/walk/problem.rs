@@ -1,6 +1,6 @@
 //! Geometry, boundary, scattering and illumination of a walk.
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use crate::Incidence;
 
@@ -94,14 +94,4 @@ impl Problem {
     pub(super) fn faces(&self) -> usize {
         if self.0.thickness.is_finite() { 2 } else { 1 }
     }
-}
-
-/// Refuses a parameter unless the condition holds.
-pub(super) fn require(
-    holds: bool,
-    parameter: &'static str,
-    value: f64,
-    allowed: &'static str,
-) -> Result<(), ParameterError> {
-    if holds { Ok(()) } else { Err(ParameterError::new(parameter, value, allowed)) }
 }

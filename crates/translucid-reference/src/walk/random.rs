@@ -103,6 +103,7 @@ impl Key {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Stream<W>(pub(crate) [W; 4]);
 
+#[cfg(test)]
 impl Stream<u32> {
     /// The stream of one photon.
     #[inline(always)]

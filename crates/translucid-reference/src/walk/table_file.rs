@@ -179,10 +179,11 @@ fn read_layout(reader: &mut Reader) -> Result<Layout, TableError> {
         [_] => Ok(()),
         _ => Err(format!("has the shape {shape:?}, but must have one dimension")),
     };
-    let radii: Vec<_> = reader.list("radii", "<f8", one_dimension)?.into_iter().map(f64::from_bits).collect();
+    let radii: Vec<_> =
+        reader.words("radii", "<f8", one_dimension)?.into_iter().map(f64::from_bits).collect();
     let sectors = reader.count("sectors")?;
     let sectors = fit(reader, "sectors", sectors)?;
-    let words = reader.list("first_orders", "<u8", one_dimension)?;
+    let words = reader.words("first_orders", "<u8", one_dimension)?;
     let first_orders: Vec<_> =
         words.into_iter().map(|word| fit(reader, "first_orders", word)).collect::<Result<_, _>>()?;
     let order_bins = OrderBins::from_first_orders(first_orders)
@@ -204,7 +205,7 @@ fn read_photons(reader: &mut Reader) -> Result<(PhotonRanges, PhotonCounts), Tab
         [_, 3] => Ok(()),
         _ => Err(format!("has the shape {shape:?}, but must have two dimensions, the second of 3")),
     };
-    let words = reader.list("photon_ranges", "<u8", three_columns)?;
+    let words = reader.words("photon_ranges", "<u8", three_columns)?;
     let rows = words.as_chunks().0.iter().map(|&[seed, start, end]| PhotonRange { seed, start, end });
     if let Some(PhotonRange { start, end, .. }) = rows.clone().find(|range| range.start >= range.end) {
         let problem =
@@ -221,21 +222,10 @@ fn read_photons(reader: &mut Reader) -> Result<(PhotonRanges, PhotonCounts), Tab
 
 fn read_cells(reader: &mut Reader, problem: &Problem, layout: &Layout) -> Result<Vec<Cell>, TableError> {
     let shape = shape(problem, layout).map(|n| n as u64);
-    let mut cells: Vec<Cell> = Vec::new();
     let accept = |found: &[u64]| expect_shape(found, &shape);
-    reader.words("counts", "<u8", accept, |count| {
-        if cells.is_empty() {
-            // By now the file is known to be long enough.
-            cells.reserve_exact(problem.faces() * layout.entries());
-        }
-        cells.push(Cell { count, order_sum: 0 });
-    })?;
-    let mut rest = cells.iter_mut();
-    reader.words("order_sums", "<u8", accept, |order_sum| {
-        if let Some(cell) = rest.next() {
-            cell.order_sum = order_sum;
-        }
-    })?;
+    let [counts, order_sums] = ["counts", "order_sums"].map(|name| reader.words(name, "<u8", accept));
+    let pairs = counts?.into_iter().zip(order_sums?);
+    let cells: Vec<Cell> = pairs.map(|(count, order_sum)| Cell { count, order_sum }).collect();
 
     let bins = layout.order_bins();
     for (index, cell) in cells.iter().enumerate() {

@@ -232,6 +232,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             self.fill_one_by_one(first, ended);
         }
     }
+
     /// Lets photons beyond a face out or reflects them: which of them left, and the group with the others
     /// inside.
     #[inline(always)]
@@ -294,8 +295,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             );
         } else {
             for lane in lanes_of(left) {
-                let [x, y, cos_theta] = places.map(|place| place[lane]);
-                self.exits.push_one(x, y, cos_theta, order[lane], transmitted[lane]);
+                self.exits.push_one(places.map(|place| place[lane]), [order[lane], transmitted[lane]]);
             }
         }
     }
@@ -327,7 +327,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             if let Some(side) = self.setup.boundary.cross_again(&mut ray, share, reflectance[lane]) {
                 let order = photons.budget[lane] - photons.left[lane];
                 let transmitted = u32::from(side == Side::Transmitted);
-                self.exits.push_one(ray.x, ray.y, ray.uz.abs(), order, transmitted);
+                self.exits.push_one([ray.x, ray.y, ray.uz.abs()], [order, transmitted]);
                 left |= 1 << lane;
             }
             photons.z[lane] = ray.z;
@@ -335,6 +335,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         }
         left
     }
+
     /// Fills places with what fresh photons there are, then with the block's last.
     ///
     /// From the highest lane down, so that the block's last photon is never one that ended.

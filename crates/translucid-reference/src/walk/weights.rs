@@ -37,14 +37,16 @@ impl Weighed {
     }
 }
 
-impl std::ops::AddAssign for Weighed {
-    fn add_assign(&mut self, other: Self) {
-        self.count = self.count.saturating_add(other.count);
-        self.first += other.first;
-        self.second += other.second;
-        self.slope += other.slope;
-        self.slope_second += other.slope_second;
-        self.uncertainty += other.uncertainty;
+impl std::iter::Sum for Weighed {
+    fn sum<I: Iterator<Item = Self>>(parts: I) -> Self {
+        parts.fold(Self::default(), |sum, part| Self {
+            count: sum.count.saturating_add(part.count),
+            first: sum.first + part.first,
+            second: sum.second + part.second,
+            slope: sum.slope + part.slope,
+            slope_second: sum.slope_second + part.slope_second,
+            uncertainty: sum.uncertainty + part.uncertainty,
+        })
     }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::ops::Range;
 
-use translucid_profile::ParameterError;
+use translucid_profile::{ParameterError, require};
 
 use super::layout::{Layout, Region};
 use super::orders::Cell;
@@ -80,10 +80,8 @@ impl WhiteTable {
         counts: PhotonCounts,
         cells: Vec<Cell>,
     ) -> Result<Self, ParameterError> {
-        if !(reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO) {
-            let parameter = "reference_albedo";
-            return Err(ParameterError::new(parameter, reference_albedo, "in (0, 0.999999]"));
-        }
+        let is_allowed = reference_albedo > 0.0 && reference_albedo <= Self::HIGHEST_REFERENCE_ALBEDO;
+        require(is_allowed, "reference_albedo", reference_albedo, "in (0, 0.999999]")?;
         Ok(Self { problem, layout, reference_albedo, ranges, counts, cells })
     }
 
@@ -135,14 +133,11 @@ impl WhiteTable {
             return Estimate::ZERO;
         }
         let weights = Weights::new(bins, 1.0, self.reference_albedo);
-        let mut sum = Weighed::default();
         let cells = self.cells(side, region);
         if cells.is_empty() {
             return Estimate::ZERO;
         }
-        for orders in cells.chunks_exact(bins.len()) {
-            sum += weights.weigh(bin, orders[bin]);
-        }
+        let sum: Weighed = cells.chunks_exact(bins.len()).map(|orders| weights.weigh(bin, orders[bin])).sum();
         let greatest = self.reference_albedo.powf(-f64::from(bins.orders(bin).0));
         sum.mean(self.photons(), greatest)
     }
@@ -160,11 +155,8 @@ impl WhiteTable {
         let target = surface_albedo * self.photons() as f64;
         let (mut low, mut high) = (0.0, self.reference_albedo);
         let reached = total(low).first <= target && target <= total(high).first;
-        if self.photons() == 0 || !reached {
-            let allowed =
-                "among those of the table's albedos: from that at 0 to that at its reference albedo";
-            return Err(ParameterError::new("surface_albedo", surface_albedo, allowed));
-        }
+        let allowed = "among those of the table's albedos: from that at 0 to that at its reference albedo";
+        require(self.photons() > 0 && reached, "surface_albedo", surface_albedo, allowed)?;
         // R(α) is a power series without negative terms, hence convex: Newton's method comes down from the
         // right without overshooting. The bracket is for rounding.
         let mut alpha = high;
@@ -191,15 +183,9 @@ impl WhiteTable {
 
     /// Weighs cells, whole sets of order bins.
     pub(crate) fn weigh(&self, weights: &Weights, cells: &[Cell]) -> Weighed {
-        let mut sum = Weighed::default();
-        for orders in cells.chunks_exact(self.layout.order_bins().len()) {
-            for (bin, &cell) in orders.iter().enumerate() {
-                if cell.count > 0 {
-                    sum += weights.weigh(bin, cell);
-                }
-            }
-        }
-        sum
+        let places = cells.chunks_exact(self.layout.order_bins().len());
+        let cells = places.flat_map(|orders| orders.iter().enumerate()).filter(|(_, cell)| cell.count > 0);
+        cells.map(|(bin, &cell)| weights.weigh(bin, cell)).sum()
     }
 
     /// Greatest weight that a photon can have: only a slab lets some through without a collision.

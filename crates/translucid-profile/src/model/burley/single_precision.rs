@@ -141,11 +141,6 @@ impl NormalizedDiffusionF32 {
         map_slice(radii, densities, elementwise!(self, NormalizedDiffusionF32, f32, pdf_area));
     }
 
-    /// [`quantile_complement`](Self::quantile_complement) of every share, as far as the shorter slice goes.
-    pub fn quantile_complement_slice(self, shares: &[f32], radii: &mut [f32]) {
-        map_slice(shares, radii, elementwise!(self, NormalizedDiffusionF32, f32, quantile_complement));
-    }
-
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(self, randoms: &[f32], radii: &mut [f32]) {
         map_slice(randoms, radii, elementwise!(self, NormalizedDiffusionF32, f32, sample));
@@ -302,9 +297,8 @@ mod tests {
         let mut to = vec![0.0; 1003];
         type Slice = fn(NormalizedDiffusionF32, &[f32], &mut [f32]);
         type Scalar = fn(NormalizedDiffusionF32, f32) -> f32;
-        let pairs: [(Slice, Scalar); 3] = [
+        let pairs: [(Slice, Scalar); 2] = [
             (NormalizedDiffusionF32::pdf_area_slice, NormalizedDiffusionF32::pdf_area),
-            (NormalizedDiffusionF32::quantile_complement_slice, NormalizedDiffusionF32::quantile_complement),
             (NormalizedDiffusionF32::sample_slice, NormalizedDiffusionF32::sample),
         ];
         for (slice, scalar) in pairs {

@@ -135,11 +135,6 @@ impl DirectionalDipole {
         &self.medium
     }
 
-    /// Relative index η = n_inside/n_outside.
-    pub fn eta(&self) -> f64 {
-        self.kernel.eta
-    }
-
     pub(crate) fn kernel(&self) -> &Kernel {
         &self.kernel
     }

@@ -2,9 +2,8 @@
 
 mod table;
 
-use crate::error::{ParameterError, require, require_fraction, require_positive};
-use crate::medium::half_space::half_space_absorption;
-use crate::medium::media::transport_mfp_over_dmfp;
+use crate::error::ParameterError;
+use crate::medium::inversion::half_space_mfp;
 use crate::model::exact::table::ExactTable;
 use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
@@ -57,22 +56,7 @@ impl ExactProfile {
         parameterization: Parameterization,
         configuration: Configuration,
     ) -> Result<Self, ParameterError> {
-        require_fraction("surface_albedo", surface_albedo)?;
-        require_positive("length", length)?;
-        let (mfp, evaluations) = match parameterization {
-            Parameterization::Mfp => (length, 0),
-            Parameterization::Dmfp => {
-                require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
-                let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
-                (length * transport_mfp_over_dmfp(absorbed), evaluations)
-            }
-        };
-        require(
-            (1e-150..=1e150).contains(&mfp),
-            "length",
-            length,
-            "such that the mean free path is in [1e-150, 1e150]",
-        )?;
+        let (mfp, evaluations) = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
         let table = ExactTable::of(configuration).at(surface_albedo);
         Ok(Self { table: TabulatedProfile::from_table(table, mfp, surface_albedo), evaluations })
     }

@@ -114,11 +114,6 @@ impl RefinedDiffusionF32 {
         map_slice(radii, reflectances, elementwise!(self, RefinedDiffusionF32, f32, eval));
     }
 
-    /// [`cdf`](Self::cdf) of every radius, as far as the shorter slice goes.
-    pub fn cdf_slice(self, radii: &[f32], shares: &mut [f32]) {
-        map_slice(radii, shares, elementwise!(self, RefinedDiffusionF32, f32, cdf));
-    }
-
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(self, randoms: &[f32], radii: &mut [f32]) {
         map_slice(randoms, radii, elementwise!(self, RefinedDiffusionF32, f32, sample));
@@ -231,9 +226,8 @@ mod tests {
         let mut to = vec![0.0; 1003];
         type Slice = fn(RefinedDiffusionF32, &[f32], &mut [f32]);
         type Scalar = fn(RefinedDiffusionF32, f32) -> f32;
-        let pairs: [(Slice, Scalar); 3] = [
+        let pairs: [(Slice, Scalar); 2] = [
             (RefinedDiffusionF32::eval_slice, RefinedDiffusionF32::eval),
-            (RefinedDiffusionF32::cdf_slice, RefinedDiffusionF32::cdf),
             (RefinedDiffusionF32::sample_slice, RefinedDiffusionF32::sample),
         ];
         for (slice, scalar) in pairs {

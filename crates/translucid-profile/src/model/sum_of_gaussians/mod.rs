@@ -8,17 +8,11 @@ mod coefficients;
 
 use std::f64::consts::PI;
 
-use crate::error::{ParameterError, require, require_fraction, require_positive};
-use crate::medium::half_space::half_space_absorption;
-use crate::medium::media::transport_mfp_over_dmfp;
+use crate::error::{ParameterError, require, require_fraction};
+use crate::medium::inversion::half_space_mfp;
 use crate::model::sum_of_gaussians::coefficients::{DIFFUSE, INTERVALS, ROW, SEARCHLIGHT};
 use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile};
-
-/// Least length that the arithmetic holds.
-const LENGTH_MIN: f64 = 1e-150;
-/// Greatest length that the arithmetic holds.
-const LENGTH_MAX: f64 = 1e150;
 
 /// A profile that is a sum of K ≤ 6 Gaussians.
 ///
@@ -81,14 +75,8 @@ impl SumOfGaussians {
         configuration: Configuration,
         terms: usize,
     ) -> Result<Self, ParameterError> {
-        let surface_albedo = require_fraction("surface_albedo", surface_albedo)?;
         require_terms(terms)?;
-        let (mfp, evaluations) = match parameterization {
-            Parameterization::Mfp => (length, 0),
-            Parameterization::Dmfp => mfp_from_dmfp(surface_albedo, length, configuration)?,
-        };
-        let allowed = "such that the mean free path is in [1e-150, 1e150]";
-        require((LENGTH_MIN..=LENGTH_MAX).contains(&mfp), "length", length, allowed)?;
+        let (mfp, evaluations) = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
         let [weights, ln_deviations] = interpolate(surface_albedo, configuration, terms);
         let deviations = ln_deviations.map(|ln_deviation| mfp * ln_deviation.exp());
         Ok(Self { total: surface_albedo, terms, weights: normalized(weights), deviations, evaluations })
@@ -259,18 +247,6 @@ fn require_terms(terms: usize) -> Result<usize, ParameterError> {
     Ok(terms)
 }
 
-/// Mean free path of the half space with a surface albedo and a diffuse mean free path, and the evaluations it took.
-fn mfp_from_dmfp(
-    surface_albedo: f64,
-    dmfp: f64,
-    configuration: Configuration,
-) -> Result<(f64, u32), ParameterError> {
-    require_positive("length", dmfp)?;
-    require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
-    let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
-    Ok((dmfp * transport_mfp_over_dmfp(absorbed), evaluations))
-}
-
 /// Weights and logarithms of the standard deviations in mean free paths.
 fn interpolate(
     surface_albedo: f64,
@@ -419,11 +395,12 @@ mod tests {
     fn dmfp_reaches_its_limit_near_white() {
         for complement in [1e-4, 1e-6, 1e-9, 1e-15] {
             let a = 1.0 - complement;
-            let (mfp, _) = mfp_from_dmfp(a, 1.0, Configuration::Searchlight).unwrap();
+            let (mfp, _) =
+                half_space_mfp(a, 1.0, Parameterization::Dmfp, Configuration::Searchlight).unwrap();
             let expected = 3f64.sqrt() * (1.0 - a) / 2.9078;
             assert!((mfp / expected - 1.0).abs() < 3e-4, "{complement:e}: {mfp:e} {expected:e}");
         }
-        assert!(mfp_from_dmfp(1.0, 1.0, Configuration::Searchlight).is_err());
+        assert!(half_space_mfp(1.0, 1.0, Parameterization::Dmfp, Configuration::Searchlight).is_err());
     }
 
     #[test]

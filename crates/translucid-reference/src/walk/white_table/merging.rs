@@ -7,7 +7,7 @@ use super::super::photon_exit::PhotonCounts;
 use super::super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::super::problem::Parameters;
 use super::super::table_error::TableError;
-use super::{Layout, WhiteTable};
+use super::WhiteTable;
 
 impl WhiteTable {
     /// Adds the photons of another table, exactly.
@@ -19,35 +19,34 @@ impl WhiteTable {
         self.add(&other.ranges, other.counts, &other.cells)
     }
 
+    /// Refuses another table unless all of both walks but the photons is the same.
     fn require_same_walk(&self, other: &Self) -> Result<(), TableError> {
-        let differ = |what, here: String, there: String| Err(TableError::Differs { what, here, there });
-        if let Some((what, here, there)) = difference(self.problem.parameters(), other.problem.parameters()) {
-            return differ(what, here, there);
+        let pairs = self.walk_in_words().into_iter().zip(other.walk_in_words());
+        match pairs.into_iter().find(|(here, there)| here != there) {
+            Some(((what, here), (_, there))) => Err(TableError::Differs { what, here, there }),
+            None => Ok(()),
         }
-        if self.reference_albedo != other.reference_albedo {
-            let (here, there) = (self.reference_albedo, other.reference_albedo);
-            return differ("reference albedo", here.to_string(), there.to_string());
-        }
-        let (a, b) = (&self.layout, &other.layout);
-        if a.radii() != b.radii() {
-            let unlike = |(x, y): (&f64, &f64)| x != y;
-            return match a.radii().iter().zip(b.radii()).position(unlike) {
-                Some(i) => {
-                    differ("a radius of the layout", a.radii()[i].to_string(), b.radii()[i].to_string())
-                }
-                None => {
-                    differ("the number of radii", a.radii().len().to_string(), b.radii().len().to_string())
-                }
-            };
-        }
-        if a.sectors() != b.sectors() {
-            return differ("the number of sectors", a.sectors().to_string(), b.sectors().to_string());
-        }
-        if a.order_bins() != b.order_bins() {
-            let bins = |layout: &Layout| format!("{} bins", layout.order_bins().len());
-            return differ("the bins of orders of scattering", bins(a), bins(b));
-        }
-        Ok(())
+    }
+
+    /// Names and values of all that two walks may differ in.
+    fn walk_in_words(&self) -> Vec<(&'static str, String)> {
+        let Parameters { phase_function, eta, thickness, incidence, spot_radius } =
+            *self.problem.parameters();
+        let (layout, bins) = (&self.layout, self.layout.order_bins());
+        let mut words = vec![
+            ("phase function", format!("{phase_function:?}")),
+            ("entry", format!("{incidence:?}")),
+            ("eta", eta.to_string()),
+            ("thickness", thickness.to_string()),
+            ("spot radius", spot_radius.to_string()),
+            ("reference albedo", self.reference_albedo.to_string()),
+            ("the number of radii", layout.radii().len().to_string()),
+            ("the number of sectors", layout.sectors().to_string()),
+            ("the number of bins of orders of scattering", bins.len().to_string()),
+        ];
+        words.extend(layout.radii().iter().map(|radius| ("a radius of the layout", radius.to_string())));
+        words.extend(bins.first_orders().map(|first| ("the first order of a bin", first.to_string())));
+        words
     }
 
     /// Adds the photons of a run: pieces of a seed that are new, and cells, as a whole or none (an empty list).
@@ -92,25 +91,9 @@ fn add_cells(cells: &mut [Cell], more: &[Cell]) -> Option<()> {
     Some(())
 }
 
-/// First parameter in which problems differ, with its values.
-fn difference(a: &Parameters, b: &Parameters) -> Option<(&'static str, String, String)> {
-    if a.phase_function != b.phase_function {
-        let name = |p: &Parameters| format!("{:?}", p.phase_function);
-        return Some(("phase function", name(a), name(b)));
-    }
-    if a.incidence != b.incidence {
-        return Some(("entry", format!("{:?}", a.incidence), format!("{:?}", b.incidence)));
-    }
-    let numbers =
-        |p: &Parameters| [("eta", p.eta), ("thickness", p.thickness), ("spot radius", p.spot_radius)];
-    let mut pairs = numbers(a).into_iter().zip(numbers(b));
-    let (here, there) = pairs.find(|(here, there)| here.1 != there.1)?;
-    Some((here.0, here.1.to_string(), there.1.to_string()))
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::super::{Control, OrderBins, PhaseFunction, Problem, Region, Side, trace};
+    use super::super::super::{Control, Layout, OrderBins, PhaseFunction, Problem, Region, Side, trace};
     use super::*;
     use crate::Incidence;
 
@@ -187,7 +170,7 @@ mod tests {
             (make(base, &[1.5], 1, 0.1, 0.9), "a radius of the layout: 1 in one, 1.5 in"),
             (make(base, &[1.0, 1.5], 1, 0.1, 0.9), "the number of radii: 1 in one, 2 in"),
             (make(base, &[1.0], 2, 0.1, 0.9), "the number of sectors: 1 in one, 2 in"),
-            (make(base, &[1.0], 1, 0.2, 0.9), "the bins of orders of scattering: "),
+            (make(base, &[1.0], 1, 0.2, 0.9), "the number of bins of orders of scattering: "),
             (make(base, &[1.0], 1, 0.1, 0.91), "reference albedo: 0.9 in one, 0.91 in"),
         ] {
             let mut table = make(base, &[1.0], 1, 0.1, 0.9);

@@ -1,6 +1,6 @@
-//! The guided walk against the exact half space, and its standard errors against what they promise.
+//! The guided walk: reproducible, in agreement with the exact half space, and with the standard errors that it promises.
 
-use translucid_reference::walk::{GuidedWalk, Parameters, Problem};
+use translucid_reference::walk::GuidedWalk;
 use translucid_reference::{Estimate, Incidence, exact::HalfSpace};
 use translucid_testing::power;
 
@@ -9,8 +9,7 @@ use crate::statistics::{chi_square_deviate, is_coverage_of_95_percent, runs_of_c
 const INCIDENCES: [Incidence; 3] = [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine];
 
 fn walk(incidence: Incidence, alpha: f64, radii: &[f64], seed: u64, chunks: u64) -> GuidedWalk {
-    let problem = Problem::new(Parameters { incidence, ..Parameters::default() }).unwrap();
-    GuidedWalk::run(&problem, alpha, radii, seed, chunks as u32).unwrap()
+    GuidedWalk::run(alpha, incidence, radii, seed, chunks as u32).unwrap()
 }
 
 fn deviate(found: Estimate, exact: f64) -> f64 {
@@ -126,5 +125,53 @@ fn guided_errors_cover_the_truth() {
             }
         }
         assert!(covered.into_iter().all(is_coverage_of_95_percent), "{alpha}: {covered:?}");
+    }
+}
+
+#[test]
+fn guided_runs_do_not_depend_on_threads() {
+    let radii = [0.1, 0.7, 3.0, 8.0];
+    for alpha in [0.1, 0.6, 0.999] {
+        let figures = |threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let run = pool.install(|| walk(Incidence::NORMAL, alpha, &radii, 5, 100));
+            [0, 1, 2, 3, 4].map(|i| [run.ring(i), run.enclosed(i)])
+        };
+        let one = figures(1);
+        assert!(one.as_flattened().iter().all(|figure| figure.value > 0.0 && figure.error > 0.0));
+        assert_eq!([figures(2), figures(5)], [one; 2], "α = {alpha}");
+    }
+}
+
+#[test]
+fn guided_walk_refuses_what_it_is_not_made_for() {
+    let refused = |alpha, incidence, radii: &[f64]| {
+        GuidedWalk::run(alpha, incidence, radii, 1, 1).unwrap_err().parameter
+    };
+    assert_eq!(refused(0.5, Incidence::Pencil { cos_theta: 0.5 }, &[1.0]), "cos_theta");
+    for alpha in [0.0, 1.0, -1.0, f64::NAN] {
+        assert_eq!(refused(alpha, Incidence::NORMAL, &[]), "single_scattering_albedo");
+    }
+    for radii in [[1.0, 1.0], [2.0, 1.0], [0.0, 1.0], [1.0, f64::INFINITY], [f64::NAN, 1.0]] {
+        assert_eq!(refused(0.5, Incidence::NORMAL, &radii), "radius");
+    }
+}
+
+#[test]
+fn guided_figures_are_numbers_at_the_ends() {
+    for incidence in INCIDENCES {
+        for alpha in [1e-300, 1e-10, 0.1379, 0.1381, 0.91, 1.0 - 1e-6] {
+            for radii in [&[][..], &[1e-15], &[1e-15, 1e-3, 1.0], &[10.0]] {
+                assert_eq!(walk(incidence, alpha, radii, 1, 0).total().error, f64::INFINITY);
+                let walk = walk(incidence, alpha, radii, 1, 2);
+                for figure in (0..radii.len() + 2).flat_map(|ring| [walk.ring(ring), walk.enclosed(ring)]) {
+                    let finite = figure.value.is_finite() && figure.error.is_finite();
+                    assert!(finite, "{alpha} {radii:?} {figure:?}");
+                }
+                assert_eq!(walk.ring(radii.len() + 1), Estimate::ZERO);
+                assert_eq!(walk.enclosed(radii.len()), walk.total());
+                assert!(walk.total().value > 0.0 && walk.total().value < 1.0);
+            }
+        }
     }
 }

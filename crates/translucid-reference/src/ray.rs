@@ -1,24 +1,26 @@
-//! Vectors and rays in double precision.
+//! Vectors, rays and deflections of the slow and obvious walks, in double precision.
 
-pub(super) type Vector = [f64; 3];
+use crate::split_mix::SplitMix;
+
+pub(crate) type Vector = [f64; 3];
 
 /// A point and a unit direction.
 #[derive(Clone, Copy)]
-pub(super) struct Ray {
-    pub(super) position: Vector,
-    pub(super) direction: Vector,
+pub(crate) struct Ray {
+    pub(crate) position: Vector,
+    pub(crate) direction: Vector,
 }
 
 impl Ray {
     /// Moves the point along the direction.
-    pub(super) fn advance(&mut self, distance: f64) {
+    pub(crate) fn advance(&mut self, distance: f64) {
         self.position = std::array::from_fn(|i| self.position[i] + distance * self.direction[i]);
     }
 }
 
 /// The unit vector at an angle of the given cosine from a unit axis, at an azimuth about it; at azimuth 0 it leans
 /// from the axis away from +z.
-pub(super) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
+pub(crate) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
     let (sin, cos) = azimuth.sin_cos();
     let horizontal = axis[0].hypot(axis[1]);
@@ -34,6 +36,17 @@ pub(super) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
     turned.map(|x| x / length)
 }
 
-pub(super) fn dot(a: Vector, b: Vector) -> f64 {
+pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Draws the cosine of a deflection: Henyey and Greenstein's distribution, inverted.
+pub(crate) fn henyey_greenstein(g: f64, random: &mut SplitMix) -> f64 {
+    let u = 2.0 * random.uniform() - 1.0;
+    // Close to isotropic the inverse loses its digits to cancellation, and is u to within g
+    if g.abs() < 1e-9 {
+        return u;
+    }
+    let ratio = (1.0 - g * g) / (1.0 + g * u);
+    ((1.0 + g * g - ratio * ratio) / (2.0 * g)).clamp(-1.0, 1.0)
 }
