@@ -2,8 +2,8 @@
 //!
 //! - [`comparison`]: the numbers, of every model against the exact solution.
 //! - [`figures`]: the charts, tables and the page of a comparison.
-//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG in a light
-//!   or a dark [`Theme`], a PNG for print, and a [`DataTable`] of its numbers.
+//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG,
+//!   a PNG for print, and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
@@ -11,7 +11,7 @@
 //! - [`Page`]: text, charts, pictures and tables as one HTML file that needs nothing else.
 //!
 //! ```
-//! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series, Theme};
+//! use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
 //! use translucid_profile::{Model, NormalizedDiffusion, Profile};
 //!
 //! # fn main() -> Result<(), translucid_profile::ParameterError> {
@@ -19,7 +19,7 @@
 //! let points = (1..100).map(|i| f64::from(i) / 10.0).map(|r| [r, profile.eval(r)]).collect();
 //! let mut chart = Chart::new("profile", "Normalized diffusion", Axis::linear("r", "ℓ"), Axis::logarithmic("R(r) ℓ²", ""));
 //! chart.series.push(Series::new("A = 0.5", Ink::Model(Model::NormalizedDiffusion), Mark::Line, points));
-//! assert!(chart.svg(Theme::Light).starts_with("<svg"));
+//! assert!(chart.svg().starts_with("<svg"));
 //! # Ok(())
 //! # }
 //! ```
@@ -43,7 +43,7 @@ pub mod picture;
 mod png_bytes;
 mod random;
 
-pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, Theme, residual_chart};
+pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};
 pub use data_table::{Cell, DataTable};
 pub use page::{Block, Page, Plate, Section};
 pub use random::random;

@@ -6,7 +6,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
 use crate::chart::Chart;
-use crate::chart::{Shade, Theme};
+use crate::chart::Shade;
 use crate::data_table::DataTable;
 use crate::markup::{escape, identifier, link};
 
@@ -164,7 +164,7 @@ fn part(block: &Block, ids: &mut HashSet<String>, counts: &mut Counts) -> (Strin
             let files = links(&chart.name, &chart.title, &["svg", "png", "csv"]);
             let html = format!(
                 "<figure id=\"{id}\">\n{}\n<figcaption><b>Figure {number}.</b> {} {files}</figcaption>\n</figure>\n",
-                chart.svg(Theme::Light),
+                chart.svg(),
                 escape(&chart.caption),
             );
             (id, format!("Figure {number}: {}", escape(&chart.title)), html)

@@ -110,7 +110,7 @@ pub use model::refined::RefinedDiffusion;
 pub use model::refined::single_precision::RefinedDiffusionF32;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
-pub use profile::Profile;
+pub use profile::{Profile, Quantity};
 pub use table::albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
 pub use table::precision::Precision;
 pub use table::sampled_profile::SampledProfile;

@@ -127,6 +127,51 @@ pub trait Profile: Send + Sync {
     fn samples_directly(&self) -> bool {
         false
     }
+
+    /// Applies a quantity number by number, as far as the shorter slice goes, with the bits of one call for each.
+    ///
+    /// One call of a `dyn Profile` for many numbers; closed forms run in vector registers.
+    fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {
+        apply_each(self, quantity, from, to);
+    }
+}
+
+/// [`Profile::apply`] for models without vector code of their own.
+pub(crate) fn apply_each<P: Profile + ?Sized>(profile: &P, quantity: Quantity, from: &[f64], to: &mut [f64]) {
+    fn each(from: &[f64], to: &mut [f64], f: impl Fn(f64) -> f64) {
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = f(from));
+    }
+    match quantity {
+        Quantity::Eval => each(from, to, |r| profile.eval(r)),
+        Quantity::Pdf => each(from, to, |r| profile.pdf(r)),
+        Quantity::PdfArea => each(from, to, |r| profile.pdf_area(r)),
+        Quantity::Cdf => each(from, to, |r| profile.cdf(r)),
+        Quantity::Enclosed => each(from, to, |r| profile.enclosed(r)),
+        Quantity::Beyond => each(from, to, |r| profile.beyond(r)),
+        Quantity::Quantile => each(from, to, |u| profile.quantile(u)),
+        Quantity::Sample => each(from, to, |u| profile.sample(u)),
+    }
+}
+
+/// A method of [`Profile`] that takes one number and gives one, for [`Profile::apply`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// [`Profile::eval`].
+    Eval,
+    /// [`Profile::pdf`].
+    Pdf,
+    /// [`Profile::pdf_area`].
+    PdfArea,
+    /// [`Profile::cdf`].
+    Cdf,
+    /// [`Profile::enclosed`].
+    Enclosed,
+    /// [`Profile::beyond`].
+    Beyond,
+    /// [`Profile::quantile`].
+    Quantile,
+    /// [`Profile::sample`].
+    Sample,
 }
 
 /// Methods of [`Profile`] that a part of the type has, or the type itself, under the same names.

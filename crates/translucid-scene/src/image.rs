@@ -51,10 +51,22 @@ impl Image {
     pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
         let column = x.min(self.width.saturating_sub(1)) as usize;
         let row = y.min(self.height.saturating_sub(1)) as usize;
-        let index = row * self.width as usize + column;
+        self.at(row * self.width as usize + column)
+    }
+
+    /// Linear value of a pixel by its place in the data; 0 where there is none.
+    fn at(&self, index: usize) -> [f32; 4] {
         match &self.pixels {
             Pixels::Byte(pixels) => pixels.get(index).map_or([0.0; 4], |&p| self.decode(p)),
             Pixels::Float(pixels) => pixels.get(index).copied().unwrap_or_default(),
+        }
+    }
+
+    /// Number of pixels in the data.
+    fn len(&self) -> usize {
+        match &self.pixels {
+            Pixels::Byte(pixels) => pixels.len(),
+            Pixels::Float(pixels) => pixels.len(),
         }
     }
 
@@ -75,27 +87,19 @@ impl Image {
     #[must_use]
     pub fn mean(&self) -> [f32; 4] {
         let mut sum = [0.0_f64; 4];
-        let mut add = |value: [f32; 4]| {
+        for value in (0..self.len()).map(|index| self.at(index)) {
             for (sum, value) in sum.iter_mut().zip(value) {
                 *sum += f64::from(value);
             }
-        };
-        let count = match &self.pixels {
-            Pixels::Byte(pixels) => pixels.iter().map(|&p| add(self.decode(p))).count(),
-            Pixels::Float(pixels) => pixels.iter().map(|&p| add(p)).count(),
-        };
-        sum.map(|sum| (sum / count.max(1) as f64) as f32)
+        }
+        sum.map(|sum| (sum / self.len().max(1) as f64) as f32)
     }
 
     /// Greatest linear value of each channel over all pixels.
     #[must_use]
     pub fn greatest(&self) -> [f32; 4] {
         let greater = |m: [f32; 4], p: [f32; 4]| std::array::from_fn(|i| m[i].max(p[i]));
-        let least = [f32::NEG_INFINITY; 4];
-        match &self.pixels {
-            Pixels::Byte(pixels) => pixels.iter().map(|&p| self.decode(p)).fold(least, greater),
-            Pixels::Float(pixels) => pixels.iter().copied().fold(least, greater),
-        }
+        (0..self.len()).map(|index| self.at(index)).fold([f32::NEG_INFINITY; 4], greater)
     }
 
     /// Longest edge in pixels.
@@ -116,16 +120,12 @@ impl Image {
         edge.check("width", self.width)?;
         edge.check("height", self.height)?;
         let (width, count) = (self.width as usize, self.width as usize * self.height as usize);
-        let length = match &self.pixels {
-            Pixels::Byte(pixels) => pixels.len(),
-            Pixels::Float(pixels) => pixels.len(),
-        };
         if count > Self::MOST_PIXELS {
             let must_be = format!("at most {}", Self::MOST_PIXELS);
             return Err(refusal("width * height", count, must_be));
         }
-        if length != count {
-            return Err(refusal("pixels.len()", length, format!("width * height = {count}")));
+        if self.len() != count {
+            return Err(refusal("pixels.len()", self.len(), format!("width * height = {count}")));
         }
         let Pixels::Float(pixels) = &self.pixels else { return Ok(()) };
         let is_bad = |pixel: &[f32; 4]| !pixel.iter().fold(true, |all, value| all & value.is_finite());

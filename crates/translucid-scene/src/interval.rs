@@ -4,20 +4,13 @@ use std::fmt;
 
 use crate::SceneError;
 
-/// Whether an end of an interval belongs to it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum End {
-    Closed,
-    Open,
-}
-
 /// An interval of numbers; its ends are finite, so nothing infinite is in it, and no NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
     low: f64,
-    high: f64,
-    low_end: End,
-    high_end: End,
+    pub(crate) high: f64,
+    /// Whether the low and the high end belong to it.
+    closed: [bool; 2],
 }
 
 /// Largest coordinate and length \[L\]: products of four lengths stay within single precision.
@@ -54,34 +47,28 @@ impl Interval {
 
     /// `[low, high]`.
     pub(crate) const fn closed(low: f64, high: f64) -> Self {
-        Self { low, high, low_end: End::Closed, high_end: End::Closed }
+        Self { low, high, closed: [true, true] }
     }
 
     /// `(low, high)`.
     pub(crate) const fn open(low: f64, high: f64) -> Self {
-        Self { low, high, low_end: End::Open, high_end: End::Open }
+        Self { low, high, closed: [false, false] }
     }
 
     /// `(low, high]`.
     pub(crate) const fn above(low: f64, high: f64) -> Self {
-        Self { low, high, low_end: End::Open, high_end: End::Closed }
+        Self { low, high, closed: [false, true] }
     }
 
     /// `[low, high)`.
     pub(crate) const fn below(low: f64, high: f64) -> Self {
-        Self { low, high, low_end: End::Closed, high_end: End::Open }
+        Self { low, high, closed: [true, false] }
     }
 
     /// Whether a number is in the interval; NaN is in none.
     pub(crate) fn contains(self, x: f64) -> bool {
-        let above = match self.low_end {
-            End::Closed => x >= self.low,
-            End::Open => x > self.low,
-        };
-        let below = match self.high_end {
-            End::Closed => x <= self.high,
-            End::Open => x < self.high,
-        };
+        let above = if self.closed[0] { x >= self.low } else { x > self.low };
+        let below = if self.closed[1] { x <= self.high } else { x < self.high };
         above && below
     }
 
@@ -91,16 +78,11 @@ impl Interval {
         Self { low: single(self.low), high: single(self.high), ..self }.contains(f64::from(x))
     }
 
-    /// The upper end.
-    pub(crate) fn high(self) -> f64 {
-        self.high
-    }
-
     /// The number of the interval that is nearest to `x`; the lowest for NaN.
     pub(crate) fn nearest(self, x: f32) -> f32 {
         let (low, high) = (self.low as f32, self.high as f32);
-        let low = if self.low_end == End::Open { low.next_up() } else { low };
-        let high = if self.high_end == End::Open { high.next_down() } else { high };
+        let low = if self.closed[0] { low } else { low.next_up() };
+        let high = if self.closed[1] { high } else { high.next_down() };
         if x.is_nan() { low } else { x.clamp(low, high) }
     }
 
@@ -183,8 +165,8 @@ pub(crate) fn check_index(field: &str, index: usize, count: usize, things: &str)
 
 impl fmt::Display for Interval {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let open = if self.low_end == End::Closed { '[' } else { '(' };
-        let close = if self.high_end == End::Closed { ']' } else { ')' };
+        let open = if self.closed[0] { '[' } else { '(' };
+        let close = if self.closed[1] { ']' } else { ')' };
         write!(f, "{open}{}, {}{close}", Written(self.low), Written(self.high))
     }
 }

@@ -116,15 +116,7 @@ impl Light {
         }
     }
 
-    /// Checks every field.
-    ///
-    /// # Errors
-    /// A number is out of its range, a direction is not a unit vector, or the edges of a rectangle are not
-    /// perpendicular.
-    pub fn validate(&self) -> Result<(), SceneError> {
-        self.check().map_err(|error| error.within(format_args!("{} light", self.kind())))
-    }
-
+    /// Checks every field: ranges, unit vectors, and that the edges of a rectangle are perpendicular.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
         let point = |field, value: Vec3| Interval::PLACE.check_all(field, value.to_array());
         let color = |field, value: Vec3| Interval::LIGHT.check_all(field, value.to_array());

@@ -24,38 +24,18 @@ enum PresetNumbers {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Preset {
-    name: &'static str,
-    source: &'static str,
-    eta: f32,
-    roughness: f32,
+    /// Name as scene files and the command line write it.
+    pub name: &'static str,
+    /// Where the numbers come from: a publication, or that they were chosen by eye.
+    pub source: &'static str,
+    /// Index of refraction of the surface.
+    pub eta: f32,
+    /// Perceptual roughness of the surface, by eye for all presets.
+    pub roughness: f32,
     numbers: PresetNumbers,
 }
 
 impl Preset {
-    /// Name as scene files and the command line write it.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        self.name
-    }
-
-    /// Where the numbers come from: a publication, or that they were chosen by eye.
-    #[must_use]
-    pub fn source(&self) -> &'static str {
-        self.source
-    }
-
-    /// Index of refraction of the surface.
-    #[must_use]
-    pub fn eta(&self) -> f32 {
-        self.eta
-    }
-
-    /// Perceptual roughness of the surface, by eye for all presets.
-    #[must_use]
-    pub fn roughness(&self) -> f32 {
-        self.roughness
-    }
-
     /// Surface albedo A for red, green, blue, in [0, 1].
     #[must_use]
     pub fn surface_albedo(&self) -> DVec3 {
@@ -123,7 +103,7 @@ pub fn presets() -> &'static [Preset] {
 pub fn preset(name: &str) -> Result<&'static Preset, SceneError> {
     PRESETS.iter().find(|preset| plain(preset.name) == plain(name)).ok_or_else(|| {
         let shown: String = name.chars().take(60).collect();
-        let names = || PRESETS.iter().map(Preset::name);
+        let names = || PRESETS.iter().map(|preset| preset.name);
         let all = format!("the presets are {}", names().collect::<Vec<_>>().join(", "));
         SceneError::new(format!("there is no preset \"{shown}\"")).with_help(match nearest(name, names()) {
             Some(near) => format!("did you mean \"{near}\"? {all}"),
@@ -270,26 +250,22 @@ mod tests {
     #[test]
     fn preset_names_are_unique_and_found_in_any_spelling() {
         for (i, preset_of_list) in presets().iter().enumerate() {
-            assert_eq!(preset(preset_of_list.name()).unwrap(), preset_of_list);
+            assert_eq!(preset(preset_of_list.name).unwrap(), preset_of_list);
             let others = &presets()[i + 1..];
             assert!(others.iter().all(|other| plain(other.name) != plain(preset_of_list.name)));
         }
-        assert_eq!(preset("Whole Milk").unwrap().name(), "wholemilk");
-        assert_eq!(preset("SKIN_1").unwrap().name(), "skin1");
+        assert_eq!(preset("Whole Milk").unwrap().name, "wholemilk");
+        assert_eq!(preset("SKIN_1").unwrap().name, "skin1");
     }
 
     #[test]
     fn preset_values_are_within_the_material_ranges() {
         for preset in presets() {
             let (albedo, mfp) = (preset.surface_albedo(), preset.mfp_in_millimeters());
-            assert!(
-                albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0,
-                "{}: {albedo}",
-                preset.name()
-            );
-            assert!(mfp.min_element() > 0.0 && mfp.max_element() < 1000.0, "{}: {mfp}", preset.name());
-            assert!((1.0..=4.0).contains(&preset.eta()) && (0.0..=1.0).contains(&preset.roughness()));
-            assert!(!preset.source().is_empty());
+            assert!(albedo.min_element() >= 0.0 && albedo.max_element() <= 1.0, "{}: {albedo}", preset.name);
+            assert!(mfp.min_element() > 0.0 && mfp.max_element() < 1000.0, "{}: {mfp}", preset.name);
+            assert!((1.0..=4.0).contains(&preset.eta) && (0.0..=1.0).contains(&preset.roughness));
+            assert!(!preset.source.is_empty());
         }
     }
 

@@ -21,7 +21,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Every unit by its name.
+    /// Every unit by its name, in the order of the variants.
     pub(crate) const WORDS: [(&str, Self); 3] =
         [("mm", Self::Millimeter), ("cm", Self::Centimeter), ("m", Self::Meter)];
 
@@ -44,11 +44,7 @@ impl Unit {
     /// The unit's abbreviation as scene files and the command line write it.
     #[must_use]
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Millimeter => "mm",
-            Self::Centimeter => "cm",
-            Self::Meter => "m",
-        }
+        Self::WORDS[self as usize].0
     }
 }
 
@@ -110,21 +106,6 @@ pub struct Scene {
     pub environment: Option<Environment>,
 }
 
-impl Object {
-    /// Checks the mesh, and the material's index in a scene of so many materials.
-    ///
-    /// # Errors
-    /// There is no such material, or the mesh is not valid.
-    pub fn validate(&self, materials: usize) -> Result<(), SceneError> {
-        self.check(materials).map_err(|error| error.within_named("object", &self.name))
-    }
-
-    fn check(&self, materials: usize) -> Result<(), SceneError> {
-        check_index("material", self.material, materials, "materials")?;
-        self.mesh.validate()
-    }
-}
-
 /// The checks of parts take time in proportion to the part: an edit need not check more.
 impl Scene {
     /// Checks everything that a renderer relies on: every index, every range, every mesh.
@@ -150,8 +131,9 @@ impl Scene {
         first_error(self.materials.len(), |i| self.validate_material(i))?;
         first_error(self.lights.len(), |i| self.validate_light(i))?;
         self.validate_objects()?;
-        first_error(self.images.len(), |i| self.validate_image(i))?;
-        first_error(self.profile_tables.len(), |i| self.validate_profile_table(i))
+        let image = |i| check_one("image", &self.images, i, |image| &image.name, Image::check);
+        first_error(self.images.len(), image)?;
+        first_error(self.profile_tables.len(), |i| self.profile_tables[i].validate())
     }
 
     /// Checks all objects, their meshes and the number of their triangles.
@@ -186,9 +168,16 @@ impl Scene {
     /// # Errors
     /// There is no such object, or it is broken.
     pub fn validate_object(&self, index: usize) -> Result<(), SceneError> {
-        let object = get(&self.objects, index, "object")?;
-        let label = || label("object", index, &self.objects, |object| &object.name);
-        object.check(self.materials.len()).map_err(|error| error.within(label()))
+        check_one(
+            "object",
+            &self.objects,
+            index,
+            |object| &object.name,
+            |object| {
+                check_index("material", object.material, self.materials.len(), "materials")?;
+                object.mesh.validate()
+            },
+        )
     }
 
     /// Checks one material.
@@ -196,28 +185,9 @@ impl Scene {
     /// # Errors
     /// There is no such material, or it is broken.
     pub fn validate_material(&self, index: usize) -> Result<(), SceneError> {
-        let material = get(&self.materials, index, "material")?;
-        let label = || label("material", index, &self.materials, |material| &material.name);
         let (images, tables) = (self.images.len(), self.profile_tables.len());
-        material.check(images, tables).map_err(|error| error.within(label()))
-    }
-
-    /// Checks one image.
-    ///
-    /// # Errors
-    /// There is no such image, or it is broken.
-    pub fn validate_image(&self, index: usize) -> Result<(), SceneError> {
-        let image = get(&self.images, index, "image")?;
-        let label = || label("image", index, &self.images, |image| &image.name);
-        image.check().map_err(|error| error.within(label()))
-    }
-
-    /// Checks one profile table.
-    ///
-    /// # Errors
-    /// There is no such table, or it is broken.
-    pub fn validate_profile_table(&self, index: usize) -> Result<(), SceneError> {
-        get(&self.profile_tables, index, "profile table")?.validate()
+        let check = |material: &Material| material.check(images, tables);
+        check_one("material", &self.materials, index, |material| &material.name, check)
     }
 
     /// Checks one light.
@@ -251,14 +221,22 @@ fn get<'a, T>(list: &'a [T], index: usize, thing: &str) -> Result<&'a T, SceneEr
     list.get(index).ok_or_else(|| SceneError::new(format!("there is no {thing} {index} of {count}")))
 }
 
-/// Words for a thing in a list: its name, with its index where others have the name, too, or it has none.
-fn label<T>(thing: &str, index: usize, list: &[T], name: impl Fn(&T) -> &str) -> String {
-    let own = name(&list[index]);
-    if own.is_empty() {
-        return format!("{thing} {index}");
-    }
-    match list.iter().filter(|other| name(other) == own).count() {
-        1 => format!("{thing} {own}"),
-        _ => format!("{thing} {own} (index {index})"),
-    }
+/// Checks a thing of a list. An error names it by its name, with its index where others have the name, too, or it has
+/// none.
+fn check_one<T>(
+    thing: &str,
+    list: &[T],
+    index: usize,
+    name: impl Fn(&T) -> &str,
+    check: impl Fn(&T) -> Result<(), SceneError>,
+) -> Result<(), SceneError> {
+    let one = get(list, index, thing)?;
+    check(one).map_err(|error| {
+        let own = name(one);
+        match list.iter().filter(|other| name(other) == own).count() {
+            _ if own.is_empty() => error.within(format_args!("{thing} {index}")),
+            1 => error.within(format_args!("{thing} {own}")),
+            _ => error.within(format_args!("{thing} {own} (index {index})")),
+        }
+    })
 }

@@ -80,17 +80,14 @@ pub enum SubsurfaceMethod {
 }
 
 impl SubsurfaceMethod {
-    /// Every method by its name.
+    /// Every method by its name, in the order of the variants.
     pub(crate) const WORDS: [(&str, Self); 2] =
         [("ray-traced", Self::RayTraced), ("point-based", Self::PointBased)];
 
     /// The method's name as scene files and the command line write it.
     #[must_use]
     pub const fn name(self) -> &'static str {
-        match self {
-            Self::RayTraced => Self::WORDS[0].0,
-            Self::PointBased => Self::WORDS[1].0,
-        }
+        Self::WORDS[self as usize].0
     }
 
     /// The method that scene files and the command line call `name`.

@@ -21,12 +21,7 @@ const TEXT: &str = include_str!("../../../scenes/still-life.toml");
 /// # Ok::<(), translucid_scene::SceneError>(())
 /// ```
 pub fn still_life(options: &LoadOptions) -> Result<Scene, SceneError> {
-    let file = SceneFile::parse(TEXT, Path::new("scenes/still-life.toml"))?;
-    let mut scene = file.load(options, &mut Vec::new())?;
-    if let Some(model) = options.subsurface_model {
-        scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
-    }
-    Ok(scene)
+    SceneFile::parse(TEXT, Path::new("scenes/still-life.toml"))?.load(options, &mut Vec::new())
 }
 
 #[cfg(test)]

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 use translucid_image::check_writable;
+use translucid_laboratory::Chart;
 use translucid_laboratory::comparison::Stopped;
 use translucid_laboratory::figures::Report;
-use translucid_laboratory::{Chart, Theme};
 
 use super::stopped;
 use crate::failure::Failure;
@@ -44,7 +44,7 @@ pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<V
         let png = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         let file = |end: &str, content: Vec<u8>| (format!("{}.{end}", chart.name), content);
         let files = [
-            file("svg", chart.svg(Theme::Light).into_bytes()),
+            file("svg", chart.svg().into_bytes()),
             file("png", png),
             file("csv", chart.table().csv().into_bytes()),
         ];

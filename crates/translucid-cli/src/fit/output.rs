@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use translucid_image::check_writable;
-use translucid_laboratory::{Chart, DataTable, Theme};
+use translucid_laboratory::{Chart, DataTable};
 
 use crate::failure::Failure;
 use crate::files::{Directory, input_among, refusal, write_file};
@@ -53,7 +53,7 @@ impl OutputArguments {
     /// Writes a chart to the directory, if there is one, as SVG and as PNG.
     pub(super) fn write_chart(&self, chart: &Chart, [svg, png]: [&str; 2]) -> Result<(), Failure> {
         let Some(directory) = &self.output else { return Ok(()) };
-        write_file(&directory.join(svg), chart.svg(Theme::Light).as_bytes())?;
+        write_file(&directory.join(svg), chart.svg().as_bytes())?;
         let picture = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         write_file(&directory.join(png), &picture)
     }

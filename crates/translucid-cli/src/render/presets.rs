@@ -21,15 +21,7 @@ fn table() -> String {
         let _ = writeln!(
             text,
             "{:<15}  {:.3} {:.3} {:.3}  {:>7.4} {:>7.4} {:>7.4}  {:<5}  {}",
-            preset.name(),
-            a.x,
-            a.y,
-            a.z,
-            l.x,
-            l.y,
-            l.z,
-            preset.eta(),
-            preset.source()
+            preset.name, a.x, a.y, a.z, l.x, l.y, l.z, preset.eta, preset.source
         );
     }
     text

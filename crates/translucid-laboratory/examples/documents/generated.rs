@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use translucid_laboratory::Chart;
 use translucid_laboratory::comparison::{Comparison, Reference, Settings};
 use translucid_laboratory::figures::Report;
-use translucid_laboratory::{Chart, Theme};
 use translucid_profile::{Configuration, Model};
 
 use super::{charts, tables};
@@ -102,7 +102,7 @@ impl Generated {
         let caption = chart.caption.replace(". ", ".\n");
         let image = format!("![{}](docs/figures/{}.svg)\n\n{caption}", chart.title, chart.name);
         self.blocks.insert(name.clone(), image);
-        self.figures.insert(name, chart.svg(Theme::Light));
+        self.figures.insert(name, chart.svg());
     }
 }
 

@@ -288,8 +288,8 @@ pub(crate) fn claims(claims: &[Claim]) -> String {
         None => String::from("–"),
     };
     let rows = claims.iter().map(|claim| {
-        let statement = match claim.worse.inversion {
-            Inversion::Own => claim.statement(),
+        let statement = match claim.inversion {
+            Inversion::Own => claim.statement.clone(),
             Inversion::Exact => String::from("… and of the exact α"),
         };
         let whose = if claim.is_the_talks { "talk" } else { "ours" };

@@ -3,14 +3,13 @@
 mod axis;
 mod ink;
 mod residuals;
-mod theme;
+mod shade;
 
 pub use axis::{Axis, Scale};
 pub use ink::Ink;
 pub(crate) use ink::{Marker, Style};
 pub use residuals::{ResidualScale, Residuals, residual_chart};
-pub(crate) use theme::Shade;
-pub use theme::Theme;
+pub(crate) use shade::Shade;
 
 use crate::data_table::{Cell, DataTable};
 

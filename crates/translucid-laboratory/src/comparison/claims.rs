@@ -4,24 +4,13 @@ use translucid_profile::Configuration;
 
 use super::{Contender, ErrorTable, Inversion};
 
-/// Something with an error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Comparand {
-    /// [`Contender::name`].
-    pub contender: &'static str,
-    /// [`Contender::title`].
-    pub title: &'static str,
-    /// Way in which it found its medium.
-    pub inversion: Inversion,
-}
-
 /// "This one is closer to the truth than that one", searchlight, over all radii.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// Side that is said to be closer.
-    pub better: Comparand,
-    /// Side that is said to be farther off.
-    pub worse: Comparand,
+    /// The claim in words.
+    pub statement: String,
+    /// Way in which the side that is said to be farther off found its medium.
+    pub inversion: Inversion,
     /// Whether the talk itself names the pair; the others are ours.
     pub is_the_talks: bool,
     /// Errors of the better and the worse one at each surface albedo that was asked for.
@@ -31,18 +20,6 @@ pub struct Claim {
 }
 
 impl Claim {
-    /// The claim in words.
-    pub fn statement(&self) -> String {
-        let mut statement = match self.better.contender {
-            "exponentials-2" => String::from("two exponentials are closer than two Gaussians"),
-            _ => format!("{} is closer than {}", self.better.title, self.worse.title),
-        };
-        if self.worse.inversion == Inversion::Exact {
-            statement += " of the exact α";
-        }
-        statement
-    }
-
     /// Tells whether a pair of errors bears the claim out.
     pub fn is_confirmed(errors: [f64; 2]) -> bool {
         errors[0] < errors[1]
@@ -62,36 +39,45 @@ impl Claim {
 /// Every other contender that knows media is put to the same test, by either way to its medium.
 /// A claim whose sides are not both in the table is left out.
 pub fn claims(contenders: &[Contender], table: &ErrorTable, surface_albedos: &[f64]) -> Vec<Claim> {
-    let find = |name: &str, inversion: Inversion| {
-        let found = contenders.iter().find(|one| one.name == name)?;
-        Some(Comparand { contender: found.name, title: found.title, inversion })
-    };
-    let normalized = find("normalized-diffusion", Inversion::Own);
+    let find = |name: &str| contenders.iter().find(|one| one.name == name);
     let of_media = contenders.iter().filter(|one| one.knows_media());
+    let normalized = find("normalized-diffusion");
     let pairs = of_media
-        .flat_map(|one| [Inversion::Own, Inversion::Exact].map(|way| (normalized, find(one.name, way))))
-        .chain([(find("exponentials-2", Inversion::Own), find("gaussians-2", Inversion::Own))]);
-    let claim = |(better, worse): (Option<Comparand>, Option<Comparand>)| {
-        let claim = Claim::new(better?, worse?, table, surface_albedos);
-        claim.holds().map(|_| claim)
-    };
-    pairs.filter_map(claim).collect()
+        .flat_map(|one| [Inversion::Own, Inversion::Exact].map(|way| (normalized, Some(one), way)))
+        .chain([(find("exponentials-2"), find("gaussians-2"), Inversion::Own)]);
+    pairs
+        .filter_map(|(better, worse, way)| Claim::new([better?, worse?], way, table, surface_albedos))
+        .collect()
 }
 
 impl Claim {
-    fn new(better: Comparand, worse: Comparand, table: &ErrorTable, surface_albedos: &[f64]) -> Self {
+    /// A better and a worse one, with the worse one's way to its medium; `None` without an error of both.
+    fn new(
+        [better, worse]: [&Contender; 2],
+        inversion: Inversion,
+        table: &ErrorTable,
+        surface_albedos: &[f64],
+    ) -> Option<Self> {
         const NAMED: [&str; 4] = ["dipole", "better-dipole", "photon-beam-diffusion", "gaussians-2"];
         let searchlight = Configuration::Searchlight;
-        let both = |of: &dyn Fn(&Comparand) -> Option<f64>| Some([of(&better)?, of(&worse)?]);
-        let at = |a: &f64| both(&|one: &Comparand| table.at(one.contender, searchlight, one.inversion, *a));
-        let mean =
-            |one: &Comparand| Some(table.summary(one.contender, searchlight, one.inversion)?.errors[2].mean);
-        Self {
-            better,
-            worse,
-            is_the_talks: NAMED.contains(&worse.contender) && worse.inversion == Inversion::Own,
+        let both = |of: &dyn Fn(&'static str, Inversion) -> Option<f64>| {
+            Some([of(better.name, Inversion::Own)?, of(worse.name, inversion)?])
+        };
+        let statement = match (better.name, inversion) {
+            ("exponentials-2", _) => String::from("two exponentials are closer than two Gaussians"),
+            (_, Inversion::Own) => format!("{} is closer than {}", better.title, worse.title),
+            (_, Inversion::Exact) => {
+                format!("{} is closer than {} of the exact α", better.title, worse.title)
+            }
+        };
+        let at = |a: &f64| both(&|name, way| table.at(name, searchlight, way, *a));
+        let claim = Self {
+            statement,
+            inversion,
+            is_the_talks: NAMED.contains(&worse.name) && inversion == Inversion::Own,
             errors: surface_albedos.iter().map(at).collect(),
-            means: both(&mean),
-        }
+            means: both(&|name, way| Some(table.summary(name, searchlight, way)?.errors[2].mean)),
+        };
+        claim.holds().map(|_| claim)
     }
 }

@@ -1,16 +1,17 @@
 //! Contenders of a comparison, by name.
 
 use translucid_profile::{
-    Appearance, BeamMultipleScattering, BeamSingleScattering, BetterDipole, Configuration,
-    DirectionalDipoleAverage, ExactProfile, Medium, Model, NormalizedDiffusion, ParameterError,
-    Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion, StandardDipole,
-    SumOfGaussians, TabulatedProfile,
+    Appearance, BeamMultipleScattering, BeamSingleScattering, Configuration, Medium, Model, ParameterError,
+    Parameterization, Profile, SumOfGaussians, TabulatedProfile,
 };
 
 use super::Reference;
 
 /// A profile, or why there is none.
 pub type Made = Result<Box<dyn Profile>, ParameterError>;
+
+/// Makes a profile from a reference or a medium.
+type Make<T> = Box<dyn Fn(&T) -> Made + Send + Sync>;
 
 /// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,14 +55,12 @@ pub struct Contender {
     pub group: Group,
     /// Number of terms of a sum.
     pub terms: Option<usize>,
-    make: Box<dyn Fn(&Reference) -> Made + Send + Sync>,
+    make: Make<Reference>,
     /// The profile of a medium, whose total is what the model makes of it.
-    from_medium: Option<fn(&Medium) -> Made>,
-    configurations: &'static [Configuration],
+    from_medium: Option<Make<Medium>>,
+    /// Whether the model describes diffuse light, not a perpendicular pencil only.
+    knows_diffuse: bool,
 }
-
-const SEARCHLIGHT: &[Configuration] = &[Configuration::Searchlight];
-const BOTH: &[Configuration] = &[Configuration::Searchlight, Configuration::Diffuse];
 
 impl Contender {
     /// Every contender: models and their variants, then sums of Gaussians, then fits.
@@ -71,7 +70,7 @@ impl Contender {
     pub fn all() -> Vec<Self> {
         let mut all = models();
         all.extend(GAUSSIANS.iter().zip(1..).map(|(names, terms)| gaussians(*names, terms)));
-        all.push(fitted(Model::Exact, |reference| Ok(Box::new(exact_table(reference)?))));
+        all.push(of_model(Model::Exact));
         all.extend(fits());
         all
     }
@@ -83,7 +82,7 @@ impl Contender {
 
     /// Tells whether the model describes light that enters so.
     pub fn knows(&self, configuration: Configuration) -> bool {
-        self.configurations.contains(&configuration)
+        self.knows_diffuse || configuration == Configuration::Searchlight
     }
 
     /// Tells whether the model describes media, and has more than one way to the one of a surface albedo.
@@ -108,7 +107,7 @@ impl Contender {
     pub fn profile_by(&self, reference: &Reference, inversion: Inversion) -> Option<Made> {
         match inversion {
             Inversion::Own => Some(self.profile(reference)),
-            Inversion::Exact => Some(self.from_medium?(&reference.medium)),
+            Inversion::Exact => Some(self.from_medium.as_ref()?(&reference.medium)),
         }
     }
 
@@ -122,58 +121,24 @@ impl Contender {
     }
 }
 
-/// A model with a medium behind it, by its two constructors.
-macro_rules! physical {
-    ($model:ident, $profile:ident) => {
-        physical_titled!($model, $profile, Model::$model.name())
-    };
-}
-
-macro_rules! physical_titled {
-    ($model:ident, $profile:ident, $title:expr) => {
-        Contender {
-            name: Model::$model.name(),
-            title: $title,
-            model: Some(Model::$model),
-            group: Group::Model,
-            terms: None,
-            make: Box::new(|reference| {
-                Ok(Box::new($profile::new(&appearance(reference.surface_albedo), 1.0)?))
-            }),
-            from_medium: Some(|medium| Ok(Box::new($profile::from_medium(medium, 1.0)?))),
-            configurations: SEARCHLIGHT,
-        }
-    };
-}
-
-/// A model of multiple scattering with single scattering added.
-macro_rules! with_single_scattering {
-    ($name:expr, $title:expr, $model:ident) => {
-        composed($name, $title, Model::$model, |medium| {
-            let single = BeamSingleScattering::from_medium(medium, 1.0)?;
-            Ok(Box::new(WithSingleScattering($model::from_medium(medium, 1.0)?, single)))
-        })
-    };
-}
-
 /// The models, but for those that the others bring, and their variants.
 fn models() -> Vec<Contender> {
     vec![
-        fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(normalized_diffusion(reference)?))),
-        fitted(Model::NormalizedDiffusionRefined, |reference| Ok(Box::new(refined(reference)?))),
-        physical!(Dipole, StandardDipole),
-        physical!(BetterDipole, BetterDipole),
-        with_single_scattering!(
+        of_model(Model::NormalizedDiffusion),
+        of_model(Model::NormalizedDiffusionRefined),
+        of_model(Model::Dipole),
+        of_model(Model::BetterDipole),
+        with_single_scattering(
             "better-dipole-with-single-scattering",
             "better-dipole + single scattering",
-            BetterDipole
+            Model::BetterDipole,
         ),
-        physical_titled!(DirectionalDipole, DirectionalDipoleAverage, "directional-dipole, average"),
-        physical!(QuantizedDiffusion, QuantizedDiffusion),
-        with_single_scattering!(
+        Contender { title: "directional-dipole, average", ..of_model(Model::DirectionalDipole) },
+        of_model(Model::QuantizedDiffusion),
+        with_single_scattering(
             "quantized-diffusion-with-single-scattering",
             "quantized-diffusion + single scattering",
-            QuantizedDiffusion
+            Model::QuantizedDiffusion,
         ),
         composed(
             "photon-beam-diffusion-multiple-only",
@@ -181,21 +146,25 @@ fn models() -> Vec<Contender> {
             Model::PhotonBeamDiffusion,
             |medium| Ok(Box::new(BeamMultipleScattering::from_medium(medium, 1.0)?)),
         ),
-        physical!(PhotonBeamDiffusion, PhotonBeamDiffusion),
+        of_model(Model::PhotonBeamDiffusion),
     ]
 }
 
-/// A model that was fitted to half spaces, and takes albedos only.
-fn fitted(model: Model, make: impl Fn(&Reference) -> Made + Send + Sync + 'static) -> Contender {
+/// A model by its name; those that are derived for a perpendicular pencil know media.
+fn of_model(model: Model) -> Contender {
+    let profile = move |reference: &Reference| {
+        model.profile(&appearance(reference.surface_albedo), reference.configuration, 1.0)
+    };
+    let from_medium = move |medium: &Medium| model.profile_of_medium(medium, Configuration::Searchlight, 1.0);
     Contender {
         name: model.name(),
         title: model.name(),
         model: Some(model),
         group: Group::Model,
         terms: None,
-        make: Box::new(make),
-        from_medium: None,
-        configurations: BOTH,
+        make: Box::new(profile),
+        from_medium: (!model.knows_configuration()).then(|| Box::new(from_medium) as _),
+        knows_diffuse: model.knows_configuration(),
     }
 }
 
@@ -204,7 +173,7 @@ fn composed(
     name: &'static str,
     title: &'static str,
     model: Model,
-    from_medium: fn(&Medium) -> Made,
+    from_medium: impl Fn(&Medium) -> Made + Copy + Send + Sync + 'static,
 ) -> Contender {
     let make = move |reference: &Reference| {
         let total = |absorbed: f64| {
@@ -214,16 +183,16 @@ fn composed(
         };
         from_medium(&appearance(reference.surface_albedo).medium(total)?.medium)
     };
-    Contender {
-        name,
-        title,
-        model: Some(model),
-        group: Group::Variant,
-        terms: None,
-        make: Box::new(make),
-        from_medium: Some(from_medium),
-        configurations: SEARCHLIGHT,
-    }
+    let (make, from_medium) = (Box::new(make), Some(Box::new(from_medium) as _));
+    Contender { name, title, group: Group::Variant, make, from_medium, ..of_model(model) }
+}
+
+/// A model of multiple scattering with single scattering added.
+fn with_single_scattering(name: &'static str, title: &'static str, model: Model) -> Contender {
+    composed(name, title, model, move |medium| {
+        let multiple = model.profile_of_medium(medium, Configuration::Searchlight, 1.0)?;
+        Ok(Box::new(WithSingleScattering(multiple, BeamSingleScattering::from_medium(medium, 1.0)?)))
+    })
 }
 
 /// Names and titles of the sums of Gaussians; that of the most terms is the model.
@@ -237,18 +206,25 @@ const GAUSSIANS: [[&str; 2]; SumOfGaussians::MAX_TERMS] = [
 ];
 
 fn gaussians([name, title]: [&'static str; 2], terms: usize) -> Contender {
-    let make = move |reference: &Reference| -> Made { Ok(Box::new(sum_of_gaussians(reference, terms)?)) };
-    let is_model = terms == SumOfGaussians::DEFAULT_TERMS;
-    Contender {
-        name,
-        title,
-        group: if is_model { Group::Model } else { Group::Variant },
-        terms: Some(terms),
-        ..fitted(Model::Gaussians, make)
-    }
+    let make = move |reference: &Reference| -> Made {
+        let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
+        Ok(Box::new(SumOfGaussians::new(reference.surface_albedo, 1.0, mfp, configuration, terms)?))
+    };
+    let group = if terms == SumOfGaussians::DEFAULT_TERMS { Group::Model } else { Group::Variant };
+    Contender { name, title, group, terms: Some(terms), make: Box::new(make), ..of_model(Model::Gaussians) }
 }
 
-/// The best that a family can do at each albedo.
+/// A model by way of the diffuse mean free path of the exact medium.
+fn from_dmfp(name: &'static str, title: &'static str, model: Model) -> Contender {
+    let make = move |reference: &Reference| {
+        let (length, parameterization) = (reference.medium.dmfp(), Parameterization::Dmfp);
+        let appearance = Appearance { length, parameterization, ..appearance(reference.surface_albedo) };
+        model.profile(&appearance, reference.configuration, 1.0)
+    };
+    Contender { name, title, group: Group::Variant, make: Box::new(make), ..of_model(model) }
+}
+
+/// Normalized diffusion from another length, and the best that a family can do at each albedo.
 fn fits() -> Vec<Contender> {
     const EXPONENTIALS: [[&str; 2]; Reference::MAX_EXPONENTIALS] = [
         ["exponentials-1", "best 1 exponential"],
@@ -256,50 +232,42 @@ fn fits() -> Vec<Contender> {
         ["exponentials-3", "best 3 exponentials"],
         ["exponentials-4", "best 4 exponentials"],
     ];
+    let normalized = Model::NormalizedDiffusion;
     let mut fits = vec![
         Contender {
-            name: "normalized-diffusion-from-dmfp",
-            title: "normalized diffusion from the dmfp",
-            group: Group::Variant,
-            configurations: SEARCHLIGHT,
-            ..fitted(Model::NormalizedDiffusion, |reference| Ok(Box::new(from_dmfp(reference)?)))
+            // The talk has a fit in this length for the pencil only
+            knows_diffuse: false,
+            ..from_dmfp("normalized-diffusion-from-dmfp", "normalized diffusion from the dmfp", normalized)
         },
-        Contender {
-            name: "normalized-diffusion-refined-from-dmfp",
-            title: "normalized diffusion refined, from the dmfp",
-            group: Group::Variant,
-            ..fitted(Model::NormalizedDiffusionRefined, |reference| {
-                Ok(Box::new(refined_from_dmfp(reference)?))
-            })
-        },
+        from_dmfp(
+            "normalized-diffusion-refined-from-dmfp",
+            "normalized diffusion refined, from the dmfp",
+            Model::NormalizedDiffusionRefined,
+        ),
         Contender {
             name: "best-normalized-diffusion",
             title: "best normalized diffusion",
             group: Group::Fit,
-            ..fitted(Model::NormalizedDiffusion, |reference| {
-                Ok(Box::new(reference.best_normalized_diffusion()?.mixture))
-            })
+            make: Box::new(|reference| Ok(Box::new(reference.best_normalized_diffusion()?.mixture))),
+            ..of_model(normalized)
         },
     ];
-    fits.extend(EXPONENTIALS.iter().zip(1..).map(|([name, title], terms)| Contender {
-        name,
-        title,
-        model: None,
-        group: Group::Fit,
-        terms: Some(terms),
-        ..fitted(Model::NormalizedDiffusion, move |reference| {
+    fits.extend(EXPONENTIALS.iter().zip(1..).map(|([name, title], terms)| {
+        let make = move |reference: &Reference| -> Made {
             let fit = reference.exponentials().get(terms - 1);
             let fit = fit.ok_or(ParameterError::new("terms", terms as f64, "among the fits"))?;
             Ok(Box::new(fit.mixture.clone()))
-        })
+        };
+        let (group, terms, make) = (Group::Fit, Some(terms), Box::new(make));
+        Contender { name, title, model: None, group, terms, make, ..of_model(normalized) }
     }));
     fits
 }
 
 /// A model of multiple scattering, and exact single scattering.
-struct WithSingleScattering<P>(P, BeamSingleScattering);
+struct WithSingleScattering(Box<dyn Profile>, BeamSingleScattering);
 
-impl<P: Profile> Profile for WithSingleScattering<P> {
+impl Profile for WithSingleScattering {
     fn eval_times_r(&self, r: f64) -> f64 {
         self.0.eval_times_r(r) + self.1.eval_times_r(r)
     }
@@ -327,38 +295,6 @@ impl<P: Profile> Profile for WithSingleScattering<P> {
 
 fn appearance(surface_albedo: f64) -> Appearance {
     Appearance { surface_albedo, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 }
-}
-
-fn normalized_diffusion(reference: &Reference) -> Result<NormalizedDiffusion, ParameterError> {
-    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
-    NormalizedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
-}
-
-/// Normalized diffusion by the talk's fit in the diffuse mean free path of the exact medium.
-fn from_dmfp(reference: &Reference) -> Result<NormalizedDiffusion, ParameterError> {
-    let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
-    NormalizedDiffusion::new(a, length, Parameterization::Dmfp, Configuration::Searchlight)
-}
-
-fn refined(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
-    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
-    RefinedDiffusion::new(reference.surface_albedo, 1.0, mfp, configuration)
-}
-
-/// Refined normalized diffusion by way of the diffuse mean free path of the exact medium.
-fn refined_from_dmfp(reference: &Reference) -> Result<RefinedDiffusion, ParameterError> {
-    let (a, length) = (reference.surface_albedo, reference.medium.dmfp());
-    RefinedDiffusion::new(a, length, Parameterization::Dmfp, reference.configuration)
-}
-
-fn sum_of_gaussians(reference: &Reference, terms: usize) -> Result<SumOfGaussians, ParameterError> {
-    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
-    SumOfGaussians::new(reference.surface_albedo, 1.0, mfp, configuration, terms)
-}
-
-fn exact_table(reference: &Reference) -> Result<ExactProfile, ParameterError> {
-    let (mfp, configuration) = (Parameterization::Mfp, reference.configuration);
-    ExactProfile::new(reference.surface_albedo, 1.0, mfp, configuration)
 }
 
 #[cfg(test)]

@@ -5,15 +5,7 @@ use translucid_fit::ErrorSummary;
 use translucid_profile::{Configuration, ParameterError};
 
 use super::watch::{Progress, Stopped};
-use super::{Contender, Inversion, Reference, Watch};
-
-/// Greatest radii that errors are stated for, in mean free paths.
-pub const R_MAX: [f64; 3] = [8.0, 16.0, f64::INFINITY];
-
-/// The surface albedos that the talk takes its means over: 0.01, 0.02, … 0.99.
-pub fn talk_albedos() -> Vec<f64> {
-    (1..=99).map(|percent| f64::from(percent) / 100.0).collect()
-}
+use super::{Contender, Inversion, R_MAX, Reference, Settings};
 
 /// The errors of one contender at one surface albedo.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,36 +42,37 @@ pub struct Summary {
 }
 
 impl ErrorTable {
-    /// Judges contenders at the surface albedos that means are over and at others, on all threads of the current rayon
-    /// pool.
-    ///
-    /// ```
-    /// use translucid_laboratory::comparison::{Contender, ErrorTable, Inversion, Watch};
-    /// use translucid_profile::Configuration;
-    ///
-    /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-    /// let mut contenders = Contender::all();
-    /// contenders.retain(|contender| contender.name == "normalized-diffusion");
-    /// let searchlight = Configuration::Searchlight;
-    /// let table = ErrorTable::new(&contenders, &[searchlight], &[0.2, 0.5, 0.8], &[], Watch::default())?;
-    /// let all = table.summary("normalized-diffusion", searchlight, Inversion::Own);
-    /// let [.., over_all_radii] = all.expect("it was asked for").errors;
-    /// assert!((100.0 * over_all_radii.mean - 5.54).abs() < 0.01); // 4.57, 3.20 and 8.86 %
-    /// # Ok(())
-    /// # }
-    /// ```
+    /// Milliseconds that all contenders take at one albedo.
+    const COST: u64 = 56;
+
+    /// Judges the contenders at the surface albedos that means are over and at those that get figures, on all threads
+    /// of the current rayon pool.
     ///
     /// # Errors
     /// The work was stopped. An albedo that is not in (0, 1\] has no rows.
-    pub fn new(
-        contenders: &[Contender],
-        configurations: &[Configuration],
-        averaged: &[f64],
-        others: &[f64],
-        watch: Watch<'_>,
-    ) -> Result<Self, Stopped> {
-        let asked = Asked { contenders, configurations, averaged, others };
-        asked.judge(&Progress::new(watch, asked.work()))
+    pub(super) fn new(settings: &Settings, progress: &Progress<'_>) -> Result<Self, Stopped> {
+        let Settings { contenders, configurations, averaged, .. } = settings;
+        let half_spaces = half_spaces(settings);
+        let judged = half_spaces.par_iter().map(|(configuration, albedo)| {
+            progress.check()?;
+            let rows = Reference::new(*albedo, *configuration).map(|one| rows(contenders, &one));
+            progress.add(Self::COST);
+            Ok(rows.unwrap_or_default())
+        });
+        let mut rows = judged.collect::<Result<Vec<_>, Stopped>>()?.concat();
+        // Stable: albedos stay as they are
+        let place = |row: &ErrorRow| {
+            let configuration = configurations.iter().position(|one| *one == row.configuration);
+            let contender = contenders.iter().position(|one| one.name == row.contender);
+            (configuration, row.inversion == Inversion::Exact, contender)
+        };
+        rows.sort_by_key(place);
+        Ok(Self { rows, averaged: averaged.clone() })
+    }
+
+    /// Cost of judging, in the units of progress.
+    pub(super) fn work(settings: &Settings) -> u64 {
+        Self::COST * half_spaces(settings).len() as u64
     }
 
     /// The rows of one contender.
@@ -128,54 +121,14 @@ impl ErrorTable {
     }
 }
 
-/// Contenders and albedos that are to be judged.
-pub(super) struct Asked<'a> {
-    pub(super) contenders: &'a [Contender],
-    pub(super) configurations: &'a [Configuration],
-    /// Surface albedos that means are over.
-    pub(super) averaged: &'a [f64],
-    /// Other surface albedos.
-    pub(super) others: &'a [f64],
-}
-
-impl Asked<'_> {
-    /// Milliseconds that all contenders take at one albedo.
-    const COST: u64 = 56;
-
-    /// Cost of judging, in the units of progress.
-    pub(super) fn work(&self) -> u64 {
-        Self::COST * self.half_spaces().len() as u64
-    }
-
-    /// Configurations and albedos, sorted and each once; none for a configuration that no contender knows.
-    fn half_spaces(&self) -> Vec<(Configuration, f64)> {
-        let mut albedos = [self.averaged, self.others].concat();
-        albedos.sort_by(f64::total_cmp);
-        albedos.dedup();
-        let known = |c: &&Configuration| self.contenders.iter().any(|contender| contender.knows(**c));
-        let configurations = self.configurations.iter().filter(known);
-        configurations.flat_map(|c| albedos.iter().map(|a| (*c, *a))).collect()
-    }
-
-    /// Judges everything, on all threads of the current rayon pool.
-    pub(super) fn judge(&self, progress: &Progress<'_>) -> Result<ErrorTable, Stopped> {
-        let half_spaces = self.half_spaces();
-        let judged = half_spaces.par_iter().map(|(configuration, albedo)| {
-            progress.check()?;
-            let rows = Reference::new(*albedo, *configuration).map(|one| rows(self.contenders, &one));
-            progress.add(Self::COST);
-            Ok(rows.unwrap_or_default())
-        });
-        let mut rows = judged.collect::<Result<Vec<_>, Stopped>>()?.concat();
-        // Stable: albedos stay as they are
-        let place = |row: &ErrorRow| {
-            let configuration = self.configurations.iter().position(|one| *one == row.configuration);
-            let contender = self.contenders.iter().position(|one| one.name == row.contender);
-            (configuration, row.inversion == Inversion::Exact, contender)
-        };
-        rows.sort_by_key(place);
-        Ok(ErrorTable { rows, averaged: self.averaged.to_vec() })
-    }
+/// Configurations and albedos, sorted and each once; none for a configuration that no contender knows.
+fn half_spaces(settings: &Settings) -> Vec<(Configuration, f64)> {
+    let mut albedos = [&settings.averaged[..], &settings.surface_albedos].concat();
+    albedos.sort_by(f64::total_cmp);
+    albedos.dedup();
+    let known = |c: &&Configuration| settings.contenders.iter().any(|contender| contender.knows(**c));
+    let configurations = settings.configurations.iter().filter(known);
+    configurations.flat_map(|c| albedos.iter().map(|a| (*c, *a))).collect()
 }
 
 /// Judges all contenders at one surface albedo.

@@ -9,7 +9,7 @@
 //! - [`ErrorTable`]: area-weighted L1 errors of contenders for many albedos; [`claims`] are what the talk says of them.
 //! - [`Reflectance`]: curves R(r) with the walk's points; [`ScalingCase`]: s(A).
 //! - [`SampleTest`]: histograms of drawn radii, with χ².
-//! - [`MixtureErrors`]: Gaussians against exponentials; [`FresnelCurve`]: Schlick against Fresnel.
+//! - [`FresnelCurve`]: Schlick against Fresnel.
 //! - [`Timing`]: nanoseconds per call.
 //! - [`Comparison`]: all of this at once, as [`Settings`] ask for it.
 
@@ -18,27 +18,29 @@ mod claims;
 mod contender;
 mod errors;
 mod fresnel;
-mod mixtures;
 mod monte_carlo;
+mod ranges;
 mod reference;
 mod reflectance;
 mod run;
 mod sampling;
 mod scaling;
+mod settings;
 mod timing;
 mod watch;
 
 pub use chi_square::chi_square_probability;
-pub use claims::{Claim, Comparand, claims};
+pub use claims::{Claim, claims};
 pub use contender::{Contender, Group, Inversion, Made};
-pub use errors::{ErrorRow, ErrorTable, R_MAX, Summary, talk_albedos};
+pub use errors::{ErrorRow, ErrorTable, Summary};
 pub use fresnel::{FresnelCurve, Side, fresnel_curves};
-pub use mixtures::{MixtureErrors, MixtureFamily};
 pub use monte_carlo::{RingPoint, Walk};
+pub use ranges::{R_MAX, talk_albedos};
 pub use reference::Reference;
 pub use reflectance::{Curve, Reflectance};
-pub use run::{Comparison, Settings};
-pub use sampling::{SampleTest, Sampling};
+pub use run::Comparison;
+pub use sampling::SampleTest;
 pub use scaling::ScalingCase;
+pub use settings::Settings;
 pub use timing::{Quantity, Timing};
 pub use watch::{Stopped, Watch};

@@ -1,12 +1,10 @@
 //! Photons that walk, as a witness that owes the exact solution nothing.
 
 use translucid_profile::{Configuration, ParameterError, Profile};
-use translucid_reference::walk::{
-    Control, Layout, Parameters, Problem, Region, Side, TableError, WhiteTable,
-};
+use translucid_reference::walk::{Control, Layout, Parameters, Problem, Region, Side, WhiteTable};
 
+use super::Reference;
 use super::watch::{Progress, Stopped};
-use super::{Reference, chi_square_probability};
 
 /// A walk whose one set of photons serves every surface albedo.
 #[derive(Clone, Debug)]
@@ -71,7 +69,7 @@ impl Walk {
         };
         let before = std::sync::atomic::AtomicU64::new(0);
         let report = |done: u64| {
-            let done = work(done);
+            let done = Self::work(done);
             let known = before.fetch_max(done, std::sync::atomic::Ordering::Relaxed);
             progress.add(done.saturating_sub(known));
         };
@@ -81,9 +79,9 @@ impl Walk {
         Ok(walked.is_ok_and(|walked| walked == photons).then(|| Self { table, radii: radii(max_radius) }))
     }
 
-    /// Cost of a walk, in the units of progress.
+    /// Cost of a walk, in the units of progress: milliseconds, at some 20 collisions a photon.
     pub(super) fn work(photons: u64) -> u64 {
-        work(photons)
+        photons / 20_000
     }
 
     /// Photons that have walked.
@@ -113,17 +111,6 @@ impl Walk {
     }
 }
 
-/// χ² of a walk's rings against the exact solution, their number, and how often chance is as far off.
-pub(super) fn chi_square(points: &[RingPoint]) -> (f64, usize, f64) {
-    let chi_square = points.iter().map(|point| point.deviate().powi(2)).sum();
-    (chi_square, points.len(), chi_square_probability(chi_square, points.len()))
-}
-
-/// Milliseconds that photons take, at some 20 collisions each.
-fn work(photons: u64) -> u64 {
-    photons / 20_000
-}
-
 fn radii(max_radius: f64) -> Vec<f64> {
     let (least, last) = (0.04f64, (Walk::RINGS - 1) as f64);
     // The last one stays clear of the edge of a figure
@@ -131,10 +118,11 @@ fn radii(max_radius: f64) -> Vec<f64> {
     (0..Walk::RINGS as i32).map(|i| least * ratio.powi(i)).collect()
 }
 
-fn empty_table(configuration: Configuration, albedo: f64, max_radius: f64) -> Result<WhiteTable, TableError> {
-    let make = || -> Result<WhiteTable, ParameterError> {
-        let problem = Problem::new(Parameters { incidence: configuration.into(), ..Parameters::default() })?;
-        WhiteTable::new(problem, Layout::around(&radii(max_radius))?, albedo)
-    };
-    Ok(make()?)
+fn empty_table(
+    configuration: Configuration,
+    albedo: f64,
+    max_radius: f64,
+) -> Result<WhiteTable, ParameterError> {
+    let problem = Problem::new(Parameters { incidence: configuration.into(), ..Parameters::default() })?;
+    WhiteTable::new(problem, Layout::around(&radii(max_radius))?, albedo)
 }

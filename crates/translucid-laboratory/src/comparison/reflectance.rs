@@ -2,8 +2,7 @@
 
 use translucid_profile::{Configuration, Profile};
 
-use super::monte_carlo::{self, RingPoint, Walk};
-use super::{Contender, Reference};
+use super::{Contender, Reference, RingPoint, Walk, chi_square_probability};
 
 /// One profile over the radii of a [`Reflectance`].
 #[derive(Clone, Debug, PartialEq)]
@@ -66,7 +65,8 @@ impl Reflectance {
 
     /// χ² of the walk's rings against the exact solution, how many there are, and how often chance alone is as far off.
     pub fn chi_square(&self) -> (f64, usize, f64) {
-        monte_carlo::chi_square(&self.points)
+        let chi_square = self.points.iter().map(|point| point.deviate().powi(2)).sum();
+        (chi_square, self.points.len(), chi_square_probability(chi_square, self.points.len()))
     }
 
     /// The greatest distance of a ring from the exact solution, in standard errors; 0 without rings.

@@ -1,66 +1,13 @@
 //! Everything at once.
 
 use rayon::prelude::*;
-use translucid_profile::{Configuration, Model, Parameterization};
+use translucid_profile::{Configuration, Model};
 
-use super::errors::Asked;
 use super::watch::{Progress, Stopped};
 use super::{
-    Claim, Contender, ErrorTable, FresnelCurve, MixtureErrors, Reference, Reflectance, SampleTest, Sampling,
-    ScalingCase, Timing, Walk, Watch, claims, fresnel_curves, sampling, talk_albedos, timing,
+    Claim, Contender, ErrorTable, FresnelCurve, Reference, Reflectance, SampleTest, ScalingCase, Settings,
+    Timing, Walk, Watch, claims, fresnel_curves, sampling, timing,
 };
-
-/// Everything that a [`Comparison`] is asked for.
-pub struct Settings {
-    /// The contenders.
-    pub contenders: Vec<Contender>,
-    /// Surface albedos that get figures, each in (0, 1\].
-    pub surface_albedos: Vec<f64>,
-    /// Surface albedos that mean errors are over.
-    pub averaged: Vec<f64>,
-    /// Ways in which light enters.
-    pub configurations: Vec<Configuration>,
-    /// Greatest radius of the figures in mean free paths, at least 0.2.
-    pub max_radius: f64,
-    /// Photons of a walk in each configuration; 0 for no walk.
-    pub photons: u64,
-    /// Seed of the photons and of drawn radii.
-    pub seed: u64,
-    /// Radii that are drawn from each model.
-    pub samples: u64,
-    /// Rounds in which calls are timed, some 80 for figures that hold; 0 for no times.
-    pub timing_rounds: usize,
-}
-
-impl Default for Settings {
-    /// Everything, at the albedos of the talk.
-    fn default() -> Self {
-        Self {
-            contenders: Contender::all(),
-            surface_albedos: vec![0.2, 0.5, 0.8],
-            averaged: talk_albedos(),
-            configurations: vec![Configuration::Searchlight, Configuration::Diffuse],
-            max_radius: 16.0,
-            photons: 4_000_000,
-            seed: 0,
-            samples: 200_000,
-            timing_rounds: 80,
-        }
-    }
-}
-
-impl Settings {
-    /// The cases of s(A): none without the model that it is for.
-    fn scaling_cases(&self) -> &'static [(Parameterization, Configuration, f64)] {
-        let normalized = Model::NormalizedDiffusion.name();
-        if self.contenders.iter().any(|one| one.name == normalized) { &ScalingCase::TALK } else { &[] }
-    }
-
-    fn asked(&self) -> Asked<'_> {
-        let Self { contenders, configurations, averaged, surface_albedos: others, .. } = self;
-        Asked { contenders, configurations, averaged, others }
-    }
-}
 
 /// The numbers of all figures and tables.
 ///
@@ -78,8 +25,6 @@ pub struct Comparison {
     pub scaling: Vec<ScalingCase>,
     /// Histograms of the models.
     pub samples: Vec<SampleTest>,
-    /// Sums of Gaussians and exponentials.
-    pub mixtures: Vec<MixtureErrors>,
     /// Schlick's approximation.
     pub fresnel: Vec<FresnelCurve>,
     /// Nanoseconds a call.
@@ -108,7 +53,7 @@ impl Comparison {
             Some(reference) => timing::timed(contenders, reference, settings.timing_rounds, &progress)?,
             None => Vec::new(),
         };
-        let errors = settings.asked().judge(&progress)?;
+        let errors = ErrorTable::new(&settings, &progress)?;
         let cases = settings.scaling_cases().into_par_iter().map(|&(length, configuration, _)| {
             progress.check()?;
             let case = ScalingCase::new(length, configuration, f64::INFINITY);
@@ -117,10 +62,9 @@ impl Comparison {
         });
         let scaling = cases.collect::<Result<Vec<_>, Stopped>>()?.into_iter().flatten().collect();
         let sampled: Vec<&Contender> = contenders.iter().filter(|one| one.is_model()).collect();
-        let draw = Sampling { seed: settings.seed, count: settings.samples };
         let histograms = sampled.into_par_iter().map(|contender| {
             progress.check()?;
-            let test = middle.as_ref().and_then(|middle| SampleTest::new(contender, middle, draw).ok());
+            let test = middle.as_ref().and_then(|middle| SampleTest::new(contender, middle, &settings).ok());
             progress.add(HISTOGRAM_COST);
             Ok(test)
         });
@@ -132,7 +76,6 @@ impl Comparison {
 
         Ok(Self {
             claims: claims(contenders, &errors, surface_albedos),
-            mixtures: MixtureErrors::of(&errors, configurations),
             fresnel: fresnel_curves(),
             reflectances,
             errors,
@@ -178,7 +121,7 @@ fn work(settings: &Settings) -> u64 {
     let Settings { contenders, configurations, .. } = settings;
     let models = contenders.iter().filter(|one| one.is_model()).count() as u64;
     timing::work(contenders, settings.timing_rounds)
-        + settings.asked().work()
+        + ErrorTable::work(settings)
         + SCALING_COST * settings.scaling_cases().len() as u64
         + HISTOGRAM_COST * models
         + configurations.len() as u64 * Walk::work(settings.photons)

@@ -2,17 +2,8 @@
 
 use translucid_profile::{Configuration, ParameterError, TabulatedProfile};
 
-use super::{Contender, Reference, chi_square_probability};
+use super::{Contender, Reference, Settings, chi_square_probability};
 use crate::random;
-
-/// Seed and number of radii that are drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Sampling {
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Number of radii.
-    pub count: u64,
-}
 
 /// A histogram of radii that a contender's `sample` has drawn, and what its density promises.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,16 +34,16 @@ impl SampleTest {
     /// Bins up to the last edge.
     pub const BINS: usize = 60;
 
-    /// Draws radii of one model.
+    /// Draws radii of one model, with the seed and as many as the settings say.
     ///
     /// Number i of a seed is the same whatever their count, and for every model.
     ///
     /// # Errors
     /// The contender does not reach the surface albedo of the reference.
-    pub fn new(
+    pub(super) fn new(
         contender: &Contender,
         reference: &Reference,
-        sampling: Sampling,
+        settings: &Settings,
     ) -> Result<Self, ParameterError> {
         let profile = contender.profile(reference)?;
         let sampled = contender.profile_to_sample(reference)?;
@@ -62,8 +53,8 @@ impl SampleTest {
 
         // Count radii
         let mut counts = vec![0u64; Self::BINS + 1];
-        for i in 0..sampling.count {
-            let r = sampled.sample(random(sampling.seed, i));
+        for i in 0..settings.samples {
+            let r = sampled.sample(random(settings.seed, i));
             // Where rounding puts a radius beside an edge, the edge decides
             let near = ((r / step) as usize).min(Self::BINS);
             let bin = if near > 0 && r < edges[near] { near - 1 } else { near };
@@ -75,7 +66,7 @@ impl SampleTest {
             Some(outer) => profile.cdf(*outer) - profile.cdf(edges[i]),
             None => profile.complementary_cdf(end),
         };
-        let expected: Vec<f64> = (0..=Self::BINS).map(|i| sampling.count as f64 * share(i)).collect();
+        let expected: Vec<f64> = (0..=Self::BINS).map(|i| settings.samples as f64 * share(i)).collect();
         let chi_square = counts.iter().zip(&expected).map(|(n, e)| (*n as f64 - e).powi(2) / e).sum();
         let fine = |i: usize| 0.25 * step * i as f64;
         Ok(Self {

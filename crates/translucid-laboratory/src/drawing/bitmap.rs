@@ -7,14 +7,13 @@ use ttf_parser::OutlineBuilder;
 
 use super::canvas::{Anchor, Canvas, Fill, Label, Pen, Shape};
 use super::text::Font;
-use crate::chart::{Shade, Theme};
+use crate::chart::Shade;
 
 /// Opaque pixels.
 pub(crate) struct Bitmap {
     pixels: Pixmap,
     /// Pixels for one of the canvas.
     scale: f32,
-    theme: Theme,
 }
 
 impl Bitmap {
@@ -26,8 +25,8 @@ impl Bitmap {
         let [width, height] = canvas.size.map(|length| (length * f64::from(scale)).round() as u32);
         let too_large = || io::Error::other("the picture is empty or too large");
         let pixels = Pixmap::new(width, height).ok_or_else(too_large)?;
-        let mut bitmap = Self { pixels, scale, theme: canvas.theme };
-        bitmap.pixels.fill(bitmap.color(Shade::BACKGROUND, 1.0));
+        let mut bitmap = Self { pixels, scale };
+        bitmap.pixels.fill(color(Shade::BACKGROUND, 1.0));
         for shape in &canvas.shapes {
             bitmap.draw(shape);
         }
@@ -87,13 +86,13 @@ impl Bitmap {
             dash: StrokeDash::new(dash, 0.0),
             ..Stroke::default()
         };
-        let paint = self.paint(pen.shade, 1.0);
+        let paint = paint(pen.shade, 1.0);
         self.pixels.stroke_path(&path, &paint, &stroke, self.transform(), None);
     }
 
     fn fill(&mut self, path: Option<Path>, fill: &Fill) {
         let Some(path) = path else { return };
-        let paint = self.paint(fill.shade, fill.opacity as f32);
+        let paint = paint(fill.shade, fill.opacity as f32);
         self.pixels.fill_path(&path, &paint, FillRule::Winding, self.transform(), None);
         if fill.rim > 0.0 {
             self.stroke(Some(path), &Pen::solid(Shade::BACKGROUND, fill.rim));
@@ -123,24 +122,24 @@ impl Bitmap {
             .pre_rotate(if label.upwards { -90.0 } else { 0.0 })
             .pre_scale(scale, -scale)
             .pre_translate(start, 0.0);
-        let paint = self.paint(Shade::TEXT, 1.0);
+        let paint = paint(Shade::TEXT, 1.0);
         self.pixels.fill_path(&path, &paint, FillRule::Winding, transform, None);
     }
 
     fn transform(&self) -> Transform {
         Transform::from_scale(self.scale, self.scale)
     }
+}
 
-    fn paint(&self, shade: Shade, opacity: f32) -> Paint<'static> {
-        let mut paint = Paint::default();
-        paint.set_color(self.color(shade, opacity));
-        paint
-    }
+fn paint(shade: Shade, opacity: f32) -> Paint<'static> {
+    let mut paint = Paint::default();
+    paint.set_color(color(shade, opacity));
+    paint
+}
 
-    fn color(&self, shade: Shade, opacity: f32) -> Color {
-        let [red, green, blue] = shade.components(self.theme);
-        Color::from_rgba(red, green, blue, opacity).unwrap_or(Color::BLACK)
-    }
+fn color(shade: Shade, opacity: f32) -> Color {
+    let [red, green, blue] = shade.components();
+    Color::from_rgba(red, green, blue, opacity).unwrap_or(Color::BLACK)
 }
 
 /// A path through points.
@@ -203,7 +202,7 @@ mod tests {
         };
         let [right, left, up] =
             [label, Label { anchor: Anchor::End, ..label }, Label { upwards: true, ..label }].map(|label| {
-                let mut canvas = Canvas::new([100.0, 100.0], Theme::Light);
+                let mut canvas = Canvas::new([100.0, 100.0]);
                 canvas.text(label);
                 let bitmap = Bitmap::new(&canvas, 1.0).unwrap();
                 [[60, 38, 90, 51], [10, 38, 36, 51], [38, 10, 51, 36]].map(|area| is_dark(&bitmap, area))
@@ -215,7 +214,7 @@ mod tests {
     fn dashes_go_on_from_segment_to_segment() {
         let fine: Vec<[f64; 2]> = (0..=180).map(|i| [10.0 + f64::from(i), 5.5]).collect();
         let [solid, dashed] = [vec![fine[0], fine[180]], fine].map(|points| {
-            let mut canvas = Canvas::new([200.0, 10.0], Theme::Light);
+            let mut canvas = Canvas::new([200.0, 10.0]);
             canvas.line(&points, &Pen { shade: Shade::TEXT, width: 2.0, dash: &[7.0, 4.0] });
             Bitmap::new(&canvas, 1.0).unwrap().codes()
         });

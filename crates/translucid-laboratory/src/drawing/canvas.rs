@@ -1,16 +1,14 @@
-//! Shapes and text in the shades of a theme, for [`svg`](super::svg) and [`bitmap`](super::bitmap).
+//! Shapes and text, for [`svg`](super::svg) and [`bitmap`](super::bitmap).
 
 use std::f64::consts::TAU;
 
 use super::text::Font;
-use crate::chart::Marker;
-use crate::chart::{Shade, Theme};
+use crate::chart::{Marker, Shade};
 
 /// Shapes and text, the last on top.
 pub(crate) struct Canvas {
     /// Width and height \[px\].
     pub(super) size: [f64; 2],
-    pub(super) theme: Theme,
     pub(super) shapes: Vec<Shape>,
 }
 
@@ -68,8 +66,8 @@ impl Pen {
 
 impl Canvas {
     /// An empty canvas of a size \[px\].
-    pub(crate) fn new(size: [f64; 2], theme: Theme) -> Self {
-        Self { size, theme, shapes: Vec::new() }
+    pub(crate) fn new(size: [f64; 2]) -> Self {
+        Self { size, shapes: Vec::new() }
     }
 
     /// Draws a line through points.

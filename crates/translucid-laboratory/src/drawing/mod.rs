@@ -25,7 +25,6 @@ use plot::Plot;
 use text::Font;
 
 use crate::chart::Ink;
-use crate::chart::Theme;
 use crate::chart::{Chart, Mark, Series};
 use crate::png_bytes::encode_png;
 
@@ -42,8 +41,8 @@ const TITLE_LINE: f64 = 22.0;
 
 impl Chart {
     /// The chart as an SVG document that needs no font of its own.
-    pub fn svg(&self, theme: Theme) -> String {
-        svg::svg(&draw(self, theme), &self.title, &self.caption)
+    pub fn svg(&self) -> String {
+        svg::svg(&draw(self), &self.title, &self.caption)
     }
 
     /// The chart as a PNG on white, with twice the pixels that the SVG is wide and high, for print.
@@ -51,14 +50,14 @@ impl Chart {
     /// # Errors
     /// The picture cannot be encoded, which would be a defect.
     pub fn png(&self) -> io::Result<Vec<u8>> {
-        let bitmap = Bitmap::new(&draw(self, Theme::Light), PNG_SCALE)?;
+        let bitmap = Bitmap::new(&draw(self), PNG_SCALE)?;
         encode_png(bitmap.size(), &bitmap.codes(), Some(PIXELS_PER_METER))
     }
 }
 
 /// Draws everything, the title above the plot and the legend beside it.
-fn draw(chart: &Chart, theme: Theme) -> Canvas {
-    let mut canvas = Canvas::new(SIZE, theme);
+fn draw(chart: &Chart) -> Canvas {
+    let mut canvas = Canvas::new(SIZE);
     let [width, height] = SIZE;
     let top = draw_title(&mut canvas, &chart.title);
     let legend = Legend::new(chart);

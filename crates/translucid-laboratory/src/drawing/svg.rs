@@ -13,8 +13,7 @@ const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 /// Each color stands in an attribute of its own, by which a page turns it dark.
 pub(super) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
     let [width, height] = canvas.size;
-    let color = |shade: Shade| shade.color(canvas.theme);
-    let (text, background) = (color(Shade::TEXT), color(Shade::BACKGROUND));
+    let (text, background) = (Shade::TEXT.light, Shade::BACKGROUND.light);
     let [title, description] = [title, description].map(escape);
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
@@ -27,18 +26,18 @@ pub(super) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
             Shape::Line { points, pen } => {
                 let pattern = pen.dash.iter().map(f64::to_string).collect::<Vec<_>>().join(" ");
                 let dash = attribute("stroke-dasharray", &pattern);
-                let (points, stroke) = (places(points), color(pen.shade));
+                let (points, stroke) = (places(points), pen.shade.light);
                 let width = pen.width;
                 format!(
                     "<polyline points=\"{points}\" fill=\"none\" stroke=\"{stroke}\" stroke-width=\"{width}\"{dash}/>\n"
                 )
             }
             Shape::Polygon { corners, fill } => {
-                format!("<polygon points=\"{}\"{}/>\n", places(corners), filled(fill, color))
+                format!("<polygon points=\"{}\"{}/>\n", places(corners), filled(fill))
             }
             Shape::Disc { center, radius, fill } => {
                 let ([x, y], radius) = (center.map(rounded), rounded(*radius));
-                format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{}/>\n", filled(fill, color))
+                format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{}/>\n", filled(fill))
             }
             Shape::Words { text, label } => words(text, label),
         };
@@ -67,12 +66,12 @@ fn attribute(name: &str, value: &str) -> String {
 }
 
 /// Attributes of an area.
-fn filled(fill: &Fill, color: impl Fn(Shade) -> &'static str) -> String {
+fn filled(fill: &Fill) -> String {
     let Fill { shade, opacity, rim } = *fill;
     let opacity = if opacity < 1.0 { opacity.to_string() } else { String::new() };
-    let mut attributes = format!(" fill=\"{}\"{}", color(shade), attribute("fill-opacity", &opacity));
+    let mut attributes = format!(" fill=\"{}\"{}", shade.light, attribute("fill-opacity", &opacity));
     if rim > 0.0 {
-        attributes += &format!(" stroke=\"{}\" stroke-width=\"{rim}\"", color(Shade::BACKGROUND));
+        attributes += &format!(" stroke=\"{}\" stroke-width=\"{rim}\"", Shade::BACKGROUND.light);
     }
     attributes
 }

@@ -28,7 +28,7 @@ fn summary(claims: &[Claim]) -> String {
         of_the_talk.len()
     );
     let failed = of_the_talk.iter().filter(|claim| claim.holds() == Some(false));
-    let failed: Vec<String> = failed.map(|claim| format!("\"{}\"", claim.statement())).collect();
+    let failed: Vec<String> = failed.map(|claim| format!("\"{}\"", claim.statement)).collect();
     if failed.is_empty() { text } else { format!("{text} Not everywhere true: {}.", failed.join(", ")) }
 }
 
@@ -50,7 +50,7 @@ fn table(comparison: &Comparison) -> DataTable {
             None => Cell::Number(f64::NAN),
         };
         let talk = if claim.is_the_talks { "yes" } else { "no" };
-        let mut row = vec![Cell::from(claim.statement()), Cell::from(talk)];
+        let mut row = vec![Cell::from(claim.statement.as_str()), Cell::from(talk)];
         row.extend(claim.errors.iter().chain([&claim.means]).map(verdict));
         table.rows.push(row);
     }

@@ -4,7 +4,7 @@ use translucid_profile::Parameterization;
 
 use super::word;
 use crate::DataTable;
-use crate::comparison::{Comparison, Curve, R_MAX};
+use crate::comparison::{Comparison, Curve, R_MAX, RingPoint, Timing};
 use crate::data_table::row;
 
 /// All of them: what `translucid compare --help` describes.
@@ -23,16 +23,10 @@ pub(super) fn tables(comparison: &Comparison) -> Vec<DataTable> {
 fn errors(comparison: &Comparison) -> DataTable {
     let columns = ["model", "configuration", "medium", "surface_albedo", "r_max", "error"];
     let mut table = DataTable::new("errors", "Errors", &columns);
-    for row in &comparison.errors.rows {
-        for (r_max, error) in R_MAX.into_iter().zip(row.errors) {
-            table.rows.push(row![
-                row.contender,
-                word(row.configuration),
-                row.inversion.name(),
-                row.surface_albedo,
-                r_max,
-                error
-            ]);
+    for one in &comparison.errors.rows {
+        let (light, medium) = (word(one.configuration), one.inversion.name());
+        for (r_max, error) in R_MAX.into_iter().zip(one.errors) {
+            table.rows.push(row![one.contender, light, medium, one.surface_albedo, r_max, error]);
         }
     }
     table
@@ -41,14 +35,8 @@ fn errors(comparison: &Comparison) -> DataTable {
 fn timing(comparison: &Comparison) -> DataTable {
     let columns = ["model", "quantity", "nanoseconds", "median_nanoseconds", "rounds"];
     let mut table = DataTable::new("timing", "Times", &columns);
-    for timing in &comparison.timings {
-        table.rows.push(row![
-            timing.contender,
-            timing.quantity.name(),
-            timing.nanoseconds,
-            timing.median,
-            timing.rounds as f64
-        ]);
+    for Timing { contender, quantity, nanoseconds, median, rounds } in &comparison.timings {
+        table.rows.push(row![*contender, quantity.name(), *nanoseconds, *median, *rounds as f64]);
     }
     table
 }
@@ -58,16 +46,10 @@ fn reflectance(comparison: &Comparison) -> DataTable {
     let mut table = DataTable::new("reflectance", "Profiles", &columns);
     for figure in &comparison.reflectances {
         let solution = Curve { name: "exact-solution", ..figure.exact.clone() };
+        let (light, a) = (word(figure.configuration), figure.surface_albedo);
         for curve in [&solution].into_iter().chain(&figure.curves) {
             for (i, r) in figure.radii.iter().enumerate() {
-                table.rows.push(row![
-                    word(figure.configuration),
-                    figure.surface_albedo,
-                    curve.name,
-                    *r,
-                    curve.reflectance[i],
-                    curve.enclosed[i]
-                ]);
+                table.rows.push(row![light, a, curve.name, *r, curve.reflectance[i], curve.enclosed[i]]);
             }
         }
     }
@@ -87,17 +69,10 @@ fn monte_carlo(comparison: &Comparison) -> DataTable {
     ];
     let mut table = DataTable::new("monte-carlo", "Photons in rings", &columns);
     for figure in &comparison.reflectances {
-        for point in &figure.points {
-            table.rows.push(row![
-                word(figure.configuration),
-                figure.surface_albedo,
-                figure.single_scattering_albedo,
-                point.r,
-                point.reflectance,
-                point.standard_error,
-                point.exact,
-                point.photons
-            ]);
+        let (light, a) = (word(figure.configuration), figure.surface_albedo);
+        let alpha = figure.single_scattering_albedo;
+        for RingPoint { r, reflectance, standard_error, exact, photons } in &figure.points {
+            table.rows.push(row![light, a, alpha, *r, *reflectance, *standard_error, *exact, *photons]);
         }
     }
     table
@@ -123,14 +98,9 @@ fn samples(comparison: &Comparison) -> DataTable {
     let mut table = DataTable::new("samples", "Drawn radii", &columns);
     for test in &comparison.samples {
         for (i, (count, expected)) in test.counts.iter().zip(&test.expected).enumerate() {
-            table.rows.push(row![
-                test.contender,
-                test.surface_albedo,
-                test.edges[i],
-                test.edges.get(i + 1).copied().unwrap_or(f64::INFINITY),
-                *count as f64,
-                *expected
-            ]);
+            let (left, right) = (test.edges[i], test.edges.get(i + 1).copied().unwrap_or(f64::INFINITY));
+            let (name, a) = (test.contender, test.surface_albedo);
+            table.rows.push(row![name, a, left, right, *count as f64, *expected]);
         }
     }
     table

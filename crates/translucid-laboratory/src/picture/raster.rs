@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::chart::{Shade, Theme};
+use crate::chart::Shade;
 use crate::png_bytes::encode_png;
 
 /// Relative difference at which [`difference_color`] is at its end: half as bright again as the reference.
@@ -83,7 +83,7 @@ pub fn flip_color(error: f32) -> [f32; 3] {
 pub fn difference_color(difference: f32) -> [f32; 3] {
     let part = (difference / DIFFERENCE_RANGE).clamp(-1.0, 1.0);
     let end = if part < 0.0 { Shade::BLUE } else { Shade::VERMILION };
-    let [end, middle] = [end, Shade::BACKGROUND].map(|shade| shade.components(Theme::Light));
+    let [end, middle] = [end, Shade::BACKGROUND].map(Shade::components);
     [0, 1, 2].map(|c| middle[c] + part.abs() * (end[c] - middle[c]))
 }
 

@@ -3,7 +3,7 @@
 use std::io;
 
 use super::raster::{DIFFERENCE_RANGE, Raster, difference_color, flip_color};
-use crate::chart::{Shade, Theme};
+use crate::chart::Shade;
 use crate::drawing::bitmap::Bitmap;
 use crate::drawing::canvas::{Anchor, Canvas, Label, Pen};
 use crate::drawing::text::Font;
@@ -63,7 +63,7 @@ impl Sheet {
     /// There is no column, a picture is empty, or the sheet cannot be drawn.
     pub fn png(&self) -> io::Result<Vec<u8>> {
         let layout = Layout::new(self).ok_or_else(|| io::Error::other("there is no picture to show"))?;
-        let mut canvas = Canvas::new(layout.size(), Theme::Light);
+        let mut canvas = Canvas::new(layout.size());
         self.draw_title(&mut canvas);
         for (index, column) in self.columns.iter().enumerate() {
             layout.draw_words(&mut canvas, index, column);

@@ -1,9 +1,7 @@
 //! Every chart is well-formed, shows what it was given, and never fails on its numbers.
 
-use translucid_laboratory::{Axis, Chart, Ink, Mark, Series, Theme};
+use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
 use translucid_profile::Model;
-
-const BOTH: [Theme; 2] = [Theme::Light, Theme::Dark];
 
 /// A chart with every kind of mark.
 fn chart() -> Chart {
@@ -50,31 +48,27 @@ fn colors(bytes: &[u8]) -> (u32, u32, usize) {
 #[test]
 fn svg_has_every_word() {
     let chart = chart();
-    for theme in BOTH {
-        let svg = chart.svg(theme);
-        let texts = texts(&svg);
-        let mut words =
-            vec![chart.title.clone(), chart.caption.clone(), chart.x.caption(), chart.y.caption()];
-        words.extend(chart.series.iter().map(|series| series.label.clone()));
-        words.extend((0..8).map(|i| format!("point {i} <&>")));
-        for word in words {
-            assert!(texts.contains(&word), "\"{word}\" is not in {texts:?}");
-        }
-        assert!(texts.iter().any(|text| text.starts_with("10⁻")), "no power of ten in {texts:?}");
+    let texts = texts(&chart.svg());
+    let mut words = vec![chart.title.clone(), chart.caption.clone(), chart.x.caption(), chart.y.caption()];
+    words.extend(chart.series.iter().map(|series| series.label.clone()));
+    words.extend((0..8).map(|i| format!("point {i} <&>")));
+    for word in words {
+        assert!(texts.contains(&word), "\"{word}\" is not in {texts:?}");
     }
+    assert!(texts.iter().any(|text| text.starts_with("10⁻")), "no power of ten in {texts:?}");
 }
 
 #[test]
 fn svg_and_png_are_the_same_every_time() {
     let chart = chart();
-    assert_eq!(chart.svg(Theme::Light), chart.svg(Theme::Light));
+    assert_eq!(chart.svg(), chart.svg());
     assert_eq!(chart.png().unwrap(), chart.png().unwrap());
 }
 
 #[test]
 fn png_has_twice_the_pixels_and_all_inks() {
     let (width, height, count) = colors(&chart().png().unwrap());
-    let svg = chart().svg(Theme::Light);
+    let svg = chart().svg();
     assert!(svg.contains(&format!("viewBox=\"0 0 {} {}\"", width / 2, height / 2)));
     assert!(count > 100, "{count} colors");
 }
@@ -95,7 +89,7 @@ fn gaps_of_data_are_gaps_of_lines() {
             let chart = Chart::new("gap", "", Axis::linear("x", ""), Axis::linear("y", ""))
                 .with(Series::new("", Ink::Reference, Mark::Line, points));
             // The reference's color, which only its lines have
-            chart.svg(Theme::Light).matches("stroke=\"#000000\"").count()
+            chart.svg().matches("stroke=\"#000000\"").count()
         };
     assert_eq!(count(with_gap), 2);
     assert_eq!(count(vec![[0.0, 1.0], [1.0, 2.0]]), 1);
@@ -148,7 +142,7 @@ fn no_numbers_make_a_chart_fail() {
             for (n, mark) in marks.into_iter().enumerate() {
                 chart.series.push(Series::new("l", Ink::Numbered(n), mark, points.clone()));
             }
-            let svg = chart.svg(Theme::Light);
+            let svg = chart.svg();
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{points:?} on {x:?} and {y:?}");
             let _ = texts(&svg);
         }
@@ -181,7 +175,7 @@ fn strange_words_stay_words() {
             Mark::LabelledPoints(vec![strange.into()]),
             vec![[1.0, 1.0]],
         ));
-    let svg = chart.svg(Theme::Light);
+    let svg = chart.svg();
     let document = roxmltree::Document::parse(&svg).unwrap();
     assert!(document.descendants().all(|node| node.tag_name().name() != "script"));
     assert!(chart.png().is_ok());

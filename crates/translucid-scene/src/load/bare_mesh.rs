@@ -6,7 +6,7 @@ use super::mesh_file::MeshFile;
 use super::{LoadOptions, is_gltf, load_model};
 use crate::load::stage::Stage;
 use crate::preset::preset;
-use crate::{ColorInput, Film, Integrator, Material, Object, Scene, SceneError, Unit, Warning};
+use crate::{ColorInput, Film, Material, Object, Scene, SceneError, Unit, Warning};
 
 /// Material of a mesh without its own where no preset is asked for.
 const DEFAULT_PRESET: &str = "marble";
@@ -23,7 +23,8 @@ pub(super) fn load_bare_mesh(
     }
     let wanted = options.preset.as_deref().map(preset).transpose()?;
     let mut model = load_model(path, warnings)?;
-    let unit = options.unit.unwrap_or_else(|| usual_unit(path));
+    // Meters in glTF, by its specification; millimeters where the format says nothing.
+    let unit = options.unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { Unit::Millimeter });
     if let Some(preset) = wanted {
         use_preset(&mut model, &preset.material(unit));
     } else if model.materials.is_empty() {
@@ -31,14 +32,7 @@ pub(super) fn load_bare_mesh(
         use_preset(&mut model, &default.material(unit));
         use_vertex_colors(&mut model);
     }
-    let scene = stage(model, unit, options);
-    scene.validate().map_err(|error| error.or_at(path))?;
-    Ok(scene)
-}
-
-/// Meters in glTF, by its specification; millimeters where the format says nothing.
-fn usual_unit(path: &Path) -> Unit {
-    if is_gltf(path) { Unit::Meter } else { Unit::Millimeter }
+    options.finish(stage(model, unit, options), path)
 }
 
 /// The preset's substance for all objects; what the file says of their geometry stays.
@@ -89,13 +83,12 @@ fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Scene {
         unit,
         camera,
         film,
-        integrator: Integrator::default(),
         objects: model.objects,
         materials: model.materials,
         images: model.images,
-        profile_tables: Vec::new(),
         lights: model.lights,
         environment: dark.then(|| frame.environment()),
+        ..Scene::default()
     }
 }
 

@@ -7,6 +7,7 @@ mod mesh_file;
 mod mtl;
 #[cfg(test)]
 mod mutants;
+mod number;
 mod obj;
 mod ply;
 mod polygon;
@@ -17,15 +18,15 @@ mod toml;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-pub use gltf::{GltfScene, load_gltf, parse_gltf};
+pub use gltf::{load_gltf, parse_gltf};
 pub use image::{decode_image, load_image};
-pub use obj::{ObjPart, ObjScene, load_obj, parse_obj};
+pub use mesh_file::MeshFile;
+pub use obj::{load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use toml::SceneFile;
 
-use crate::{Film, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
-use mesh_file::MeshFile;
+use crate::{Film, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
 /// Wishes of the caller in place of the file's own values.
 #[derive(Clone, Debug, Default)]
@@ -49,6 +50,15 @@ impl LoadOptions {
         let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| Film::EDGE.nearest(n));
         Film { width, height, ..film }
     }
+
+    /// The scene with the model that is asked for, if it is valid; an error without a place is in a file.
+    fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, SceneError> {
+        if let Some(model) = self.subsurface_model {
+            scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
+        }
+        scene.validate().map_err(|error| error.or_at(path))?;
+        Ok(scene)
+    }
 }
 
 /// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`) as a scene of its own.
@@ -62,16 +72,11 @@ pub fn load_scene(
     options: &LoadOptions,
     warnings: &mut Vec<Warning>,
 ) -> Result<Scene, SceneError> {
-    let mut scene = if is_scene_file(path) {
-        refuse_mesh_options(path, options)?;
-        SceneFile::read(path)?.load(options, warnings)?
-    } else {
-        bare_mesh::load_bare_mesh(path, options, warnings)?
-    };
-    if let Some(model) = options.subsurface_model {
-        scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
+    if extension(path) != "toml" {
+        return bare_mesh::load_bare_mesh(path, options, warnings);
     }
-    Ok(scene)
+    refuse_mesh_options(path, options)?;
+    SceneFile::read(path)?.load(options, warnings)
 }
 
 /// A scene file states its own materials and unit.
@@ -89,8 +94,9 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(OsStr::to_str).unwrap_or_default().to_lowercase()
 }
 
-fn is_scene_file(path: &Path) -> bool {
-    extension(path) == "toml"
+/// A file's name without its extension.
+fn stem(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn is_gltf(path: &Path) -> bool {
@@ -100,13 +106,14 @@ fn is_gltf(path: &Path) -> bool {
 /// Loads a mesh file by its extension; its lengths are as the file has them.
 fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
-        return load_gltf(path, Unit::Meter, warnings).map(MeshFile::from);
-    }
-    if extension(path) == "ply" {
-        return load_ply(path, warnings).map(|mesh| MeshFile::from_mesh(path, mesh));
+        return load_gltf(path, Unit::Meter, warnings);
     }
     if extension(path) == "obj" {
-        return load_obj(path, warnings).map(|scene| MeshFile::from_obj(path, scene));
+        return load_obj(path, warnings);
+    }
+    if extension(path) == "ply" {
+        let object = Object { name: stem(path), mesh: load_ply(path, warnings)?, ..Object::default() };
+        return Ok(MeshFile { objects: vec![object], ..MeshFile::default() });
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),

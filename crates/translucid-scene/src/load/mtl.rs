@@ -344,7 +344,7 @@ impl MapOptions {
 mod tests {
     use super::*;
     use crate::load::mutants::mutants;
-    use crate::load::{ObjScene, load_obj};
+    use crate::load::{MeshFile, load_obj};
 
     fn parsed(text: &str) -> Result<(Vec<Material>, String), SceneError> {
         let mut warnings = Vec::new();
@@ -360,11 +360,17 @@ mod tests {
         materials.remove(0)
     }
 
+    const TRIANGLE: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+
     /// A folder with a triangle of material "m", whose library has these lines, and two images.
-    fn loaded(lines: &str) -> (ObjScene, String) {
+    fn loaded(lines: &str) -> (MeshFile, String) {
+        loaded_with(TRIANGLE, lines)
+    }
+
+    fn loaded_with(faces: &str, lines: &str) -> (MeshFile, String) {
         let folder = tempfile::tempdir().unwrap();
         let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
-        write("a.obj", b"mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n");
+        write("a.obj", faces.as_bytes());
         write("a.mtl", format!("newmtl m\n{lines}").as_bytes());
         write("blue ish.png", &png([128, 128, 255]));
         write("grey.png", &png([90, 90, 90]));
@@ -420,7 +426,7 @@ mod tests {
              map_Bump -bm .5 blue ish.png\nmap_d grey.png\n",
         );
         assert_eq!(warnings, "");
-        assert_eq!(scene.parts[0].material, Some(0));
+        assert_eq!(scene.objects[0].material, 0);
         let m = &scene.materials[0];
         let spaces: Vec<_> = scene.images.iter().map(|image| image.color_space).collect();
         assert_eq!(spaces, [ColorSpace::Srgb, ColorSpace::Linear, ColorSpace::Linear]);
@@ -432,6 +438,15 @@ mod tests {
         assert_eq!(m.geometry_opacity.texture.unwrap().1, Channel::Red);
         let normals = m.geometry_normal.unwrap();
         assert_eq!((normals.texture.image, normals.scale), (2, 0.5));
+    }
+
+    #[test]
+    fn mtl_of_parts_is_shared_by_name_and_every_part_has_one() {
+        let (scene, _) = loaded_with(&format!("{TRIANGLE}usemtl gone\nf 1 2 3\no b\nf 1 2 3\n"), "");
+        let objects: Vec<_> =
+            scene.objects.iter().map(|o| (o.name.as_str(), o.material, o.subsurface_group)).collect();
+        assert_eq!(objects, [("a", 0, 0), ("a", 1, 0), ("b", 1, 1)]);
+        assert_eq!(scene.materials.len(), 2);
     }
 
     #[test]
@@ -448,7 +463,7 @@ mod tests {
         ] {
             let (scene, warnings) = loaded(lines);
             assert!(warnings.contains(part), "{warnings}: {part}");
-            assert_eq!(scene.parts[0].material, Some(0));
+            assert_eq!(scene.objects[0].material, 0);
             assert!(scene.materials[0].base_color.factor.max_element() <= 1.0);
         }
     }

@@ -7,30 +7,8 @@ use glam::{Vec2, Vec3};
 
 use super::mtl::{ImagePool, parse_mtl};
 use super::polygon::triangulate;
-use super::read_file;
-use crate::{Image, Material, Mesh, Place, SceneError, Warning, repair_mesh};
-
-/// Contents of an OBJ file.
-#[derive(Clone, Debug)]
-pub struct ObjScene {
-    /// Surfaces, at least one.
-    pub parts: Vec<ObjPart>,
-    /// Materials of the libraries that the file names.
-    pub materials: Vec<Material>,
-    /// Images that the materials refer to.
-    pub images: Vec<Image>,
-}
-
-/// The faces that share an object (or, without objects, a group) and a material.
-#[derive(Clone, Debug)]
-pub struct ObjPart {
-    /// Name of the object or group; may be empty.
-    pub name: String,
-    /// The geometry.
-    pub mesh: Mesh,
-    /// Index into [`ObjScene::materials`], if the faces have a material that exists.
-    pub material: Option<usize>,
-}
+use super::{MeshFile, read_file, stem};
+use crate::{Material, Mesh, Object, Place, SceneError, Warning, repair_mesh};
 
 /// Loads an OBJ mesh with its material libraries and their images.
 ///
@@ -42,7 +20,7 @@ pub struct ObjPart {
 ///
 /// # Errors
 /// The file cannot be read, a line breaks the format (the message names it), or no triangle is usable.
-pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<ObjScene, SceneError> {
+pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     parse_obj(&read_file(path)?, path, warnings)
 }
 
@@ -50,7 +28,7 @@ pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<ObjScene, Sc
 ///
 /// # Errors
 /// As [`load_obj`].
-pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<ObjScene, SceneError> {
+pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     let mut file = ObjFile::default();
     let mut joined = Vec::new();
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -224,7 +202,7 @@ impl ObjFile {
         Ok(Corner { position, uv, normal })
     }
 
-    fn into_scene(mut self, path: &Path, warnings: &mut Vec<Warning>) -> Result<ObjScene, SceneError> {
+    fn into_scene(mut self, path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
         if self.faces.is_empty() {
             return Err(SceneError::at(Place::file(path), "has no faces: is it an OBJ mesh?"));
         }
@@ -236,9 +214,13 @@ impl ObjFile {
             warnings.push(Warning { message, place: Some(Place::file(path)) });
         }
         let mut pool = ImagePool::default();
-        let materials = self.load_libraries(path, &mut pool, warnings)?;
-        let parts = self.build_parts(path, &materials, warnings)?;
-        Ok(ObjScene { parts, materials, images: pool.into_images() })
+        let mut materials = self.load_libraries(path, &mut pool, warnings)?;
+        let plain = materials.len();
+        let objects = self.build_objects(path, &materials, warnings)?;
+        if plain > 0 && objects.iter().any(|object| object.material == plain) {
+            materials.push(Material::default());
+        }
+        Ok(MeshFile { objects, materials, images: pool.into_images(), ..MeshFile::default() })
     }
 
     fn load_libraries(
@@ -269,23 +251,28 @@ impl ObjFile {
         Ok(materials)
     }
 
-    fn build_parts(
+    /// An object of each part, with the index after the last for those without a material.
+    fn build_objects(
         self,
         path: &Path,
         materials: &[Material],
         warnings: &mut Vec<Warning>,
-    ) -> Result<Vec<ObjPart>, SceneError> {
+    ) -> Result<Vec<Object>, SceneError> {
         let smooth = self.smooth_normals();
         let mut builder = Builder::new(&self, &smooth);
-        let (mut parts, mut fault) = (Vec::new(), None);
+        let (mut objects, mut fault) = (Vec::new(), None);
+        let mut groups = HashMap::new();
         for faces in &self.faces {
             let mut mesh = builder.build(faces);
             match repair_mesh(&mut mesh, &Place::file(path), warnings) {
                 Ok(()) => {
                     // The last definition of a name counts.
                     let named = |material: &Material| Some(&material.name) == faces.material.as_ref();
-                    let material = materials.iter().rposition(named);
-                    parts.push(ObjPart { name: faces.name.clone(), mesh, material });
+                    let material = materials.iter().rposition(named).unwrap_or(materials.len());
+                    let next = groups.len() as u32; // A file's parts are far fewer than 2³².
+                    let subsurface_group = *groups.entry(&faces.name).or_insert(next);
+                    let name = if faces.name.is_empty() { stem(path) } else { faces.name.clone() };
+                    objects.push(Object { name, mesh, material, subsurface_group });
                 }
                 Err(error) => {
                     let message = format!("part \"{}\" is left out: {}", faces.name, error.message);
@@ -297,14 +284,14 @@ impl ObjFile {
         let place = self.first_beyond.map_or_else(|| Place::file(path), |line| Place::line(path, line));
         let messages = builder.messages();
         match fault {
-            Some(error) if parts.is_empty() => {
+            Some(error) if objects.is_empty() => {
                 let reason = messages.first().unwrap_or(&error.message);
                 return Err(SceneError::at(place, format!("no face can be used: {reason}")));
             }
             _ => (),
         }
         warnings.extend(messages.into_iter().map(|message| Warning { message, place: Some(place.clone()) }));
-        Ok(parts)
+        Ok(objects)
     }
 
     /// Smooth normals for each position, if any corner needs them.
@@ -328,9 +315,8 @@ struct Builder<'a> {
     part: u32,
     /// For each vertex of the part its corner, and the next older vertex of the same position.
     vertices: Vec<(Corner, u32)>,
-    lost_triangles: usize,
-    lost_uvs: usize,
-    lost_normals: usize,
+    /// Triangles, texture coordinates and normals with an index that points nowhere.
+    lost: [usize; 3],
 }
 
 impl<'a> Builder<'a> {
@@ -341,9 +327,7 @@ impl<'a> Builder<'a> {
             newest: vec![(0, NONE); file.positions.len()],
             part: 0,
             vertices: Vec::new(),
-            lost_triangles: 0,
-            lost_uvs: 0,
-            lost_normals: 0,
+            lost: [0; 3],
         }
     }
 
@@ -357,7 +341,7 @@ impl<'a> Builder<'a> {
                 let triangle = triangle.map(|corner| self.vertex(corner, &mut mesh));
                 mesh.triangles.push(triangle);
             } else {
-                self.lost_triangles += 1;
+                self.lost[0] += 1;
             }
         }
         if self.vertices.iter().all(|(corner, _)| corner.uv == NONE) {
@@ -388,11 +372,11 @@ impl<'a> Builder<'a> {
     fn checked(&mut self, mut corner: Corner) -> Corner {
         if corner.uv != NONE && corner.uv as usize >= self.file.uvs.len() {
             corner.uv = NONE;
-            self.lost_uvs += 1;
+            self.lost[1] += 1;
         }
         if corner.normal != NONE && corner.normal as usize >= self.file.normals.len() {
             corner.normal = NONE;
-            self.lost_normals += 1;
+            self.lost[2] += 1;
         }
         corner
     }
@@ -410,15 +394,13 @@ impl<'a> Builder<'a> {
 
     /// Things left out, of all parts.
     fn messages(&self) -> Vec<String> {
-        let count = |lost: usize, what: &str| (lost > 0).then(|| format!("{lost} {what}"));
-        [
-            count(self.lost_triangles, "triangles with an index out of range: left out"),
-            count(self.lost_uvs, "corners with a texture coordinate index out of range: set to (0, 0)"),
-            count(self.lost_normals, "corners with a normal index out of range: normals computed"),
-        ]
-        .into_iter()
-        .flatten()
-        .collect()
+        let kinds = [
+            "triangles with an index out of range: left out",
+            "corners with a texture coordinate index out of range: set to (0, 0)",
+            "corners with a normal index out of range: normals computed",
+        ];
+        let lost = self.lost.iter().zip(kinds).filter(|(count, _)| **count > 0);
+        lost.map(|(count, kind)| format!("{count} {kind}")).collect()
     }
 }
 
@@ -477,21 +459,21 @@ mod tests {
     use super::*;
     use crate::load::mutants::mutants;
 
-    fn parsed_at(path: &Path, text: &str) -> Result<(ObjScene, String), SceneError> {
+    fn parsed_at(path: &Path, text: &str) -> Result<(MeshFile, String), SceneError> {
         let mut warnings = Vec::new();
         let scene = parse_obj(text.as_bytes(), path, &mut warnings)?;
         let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
         Ok((scene, lines.join("\n")))
     }
 
-    fn parsed(text: &str) -> Result<(ObjScene, String), SceneError> {
+    fn parsed(text: &str) -> Result<(MeshFile, String), SceneError> {
         parsed_at(Path::new("no/such/folder/a.obj"), text)
     }
 
     fn mesh(text: &str) -> Mesh {
         let (mut scene, warnings) = parsed(text).unwrap();
-        assert_eq!((scene.parts.len(), warnings.as_str()), (1, ""));
-        scene.parts.remove(0).mesh
+        assert_eq!((scene.objects.len(), warnings.as_str()), (1, ""));
+        scene.objects.remove(0).mesh
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -530,8 +512,8 @@ mod tests {
         let text = "v 0 0 0\nv 0 1 0\nv 1 0 -1\nv -1 0 -1\nvt 0 0\nvt 1 0\no left\nf 1/1 2/1 4/1\n\
             o right\nf 2/2 1/2 3/2\n";
         let (scene, _) = parsed(text).unwrap();
-        assert_eq!(scene.parts.len(), 2);
-        for part in &scene.parts {
+        assert_eq!(scene.objects.len(), 2);
+        for part in &scene.objects {
             let ridge = part.mesh.positions.iter().position(|p| *p == Vec3::ZERO).unwrap();
             assert!(part.mesh.normals[ridge].distance(Vec3::Z) < 1e-6, "{}", part.mesh.normals[ridge]);
         }
@@ -550,11 +532,11 @@ mod tests {
         );
         let (scene, warnings) = parsed(&text).unwrap();
         let parts: Vec<_> = scene
-            .parts
+            .objects
             .iter()
             .map(|part| (part.name.as_str(), part.mesh.triangles.len(), part.material))
             .collect();
-        assert_eq!(parts, [("a b", 1, None), ("a b", 2, None), ("c", 1, None)]);
+        assert_eq!(parts, [("a b", 1, 0), ("a b", 2, 0), ("c", 1, 0)]);
         assert!(warnings.contains("a.obj:8: there is no material \"m\""), "{warnings}");
     }
 
@@ -571,7 +553,7 @@ mod tests {
             ("f 1 2 3\nf 1 1 2\n", "1 triangle of zero area"),
             ("v nan 0 0\nf 1 2 3\nf 1 2 5\n", "1 triangle with a vertex that is NaN"),
             ("v 1e99 0 0\nf 1 2 3\nf 1 2 5\n", "1 triangle with a vertex that is NaN"),
-            ("vn 0 0 0\nf 1//1 2//1 3//1\n", "3 normals are zero"),
+            ("vn 0 0 0\nf 1//1 2//1 3//1\n", "3 normals without a direction"),
             (
                 "mtllib gone.mtl\nf 1 2 3\n",
                 "a.obj:5: material library no/such/folder/gone.mtl: cannot be read",
@@ -580,9 +562,9 @@ mod tests {
         ] {
             let (scene, warnings) = parsed(&format!("{SQUARE}{faces}")).unwrap();
             assert!(warnings.contains(part), "{warnings}: {part}");
-            assert_eq!(scene.parts.len(), 1);
-            assert_eq!(scene.parts[0].mesh.triangles, [[0, 1, 2]]);
-            assert_eq!(scene.parts[0].mesh.normals, [Vec3::Z; 3]);
+            assert_eq!(scene.objects.len(), 1);
+            assert_eq!(scene.objects[0].mesh.triangles, [[0, 1, 2]]);
+            assert_eq!(scene.objects[0].mesh.normals, [Vec3::Z; 3]);
         }
     }
 
@@ -621,7 +603,7 @@ mod tests {
         );
         for mutant in mutants(text.as_bytes(), 5_000) {
             if let Ok(scene) = parse_obj(&mutant, Path::new("no/such/a.obj"), &mut Vec::new()) {
-                for ObjPart { mesh, .. } in &scene.parts {
+                for Object { mesh, .. } in &scene.objects {
                     assert!(mesh.positions.iter().chain(&mesh.normals).all(|v| v.is_finite()));
                     assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
                 }

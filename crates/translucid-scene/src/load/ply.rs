@@ -6,9 +6,10 @@ mod values;
 use std::path::Path;
 
 use glam::{Vec2, Vec3};
-use header::{Element, Format, Header, Kind, Scalar};
+use header::{Element, Format, Header, Kind};
 use values::{Ascii, Binary, Fault, Values};
 
+use super::number::NumberType;
 use super::polygon::triangulate;
 use super::read_file;
 use crate::image::linear_from_srgb;
@@ -156,8 +157,8 @@ impl Columns {
         }
         let red = columns.iter().find(|column| column.target == Some(COLOR));
         let color_scale = match red.map(|column| column.kind) {
-            Some(Kind::Scalar(Scalar::F32 | Scalar::F64)) | None => None,
-            Some(Kind::Scalar(Scalar::U16 | Scalar::I16)) => Some(65535.0),
+            Some(Kind::Scalar(NumberType::F32 | NumberType::F64)) | None => None,
+            Some(Kind::Scalar(NumberType::U16 | NumberType::I16)) => Some(65535.0),
             Some(_) => Some(255.0),
         };
         let [has_normal, has_uv, has_color] =

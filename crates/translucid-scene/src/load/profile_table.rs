@@ -29,7 +29,7 @@ pub fn load_profile_table(path: &Path) -> Result<ProfileTable, SceneError> {
 /// As [`load_profile_table`].
 pub fn parse_profile_table(bytes: &[u8], path: &Path) -> Result<ProfileTable, SceneError> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(bytes);
-    let columns = Columns::find(reader.headers().map_err(|error| broken(path, &error))?, path)?;
+    let places = find_columns(reader.headers().map_err(|error| broken(path, &error))?, path)?;
     let mut rows: Vec<ProfileRow> = Vec::new();
     for (count, record) in reader.records().enumerate() {
         let record = record.map_err(|error| broken(path, &error))?;
@@ -38,7 +38,7 @@ pub fn parse_profile_table(bytes: &[u8], path: &Path) -> Result<ProfileTable, Sc
             let message = format!("more than {MOST_LINES} lines");
             return Err(SceneError::at(Place::line(path, line), message));
         }
-        add(&mut rows, &columns, &record, path, line)?;
+        add(&mut rows, &places, &record, path, line)?;
     }
     check(&mut rows, path)?;
     let table = ProfileTable { path: path.to_owned(), rows };
@@ -46,67 +46,55 @@ pub fn parse_profile_table(bytes: &[u8], path: &Path) -> Result<ProfileTable, Sc
     Ok(table)
 }
 
-/// Where the columns are.
-struct Columns {
-    r: usize,
-    reflectance: usize,
-    surface_albedo: Option<usize>,
-    enclosed: Option<usize>,
-}
+/// Columns that are read and the ranges of their numbers; the first two must be there.
+const COLUMNS: [(&str, Interval); 4] =
+    [("r", RADIUS), ("reflectance", ENERGY), ("surface_albedo", Interval::UNIT), ("enclosed", ENERGY)];
 
-impl Columns {
-    fn find(header: &StringRecord, path: &Path) -> Result<Self, SceneError> {
-        let fail = |message: String| {
-            SceneError::at(Place::line(path, 1), message).with_help(
-                "a profile's columns are r,reflectance and optionally surface_albedo and enclosed, separated by commas",
-            )
-        };
-        let find = |name: &str| {
-            let mut columns = (0..header.len()).filter(|&i| header[i].eq_ignore_ascii_case(name));
-            let first = columns.next();
-            match columns.next() {
-                Some(_) => Err(fail(format!("there are two columns \"{name}\""))),
-                None => Ok(first),
-            }
-        };
-        let require = |name: &str| {
+/// Places of the [`COLUMNS`].
+type Places = [Option<usize>; 4];
+
+fn find_columns(header: &StringRecord, path: &Path) -> Result<Places, SceneError> {
+    let fail = |message: String| {
+        SceneError::at(Place::line(path, 1), message).with_help(
+            "a profile's columns are r,reflectance and optionally surface_albedo and enclosed, separated by commas",
+        )
+    };
+    let mut places = [None; 4];
+    for (number, (name, _)) in COLUMNS.iter().enumerate() {
+        let mut found = (0..header.len()).filter(|&i| header[i].eq_ignore_ascii_case(name));
+        places[number] = found.next();
+        if found.next().is_some() {
+            return Err(fail(format!("there are two columns \"{name}\"")));
+        }
+        if number < 2 && places[number].is_none() {
             let found = header.iter().collect::<Vec<_>>().join(", ");
-            let message = || fail(format!("there is no column \"{name}\"; the first line has \"{found}\""));
-            find(name)?.ok_or_else(message)
-        };
-        let (r, reflectance) = (require("r")?, require("reflectance")?);
-        Ok(Self { r, reflectance, surface_albedo: find("surface_albedo")?, enclosed: find("enclosed")? })
+            return Err(fail(format!("there is no column \"{name}\"; the first line has \"{found}\"")));
+        }
     }
+    Ok(places)
 }
 
 /// Adds a line to the row of its surface albedo.
 fn add(
     rows: &mut Vec<ProfileRow>,
-    columns: &Columns,
+    places: &Places,
     record: &StringRecord,
     path: &Path,
     line: usize,
 ) -> Result<(), SceneError> {
     let fail = |message: String| SceneError::at(Place::line(path, line), message);
-    let number = |column: usize, name: &str| {
-        let text = record.get(column).unwrap_or_default();
-        text.parse::<f64>().map_err(|_| fail(format!("{name} is \"{text}\", but must be a number")))
-    };
-    let r = number(columns.r, "r")?;
-    let reflectance = number(columns.reflectance, "reflectance")?;
-    let surface_albedo = columns.surface_albedo.map(|column| number(column, "surface_albedo")).transpose()?;
-    let enclosed = columns.enclosed.map(|column| number(column, "enclosed")).transpose()?;
-    let numbers = [
-        ("r", RADIUS, Some(r)),
-        ("reflectance", ENERGY, Some(reflectance)),
-        ("surface_albedo", Interval::UNIT, surface_albedo),
-        ("enclosed", ENERGY, enclosed),
-    ];
-    for (name, range, value) in numbers {
-        if let Some(value) = value.filter(|&value| !range.contains(value)) {
+    let mut numbers = [None; 4];
+    for (number, (&place, (name, range))) in numbers.iter_mut().zip(places.iter().zip(COLUMNS)) {
+        let Some(text) = place.map(|place| record.get(place).unwrap_or_default()) else { continue };
+        let value: Option<f64> = text.parse().ok();
+        let value = value.ok_or_else(|| fail(format!("{name} is \"{text}\", but must be a number")))?;
+        if !range.contains(value) {
             return Err(fail(format!("{name} is {value}, but must be in {range}")));
         }
+        *number = Some(value);
     }
+    let [r, reflectance, surface_albedo, enclosed] = numbers;
+    let (r, reflectance) = (r.unwrap_or_default(), reflectance.unwrap_or_default());
     let known = rows.iter().position(|row| row.surface_albedo == surface_albedo);
     if known.is_none() && rows.len() == MOST_PROFILES {
         return Err(fail(format!("more than {MOST_PROFILES} surface albedos")));

@@ -55,10 +55,9 @@ impl Stage {
         Camera {
             position: position.as_vec3(),
             target: target.as_vec3(),
-            up: Vec3::Y,
             horizontal_fov: FIELD_OF_VIEW as f32,
-            lens_radius: 0.0,
             focus_distance: (self.radius * distance) as f32,
+            ..Camera::default()
         }
     }
 
@@ -90,12 +89,7 @@ impl Stage {
 
     /// Dim light from all around, so that no shadow is black.
     pub(crate) fn environment(&self) -> Environment {
-        Environment {
-            radiance: Vec3::new(0.16, 0.17, 0.19),
-            image: None,
-            world_from_environment: glam::Mat3::IDENTITY,
-            visible: true,
-        }
+        Environment { radiance: Vec3::new(0.16, 0.17, 0.19), ..Environment::default() }
     }
 
     /// A dark neutral sweep: a floor a little below the meshes that curves up to a wall behind them, so wide

@@ -8,7 +8,7 @@ pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParame
 
 use crate::{ColorInput, ScalarInput, TextureRef};
 
-pub(crate) use parameters::{PARAMETERS, Parameter, Slot};
+pub(crate) use parameters::{PARAMETERS, Slot};
 
 /// How light under the surface is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

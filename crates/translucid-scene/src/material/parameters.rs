@@ -1,5 +1,7 @@
 //! The parameters of a material that are numbers: the one list for loaders and checks.
 
+use std::slice;
+
 use super::{Material, SubsurfaceModel};
 use crate::interval::{Interval, check_index};
 use crate::texture::{TEXTURED_COLOR, TEXTURED_SCALAR};
@@ -11,15 +13,7 @@ pub(crate) struct Parameter {
     pub(crate) name: &'static str,
     /// Range of the number, or of each channel, where there is no image.
     pub(crate) range: Interval,
-    value: fn(&Material) -> Value,
     slot: fn(&mut Material) -> Slot<'_>,
-}
-
-/// The value of a parameter.
-enum Value {
-    Number(f32),
-    Scalar(ScalarInput),
-    Color(ColorInput),
 }
 
 /// The place of a parameter in a material.
@@ -31,23 +25,44 @@ pub(crate) enum Slot<'a> {
 
 macro_rules! conversions {
     ($($input:ty => $variant:ident),*) => {
-        $(
-            impl From<$input> for Value {
-                fn from(value: $input) -> Self {
-                    Self::$variant(value)
-                }
+        $(impl<'a> From<&'a mut $input> for Slot<'a> {
+            fn from(slot: &'a mut $input) -> Self {
+                Self::$variant(slot)
             }
-
-            impl<'a> From<&'a mut $input> for Slot<'a> {
-                fn from(slot: &'a mut $input) -> Self {
-                    Self::$variant(slot)
-                }
-            }
-        )*
+        })*
     };
 }
 
 conversions!(f32 => Number, ScalarInput => Scalar, ColorInput => Color);
+
+impl Slot<'_> {
+    /// The number, or the factors of all channels.
+    fn numbers(&mut self) -> &mut [f32] {
+        match self {
+            Self::Number(number) => slice::from_mut(number),
+            Self::Scalar(input) => slice::from_mut(&mut input.factor),
+            Self::Color(input) => input.factor.as_mut(),
+        }
+    }
+
+    /// The reference to an image.
+    fn texture(&mut self) -> Option<&mut TextureRef> {
+        match self {
+            Self::Number(_) => None,
+            Self::Scalar(input) => input.texture.as_mut().map(|(texture, _)| texture),
+            Self::Color(input) => input.texture.as_mut(),
+        }
+    }
+
+    /// Range of the numbers, for a parameter with a range of its own: what they multiply counts, too.
+    fn range(&self, own: Interval) -> Interval {
+        match self {
+            Self::Scalar(ScalarInput { texture: Some(_), .. }) => TEXTURED_SCALAR,
+            Self::Color(input) if input.texture.is_some() || input.vertex_color => TEXTURED_COLOR,
+            _ => own,
+        }
+    }
+}
 
 macro_rules! parameters {
     ($($name:ident in $range:expr,)*) => {
@@ -55,7 +70,6 @@ macro_rules! parameters {
         pub(crate) const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($name),
             range: $range,
-            value: |material| material.$name.into(),
             slot: |material| (&mut material.$name).into(),
         }),*];
     };
@@ -92,23 +106,6 @@ impl Parameter {
     pub(crate) fn slot<'a>(&self, material: &'a mut Material) -> Slot<'a> {
         (self.slot)(material)
     }
-
-    fn check(&self, material: &Material, images: usize) -> Result<(), SceneError> {
-        match (self.value)(material) {
-            Value::Number(number) => self.range.check(self.name, number),
-            Value::Scalar(ScalarInput { factor, texture: None }) => self.range.check(self.name, factor),
-            Value::Scalar(ScalarInput { factor, texture: Some((texture, _)) }) => {
-                TEXTURED_SCALAR.check(self.name, factor)?;
-                texture.check(self.name, images)
-            }
-            Value::Color(ColorInput { factor, texture, vertex_color }) => {
-                let varies = texture.is_some() || vertex_color;
-                let range = if varies { TEXTURED_COLOR } else { self.range };
-                range.check_all(self.name, factor.to_array())?;
-                texture.map_or(Ok(()), |texture| texture.check(self.name, images))
-            }
-        }
-    }
 }
 
 impl NormalMap {
@@ -135,7 +132,16 @@ impl Material {
     }
 
     pub(crate) fn check(&self, images: usize, profile_tables: usize) -> Result<(), SceneError> {
-        PARAMETERS.iter().try_for_each(|parameter| parameter.check(self, images))?;
+        let mut copy = self.clone();
+        for parameter in PARAMETERS {
+            let mut slot = parameter.slot(&mut copy);
+            let range = slot.range(parameter.range);
+            match slot.numbers() {
+                [number] => range.check(parameter.name, *number)?,
+                channels => range.check_all(parameter.name, channels)?,
+            }
+            slot.texture().map_or(Ok(()), |texture| texture.check(parameter.name, images))?;
+        }
         if let SubsurfaceModel::Tabulated(table) = self.subsurface_model {
             check_index("subsurface_model.tabulated", table, profile_tables, "profile tables")?;
         }
@@ -149,35 +155,30 @@ impl Material {
     /// Every reference to an image.
     pub(crate) fn for_each_texture(&mut self, mut visit: impl FnMut(&mut TextureRef)) {
         for parameter in PARAMETERS {
-            match parameter.slot(self) {
-                Slot::Number(_) => (),
-                Slot::Scalar(input) => input.texture.iter_mut().for_each(|(texture, _)| visit(texture)),
-                Slot::Color(input) => input.texture.iter_mut().for_each(&mut visit),
-            }
+            parameter.slot(self).texture().map(&mut visit);
         }
         self.geometry_normal.iter_mut().for_each(|map| visit(&mut map.texture));
     }
 
-    /// Brings every number into its range.
-    pub(crate) fn clamp(&mut self) {
-        for parameter in PARAMETERS {
-            let range = parameter.range;
-            match parameter.slot(self) {
-                Slot::Number(number) => *number = range.nearest(*number),
-                Slot::Scalar(input) => {
-                    let range = if input.texture.is_some() { TEXTURED_SCALAR } else { range };
-                    input.factor = range.nearest(input.factor);
-                }
-                Slot::Color(input) => {
-                    let varies = input.texture.is_some() || input.vertex_color;
-                    let range = if varies { TEXTURED_COLOR } else { range };
-                    input.factor = input.factor.map(|channel| range.nearest(channel));
-                }
+    /// Brings every number into its range; what that changed, in words.
+    pub(crate) fn clamp(&mut self) -> Vec<String> {
+        let mut changes = Vec::new();
+        let mut clamp = |name: &str, number: &mut f32, range: Interval| {
+            let nearest = range.nearest(*number);
+            if nearest != *number {
+                changes.push(format!("{name} is {number}, but must be in {range}: it becomes {nearest}"));
+                *number = nearest;
             }
+        };
+        for parameter in PARAMETERS {
+            let mut slot = parameter.slot(self);
+            let range = slot.range(parameter.range);
+            slot.numbers().iter_mut().for_each(|number| clamp(parameter.name, number, range));
         }
         if let Some(map) = &mut self.geometry_normal {
-            map.scale = NormalMap::SCALE.nearest(map.scale);
+            clamp("geometry_normal.scale", &mut map.scale, NormalMap::SCALE);
         }
+        changes
     }
 }
 
@@ -203,12 +204,12 @@ mod tests {
     #[test]
     fn clamp_makes_a_material_valid_and_leaves_a_valid_one_alone() {
         let mut material = Material::default();
-        material.clamp();
+        drop(material.clamp());
         assert_eq!(material, Material::default());
         material.specular_ior = f32::NAN;
         material.subsurface_radius.factor = -1.0;
         material.emission_color.factor.y = f32::INFINITY;
-        material.clamp();
+        drop(material.clamp());
         assert_eq!(material.validate(0, 0), Ok(()));
     }
 }

@@ -106,7 +106,7 @@ impl Mesh {
 
 /// Tells whether a vertex color can be used.
 pub(super) fn is_color(color: &Vec3) -> bool {
-    color.cmpge(Vec3::ZERO).all() && color.cmple(Vec3::splat(Interval::FACTOR.high() as f32)).all()
+    color.cmpge(Vec3::ZERO).all() && color.cmple(Vec3::splat(Interval::FACTOR.high as f32)).all()
 }
 
 /// Tells whether a triangle has an area that its plane can be computed from in single precision.

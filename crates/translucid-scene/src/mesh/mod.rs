@@ -69,14 +69,6 @@ impl Mesh {
         self
     }
 
-    /// The mesh with flat shading: no normals and no tangents.
-    #[must_use]
-    pub fn without_normals(mut self) -> Self {
-        self.normals = Vec::new();
-        self.tangents = Vec::new();
-        self
-    }
-
     /// Reverses the order of every triangle's vertices: inside becomes outside.
     pub fn flip_winding(&mut self) {
         for [_, b, c] in &mut self.triangles {

@@ -50,12 +50,12 @@ impl Report<'_> {
         self.warnings.push(Warning { message, place: Some(self.place.clone()) });
     }
 
-    /// One warning for `count` things of a kind, none for zero.
-    fn count(&mut self, count: usize, [one, many]: [&str; 2], what_was_done: &str) {
+    /// One warning for `count` things of a kind, none for zero; the kind goes on after "thing" or "things".
+    fn count(&mut self, count: usize, thing: &str, kind: &str, what_was_done: &str) {
         match count {
             0 => (),
-            1 => self.add(format!("1 {one}: {what_was_done}")),
-            _ => self.add(format!("{count} {many}: {what_was_done}")),
+            1 => self.add(format!("1 {thing} {kind}: {what_was_done}")),
+            _ => self.add(format!("{count} {thing}s {kind}: {what_was_done}")),
         }
     }
 
@@ -65,76 +65,49 @@ impl Report<'_> {
 }
 
 fn drop_misfit_attributes(mesh: &mut Mesh, report: &mut Report<'_>) {
-    let vertices = mesh.positions.len();
-    let mut check = |length: usize, what: &str| {
-        let misfit = length != 0 && length != vertices;
-        if misfit {
+    fn fit<T>(values: &mut Vec<T>, vertices: usize, what: &str, report: &mut Report<'_>) {
+        let length = values.len();
+        if length != 0 && length != vertices {
             report.add(format!("{length} {what} for {vertices} vertices: {what} left out"));
+            *values = Vec::new();
         }
-        misfit
-    };
-    if check(mesh.normals.len(), "normals") {
-        mesh.normals = Vec::new();
     }
-    if check(mesh.uvs.len(), "texture coordinates") {
-        mesh.uvs = Vec::new();
-    }
-    if check(mesh.tangents.len(), "tangents") {
-        mesh.tangents = Vec::new();
-    }
-    if check(mesh.colors.len(), "vertex colors") {
-        mesh.colors = Vec::new();
-    }
+    let vertices = mesh.positions.len();
+    fit(&mut mesh.normals, vertices, "normals", report);
+    fit(&mut mesh.uvs, vertices, "texture coordinates", report);
+    fit(&mut mesh.tangents, vertices, "tangents", report);
+    fit(&mut mesh.colors, vertices, "vertex colors", report);
 }
 
-/// Why a triangle cannot be used.
-enum Fault {
-    OutOfRange,
-    BadVertex,
-    ZeroArea,
-}
+/// Faults of triangles.
+const FAULTS: [&str; 3] = [ZERO_AREA, BAD_VERTEX, OUT_OF_RANGE];
+const ZERO_AREA: &str = "of zero area";
+const BAD_VERTEX: &str = "with a vertex that is NaN, infinite or beyond ±1e9";
+const OUT_OF_RANGE: &str = "with an index out of range";
 
-fn fault(mesh: &Mesh, triangle: &Triangle) -> Option<Fault> {
-    let Some(corners) = mesh.corners(triangle) else { return Some(Fault::OutOfRange) };
+/// Why a triangle cannot be used, one of [`FAULTS`].
+fn fault(mesh: &Mesh, triangle: &Triangle) -> Option<&'static str> {
+    let Some(corners) = mesh.corners(triangle) else { return Some(OUT_OF_RANGE) };
     let usable = |p: DVec3| p.is_finite() && p.abs().max_element() <= f64::from(LARGEST_COORDINATE);
-    if !corners.into_iter().all(usable) {
-        Some(Fault::BadVertex)
-    } else if !has_area(corners) {
-        Some(Fault::ZeroArea)
-    } else {
-        None
+    match corners {
+        _ if !corners.into_iter().all(usable) => Some(BAD_VERTEX),
+        _ if !has_area(corners) => Some(ZERO_AREA),
+        _ => None,
     }
 }
 
 fn drop_bad_triangles(mesh: &mut Mesh, report: &mut Report<'_>) {
-    let [mut out_of_range, mut bad_vertex, mut zero_area] = [0; 3];
+    let mut faults = Vec::new();
     let mut triangles = std::mem::take(&mut mesh.triangles);
     triangles.retain(|triangle| {
         let fault = fault(mesh, triangle);
-        match &fault {
-            None => (),
-            Some(Fault::OutOfRange) => out_of_range += 1,
-            Some(Fault::BadVertex) => bad_vertex += 1,
-            Some(Fault::ZeroArea) => zero_area += 1,
-        }
+        faults.extend(fault);
         fault.is_none()
     });
     mesh.triangles = triangles;
-    let vertices = mesh.positions.len();
-    report.count(zero_area, ["triangle of zero area", "triangles of zero area"], "left out");
-    report.count(
-        bad_vertex,
-        [
-            "triangle with a vertex that is NaN, infinite or beyond ±1e9",
-            "triangles with a vertex that is NaN, infinite or beyond ±1e9",
-        ],
-        "left out",
-    );
-    report.count(
-        out_of_range,
-        ["triangle with an index out of range", "triangles with an index out of range"],
-        &format!("left out (the mesh has {vertices} vertices)"),
-    );
+    for kind in FAULTS {
+        report.count(faults.iter().filter(|&&fault| fault == kind).count(), "triangle", kind, "left out");
+    }
 }
 
 fn drop_unused_vertices(mesh: &mut Mesh) {
@@ -170,15 +143,11 @@ fn keep<T>(values: &mut Vec<T>, flags: &[bool]) {
 fn mend_uvs_and_colors(mesh: &mut Mesh, report: &mut Report<'_>) {
     let bad_uv = |uv: &&mut Vec2| !uv.is_finite();
     let uvs = mesh.uvs.iter_mut().filter(bad_uv).map(|uv| *uv = Vec2::ZERO).count();
-    report.count(uvs, ["texture coordinate is not finite", "texture coordinates are not finite"], "set to 0");
+    report.count(uvs, "texture coordinate", "with a NaN or infinity", "set to 0");
     let bad_color = |color: &&mut Vec3| !is_color(color);
     let mend = |color: &mut Vec3| *color = color.map(|c| if is_color(&Vec3::splat(c)) { c } else { 0.0 });
     let colors = mesh.colors.iter_mut().filter(bad_color).map(mend).count();
-    report.count(
-        colors,
-        ["vertex color is not in [0, 1e6]", "vertex colors are not in [0, 1e6]"],
-        "bad channels set to 0",
-    );
+    report.count(colors, "vertex color", "outside [0, 1e6]", "bad channels set to 0");
 }
 
 fn mend_normals(mesh: &mut Mesh, report: &mut Report<'_>) {
@@ -196,11 +165,7 @@ fn mend_normals(mesh: &mut Mesh, report: &mut Report<'_>) {
     for &vertex in &broken {
         mesh.normals[vertex] = smooth[vertex];
     }
-    report.count(
-        broken.len(),
-        ["normal is zero or not finite", "normals are zero or not finite"],
-        "computed from the triangles around",
-    );
+    report.count(broken.len(), "normal", "without a direction", "computed from the triangles around");
 }
 
 fn drop_bad_tangents(mesh: &mut Mesh, report: &mut Report<'_>) {
@@ -215,11 +180,8 @@ fn drop_bad_tangents(mesh: &mut Mesh, report: &mut Report<'_>) {
     for tangent in &mut mesh.tangents {
         *tangent = mend(tangent).unwrap_or(Vec4::new(1.0, 0.0, 0.0, 1.0));
     }
-    report.count(
-        broken,
-        ["tangent is zero or not finite", "tangents are zero or not finite"],
-        "all tangents left out, to be derived from texture coordinates",
-    );
+    let what_was_done = "all tangents left out, to be derived from texture coordinates";
+    report.count(broken, "tangent", "without a direction", what_was_done);
 }
 
 #[cfg(test)]

@@ -39,7 +39,7 @@ translucid_testing::with_shared_assets! {
         for (name, triangles) in [("head/head_70k.obj", 70_736), ("spot/spot.obj", 5_856)] {
             let mut warnings = Vec::new();
             let scene = load_obj(&asset(name), &mut warnings).unwrap();
-            let found: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
+            let found: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
             assert!(found <= triangles && found + 100 > triangles, "{name}: {found} {warnings:?}");
         }
     }

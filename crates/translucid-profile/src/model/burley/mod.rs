@@ -13,9 +13,9 @@ use crate::error::{ParameterError, require, require_fraction, require_non_negati
 use crate::math::elementary::Double;
 use crate::math::slices::{elementwise, map_slice};
 use crate::medium::similarity::is_plain;
-use crate::profile::{finite_quotient, methods_of};
+use crate::profile::{apply_each, finite_quotient, methods_of};
 use crate::{
-    Appearance, Configuration, Medium, Parameterization, Profile, Similarity, d_from_surface_albedo,
+    Appearance, Configuration, Medium, Parameterization, Profile, Quantity, Similarity, d_from_surface_albedo,
 };
 
 /// Least width that the arithmetic holds.
@@ -291,6 +291,15 @@ impl Profile for NormalizedDiffusion {
 
     fn samples_directly(&self) -> bool {
         true
+    }
+
+    fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {
+        match quantity {
+            Quantity::Eval => self.eval_slice(from, to),
+            Quantity::Quantile => self.quantile_slice(from, to),
+            Quantity::Sample => self.sample_slice(from, to),
+            _ => apply_each(self, quantity, from, to),
+        }
     }
 }
 

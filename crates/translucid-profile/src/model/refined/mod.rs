@@ -19,8 +19,8 @@ use crate::model::exponential_mixture::ExponentialMixture;
 use crate::model::refined::coefficients::{
     DIFFUSE_RATES, DIFFUSE_WEIGHTS, SEARCHLIGHT_RATES, SEARCHLIGHT_WEIGHTS,
 };
-use crate::profile::{finite_quotient, methods_of};
-use crate::{Configuration, Parameterization, Profile};
+use crate::profile::{apply_each, finite_quotient, methods_of};
+use crate::{Configuration, Parameterization, Profile, Quantity};
 
 /// Exponentials of the sum.
 const TERMS: usize = RefinedDiffusion::TERMS;
@@ -244,6 +244,14 @@ impl Profile for RefinedDiffusion {
 
     fn samples_directly(&self) -> bool {
         true
+    }
+
+    fn apply(&self, quantity: Quantity, from: &[f64], to: &mut [f64]) {
+        match quantity {
+            Quantity::Eval => self.eval_slice(from, to),
+            Quantity::Sample => self.sample_slice(from, to),
+            _ => apply_each(self, quantity, from, to),
+        }
     }
 }
 

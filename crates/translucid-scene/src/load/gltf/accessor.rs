@@ -1,9 +1,10 @@
 //! Accessors: typed arrays in the buffers, with strides, normalized integers and sparse values.
 
 use super::buffers::{Buffers, View};
-use super::document::{Accessor, Document, SparseIndices};
+use super::document::{Accessor, Document, SparseArray};
 use super::notes::Notes;
 use crate::SceneError;
+use crate::load::number::NumberType;
 
 /// A file's arrays.
 pub(super) struct Arrays<'a> {
@@ -12,62 +13,29 @@ pub(super) struct Arrays<'a> {
     pub(super) notes: &'a Notes<'a>,
 }
 
-/// Type of a number in a buffer.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// The type that glTF has a number for.
+fn component(code: u32) -> Option<NumberType> {
+    Some(match code {
+        5120 => NumberType::I8,
+        5121 => NumberType::U8,
+        5122 => NumberType::I16,
+        5123 => NumberType::U16,
+        5125 => NumberType::U32,
+        5126 => NumberType::F32,
+        _ => return None,
+    })
 }
 
-impl Component {
-    fn from_code(code: u32) -> Option<Self> {
-        let component = match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        };
-        Some(component)
-    }
-
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// The number in the first bytes of a slice that is long enough.
-    fn read(self, bytes: &[u8]) -> f64 {
-        match self {
-            Self::I8 => f64::from(bytes[0] as i8),
-            Self::U8 => f64::from(bytes[0]),
-            Self::I16 => f64::from(i16::from_le_bytes([bytes[0], bytes[1]])),
-            Self::U16 => f64::from(u16::from_le_bytes([bytes[0], bytes[1]])),
-            Self::U32 => f64::from(u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-            Self::F32 => f64::from(f32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])),
-        }
-    }
-
-    /// Factor and lower limit that make a normalized integer a number in [0, 1] or [−1, 1]
-    /// (glTF 2.0, section 3.11, "Animations", and 3.6.2.2, "Accessor Data Types").
-    fn normalization(self) -> f64 {
-        match self {
-            Self::I8 => 1.0 / 127.0,
-            Self::U8 => 1.0 / 255.0,
-            Self::I16 => 1.0 / 32767.0,
-            Self::U16 => 1.0 / 65535.0,
-            Self::U32 => 1.0 / f64::from(u32::MAX),
-            Self::F32 => 1.0,
-        }
+/// Factor that makes a normalized integer a number in [0, 1] or [−1, 1]
+/// (glTF 2.0, section 3.11, "Animations", and 3.6.2.2, "Accessor Data Types").
+fn normalization(component: NumberType) -> f64 {
+    match component {
+        NumberType::I8 => 1.0 / 127.0,
+        NumberType::U8 => 1.0 / 255.0,
+        NumberType::I16 => 1.0 / 32767.0,
+        NumberType::U16 => 1.0 / 65535.0,
+        NumberType::U32 => 1.0 / f64::from(u32::MAX),
+        NumberType::I32 | NumberType::F32 | NumberType::F64 => 1.0,
     }
 }
 
@@ -131,7 +99,7 @@ impl Arrays<'_> {
             for (number, bytes) in element.iter_mut().zip(bytes.chunks_exact(component.size())) {
                 let raw = component.read(bytes);
                 let value =
-                    if accessor.normalized { (raw * component.normalization()).max(-1.0) } else { raw };
+                    if accessor.normalized { (raw * normalization(component)).max(-1.0) } else { raw };
                 *number = value as f32;
             }
             element
@@ -144,7 +112,8 @@ impl Arrays<'_> {
         let accessor = self.document.accessors.get(index, user, self.notes.path)?;
         let part = format!("{}, {user}", self.document.accessors.label(index));
         let component = self.component(accessor.component_type, &part)?;
-        if accessor.shape != "SCALAR" || !matches!(component, Component::U8 | Component::U16 | Component::U32)
+        if accessor.shape != "SCALAR"
+            || !matches!(component, NumberType::U8 | NumberType::U16 | NumberType::U32)
         {
             let message = "indices must be SCALAR and of component type 5121, 5123 or 5125";
             return Err(self.notes.error(&part, message));
@@ -152,8 +121,8 @@ impl Arrays<'_> {
         self.elements(accessor, component.size(), &part, |bytes| component.read(bytes) as u32)
     }
 
-    fn component(&self, code: u32, part: &str) -> Result<Component, SceneError> {
-        Component::from_code(code).ok_or_else(|| {
+    fn component(&self, code: u32, part: &str) -> Result<NumberType, SceneError> {
+        component(code).ok_or_else(|| {
             let message =
                 format!("its componentType is {code}, but must be 5120, 5121, 5122, 5123, 5125 or 5126");
             self.notes.error(part, message)
@@ -230,28 +199,20 @@ impl Arrays<'_> {
             return Ok(());
         }
         let part = format!("{part}, sparse values");
-        let indices = self.sparse_indices(&sparse.indices, sparse.count, &part)?;
-        let view = self.buffers.view(sparse.values.buffer_view, self.document, &part, self.notes)?;
-        let values = self.strided(&view, (sparse.values.byte_offset, size, sparse.count), &part)?;
-        for (index, value) in indices.into_iter().zip(values.iter()) {
-            let count = elements.len();
+        let array = |array: &SparseArray, size: usize| {
+            let view = self.buffers.view(array.buffer_view, self.document, &part, self.notes)?;
+            self.strided(&view, (array.byte_offset, size, sparse.count), &part)
+        };
+        let component = self.component(sparse.indices.component_type, &part)?;
+        let indices = array(&sparse.indices, component.size())?;
+        let values = array(&sparse.values, size)?;
+        for (index, value) in indices.iter().zip(values.iter()) {
+            let (index, count) = (component.read(index) as usize, elements.len());
             *elements.get_mut(index).ok_or_else(|| {
                 self.notes
                     .error(&part, format!("index {index} is out of range: the accessor's count is {count}"))
             })? = read(value);
         }
         Ok(())
-    }
-
-    fn sparse_indices(
-        &self,
-        indices: &SparseIndices,
-        count: usize,
-        part: &str,
-    ) -> Result<Vec<usize>, SceneError> {
-        let component = self.component(indices.component_type, part)?;
-        let view = self.buffers.view(indices.buffer_view, self.document, part, self.notes)?;
-        let values = self.strided(&view, (indices.byte_offset, component.size(), count), part)?;
-        Ok(values.iter().map(|bytes| component.read(bytes) as usize).collect())
     }
 }

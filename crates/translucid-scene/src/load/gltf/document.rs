@@ -71,25 +71,19 @@ pub(super) struct Accessor {
 #[derive(Deserialize)]
 pub(super) struct Sparse {
     pub(super) count: usize,
-    pub(super) indices: SparseIndices,
-    pub(super) values: SparseValues,
+    pub(super) indices: SparseArray,
+    pub(super) values: SparseArray,
 }
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-pub(super) struct SparseIndices {
+pub(super) struct SparseArray {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: usize,
+    /// Of indices alone; 0 is no type.
+    #[serde(default)]
     pub(super) component_type: u32,
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct SparseValues {
-    pub(super) buffer_view: usize,
-    #[serde(default)]
-    pub(super) byte_offset: usize,
 }
 
 #[derive(Deserialize)]
@@ -132,7 +126,7 @@ pub(super) struct Image {
     pub(super) buffer_view: Option<usize>,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct Material {
     pub(super) name: Option<String>,
@@ -141,23 +135,8 @@ pub(super) struct Material {
     pub(super) emissive_texture: Option<TextureInfo>,
     pub(super) emissive_factor: [f32; 3],
     pub(super) alpha_mode: AlphaMode,
-    pub(super) alpha_cutoff: f32,
+    pub(super) alpha_cutoff: Option<f32>,
     pub(super) extensions: Extensions,
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: None,
-            pbr_metallic_roughness: MetallicRoughness::default(),
-            normal_texture: None,
-            emissive_texture: None,
-            emissive_factor: [0.0; 3],
-            alpha_mode: AlphaMode::Opaque,
-            alpha_cutoff: 0.5,
-            extensions: Extensions::new(),
-        }
-    }
 }
 
 #[derive(Deserialize, Clone, Copy, PartialEq, Default)]
@@ -169,26 +148,14 @@ pub(super) enum AlphaMode {
     Blend,
 }
 
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct MetallicRoughness {
-    pub(super) base_color_factor: [f32; 4],
+    pub(super) base_color_factor: Option<[f32; 4]>,
     pub(super) base_color_texture: Option<TextureInfo>,
-    pub(super) metallic_factor: f32,
-    pub(super) roughness_factor: f32,
+    pub(super) metallic_factor: Option<f32>,
+    pub(super) roughness_factor: Option<f32>,
     pub(super) metallic_roughness_texture: Option<TextureInfo>,
-}
-
-impl Default for MetallicRoughness {
-    fn default() -> Self {
-        Self {
-            base_color_factor: [1.0; 4],
-            base_color_texture: None,
-            metallic_factor: 1.0,
-            roughness_factor: 1.0,
-            metallic_roughness_texture: None,
-        }
-    }
 }
 
 #[derive(Deserialize)]
@@ -252,17 +219,11 @@ pub(super) struct PunctualLight {
     pub(super) spot: Option<SpotCone>,
 }
 
-#[derive(Deserialize)]
+#[derive(Clone, Copy, Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 pub(super) struct SpotCone {
     pub(super) inner_cone_angle: f64,
-    pub(super) outer_cone_angle: f64,
-}
-
-impl Default for SpotCone {
-    fn default() -> Self {
-        Self { inner_cone_angle: 0.0, outer_cone_angle: std::f64::consts::FRAC_PI_4 }
-    }
+    pub(super) outer_cone_angle: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -463,13 +424,9 @@ mod tests {
     }
 
     #[test]
-    fn parse_fills_in_the_defaults_of_the_specification() {
+    fn labels_are_kind_index_and_name() {
         let json = r#"{"asset":{"version":"2.0"},"materials":[{}],"nodes":[{"name":"a"}]}"#;
         let document = Document::parse(json.as_bytes(), Path::new("x.gltf")).unwrap();
-        let material = &document.materials.as_slice()[0];
-        assert_eq!(material.pbr_metallic_roughness.metallic_factor, 1.0);
-        assert_eq!(material.pbr_metallic_roughness.base_color_factor, [1.0; 4]);
-        assert_eq!(material.alpha_cutoff, 0.5);
         assert_eq!(document.nodes.label(0), "node 0 \"a\"");
         assert_eq!(document.materials.label(0), "material 0");
     }

@@ -6,32 +6,14 @@ use super::accessor::Arrays;
 use super::document::Primitive;
 use crate::{Mesh, SceneError, Triangle};
 
-/// Triangles, and vertices, that a file may unfold to by instances and shared accessors.
+/// Triangles and vertices that a file may unfold to by instances and shared accessors.
 ///
 /// A scene of this size fills tens of gigabytes; a small damaged file could ask for any number.
-const MOST: usize = 1 << 28;
+pub(super) const MOST: usize = 1 << 28;
 
-/// Rest of the file's allowance.
-pub(super) struct Budget {
-    vertices: usize,
-    triangles: usize,
-}
-
-impl Default for Budget {
-    fn default() -> Self {
-        Self { vertices: MOST, triangles: MOST }
-    }
-}
-
-impl Budget {
-    /// Takes from the allowance; `false`: there is not so much left.
-    fn take(&mut self, vertices: usize, triangles: usize) -> bool {
-        let left = (self.vertices.checked_sub(vertices), self.triangles.checked_sub(triangles));
-        if let (Some(vertices), Some(triangles)) = left {
-            *self = Self { vertices, triangles };
-        }
-        matches!(left, (Some(_), Some(_)))
-    }
+/// Rest of an allowance; `None` if there is not so much left.
+fn left_of(budget: usize, vertices: usize, triangles: usize) -> Option<usize> {
+    budget.checked_sub(vertices.checked_add(triangles)?)
 }
 
 /// How a primitive's indices make triangles.
@@ -78,17 +60,19 @@ impl Arrays<'_> {
         primitive: &Primitive,
         part: &str,
         uv_set: usize,
-        budget: &mut Budget,
+        budget: &mut usize,
     ) -> Result<Option<Mesh>, SceneError> {
         let Some((topology, positions)) = self.surface(primitive, part)? else { return Ok(None) };
         let vertices = self.count(positions, part)?;
         let indices = primitive.indices.map(|accessor| self.count(accessor, part)).transpose()?;
-        if !budget.take(vertices, topology.triangle_count(indices.unwrap_or(vertices))) {
+        let triangles = topology.triangle_count(indices.unwrap_or(vertices));
+        let Some(left) = left_of(*budget, vertices, triangles) else {
             let message = format!(
-                "with this mesh the file has more than {MOST} triangles or vertices, the most allowed"
+                "with this mesh the file has more than {MOST} triangles and vertices, the most allowed"
             );
             return Err(self.notes.error(part, message).with_help("instances count once for each use"));
-        }
+        };
+        *budget = left;
         let mut mesh = Mesh {
             positions: self.attribute(positions, "POSITION", part, Vec3::from_array)?,
             ..Mesh::default()
@@ -221,10 +205,8 @@ mod tests {
 
     #[test]
     fn budget_refuses_what_exceeds_it_and_keeps_the_rest() {
-        let mut budget = Budget::default();
-        assert!(budget.take(10, MOST - 1));
-        assert!(!budget.take(1, 2));
-        assert!(budget.take(1, 1));
-        assert!(!budget.take(usize::MAX, 0));
+        assert_eq!(left_of(MOST, 10, MOST - 11), Some(1));
+        assert_eq!(left_of(1, 1, 1), None);
+        assert_eq!(left_of(MOST, usize::MAX, 1), None);
     }
 }

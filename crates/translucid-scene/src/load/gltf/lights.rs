@@ -1,11 +1,14 @@
 //! Punctual lights (KHR_lights_punctual) and cameras.
 
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
-use super::document::{self, Camera as CameraData, Document, Node, PunctualLight};
+use super::document::{self, Camera as CameraData, Document, Node, PunctualLight, SpotCone};
 use super::notes::Notes;
 use crate::interval::Interval;
+use crate::load::mesh_file::horizontal_fov;
 use crate::{Camera, Film, Light, SceneError};
 
 /// A node's KHR_lights_punctual.
@@ -82,31 +85,27 @@ fn check_position(position: Vec3, part: &str, notes: &Notes<'_>) -> Result<(), S
         .map_err(|error| notes.error(part, format!("its {}", error.message)))
 }
 
-/// Color times intensity times `scale`; what is negative or infinite becomes 0 and what is too bright the most that
-/// is allowed, with a warning.
+/// Color times intensity times `scale`, brought into the range of lights with a warning.
 fn emitted(data: &PunctualLight, scale: f64, part: &str, notes: &Notes<'_>) -> Vec3 {
     let color = data.color.unwrap_or([1.0; 3]).map(|channel| (channel * data.intensity * scale) as f32);
-    let usable = |channel: f32| channel.is_finite() && channel >= 0.0;
-    if !color.into_iter().all(usable) {
-        notes.warn(part, "a light whose color or intensity is negative or infinite is dark there");
+    let usable = color.map(|channel| Interval::LIGHT.nearest(channel));
+    if usable != color {
+        let message =
+            format!("its color times its intensity is not in {}: it becomes the nearest", Interval::LIGHT);
+        notes.warn(part, message);
     }
-    let color = color.map(|channel| if usable(channel) { channel } else { 0.0 });
-    let dimmed = color.map(|channel| Interval::LIGHT.nearest(channel));
-    if dimmed != color {
-        notes.warn(part, format!("a light beyond {} becomes that", Interval::LIGHT));
-    }
-    Vec3::from_array(dimmed)
+    Vec3::from_array(usable)
 }
 
 /// Inner and outer half-angle in degrees, 0 ≤ inner < outer ≤ 90.
 fn cone(data: &PunctualLight, part: &str, notes: &Notes<'_>) -> (f32, f32) {
-    let default = document::SpotCone::default();
-    let stated = data.spot.as_ref().unwrap_or(&default);
-    let outer = stated.outer_cone_angle.to_degrees().clamp(0.01, 90.0) as f32;
-    let inner = (stated.inner_cone_angle.to_degrees().max(0.0) as f32).min(0.999 * outer);
-    let sound = stated.inner_cone_angle >= 0.0
-        && stated.inner_cone_angle < stated.outer_cone_angle
-        && stated.outer_cone_angle <= std::f64::consts::FRAC_PI_2 + 1e-6;
+    let SpotCone { inner_cone_angle, outer_cone_angle } = data.spot.unwrap_or_default();
+    let outer_cone_angle = outer_cone_angle.unwrap_or(FRAC_PI_4);
+    let outer = outer_cone_angle.to_degrees().clamp(0.01, 90.0) as f32;
+    let inner = (inner_cone_angle.to_degrees().max(0.0) as f32).min(0.999 * outer);
+    let sound = inner_cone_angle >= 0.0
+        && inner_cone_angle < outer_cone_angle
+        && outer_cone_angle <= FRAC_PI_2 + 1e-6;
     if !sound {
         notes.warn(
             part,
@@ -133,13 +132,8 @@ pub(super) fn camera(
     };
     let film = Film::default();
     let aspect = perspective.aspect_ratio.unwrap_or(f64::from(film.width) / f64::from(film.height));
-    let tangent = (0.5 * perspective.yfov).tan() * aspect;
-    if !(perspective.yfov > 0.0
-        && perspective.yfov < std::f64::consts::PI
-        && aspect > 0.0
-        && tangent.is_finite())
-    {
-        let (yfov, aspect) = (perspective.yfov, aspect);
+    let yfov = perspective.yfov;
+    if !(yfov > 0.0 && yfov < PI && aspect > 0.0 && aspect.is_finite()) {
         let message =
             format!("its yfov is {yfov} and aspectRatio {aspect}, but must be in (0, π) and above 0");
         return Err(notes.error(part, message));
@@ -150,13 +144,12 @@ pub(super) fn camera(
     let target = position + forward(world_from_local).as_dvec3() * distance;
     check_position(position.as_vec3(), part, notes)?;
     check_position(target.as_vec3(), part, notes)?;
-    let horizontal_fov = (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32;
     Ok(Some(Camera {
         position: position.as_vec3(),
         target: target.as_vec3(),
         up: upward(world_from_local),
-        horizontal_fov,
-        lens_radius: 0.0,
+        horizontal_fov: horizontal_fov(yfov, aspect),
         focus_distance: distance as f32,
+        ..Camera::default()
     }))
 }

@@ -174,11 +174,7 @@ impl MaterialReader<'_> {
         self.read_coat(&mut material)?;
         self.read_media(&mut material)?;
         self.read_unlit(&mut material);
-        let stated = material.clone();
-        material.clamp();
-        if material != stated {
-            self.warn("values that are out of range become the nearest allowed");
-        }
+        material.clamp().iter().for_each(|change| self.warn(change));
         Ok(material)
     }
 
@@ -188,22 +184,23 @@ impl MaterialReader<'_> {
 
     fn read_base(&mut self, material: &mut Material) -> Result<(), SceneError> {
         let data = &self.data.pbr_metallic_roughness;
-        let [r, g, b, _] = data.base_color_factor;
+        let [r, g, b, _] = data.base_color_factor.unwrap_or([1.0; 4]);
         material.base_color = self.color([r, g, b], data.base_color_texture.as_ref(), "baseColorFactor")?;
         material.base_color.vertex_color = true;
         let texture = data.metallic_roughness_texture.as_ref();
         material.base_metalness =
-            self.weight(data.metallic_factor, texture, Channel::Blue, "metallicFactor")?;
+            self.weight(data.metallic_factor.unwrap_or(1.0), texture, Channel::Blue, "metallicFactor")?;
         material.specular_roughness =
-            self.weight(data.roughness_factor, texture, Channel::Green, "roughnessFactor")?;
+            self.weight(data.roughness_factor.unwrap_or(1.0), texture, Channel::Green, "roughnessFactor")?;
         Ok(())
     }
 
     fn read_opacity(&mut self, material: &mut Material) -> Result<(), SceneError> {
         let data = &self.data.pbr_metallic_roughness;
-        let alpha = self.unit(data.base_color_factor[3], "alpha of baseColorFactor");
+        let alpha = data.base_color_factor.map_or(1.0, |[.., alpha]| alpha);
+        let alpha = self.unit(alpha, "alpha of baseColorFactor");
         let texture = data.base_color_texture.as_ref();
-        let cutoff = self.data.alpha_cutoff;
+        let cutoff = self.data.alpha_cutoff.unwrap_or(0.5);
         material.geometry_opacity = match (self.data.alpha_mode, texture) {
             (AlphaMode::Opaque, _) => ScalarInput::constant(1.0),
             (AlphaMode::Blend, _) => {
@@ -232,27 +229,15 @@ impl MaterialReader<'_> {
             return Ok(());
         }
         let extension: Option<EmissiveStrength> = self.extension("KHR_materials_emissive_strength")?;
-        let strength = extension.map_or(1.0, |e| e.strength);
         let texture = self.data.emissive_texture.as_ref();
         material.emission_color = self.color(self.data.emissive_factor, texture, "emissiveFactor")?;
-        material.emission_luminance = if strength.is_finite() && strength >= 0.0 {
-            strength
-        } else {
-            self.warn("a negative or infinite emissiveStrength becomes 0");
-            0.0
-        };
+        material.emission_luminance = extension.map_or(1.0, |extension| extension.strength);
         Ok(())
     }
 
     fn read_specular(&mut self, material: &mut Material) -> Result<(), SceneError> {
         if let Some(Ior { ior }) = self.extension("KHR_materials_ior")? {
-            material.specular_ior = ior.clamp(1.0, 4.0);
-            if material.specular_ior != ior {
-                self.warn(&format!(
-                    "an ior of {ior} becomes {}, the nearest in [1, 4]",
-                    material.specular_ior
-                ));
-            }
+            material.specular_ior = ior;
         }
         if let Some(data) = self.extension::<Specular>("KHR_materials_specular")? {
             let texture = data.specular_texture.as_ref();

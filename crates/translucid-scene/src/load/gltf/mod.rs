@@ -30,37 +30,14 @@ use glam::{DAffine3, DVec3};
 use self::accessor::Arrays;
 use self::buffers::Buffers;
 use self::document::{Document, Node};
-use self::geometry::Budget;
+use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
-use super::read_file;
-use crate::{Camera, Image, Light, Material, Object, Place, SceneError, Unit, Warning, repair_mesh};
+use super::{MeshFile, read_file};
+use crate::{Object, Place, SceneError, Unit, Warning, repair_mesh};
 
-/// The content of a glTF file in world space and scene units.
-#[derive(Clone, Debug)]
-pub struct GltfScene {
-    /// One object for each primitive of each node's mesh, at least one; its name is the node's, else the mesh's.
-    ///
-    /// The primitives of one node share a [`subsurface_group`](Object::subsurface_group); the groups are
-    /// counted from 0.
-    pub objects: Vec<Object>,
-    /// Materials that [`Object::material`] refers to; empty if the file has none at all.
-    ///
-    /// Among others, a surface without material has the specification's default: a rough white metal.
-    pub materials: Vec<Material>,
-    /// Images that the materials refer to.
-    pub images: Vec<Image>,
-    /// Directional, point and spot lights.
-    pub lights: Vec<Light>,
-    /// The first perspective camera of the scene, framed for its own aspect ratio or the default film's.
-    pub camera: Option<Camera>,
-    /// The camera's full vertical field of view in degrees, which is what the file states: for a film of
-    /// aspect ratio a the horizontal one is 2 atan(a tan(v/2)).
-    pub vertical_fov: Option<f32>,
-}
-
-/// Reads a glTF file, textures and buffers beside it included.
+/// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
 /// glTF's lengths are meters; `unit` is the scene's.
 /// `warnings` say what was repaired or left out.
@@ -68,7 +45,7 @@ pub struct GltfScene {
 /// # Errors
 /// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
 /// usable triangle; the message names the element at fault.
-pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<GltfScene, SceneError> {
+pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     parse_gltf(&read_file(path)?, path, unit, warnings)
 }
 
@@ -81,7 +58,7 @@ pub fn parse_gltf(
     path: &Path,
     unit: Unit,
     warnings: &mut Vec<Warning>,
-) -> Result<GltfScene, SceneError> {
+) -> Result<MeshFile, SceneError> {
     let notes = Notes::new(path);
     let result = read(bytes, unit, &notes, warnings);
     warnings.extend(notes.into_warnings());
@@ -93,7 +70,7 @@ fn read(
     unit: Unit,
     notes: &Notes<'_>,
     warnings: &mut Vec<Warning>,
-) -> Result<GltfScene, SceneError> {
+) -> Result<MeshFile, SceneError> {
     let container = container::split(bytes, notes.path)?;
     let document = Document::parse(container.json, notes.path)?;
     check_extensions(&document, notes)?;
@@ -105,11 +82,11 @@ fn read(
         arrays: &arrays,
         units,
         materials: MaterialShelf::default(),
-        budget: Budget::default(),
+        budget: MOST,
         warnings,
         unusable: None,
         next_group: 0,
-        scene: GltfScene::empty(),
+        scene: MeshFile::default(),
     };
     for node in &placed {
         assembly.add_node(node)?;
@@ -138,31 +115,19 @@ fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneE
     Ok(())
 }
 
-impl GltfScene {
-    fn empty() -> Self {
-        Self {
-            objects: Vec::new(),
-            materials: Vec::new(),
-            images: Vec::new(),
-            lights: Vec::new(),
-            camera: None,
-            vertical_fov: None,
-        }
-    }
-}
-
 /// A scene on its way.
 struct Assembly<'a> {
     arrays: &'a Arrays<'a>,
     /// Scene units to the meter.
     units: f64,
     materials: MaterialShelf,
-    budget: Budget,
+    /// Vertices and triangles that the file may still have.
+    budget: usize,
     warnings: &'a mut Vec<Warning>,
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
     next_group: u32,
-    scene: GltfScene,
+    scene: MeshFile,
 }
 
 impl Assembly<'_> {
@@ -256,7 +221,7 @@ impl Assembly<'_> {
         Ok(())
     }
 
-    fn finish(self) -> Result<GltfScene, SceneError> {
+    fn finish(self) -> Result<MeshFile, SceneError> {
         self.materials.report(self.arrays);
         if self.scene.objects.is_empty() {
             let none =
@@ -268,6 +233,6 @@ impl Assembly<'_> {
             materials.clear();
         }
         self.warnings.extend(images.warnings);
-        Ok(GltfScene { materials, images: images.images, ..self.scene })
+        Ok(MeshFile { materials, images: images.images, ..self.scene })
     }
 }

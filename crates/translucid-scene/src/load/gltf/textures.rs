@@ -34,19 +34,13 @@ pub(super) struct ImageShelf {
 }
 
 /// KHR_texture_transform.
-#[derive(Deserialize)]
+#[derive(Deserialize, Default)]
 #[serde(rename_all = "camelCase", default)]
 struct TextureTransform {
     offset: [f32; 2],
     rotation: f32,
-    scale: [f32; 2],
+    scale: Option<[f32; 2]>,
     tex_coord: Option<usize>,
-}
-
-impl Default for TextureTransform {
-    fn default() -> Self {
-        Self { offset: [0.0; 2], rotation: 0.0, scale: [1.0; 2], tex_coord: None }
-    }
 }
 
 impl TextureTransform {
@@ -55,7 +49,7 @@ impl TextureTransform {
     /// The extension's own map M = translation · rotation · scale is for v down, where its rotation by an
     /// angle takes (u, v) to (u cos + v sin, −u sin + v cos). With the flip F: v → 1 − v this is F M F.
     fn image_from_uv(&self) -> Affine2 {
-        let (offset, scale) = (Vec2::from_array(self.offset), Vec2::from_array(self.scale));
+        let (offset, scale) = (Vec2::from_array(self.offset), self.scale.map_or(Vec2::ONE, Vec2::from_array));
         let map = Affine2::from_scale_angle_translation(scale, -self.rotation, offset);
         let flip = Affine2::from_mat2_translation(Mat2::from_diagonal(Vec2::new(1.0, -1.0)), Vec2::Y);
         flip * map * flip
@@ -195,7 +189,8 @@ mod tests {
     fn image_from_uv_maps_the_specification_s_example_to_the_lower_left_quadrant() {
         // KHR_texture_transform, "Example JSON": the lower left quadrant, rotated clockwise by 90°.
         let rotation = std::f32::consts::FRAC_PI_2;
-        let transform = TextureTransform { offset: [0.0, 1.0], rotation, scale: [0.5; 2], tex_coord: None };
+        let transform =
+            TextureTransform { offset: [0.0, 1.0], rotation, scale: Some([0.5; 2]), tex_coord: None };
         let map = transform.image_from_uv();
         for (uv, expected) in [([0.0, 0.0], [0.5, 0.0]), ([0.0, 1.0], [0.0, 0.0]), ([1.0, 1.0], [0.0, 0.5])] {
             let found = map.transform_point2(Vec2::from_array(uv));
@@ -206,7 +201,7 @@ mod tests {
     #[test]
     fn image_from_uv_without_rotation_is_the_plain_map_seen_upside_down() {
         let transform =
-            TextureTransform { offset: [0.1, 0.2], scale: [2.0, 3.0], ..TextureTransform::default() };
+            TextureTransform { offset: [0.1, 0.2], scale: Some([2.0, 3.0]), ..TextureTransform::default() };
         let map = transform.image_from_uv();
         for (u, v) in [(0.0, 0.0), (0.3, 0.8), (-1.0, 2.0)] {
             let found = map.transform_point2(Vec2::new(u, 1.0 - v));

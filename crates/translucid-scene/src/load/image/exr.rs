@@ -8,8 +8,8 @@ use exr::meta::MetaData;
 use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, read};
 
+use super::Decoded;
 use super::file_bytes::ImageBytes;
-use super::raster::Raster;
 use crate::{Pixels, SceneError};
 
 /// Most channels of a layer: they are all in memory at once.
@@ -19,7 +19,7 @@ const MOST_CHANNELS: usize = 64;
 ///
 /// Channels of a group ("beauty.R") are taken if there are none without.
 /// Pixels of the display window that the data window does not cover are black and clear.
-pub(super) fn decode(source: &ImageBytes<'_>) -> Result<Raster, SceneError> {
+pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false);
     for header in metadata.map_err(|error| refusal(source, &error))?.headers {
         check_layer(source, &header)?;
@@ -43,7 +43,7 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Result<Raster, SceneError> {
         let column = i64::from(window.position.0) - i64::from(start.0);
         pixels.extend((0..width).map(|x| planes.pixel(x as i64 + column, row)));
     }
-    Ok(Raster { width, height, pixels: Pixels::Float(pixels) })
+    Ok(([width, height], Pixels::Float(pixels)))
 }
 
 fn refusal(source: &ImageBytes<'_>, error: &Error) -> SceneError {

@@ -6,14 +6,14 @@ use zune_jpeg::zune_core::bytestream::ZCursor;
 use zune_jpeg::zune_core::colorspace::ColorSpace as Layout;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
+use super::Decoded;
 use super::file_bytes::ImageBytes;
-use super::raster::Raster;
-use crate::{Pixels, SceneError, Warning};
+use crate::{Pixels, Warning};
 
 /// Decodes grey, YCbCr, CMYK and YCCK images to RGB.
 ///
 /// A file with damaged or missing data is decoded as far as it goes, with a warning.
-pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Result<Raster, SceneError> {
+pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Decoded {
     let damaged = |error: &DecodeErrors| source.error(format!("damaged JPEG: {}", error.to_string().trim()));
     let options = DecoderOptions::default()
         .set_max_width(usize::MAX)
@@ -43,7 +43,7 @@ pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Re
         return Err(source.error(format!("damaged JPEG: {} samples for {count} pixels", samples.len())));
     }
     let pixels = samples.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
-    Ok(Raster { width, height, pixels: Pixels::Byte(pixels) })
+    Ok(([width, height], Pixels::Byte(pixels)))
 }
 
 /// Whether no end marker follows the last scan; the decoder fills what is missing with grey.
@@ -57,6 +57,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::SceneError;
     use crate::load::decode_image;
     use crate::{ColorSpace, Image, Place};
 

@@ -5,12 +5,11 @@ mod file_bytes;
 mod jpeg;
 mod png;
 mod radiance;
-mod raster;
 
 use std::path::Path;
 
 use super::read_file;
-use crate::{ColorSpace, Image, Place, SceneError, Warning};
+use crate::{ColorSpace, Image, Pixels, Place, SceneError, Warning};
 use file_bytes::ImageBytes;
 
 /// Loads an image file: PNG, JPEG, OpenEXR or Radiance HDR, whatever its name ends in.
@@ -40,14 +39,40 @@ pub fn decode_image(
     warnings: &mut Vec<Warning>,
 ) -> Result<Image, SceneError> {
     let source = ImageBytes { place, bytes };
-    let raster = match bytes {
+    let ([width, height], mut pixels) = match bytes {
         [0x89, b'P', b'N', b'G', ..] => png::decode(&source, color_space)?,
         [0xff, 0xd8, 0xff, ..] => jpeg::decode(&source, warnings)?,
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source)?,
         [b'#', b'?', ..] => radiance::decode(&source)?,
         _ => return Err(source.unknown_format()),
     };
-    Ok(raster.into_image(place, color_space, warnings))
+    let color_space = match &mut pixels {
+        Pixels::Byte(_) => color_space,
+        Pixels::Float(pixels) => {
+            mend(pixels, place, warnings);
+            ColorSpace::Linear
+        }
+    };
+    // `check_size` has bounded both edges.
+    let (width, height) = (width as u32, height as u32);
+    Ok(Image { name: place.to_string(), path: None, width, height, color_space, pixels })
+}
+
+/// What a format's decoder returns: width, height and pixels.
+type Decoded = Result<([usize; 2], Pixels), SceneError>;
+
+/// Sets values that are not finite to 0 and counts their pixels.
+fn mend(pixels: &mut [[f32; 4]], place: &Place, warnings: &mut Vec<Warning>) {
+    let mut count = 0_usize;
+    for pixel in pixels.iter_mut().filter(|pixel| pixel.iter().any(|value| !value.is_finite())) {
+        count += 1;
+        *pixel = pixel.map(|value| if value.is_finite() { value } else { 0.0 });
+    }
+    if count > 0 {
+        let noun = if count == 1 { "pixel has" } else { "pixels have" };
+        let message = format!("{count} {noun} values that are NaN or infinite: set to 0");
+        warnings.push(Warning { message, place: Some(place.clone()) });
+    }
 }
 
 #[cfg(test)]

@@ -4,13 +4,13 @@ use std::io::Cursor;
 
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
+use super::Decoded;
 use super::file_bytes::ImageBytes;
-use super::raster::Raster;
 use crate::image::linear_from_srgb;
-use crate::{ColorSpace, Pixels, SceneError};
+use crate::{ColorSpace, Pixels};
 
 /// Decodes 8 bits a channel or less to bytes, 16 bits to linear floats.
-pub(super) fn decode(source: &ImageBytes<'_>, color_space: ColorSpace) -> Result<Raster, SceneError> {
+pub(super) fn decode(source: &ImageBytes<'_>, color_space: ColorSpace) -> Decoded {
     let damaged = |error: png::DecodingError| source.error(format!("damaged PNG: {error}"));
     let mut decoder = Decoder::new_with_limits(Cursor::new(source.bytes), Limits { bytes: usize::MAX });
     decoder.set_transformations(Transformations::EXPAND);
@@ -32,7 +32,7 @@ pub(super) fn decode(source: &ImageBytes<'_>, color_space: ColorSpace) -> Result
         }
         _ => Pixels::Byte(samples.chunks_exact(channels).map(byte_pixel).collect()),
     };
-    Ok(Raster { width, height, pixels })
+    Ok(([width, height], pixels))
 }
 
 /// Grey, grey and alpha, RGB or RGBA to RGBA.
@@ -78,6 +78,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::SceneError;
     use crate::load::decode_image;
     use crate::{Image, Place};
 

@@ -7,8 +7,8 @@
 //! zune-hdr 0.5 reads two of the eight orientations, no flat pixels and no old runs, and goes on over runs that are
 //! too long; and it takes a mantissa's low end for its middle.
 
+use super::Decoded;
 use super::file_bytes::ImageBytes;
-use super::raster::Raster;
 use crate::{Pixels, SceneError};
 
 /// Three mantissas and the exponent.
@@ -18,7 +18,7 @@ type Rgbe = [u8; 4];
 const PACKABLE: std::ops::RangeInclusive<usize> = 8..=0x7fff;
 
 /// Decodes all eight orientations; the values are those that were stored, undivided by EXPOSURE.
-pub(super) fn decode(source: &ImageBytes<'_>) -> Result<Raster, SceneError> {
+pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let mut reader = Reader { source, position: 0 };
     reader.header()?;
     let layout = reader.layout()?;
@@ -37,7 +37,7 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Result<Raster, SceneError> {
             pixels[y * width + x] = float_from_rgbe(pixel);
         }
     }
-    Ok(Raster { width, height, pixels: Pixels::Float(pixels) })
+    Ok(([width, height], Pixels::Float(pixels)))
 }
 
 /// Radiance's convention: the mantissa's middle, 0 for exponent 0.

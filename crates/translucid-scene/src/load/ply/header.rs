@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::load::number::NumberType;
 use crate::{Place, SceneError};
 
 /// How the values are written.
@@ -12,54 +13,26 @@ pub(super) enum Format {
     BigEndian,
 }
 
-/// Type of a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
-}
-
-impl Scalar {
-    fn parse(word: &str) -> Option<Self> {
-        Some(match word {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
-    }
-
-    /// Bytes in a binary file.
-    pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
-    }
-
-    pub(super) fn is_float(self) -> bool {
-        matches!(self, Self::F32 | Self::F64)
-    }
+/// The type of a name.
+fn number_type(word: &str) -> Result<NumberType, String> {
+    Ok(match word {
+        "char" | "int8" => NumberType::I8,
+        "uchar" | "uint8" => NumberType::U8,
+        "short" | "int16" => NumberType::I16,
+        "ushort" | "uint16" => NumberType::U16,
+        "int" | "int32" => NumberType::I32,
+        "uint" | "uint32" => NumberType::U32,
+        "float" | "float32" => NumberType::F32,
+        "double" | "float64" => NumberType::F64,
+        _ => return Err(format!("unknown type \"{word}\"")),
+    })
 }
 
 /// One value, or a count and that many values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Kind {
-    Scalar(Scalar),
-    List { count: Scalar, item: Scalar },
+    Scalar(NumberType),
+    List { count: NumberType, item: NumberType },
 }
 
 #[derive(Debug)]
@@ -101,42 +74,44 @@ impl Header {
     /// Parses the header and checks its counts against the number of bytes that follow.
     pub(super) fn parse(bytes: &[u8], path: &Path) -> Result<Self, SceneError> {
         let mut lines = Lines { bytes, length: 0, number: 0 };
+        let mut header = Self { format: Format::Ascii, elements: Vec::new(), length: 0, lines: 0 };
+        let mut format = None;
         let at = |line: usize, message: String| SceneError::at(Place::line(path, line), message);
         if lines.next().is_none_or(|line| line.trim() != "ply") {
             return Err(at(1, String::from("is not a PLY file: the first line must be \"ply\"")));
         }
-        let mut format = None;
-        let mut elements: Vec<Element> = Vec::new();
         loop {
-            let Some(line) = lines.next() else {
-                return Err(at(lines.number + 1, String::from("the header has no \"end_header\"")));
-            };
-            let words: Vec<&str> = line.split_whitespace().collect();
-            match words[..] {
-                [] | ["comment" | "obj_info", ..] => (),
-                ["end_header"] => break,
-                ["format", _, version] if version != "1.0" => {
-                    let message = format!("PLY version {version} is not known, only 1.0 is");
-                    return Err(at(lines.number, message));
-                }
-                ["format", name, _] => format = Some(parse_format(name).map_err(|m| at(lines.number, m))?),
-                ["element", name, count] => {
-                    elements.push(parse_element(name, count).map_err(|m| at(lines.number, m))?);
-                }
-                ["property", ref words @ ..] => {
-                    let property = parse_property(words).map_err(|m| at(lines.number, m))?;
-                    let element = elements.last_mut();
-                    let orphan = || at(lines.number, String::from("a property before any element"));
-                    element.ok_or_else(orphan)?.properties.push(property);
-                }
-                _ => return Err(at(lines.number, format!("\"{}\" is no line of a PLY header", line.trim()))),
+            let line = lines.next();
+            let line =
+                line.ok_or_else(|| at(lines.number + 1, String::from("the header has no \"end_header\"")))?;
+            if line.trim() == "end_header" {
+                break;
             }
+            header.read_line(&line, &mut format).map_err(|message| at(lines.number, message))?;
         }
-        let format =
-            format.ok_or_else(|| at(lines.number, String::from("the header has no \"format\" line")))?;
-        let header = Self { format, elements, length: lines.length, lines: lines.number };
+        let absent = || at(lines.number, String::from("the header has no \"format\" line"));
+        header.format = format.ok_or_else(absent)?;
+        (header.length, header.lines) = (lines.length, lines.number);
         header.check_counts(bytes.len() - lines.length).map_err(|m| SceneError::at(Place::file(path), m))?;
         Ok(header)
+    }
+
+    fn read_line(&mut self, line: &str, format: &mut Option<Format>) -> Result<(), String> {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words[..] {
+            [] | ["comment" | "obj_info", ..] => (),
+            ["format", _, version] if version != "1.0" => {
+                return Err(format!("PLY version {version} is not known, only 1.0 is"));
+            }
+            ["format", name, _] => *format = Some(parse_format(name)?),
+            ["element", name, count] => self.elements.push(parse_element(name, count)?),
+            ["property", ref words @ ..] => {
+                let property = parse_property(words)?;
+                self.elements.last_mut().ok_or("a property before any element")?.properties.push(property);
+            }
+            _ => return Err(format!("\"{}\" is no line of a PLY header", line.trim())),
+        }
+        Ok(())
     }
 
     /// Refuses counts that the file is too short for, before memory is asked for them.
@@ -194,16 +169,15 @@ fn parse_element(name: &str, count: &str) -> Result<Element, String> {
 }
 
 fn parse_property(words: &[&str]) -> Result<Property, String> {
-    let scalar = |word: &str| Scalar::parse(word).ok_or_else(|| format!("unknown type \"{word}\""));
     let (kind, name) = match *words {
         ["list", count, item, name] => {
-            let count = scalar(count)?;
-            if count.is_float() {
+            let count = number_type(count)?;
+            if matches!(count, NumberType::F32 | NumberType::F64) {
                 return Err(format!("the number of items of list \"{name}\" cannot be a float"));
             }
-            (Kind::List { count, item: scalar(item)? }, name)
+            (Kind::List { count, item: number_type(item)? }, name)
         }
-        [kind, name] => (Kind::Scalar(scalar(kind)?), name),
+        [kind, name] => (Kind::Scalar(number_type(kind)?), name),
         _ => return Err(String::from("a property needs a type and a name")),
     };
     Ok(Property { name: name.to_owned(), kind })

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::header::Scalar;
+use crate::load::number::NumberType;
 use crate::{Place, SceneError};
 
 /// Why there is no value.
@@ -25,9 +25,9 @@ pub(super) trait Values {
     /// Goes to the next row.
     fn begin_row(&mut self) -> Result<(), Fault>;
 
-    fn value(&mut self, scalar: Scalar) -> Result<f64, Fault>;
+    fn value(&mut self, scalar: NumberType) -> Result<f64, Fault>;
 
-    fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), Fault>;
+    fn skip(&mut self, scalar: NumberType, count: usize) -> Result<(), Fault>;
 
     /// Checks that the row has no more values.
     fn end_row(&mut self) -> Result<(), Fault>;
@@ -36,7 +36,7 @@ pub(super) trait Values {
     fn error(&self, path: &Path, fault: Fault, row: &str) -> SceneError;
 
     /// Number of items of a list.
-    fn list_length(&mut self, scalar: Scalar) -> Result<usize, Fault> {
+    fn list_length(&mut self, scalar: NumberType) -> Result<usize, Fault> {
         let count = self.value(scalar)?;
         if count >= 0.0 { Ok(count as usize) } else { Err(Fault::NegativeCount) }
     }
@@ -48,38 +48,24 @@ pub(super) struct Binary<'a, const BIG_ENDIAN: bool> {
     pub(super) position: usize,
 }
 
-impl<const BIG_ENDIAN: bool> Binary<'_, BIG_ENDIAN> {
-    /// The next bytes, from the lowest to the highest.
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
-        let rest = self.bytes.get(self.position..).ok_or(Fault::End)?;
-        let mut bytes = *rest.first_chunk::<N>().ok_or(Fault::End)?;
-        self.position += N;
-        if BIG_ENDIAN {
-            bytes.reverse();
-        }
-        Ok(bytes)
-    }
-}
-
 impl<const BIG_ENDIAN: bool> Values for Binary<'_, BIG_ENDIAN> {
     fn begin_row(&mut self) -> Result<(), Fault> {
         Ok(())
     }
 
-    fn value(&mut self, scalar: Scalar) -> Result<f64, Fault> {
-        Ok(match scalar {
-            Scalar::I8 => f64::from(i8::from_le_bytes(self.take()?)),
-            Scalar::U8 => f64::from(u8::from_le_bytes(self.take()?)),
-            Scalar::I16 => f64::from(i16::from_le_bytes(self.take()?)),
-            Scalar::U16 => f64::from(u16::from_le_bytes(self.take()?)),
-            Scalar::I32 => f64::from(i32::from_le_bytes(self.take()?)),
-            Scalar::U32 => f64::from(u32::from_le_bytes(self.take()?)),
-            Scalar::F32 => f64::from(f32::from_le_bytes(self.take()?)),
-            Scalar::F64 => f64::from_le_bytes(self.take()?),
-        })
+    fn value(&mut self, scalar: NumberType) -> Result<f64, Fault> {
+        let size = scalar.size();
+        let bytes = self.bytes.get(self.position..self.position + size).ok_or(Fault::End)?;
+        self.position += size;
+        if !BIG_ENDIAN {
+            return Ok(scalar.read(bytes));
+        }
+        let mut reversed = [0; 8];
+        reversed.iter_mut().zip(bytes.iter().rev()).for_each(|(to, from)| *to = *from);
+        Ok(scalar.read(&reversed))
     }
 
-    fn skip(&mut self, scalar: Scalar, count: usize) -> Result<(), Fault> {
+    fn skip(&mut self, scalar: NumberType, count: usize) -> Result<(), Fault> {
         let left = self.bytes.len() - self.position;
         let length = scalar.size().saturating_mul(count);
         if length > left {
@@ -139,7 +125,7 @@ impl Values for Ascii<'_> {
         Err(Fault::End)
     }
 
-    fn value(&mut self, _: Scalar) -> Result<f64, Fault> {
+    fn value(&mut self, _: NumberType) -> Result<f64, Fault> {
         let word = self.next_word();
         if word.is_empty() {
             return Err(Fault::ShortLine);
@@ -148,7 +134,7 @@ impl Values for Ascii<'_> {
         number.ok_or(Fault::NotANumber)
     }
 
-    fn skip(&mut self, _: Scalar, count: usize) -> Result<(), Fault> {
+    fn skip(&mut self, _: NumberType, count: usize) -> Result<(), Fault> {
         for _ in 0..count {
             if self.next_word().is_empty() {
                 return Err(Fault::ShortLine);

@@ -5,18 +5,17 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::input::{ImageRequest, TableRequest};
+use super::input::FileRequest;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::error::nearest;
 use crate::interval::Interval;
-use crate::load::mesh_file::{MeshFile, scale_lengths, shift_images};
+use crate::load::mesh_file::{MeshFile, scale_lengths};
 use crate::load::stage::Stage;
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
 use crate::scene::MOST_TRIANGLES;
 use crate::{
-    Image, Light, Material, Mesh, Object, Place, ProfileTable, Scene, SceneError, Unit, Warning, build_shape,
-    repair_mesh,
+    Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
 };
 
 /// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
@@ -38,13 +37,12 @@ impl SceneFile {
     /// A file is missing or cannot be used; an option does not fit the scene.
     pub fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
         let overrides = resolve_overrides(&self.objects, &options.mesh_overrides)?;
+        let mut scene = self.scene;
+        scene.film = options.film(scene.film);
+        scene.images = load_files(&self.images, |image| load_image(&image.path, image.kind, warnings))?;
         let mut builder = Builder {
-            unit: self.unit,
+            scene,
             grouping: self.grouping,
-            objects: Vec::new(),
-            images: load_images(&self.images, warnings)?,
-            lights: self.lights,
-            materials: self.materials,
             default_material: None,
             models: HashMap::new(),
             groups: HashMap::new(),
@@ -57,34 +55,23 @@ impl SceneFile {
                 let index = chunk * SHAPES_AT_ONCE + number;
                 match shape {
                     Some(shape) => builder.add_shape(index, entry, shape?)?,
-                    None => builder.add_entry_of_file(index, entry, overrides.get(&index))?,
+                    None => builder.add_file(index, entry, overrides.get(&index).copied())?,
                 }
             }
         }
-        let frame = Stage::of(&builder.objects);
-        let film = options.film(self.film);
-        let aspect = f64::from(film.width) / f64::from(film.height);
-        let camera = self.camera.unwrap_or_else(|| frame.camera(&builder.objects, aspect));
-        let mut environment = self.environment;
-        if builder.is_dark() && environment.is_none() {
-            builder.lights = frame.lights();
-            environment = Some(frame.environment());
+        let mut scene = builder.scene;
+        let stage = Stage::of(&scene.objects);
+        let aspect = f64::from(scene.film.width) / f64::from(scene.film.height);
+        scene.camera = self.camera.unwrap_or_else(|| stage.camera(&scene.objects, aspect));
+        let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
+        let is_dark = scene.lights.is_empty() && !scene.objects.iter().any(emits);
+        if is_dark && scene.environment.is_none() {
+            scene.lights = stage.lights();
+            scene.environment = Some(stage.environment());
         }
-        let scene = Scene {
-            unit: self.unit,
-            camera,
-            film,
-            integrator: self.integrator,
-            objects: builder.objects,
-            materials: builder.materials,
-            images: builder.images,
-            profile_tables: load_profile_tables(&self.profile_tables)?,
-            lights: builder.lights,
-            environment,
-        };
+        scene.profile_tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
-        scene.validate().map_err(|error| error.or_at(&self.path))?;
-        Ok(scene)
+        options.finish(scene, &self.path)
     }
 }
 
@@ -135,20 +122,14 @@ fn resolve_overrides<'a>(
     Ok(resolved)
 }
 
-fn load_images(requests: &[ImageRequest], warnings: &mut Vec<Warning>) -> Result<Vec<Image>, SceneError> {
-    let load = |request: &ImageRequest| {
-        check_present(&request.path, &request.place)?;
-        load_image(&request.path, request.color_space, warnings)
-    };
-    requests.iter().map(load).collect()
-}
-
-fn load_profile_tables(requests: &[TableRequest]) -> Result<Vec<ProfileTable>, SceneError> {
-    let load = |request: &TableRequest| {
-        check_present(&request.path, &request.place)?;
-        load_profile_table(&request.path)
-    };
-    requests.iter().map(load).collect()
+/// Loads the files that are asked for.
+fn load_files<K, T>(
+    requests: &[FileRequest<K>],
+    mut load: impl FnMut(&FileRequest<K>) -> Result<T, SceneError>,
+) -> Result<Vec<T>, SceneError> {
+    let checked =
+        |request: &FileRequest<K>| check_present(&request.path, &request.place).and_then(|()| load(request));
+    requests.iter().map(checked).collect()
 }
 
 /// A missing file is the scene file's mistake, so the message points there.
@@ -202,16 +183,14 @@ struct LoadedMeshFile {
     first_material: Option<usize>,
 }
 
+/// A scene on its way, without a camera yet.
 struct Builder<'a> {
-    unit: Unit,
+    scene: Scene,
     grouping: Grouping,
-    objects: Vec<Object>,
-    materials: Vec<Material>,
     default_material: Option<usize>,
-    images: Vec<Image>,
-    lights: Vec<Light>,
     models: HashMap<(PathBuf, &'static str), LoadedMeshFile>,
     groups: HashMap<Group, u32>,
+    /// Triangles before the repair.
     triangles: usize,
     warnings: &'a mut Vec<Warning>,
 }
@@ -222,27 +201,20 @@ impl Builder<'_> {
         self.add_mesh(index, entry, shape, (entry.name.clone(), material, 0))
     }
 
-    fn add_entry_of_file(
-        &mut self,
-        index: usize,
-        entry: &ObjectEntry,
-        replacement: Option<&&PathBuf>,
-    ) -> Result<(), SceneError> {
-        let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
-        let path = replacement.map_or(path, |path| *path);
-        check_present(path, &entry.place).map_err(|error| error.with_help(override_help(&entry.name)))?;
-        self.add_file(index, entry, path, *unit)
-    }
-
+    /// Adds what is in the file of an entry, or in the one that replaces it.
     fn add_file(
         &mut self,
         index: usize,
         entry: &ObjectEntry,
-        path: &Path,
-        unit: Option<Unit>,
+        replacement: Option<&PathBuf>,
     ) -> Result<(), SceneError> {
-        let unit = unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { self.unit });
-        let key = (path.to_owned(), unit.name());
+        let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
+        let path = replacement.unwrap_or(path);
+        check_present(path, &entry.place).map_err(|error| {
+            error.with_help(format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name))
+        })?;
+        let unit = unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { self.scene.unit });
+        let key = (path.clone(), unit.name());
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = match self.models.remove(&key) {
             Some(loaded) => loaded,
@@ -254,38 +226,36 @@ impl Builder<'_> {
                 Some(first) => first + part.material,
                 None => self.default_material(),
             });
-            let name = if loaded.model.objects.len() == 1 {
-                entry.name.clone()
-            } else {
-                format!("{}/{}", entry.name, part.name)
+            let name = match loaded.model.objects.len() {
+                1 => entry.name.clone(),
+                _ => format!("{}/{}", entry.name, part.name),
             };
             let mesh = ReadyMesh::new(entry, part.mesh.clone())?;
             self.add_mesh(index, entry, mesh, (name, material, part.subsurface_group))?;
         }
-        for light in &loaded.model.lights {
-            self.lights.extend(transformed_light(light, entry));
-        }
+        self.scene
+            .lights
+            .extend(loaded.model.lights.iter().filter_map(|light| transformed_light(light, entry)));
         self.models.insert(key, loaded);
         Ok(())
     }
 
     fn load(&mut self, path: &Path, unit: Unit) -> Result<MeshFile, SceneError> {
         let mut model = load_model(path, self.warnings)?;
-        scale_lengths(&mut model, (unit.in_millimeters() / self.unit.in_millimeters()) as f32);
+        scale_lengths(&mut model, (unit.in_millimeters() / self.scene.unit.in_millimeters()) as f32);
         Ok(model)
     }
 
     /// Brings the file's own materials and images into the scene when they are first used.
     fn first_material(&mut self, entry: &ObjectEntry, loaded: &mut LoadedMeshFile) -> Option<usize> {
         if entry.material.is_none() && !loaded.model.materials.is_empty() && loaded.first_material.is_none() {
-            loaded.first_material = Some(self.materials.len());
-            let shift = self.images.len();
-            self.images.append(&mut loaded.model.images);
-            self.materials.extend(loaded.model.materials.iter().map(|material| {
-                let mut material = material.clone();
-                shift_images(&mut material, shift);
-                material
-            }));
+            loaded.first_material = Some(self.scene.materials.len());
+            let shift = self.scene.images.len();
+            self.scene.images.append(&mut loaded.model.images);
+            for material in &mut loaded.model.materials {
+                material.for_each_texture(|texture| texture.image += shift);
+            }
+            self.scene.materials.append(&mut loaded.model.materials);
         }
         loaded.first_material
     }
@@ -310,39 +280,28 @@ impl Builder<'_> {
         };
         let next = self.groups.len() as u32;
         let subsurface_group = *self.groups.entry(group).or_insert(next);
-        self.objects.push(Object { name, mesh, material, subsurface_group });
+        self.scene.objects.push(Object { name, mesh, material, subsurface_group });
         Ok(())
     }
 
     /// The material of objects that have none.
     fn default_material(&mut self) -> usize {
         *self.default_material.get_or_insert_with(|| {
-            self.materials.push(Material::default());
-            self.materials.len() - 1
+            self.scene.materials.push(Material::default());
+            self.scene.materials.len() - 1
         })
-    }
-
-    /// Whether neither a light nor a surface in use emits.
-    fn is_dark(&self) -> bool {
-        let emits = |object: &Object| self.materials[object.material].emission_luminance > 0.0;
-        self.lights.is_empty() && !self.objects.iter().any(emits)
     }
 }
 
 /// A mesh out of bounds is refused here; the repair would cut it off.
 fn check_bounds(mesh: &Mesh, place: &Place) -> Result<(), SceneError> {
     let (low, high) = mesh.bounds();
-    let reach = low.abs().max(high.abs()).max_element();
-    if Interval::COORDINATE.contains(f64::from(reach)) {
+    let (reach, range) = (low.abs().max(high.abs()).max_element(), Interval::COORDINATE);
+    if range.contains(f64::from(reach)) {
         return Ok(());
     }
-    let range = Interval::COORDINATE;
     let message = format!("the object reaches to {reach:e} in x, y or z, but coordinates must be in {range}");
     Err(SceneError::at(place.clone(), message))
-}
-
-fn override_help(name: &str) -> String {
-    format!("put the mesh there, or give its path with --mesh {name}=PATH")
 }
 
 /// A mesh file's light moved with its object; its intensity grows with the square of the scale, so that

@@ -51,6 +51,9 @@ impl DocumentText {
     }
 }
 
+/// A key of a table of settings, and how its value gets there.
+pub(super) type Key<T> = (&'static str, fn(&Item<'_>, &mut T) -> Result<(), SceneError>);
+
 /// A table of the document: entries by key, each read with its place.
 pub(super) struct Table<'a> {
     source: &'a DocumentText,
@@ -116,6 +119,28 @@ impl<'a> Table<'a> {
         read: impl FnOnce(&Item<'a>) -> Result<T, SceneError>,
     ) -> Result<T, SceneError> {
         self.get(key).map_or(Ok(default), |item| read(&item))
+    }
+
+    /// Replaces a value by that of a key, if it is there.
+    pub(super) fn update<T>(
+        &self,
+        key: &'static str,
+        value: &mut T,
+        read: impl FnOnce(&Item<'a>) -> Result<T, SceneError>,
+    ) -> Result<(), SceneError> {
+        self.get(key).map_or(Ok(()), |item| read(&item).map(|read| *value = read))
+    }
+
+    /// A table of a key, each of whose values is optional.
+    pub(super) fn settings<T: Default>(&self, key: &'static str, keys: &[Key<T>]) -> Result<T, SceneError> {
+        let mut settings = T::default();
+        let Some(item) = self.get(key) else { return Ok(settings) };
+        let names: Vec<_> = keys.iter().map(|&(name, _)| name).collect();
+        let table = item.table()?.allow(&names)?;
+        for (name, read) in keys {
+            table.get(name).map_or(Ok(()), |item| read(&item, &mut settings))?;
+        }
+        Ok(settings)
     }
 
     /// The tables of an array of tables, none if the key is not there.
@@ -239,6 +264,11 @@ impl<'a> Item<'a> {
             DeValue::Float(_) => Err(self.refuse(&must_be)),
             _ => Err(self.mismatch(&must_be)),
         }
+    }
+
+    /// A whole number of 32 bits.
+    pub(super) fn count(&self, range: WholeInterval) -> Result<u32, SceneError> {
+        self.integer(range).map(|n| n as u32)
     }
 
     /// A number in double precision.

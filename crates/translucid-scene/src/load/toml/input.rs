@@ -21,52 +21,45 @@ pub(super) const SCALAR_KEYS: &[&str] =
     &["file", "color_space", "channel", "factor", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
 pub(super) const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
 
-/// An image that the scene needs, and where it is asked for.
+/// A file that the scene needs, and where it is asked for.
 #[derive(Clone, Debug)]
-pub(super) struct ImageRequest {
+pub(super) struct FileRequest<K> {
     pub(super) path: PathBuf,
-    pub(super) color_space: ColorSpace,
-    pub(super) place: Place,
-}
-
-/// A table of profiles that the scene needs, and where it is asked for.
-#[derive(Clone, Debug)]
-pub(super) struct TableRequest {
-    pub(super) path: PathBuf,
+    /// What tells it from another request for the same file.
+    pub(super) kind: K,
     pub(super) place: Place,
 }
 
 /// The scene's images and profile tables: the index of a request is the index in the scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FileList {
-    requests: Vec<ImageRequest>,
-    tables: Vec<TableRequest>,
+    pub(super) images: Vec<FileRequest<ColorSpace>>,
+    pub(super) tables: Vec<FileRequest<()>>,
 }
 
 impl FileList {
     /// Index of the image in a file; the same file in the same color space is loaded once.
-    pub(super) fn request(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
-        let path = file.file()?;
-        let known = self.requests.iter().position(|r| r.path == path && r.color_space == color_space);
-        Ok(known.unwrap_or_else(|| {
-            self.requests.push(ImageRequest { path, color_space, place: file.place() });
-            self.requests.len() - 1
-        }))
+    pub(super) fn image(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
+        request(&mut self.images, file, color_space)
     }
 
     /// Index of the table of profiles in a file.
-    pub(super) fn request_table(&mut self, file: &Item<'_>) -> Result<usize, SceneError> {
-        let path = file.file()?;
-        let known = self.tables.iter().position(|r| r.path == path);
-        Ok(known.unwrap_or_else(|| {
-            self.tables.push(TableRequest { path, place: file.place() });
-            self.tables.len() - 1
-        }))
+    pub(super) fn table(&mut self, file: &Item<'_>) -> Result<usize, SceneError> {
+        request(&mut self.tables, file, ())
     }
+}
 
-    pub(super) fn into_requests(self) -> (Vec<ImageRequest>, Vec<TableRequest>) {
-        (self.requests, self.tables)
-    }
+fn request<K: PartialEq>(
+    requests: &mut Vec<FileRequest<K>>,
+    file: &Item<'_>,
+    kind: K,
+) -> Result<usize, SceneError> {
+    let path = file.file()?;
+    let known = requests.iter().position(|request| request.path == path && request.kind == kind);
+    Ok(known.unwrap_or_else(|| {
+        requests.push(FileRequest { path, kind, place: file.place() });
+        requests.len() - 1
+    }))
 }
 
 /// A color: a number, three numbers, `"#rrggbb"`, `"vertex"`, or a table with an image.
@@ -135,7 +128,7 @@ fn read_scalar_image(table: &Table<'_>, images: &mut FileList) -> Result<ScalarI
 pub(super) fn read_normal_map(item: &Item<'_>, images: &mut FileList) -> Result<NormalMap, SceneError> {
     match item.value() {
         DeValue::String(_) => {
-            let image = images.request(item, ColorSpace::Linear)?;
+            let image = images.image(item, ColorSpace::Linear)?;
             Ok(NormalMap { texture: TextureRef::new(image), scale: 1.0 })
         }
         DeValue::Table(_) => {
@@ -155,7 +148,7 @@ fn read_texture(
     images: &mut FileList,
 ) -> Result<TextureRef, SceneError> {
     Ok(TextureRef {
-        image: images.request(&table.require("file")?, color_space)?,
+        image: images.image(&table.require("file")?, color_space)?,
         image_from_uv: read_mapping(table)?,
         wrap: table.read("wrap", [Wrap::Repeat; 2], read_wrap)?,
     })

@@ -107,7 +107,7 @@ pub(super) fn read_environment(table: &Table<'_>, images: &mut FileList) -> Resu
     if file.is_none() {
         table.require("radiance")?;
     }
-    let image = file.map(|item| images.request(&item, ColorSpace::Srgb)).transpose()?;
+    let image = file.map(|item| images.image(&item, ColorSpace::Srgb)).transpose()?;
     let rotation = table.read("rotation", 0.0, |item| item.number(Interval::ANGLE))?;
     Ok(Environment {
         radiance: table.read("radiance", Vec3::ONE, |item| read_constant_color(item, Interval::LIGHT))?,

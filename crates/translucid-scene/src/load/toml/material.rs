@@ -2,47 +2,28 @@
 
 use super::document::{Item, Table};
 use super::input::{FileList, read_color, read_normal_map, read_scalar};
-use crate::material::{PARAMETERS, Parameter, Slot};
+use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
     Configuration, Material, SceneError, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
     SubsurfaceTextureAt, Unit,
 };
 
-pub(super) const KEYS: &[&str] = &[
-    "name",
-    "preset",
-    "base_weight",
-    "base_color",
-    "base_metalness",
-    "specular_weight",
-    "specular_color",
-    "specular_roughness",
-    "specular_ior",
-    "transmission_weight",
-    "transmission_color",
-    "transmission_depth",
-    "subsurface_weight",
-    "subsurface_color",
-    "subsurface_radius",
-    "subsurface_radius_scale",
-    "subsurface_scatter_anisotropy",
-    "subsurface_model",
-    "subsurface_table",
-    "subsurface_parameter",
-    "subsurface_configuration",
-    "subsurface_eta",
-    "subsurface_texture_at",
-    "subsurface_normalization",
-    "coat_weight",
-    "coat_color",
-    "coat_roughness",
-    "coat_ior",
-    "emission_luminance",
-    "emission_color",
-    "geometry_opacity",
-    "geometry_normal",
-];
+/// Every key.
+pub(super) fn keys() -> Vec<&'static str> {
+    let mut keys = vec!["name", "preset"];
+    keys.extend(PARAMETERS.iter().map(|parameter| parameter.name));
+    keys.extend([
+        "subsurface_model",
+        "subsurface_table",
+        "subsurface_parameter",
+        "subsurface_configuration",
+        "subsurface_texture_at",
+        "subsurface_normalization",
+        "geometry_normal",
+    ]);
+    keys
+}
 
 const PARAMETERIZATIONS: [(&str, SubsurfaceParameter); 2] =
     [("mfp", SubsurfaceParameter::Mfp), ("dmfp", SubsurfaceParameter::Dmfp)];
@@ -65,12 +46,27 @@ pub(super) fn read_material(
     let mut material = table.read("preset", Material::default(), |item| read_preset(item, unit))?;
     material.name = table.require("name")?.name()?;
     for parameter in PARAMETERS {
-        read_parameter(table, parameter, &mut material, images)?;
+        let (name, range) = (parameter.name, parameter.range);
+        match parameter.slot(&mut material) {
+            Slot::Number(number) => table.update(name, number, |item| item.number(range))?,
+            Slot::Scalar(input) => table.update(name, input, |item| read_scalar(item, range, images))?,
+            Slot::Color(input) => table.update(name, input, |item| read_color(item, range, images))?,
+        }
     }
     read_model(table, &mut material, images)?;
-    read_words(table, &mut material)?;
-    material.geometry_normal =
-        table.read("geometry_normal", None, |item| read_normal_map(item, images).map(Some))?;
+    table.update("subsurface_parameter", &mut material.subsurface_parameter, |item| {
+        item.word(&PARAMETERIZATIONS)
+    })?;
+    table.update("subsurface_configuration", &mut material.subsurface_configuration, |item| {
+        item.word(&CONFIGURATIONS)
+    })?;
+    let texture_at = &mut material.subsurface_texture_at;
+    table.update("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
+    let normalization = &mut material.subsurface_normalization;
+    table.update("subsurface_normalization", normalization, |item| item.word(&NORMALIZATIONS))?;
+    table.update("geometry_normal", &mut material.geometry_normal, |item| {
+        read_normal_map(item, images).map(Some)
+    })?;
     Ok(material)
 }
 
@@ -79,21 +75,6 @@ fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {
         Ok(preset) => Ok(preset.material(unit)),
         Err(error) => Err(SceneError { place: Some(item.place()), ..error }),
     }
-}
-
-fn read_parameter(
-    table: &Table<'_>,
-    parameter: &Parameter,
-    material: &mut Material,
-    images: &mut FileList,
-) -> Result<(), SceneError> {
-    let (name, range) = (parameter.name, parameter.range);
-    match parameter.slot(material) {
-        Slot::Number(number) => *number = table.read(name, *number, |item| item.number(range))?,
-        Slot::Scalar(input) => *input = table.read(name, *input, |item| read_scalar(item, range, images))?,
-        Slot::Color(input) => *input = table.read(name, *input, |item| read_color(item, range, images))?,
-    }
-    Ok(())
 }
 
 /// Reads `subsurface_model` or `subsurface_table`; without either the medium decides.
@@ -107,22 +88,6 @@ fn read_model(table: &Table<'_>, material: &mut Material, files: &mut FileList) 
         let message = "subsurface_table is the model: leave subsurface_model out, or the table";
         return Err(SceneError::at(item.place(), message));
     }
-    material.subsurface_model = SubsurfaceModel::Tabulated(files.request_table(&item)?);
-    Ok(())
-}
-
-fn read_words(table: &Table<'_>, material: &mut Material) -> Result<(), SceneError> {
-    let parameter = material.subsurface_parameter;
-    material.subsurface_parameter =
-        table.read("subsurface_parameter", parameter, |item| item.word(&PARAMETERIZATIONS))?;
-    let configuration = material.subsurface_configuration;
-    material.subsurface_configuration =
-        table.read("subsurface_configuration", configuration, |item| item.word(&CONFIGURATIONS))?;
-    let texture_at = material.subsurface_texture_at;
-    material.subsurface_texture_at =
-        table.read("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
-    let normalization = material.subsurface_normalization;
-    material.subsurface_normalization =
-        table.read("subsurface_normalization", normalization, |item| item.word(&NORMALIZATIONS))?;
+    material.subsurface_model = SubsurfaceModel::Tabulated(files.table(&item)?);
     Ok(())
 }

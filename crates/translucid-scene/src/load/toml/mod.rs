@@ -15,10 +15,11 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use document::{DocumentText, Item, Table};
-use input::{FileList, ImageRequest, TableRequest};
+use input::{FileList, FileRequest};
 use object::{GeometryOrigin, ObjectEntry};
 
-use crate::{Camera, Environment, Film, Integrator, Light, Material, SceneError, Unit};
+use super::stem;
+use crate::{Camera, ColorSpace, Material, Scene, SceneError, Unit};
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -58,17 +59,13 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 pub struct SceneFile {
     /// The file that messages name.
     path: PathBuf,
-    unit: Unit,
+    /// All but the camera and what is in files.
+    scene: Scene,
     grouping: Grouping,
     camera: Option<Camera>,
-    film: Film,
-    integrator: Integrator,
-    materials: Vec<Material>,
     objects: Vec<ObjectEntry>,
-    lights: Vec<Light>,
-    environment: Option<Environment>,
-    images: Vec<ImageRequest>,
-    profile_tables: Vec<TableRequest>,
+    images: Vec<FileRequest<ColorSpace>>,
+    profile_tables: Vec<FileRequest<()>>,
 }
 
 impl SceneFile {
@@ -100,24 +97,25 @@ impl SceneFile {
             None => None,
         };
         let camera = open(&root, "camera", camera::KEYS)?;
-        let film = open(&root, "film", settings::FILM_KEYS)?;
-        let integrator = open(&root, "integrator", settings::INTEGRATOR_KEYS)?;
         let lights = root.tables("light", MOST_ENTRIES)?;
-        let (images, profile_tables) = files.into_requests();
-        Ok(Self {
-            path: path.to_owned(),
+        let scene = Scene {
             unit,
-            grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
-            camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
-            film: film.map_or(Ok(Film::default()), |table| settings::read_film(&table))?,
-            integrator: integrator
-                .map_or(Ok(Integrator::default()), |table| settings::read_integrator(&table))?,
-            objects: read_objects(&root, &materials)?,
+            film: root.settings("film", settings::FILM)?,
+            integrator: root.settings("integrator", settings::INTEGRATOR)?,
             materials,
             lights: lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?,
             environment,
-            images,
-            profile_tables,
+            ..Scene::default()
+        };
+        let objects = read_objects(&root, &scene.materials)?;
+        Ok(Self {
+            path: path.to_owned(),
+            scene,
+            grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
+            camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
+            objects,
+            images: files.images,
+            profile_tables: files.tables,
         })
     }
 }
@@ -132,10 +130,10 @@ fn open<'a>(
 }
 
 fn read_materials(root: &Table<'_>, unit: Unit, files: &mut FileList) -> Result<Vec<Material>, SceneError> {
-    let mut names = HashSet::new();
+    let (mut names, keys) = (HashSet::new(), material::keys());
     let mut materials = Vec::new();
     for table in root.tables("material", MOST_ENTRIES)? {
-        let table = table.allow(material::KEYS)?;
+        let table = table.allow(&keys)?;
         let material = material::read_material(&table, unit, files)?;
         claim_name(&table, &material.name, &mut names)?;
         materials.push(material);
@@ -176,9 +174,7 @@ fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Res
 fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
     for (i, object) in objects.iter_mut().enumerate().filter(|(_, object)| object.name.is_empty()) {
         let plain = match &object.geometry {
-            GeometryOrigin::File { path, .. } => {
-                path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-            }
+            GeometryOrigin::File { path, .. } => stem(path),
             GeometryOrigin::Shape { name, .. } => name.clone(),
         };
         object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };

@@ -54,11 +54,10 @@ pub(super) fn read_object<'a>(
     table: Table<'a>,
     materials: &[Material],
 ) -> Result<(ObjectEntry, Table<'a>), SceneError> {
-    let shape = table.get("shape");
-    let parameters = shape.as_ref().map(read_shape_name).transpose()?;
-    let names = parameters.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
+    let shape = table.get("shape").map(|item| read_shape_name(&item)).transpose()?;
+    let names = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
     let table = table.allow(&KEYS.iter().copied().chain(names).collect::<Vec<_>>())?;
-    let (geometry, place) = read_geometry(&table)?;
+    let (geometry, place) = read_geometry(&table, shape)?;
     let entry = ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
@@ -78,24 +77,24 @@ fn read_shape_name(item: &Item<'_>) -> Result<(String, ShapeList), SceneError> {
     Ok((name.to_owned(), shape_parameters(name).unwrap_or_default()))
 }
 
-fn read_geometry(table: &Table<'_>) -> Result<(GeometryOrigin, Place), SceneError> {
-    match (table.get("file"), table.get("shape")) {
+fn read_geometry(
+    table: &Table<'_>,
+    shape: Option<(String, ShapeList)>,
+) -> Result<(GeometryOrigin, Place), SceneError> {
+    match (table.get("file"), table.get("shape").zip(shape)) {
         (Some(file), None) => {
             let unit = table.get("unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
             Ok((GeometryOrigin::File { path: file.file()?, unit }, file.place()))
         }
-        (None, Some(shape)) => {
+        (None, Some((shape, (name, list)))) => {
             if let Some(unit) = table.get("unit") {
                 let message = format!("{} is for files; a shape is in the scene's unit", unit.path());
                 return Err(unit.error(message));
             }
-            let (name, list) = read_shape_name(&shape)?;
-            Ok((
-                GeometryOrigin::Shape { name, parameters: read_shape_parameters(table, list)? },
-                shape.place(),
-            ))
+            let parameters = read_shape_parameters(table, list)?;
+            Ok((GeometryOrigin::Shape { name, parameters }, shape.place()))
         }
-        (Some(_), Some(shape)) => {
+        (Some(_), Some((shape, _))) => {
             Err(shape.error(format!("{} has both file and shape, but must have one", table.path())))
         }
         (None, None) => Err(table.error(format!("{} needs the key file or shape", table.path()))),

@@ -1,22 +1,8 @@
 //! `[film]` and `[integrator]`.
 
-use super::document::{Item, Table};
+use super::document::Key;
 use crate::interval::WholeInterval;
-use crate::{Film, FilterKind, Integrator, SceneError, SubsurfaceMethod, ToneMapping};
-
-pub(super) const FILM_KEYS: &[&str] = &["size", "filter", "filter_radius", "exposure", "tone_mapping"];
-pub(super) const INTEGRATOR_KEYS: &[&str] = &[
-    "samples_per_pixel",
-    "max_depth",
-    "max_diffuse_depth",
-    "caustics",
-    "subsurface_tail",
-    "subsurface_method",
-    "subsurface_sharing",
-    "point_tolerance",
-    "point_memory",
-    "seed",
-];
+use crate::{Film, FilterKind, Integrator, SubsurfaceMethod, ToneMapping};
 
 const FILTERS: [(&str, FilterKind); 3] = [
     ("box", FilterKind::Box),
@@ -26,56 +12,36 @@ const FILTERS: [(&str, FilterKind); 3] = [
 const TONE_MAPPINGS: [(&str, ToneMapping); 3] =
     [("srgb", ToneMapping::Srgb), ("neutral", ToneMapping::Neutral), ("agx", ToneMapping::Agx)];
 
-pub(super) fn read_film(table: &Table<'_>) -> Result<Film, SceneError> {
-    let default = Film::default();
-    let [width, height] = table.read("size", [default.width, default.height], read_size)?;
-    let filter = table.read("filter", default.filter, |item| item.word(&FILTERS))?;
-    Ok(Film {
-        width,
-        height,
-        filter,
-        filter_radius: table
-            .read("filter_radius", usual_radius(filter), |item| item.number(Film::FILTER_RADIUS))?,
-        exposure: table.read("exposure", default.exposure, |item| item.number(Film::EXPOSURE))?,
-        tone_mapping: table.read("tone_mapping", default.tone_mapping, |item| item.word(&TONE_MAPPINGS))?,
-    })
-}
+pub(super) const FILM: &[Key<Film>] = &[
+    ("size", |item, film| {
+        let size = item.array::<2>("whole numbers, width and height")?;
+        film.width = size[0].count(Film::EDGE)?;
+        film.height = size[1].count(Film::EDGE)?;
+        Ok(())
+    }),
+    ("filter", |item, film| {
+        film.filter = item.word(&FILTERS)?;
+        if film.filter == FilterKind::Box {
+            film.filter_radius = 0.5; // One pixel; that of the bells is their usual extent.
+        }
+        Ok(())
+    }),
+    ("filter_radius", |item, film| item.number(Film::FILTER_RADIUS).map(|x| film.filter_radius = x)),
+    ("exposure", |item, film| item.number(Film::EXPOSURE).map(|x| film.exposure = x)),
+    ("tone_mapping", |item, film| item.word(&TONE_MAPPINGS).map(|word| film.tone_mapping = word)),
+];
 
-/// One pixel for the box; the usual extent for the bells.
-fn usual_radius(filter: FilterKind) -> f32 {
-    match filter {
-        FilterKind::Box => 0.5,
-        FilterKind::Gaussian | FilterKind::BlackmanHarris => Film::default().filter_radius,
-    }
-}
-
-fn read_size(item: &Item<'_>) -> Result<[u32; 2], SceneError> {
-    let mut size = [0; 2];
-    for (extent, item) in size.iter_mut().zip(item.array::<2>("whole numbers, width and height")?) {
-        *extent = item.integer(Film::EDGE)? as u32;
-    }
-    Ok(size)
-}
-
-pub(super) fn read_integrator(table: &Table<'_>) -> Result<Integrator, SceneError> {
-    let default = Integrator::default();
-    let count = |key, default: u32, range| {
-        table.read(key, u64::from(default), |item| item.integer(range)).map(|n| n as u32)
-    };
-    Ok(Integrator {
-        samples_per_pixel: count("samples_per_pixel", default.samples_per_pixel, Integrator::SAMPLES)?,
-        max_depth: count("max_depth", default.max_depth, Integrator::DEPTH)?,
-        max_diffuse_depth: count("max_diffuse_depth", default.max_diffuse_depth, Integrator::DIFFUSE_DEPTH)?,
-        caustics: table.read("caustics", default.caustics, Item::boolean)?,
-        subsurface_tail: table
-            .read("subsurface_tail", default.subsurface_tail, |item| item.number(Integrator::TAIL))?,
-        subsurface_method: table.read("subsurface_method", default.subsurface_method, |item| {
-            item.word(&SubsurfaceMethod::WORDS)
-        })?,
-        subsurface_sharing: table.read("subsurface_sharing", default.subsurface_sharing, Item::boolean)?,
-        point_tolerance: table
-            .read("point_tolerance", default.point_tolerance, |item| item.number(Integrator::TOLERANCE))?,
-        point_memory: count("point_memory", default.point_memory, Integrator::MEMORY)?,
-        seed: table.read("seed", default.seed, |item| item.integer(WholeInterval::new(0, u64::MAX)))?,
-    })
-}
+pub(super) const INTEGRATOR: &[Key<Integrator>] = &[
+    ("samples_per_pixel", |item, to| item.count(Integrator::SAMPLES).map(|n| to.samples_per_pixel = n)),
+    ("max_depth", |item, to| item.count(Integrator::DEPTH).map(|n| to.max_depth = n)),
+    ("max_diffuse_depth", |item, to| item.count(Integrator::DIFFUSE_DEPTH).map(|n| to.max_diffuse_depth = n)),
+    ("caustics", |item, to| item.boolean().map(|is_on| to.caustics = is_on)),
+    ("subsurface_tail", |item, to| item.number(Integrator::TAIL).map(|x| to.subsurface_tail = x)),
+    ("subsurface_method", |item, to| {
+        item.word(&SubsurfaceMethod::WORDS).map(|word| to.subsurface_method = word)
+    }),
+    ("subsurface_sharing", |item, to| item.boolean().map(|is_on| to.subsurface_sharing = is_on)),
+    ("point_tolerance", |item, to| item.number(Integrator::TOLERANCE).map(|x| to.point_tolerance = x)),
+    ("point_memory", |item, to| item.count(Integrator::MEMORY).map(|n| to.point_memory = n)),
+    ("seed", |item, to| item.integer(WholeInterval::new(0, u64::MAX)).map(|n| to.seed = n)),
+];

@@ -16,18 +16,6 @@ use rayon::prelude::*;
 
 use crate::Mesh;
 
-/// A solid with a distance function and a color for each of its points.
-pub(in crate::shapes) trait Solid: Sync {
-    /// Two opposite corners of a box that contains the solid.
-    fn bounds(&self) -> [Vec3; 2];
-
-    /// Signed distance, or a function like it: negative inside, its slope at most [`SLOPE`].
-    fn distance(&self, p: Vec3) -> f32;
-
-    /// Linear color in [0, 1] of the surface point `p` with outward normal `n`.
-    fn color(&self, p: Vec3, n: Vec3) -> Vec3;
-}
-
 /// Greatest slope of a distance function that the search for blocks allows for.
 const SLOPE: f32 = 1.3;
 /// Cells along the edge of a block that is evaluated as a whole.
@@ -37,9 +25,15 @@ const COARSE: i32 = 8;
 /// The mark of a node or cell that has no entry.
 const NONE: u32 = u32::MAX;
 
-/// The mesh of a solid, with `cells` grid cells along its longest side.
-pub(in crate::shapes) fn mesh_solid(solid: &impl Solid, cells: usize) -> Mesh {
-    let mut nets = Nets::new(solid, cells);
+/// The mesh of a solid within a box of two opposite corners, with `cells` grid cells along the box's longest side.
+///
+/// `distance` is a signed distance, or a function like it: negative inside, its slope at most [`SLOPE`].
+pub(in crate::shapes) fn mesh_solid(
+    bounds: [Vec3; 2],
+    distance: &(impl Fn(Vec3) -> f32 + Sync),
+    cells: usize,
+) -> Mesh {
+    let mut nets = Nets::new(bounds, distance, cells);
     nets.evaluate_nodes();
     while nets.fill_ambiguous_faces() {}
     nets.place_vertices();
@@ -47,7 +41,6 @@ pub(in crate::shapes) fn mesh_solid(solid: &impl Solid, cells: usize) -> Mesh {
     nets.connect();
     nets.mend_creases();
     nets.separate_folds();
-    nets.color();
     nets.mesh
 }
 
@@ -82,8 +75,8 @@ struct Ring {
     agreement: f32,
 }
 
-struct Nets<'a, S: Solid> {
-    solid: &'a S,
+struct Nets<'a, D> {
+    distance: &'a D,
     origin: Vec3,
     cell: f32,
     /// Cells along each axis.
@@ -99,9 +92,8 @@ struct Nets<'a, S: Solid> {
     mesh: Mesh,
 }
 
-impl<'a, S: Solid> Nets<'a, S> {
-    fn new(solid: &'a S, cells: usize) -> Self {
-        let [low, high] = solid.bounds();
+impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
+    fn new([low, high]: [Vec3; 2], distance: &'a D, cells: usize) -> Self {
         let cell = (high - low).max_element() / cells as f32;
         // A margin of a cell on either side, rounded up to whole blocks.
         let size = ((high - low) / cell).ceil().as_ivec3() + 2;
@@ -109,7 +101,7 @@ impl<'a, S: Solid> Nets<'a, S> {
         let origin = 0.5 * (low + high) - 0.5 * cell * size.as_vec3();
         let count = |size: IVec3| (size.x * size.y * size.z) as usize;
         Self {
-            solid,
+            distance,
             origin,
             cell,
             size,
@@ -155,7 +147,7 @@ impl<'a, S: Solid> Nets<'a, S> {
             }
         }
         let values: Vec<f32> =
-            wanted.par_iter().map(|&(_, node)| self.solid.distance(self.position(node))).collect();
+            wanted.par_iter().map(|&(_, node)| (self.distance)(self.position(node))).collect();
         for ((index, _), value) in wanted.into_iter().zip(values) {
             self.nodes[index] = value;
         }
@@ -164,7 +156,7 @@ impl<'a, S: Solid> Nets<'a, S> {
     /// Keeps a block of `edge` cells, down to the least size, if the surface can reach it.
     fn visit_block(&mut self, corner: IVec3, edge: i32) {
         let center = self.position(corner) + 0.5 * edge as f32 * self.cell;
-        let distance = self.solid.distance(center);
+        let distance = (self.distance)(center);
         let half_diagonal = 0.5 * edge as f32 * 3.0_f32.sqrt();
         // One cell more than the block, because a node may be filled.
         if distance.abs() > SLOPE * (half_diagonal + 1.0) * self.cell {
@@ -216,7 +208,7 @@ impl<'a, S: Solid> Nets<'a, S> {
     fn finite_corners(&self, cell: IVec3, corners: [f32; 8]) -> [f32; 8] {
         std::array::from_fn(|i| {
             let is_known = corners[i].is_finite();
-            if is_known { corners[i] } else { self.solid.distance(self.position(cell + corner_offset(i))) }
+            if is_known { corners[i] } else { (self.distance)(self.position(cell + corner_offset(i))) }
         })
     }
 
@@ -283,7 +275,7 @@ impl<'a, S: Solid> Nets<'a, S> {
         let step = 0.25 * self.cell;
         let corners =
             [Vec3::new(1.0, -1.0, -1.0), Vec3::new(-1.0, -1.0, 1.0), Vec3::new(-1.0, 1.0, -1.0), Vec3::ONE];
-        let values = corners.map(|corner| self.solid.distance(p + step * corner));
+        let values = corners.map(|corner| (self.distance)(p + step * corner));
         let gradient =
             corners.iter().zip(values).map(|(&corner, value)| corner * value).sum::<Vec3>() / (4.0 * step);
         (0.25 * values.iter().sum::<f32>(), gradient)
@@ -380,12 +372,6 @@ impl<'a, S: Solid> Nets<'a, S> {
             }
         }
         rings
-    }
-
-    fn color(&mut self) {
-        let Mesh { positions, normals, colors, .. } = &mut self.mesh;
-        let points = positions.par_iter().zip(normals.par_iter());
-        *colors = points.map(|(&p, &n)| self.solid.color(p, n).clamp(Vec3::ZERO, Vec3::ONE)).collect();
     }
 }
 

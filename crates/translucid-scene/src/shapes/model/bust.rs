@@ -6,7 +6,7 @@ use crate::shapes::implicit::distance::{
     ball, blend, blend_stalk, carve, carve_stalk, common, ellipsoid, is_beyond, round_cone, smoothstep,
 };
 use crate::shapes::implicit::noise::{fractal_noise, noise};
-use crate::shapes::implicit::sculpture::{Sculpture, detail, height, sculpt};
+use crate::shapes::implicit::sculpture::{detail, height, sculpt};
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
 
@@ -195,5 +195,5 @@ pub(in crate::shapes) fn bust(values: &Values) -> Result<Mesh, SceneError> {
     let (seed, veins) = (values.count("seed") as u32, values.get("veins"));
     let color = move |p: Vec3, _: Vec3| marble(p, seed, veins);
     let bounds = [Vec3::new(-6.5, -14.3, -7.0), Vec3::new(6.5, 11.2, 5.6)];
-    Ok(sculpt(&Sculpture { bounds, distance: figure, color }, values))
+    Ok(sculpt(bounds, figure, color, values))
 }

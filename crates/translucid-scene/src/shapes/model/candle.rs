@@ -6,7 +6,7 @@ use crate::shapes::implicit::distance::{
     blend, carve, common, ellipsoid, is_beyond, round_cone, rounded_cylinder, smoothstep, stalk,
 };
 use crate::shapes::implicit::noise::{fractal_noise, noise};
-use crate::shapes::implicit::sculpture::{Sculpture, detail, height, sculpt, stand};
+use crate::shapes::implicit::sculpture::{detail, height, sculpt, stand};
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::shapes::primitive::lathe::{curve_profile, revolve};
 use crate::{Mesh, SceneError};
@@ -71,7 +71,7 @@ pub(in crate::shapes) fn candle(values: &Values) -> Result<Mesh, SceneError> {
         blend(body, runs, 0.3)
     };
     let bounds = [Vec3::new(-3.4, -0.1, -3.4), Vec3::new(3.4, top + 0.3, 3.4)];
-    Ok(sculpt(&Sculpture { bounds, distance, color: |_, _| Vec3::ONE }, values))
+    Ok(sculpt(bounds, distance, |_, _| Vec3::ONE, values))
 }
 
 pub(in crate::shapes) const WICK: &[ShapeParameter] = &[height(1.3), detail(64.0)];
@@ -83,7 +83,7 @@ pub(in crate::shapes) fn wick(values: &Values) -> Result<Mesh, SceneError> {
     // Ash above, wax-soaked cotton below.
     let color = |p: Vec3, _: Vec3| Vec3::splat(0.25 - 0.23 * smoothstep(0.1, 0.5, p.y));
     let bounds = [Vec3::new(-0.2, -0.2, -0.2), Vec3::new(0.5, 1.6, 0.4)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }
 
 pub(in crate::shapes) const FLAME: &[ShapeParameter] = &[

@@ -8,7 +8,7 @@ use crate::shapes::implicit::distance::{
     ball, blend, blend_stalk, carve, common, round_cone, smoothstep, stalk,
 };
 use crate::shapes::implicit::noise::{cell_distance, fractal_noise, noise};
-use crate::shapes::implicit::sculpture::{Sculpture, detail, height, sculpt, srgb};
+use crate::shapes::implicit::sculpture::{detail, height, sculpt, srgb};
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
 
@@ -61,7 +61,7 @@ pub(in crate::shapes) fn apple(values: &Values) -> Result<Mesh, SceneError> {
         skin.lerp(srgb(0xf0d890), 0.35 * speckle)
     };
     let bounds = [Vec3::new(-4.2, -3.2, -4.2), Vec3::new(4.2, 4.5, 4.2)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }
 
 pub(in crate::shapes) const PEAR: &[ShapeParameter] = &[height(10.5), detail(120.0), SEED];
@@ -99,7 +99,7 @@ pub(in crate::shapes) fn pear(values: &Values) -> Result<Mesh, SceneError> {
         skin.lerp(srgb(0x7a5a2c), (0.4 * speckle).max(0.6 * russet))
     };
     let bounds = [Vec3::new(-3.7, -0.4, -3.7), Vec3::new(3.7, 10.6, 3.7)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }
 
 /// Radius of an orange in natural size.
@@ -129,7 +129,7 @@ pub(in crate::shapes) fn orange(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let distance = move |p: Vec3| orange_skin(p, seed);
     let color = move |p: Vec3, _: Vec3| orange_peel_color(p, seed);
-    Ok(sculpt(&Sculpture { bounds: [Vec3::splat(-4.0), Vec3::splat(4.0)], distance, color }, values))
+    Ok(sculpt([Vec3::splat(-4.0), Vec3::splat(4.0)], distance, color, values))
 }
 
 pub(in crate::shapes) const ORANGE_HALF: &[ShapeParameter] = &[
@@ -210,7 +210,7 @@ pub(in crate::shapes) fn orange_half(values: &Values) -> Result<Mesh, SceneError
         membrane.lerp(juice, pulp_amount(&face))
     };
     let bounds = [Vec3::new(-4.0, -4.0, -4.0), Vec3::new(4.0, 0.3, 4.0)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }
 
 pub(in crate::shapes) const MELON_SLICE: &[ShapeParameter] = &[height(5.2), detail(110.0), SEED];
@@ -235,5 +235,5 @@ pub(in crate::shapes) fn melon_slice(values: &Values) -> Result<Mesh, SceneError
         rind.lerp(flesh, smoothstep(0.7, 1.3, depth + 0.2 * noise(p, seed + 2)))
     };
     let bounds = [Vec3::new(-9.2, -9.2, -6.0), Vec3::new(9.2, 0.4, 6.0)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }

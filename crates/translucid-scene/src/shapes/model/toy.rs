@@ -5,7 +5,7 @@ use glam::{Quat, Vec3};
 use crate::shapes::implicit::distance::{
     ball, blend, common, ellipsoid, rounded_block, rounded_cylinder, smoothstep,
 };
-use crate::shapes::implicit::sculpture::{Sculpture, detail, height, sculpt, srgb};
+use crate::shapes::implicit::sculpture::{detail, height, sculpt, srgb};
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
 
@@ -58,7 +58,7 @@ pub(in crate::shapes) fn duck(values: &Values) -> Result<Mesh, SceneError> {
         srgb(0xffc808).lerp(srgb(0xf0640a), beak).lerp(eye_color, eye)
     };
     let bounds = [Vec3::new(-3.0, -0.1, -4.0), Vec3::new(3.0, 6.4, 4.2)];
-    Ok(sculpt(&Sculpture { bounds, distance, color }, values))
+    Ok(sculpt(bounds, distance, color, values))
 }
 
 pub(in crate::shapes) const BRICK: &[ShapeParameter] = &[
@@ -86,5 +86,5 @@ pub(in crate::shapes) fn brick(values: &Values) -> Result<Mesh, SceneError> {
         blend(block, rounded_cylinder(q, 0.5, 0.36, 0.08), 0.08)
     };
     let bounds = [Vec3::new(-half.x, 0.0, -half.z), Vec3::new(half.x, 2.0 * half.y + 0.4, half.z)];
-    Ok(sculpt(&Sculpture { bounds, distance, color: |_, _| Vec3::ONE }, values))
+    Ok(sculpt(bounds, distance, |_, _| Vec3::ONE, values))
 }

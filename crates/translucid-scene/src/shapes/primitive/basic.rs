@@ -4,7 +4,7 @@ use std::f32::consts::{PI, TAU};
 
 use glam::{Vec2, Vec3};
 
-use super::lathe::{Corner, curve_profile, fillet_profile, revolve};
+use super::lathe::{Corner, ProfilePoint, curve_profile, fillet_profile, revolve};
 use super::rounded_box::rounded_box;
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
@@ -129,10 +129,10 @@ pub(in crate::shapes) fn torus(values: &Values) -> Result<Mesh, SceneError> {
         return Err(SceneError::new(message));
     }
     let rings = values.count("tube_segments");
-    let mut profile = curve_profile(|t| Vec2::new(radius, 0.0) + tube * Vec2::from_angle(TAU * t), rings);
-    for (i, point) in profile.iter_mut().enumerate() {
-        point.normal = Vec2::from_angle(TAU * (i % rings) as f32 / rings as f32);
-        point.position = Vec2::new(radius, 0.0) + tube * point.normal;
-    }
+    let point = |i: usize| {
+        let normal = Vec2::from_angle(TAU * (i % rings) as f32 / rings as f32);
+        ProfilePoint { position: Vec2::new(radius, 0.0) + tube * normal, normal }
+    };
+    let profile: Vec<_> = (0..=rings).map(point).collect();
     Ok(revolve(&profile, values.count("segments")))
 }

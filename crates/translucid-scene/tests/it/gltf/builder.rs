@@ -2,8 +2,10 @@
 
 use std::path::Path;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use translucid_scene::{GltfScene, Mesh, Unit, Warning, parse_gltf};
+use translucid_scene::{Mesh, MeshFile, Unit, Warning, parse_gltf};
 
 /// A document with one buffer.
 #[derive(Clone)]
@@ -14,7 +16,7 @@ pub(crate) struct File {
 
 /// Result of reading a file.
 pub(crate) struct Loaded {
-    pub(crate) scene: GltfScene,
+    pub(crate) scene: MeshFile,
     pub(crate) warnings: Vec<String>,
 }
 
@@ -125,7 +127,7 @@ impl File {
 
     /// The file as JSON with its buffer in a data URI.
     pub(crate) fn gltf(&self) -> Vec<u8> {
-        let uri = format!("data:application/octet-stream;base64,{}", base64(&self.bytes));
+        let uri = format!("data:application/octet-stream;base64,{}", STANDARD.encode(&self.bytes));
         self.with_buffer(&json!({ "byteLength": self.bytes.len(), "uri": uri }))
     }
 
@@ -178,20 +180,6 @@ pub(crate) fn glb(chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     bytes.extend((12 + body.len() as u32).to_le_bytes());
     bytes.extend(body);
     bytes
-}
-
-pub(crate) fn base64(bytes: &[u8]) -> String {
-    const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    let mut text = String::new();
-    for group in bytes.chunks(3) {
-        let bits =
-            group.iter().fold(0u32, |bits, &byte| bits << 8 | u32::from(byte)) << (8 * (3 - group.len()));
-        for i in 0..4 {
-            let digit = ALPHABET[(bits >> (18 - 6 * i) & 63) as usize];
-            text.push(if i <= group.len() { char::from(digit) } else { '=' });
-        }
-    }
-    text
 }
 
 /// A PNG of RGBA pixels.

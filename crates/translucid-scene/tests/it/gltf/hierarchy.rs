@@ -182,11 +182,11 @@ fn spot_lights_have_their_cone_in_degrees_and_the_default_of_45() {
 }
 
 #[test]
-fn a_negative_light_is_dark_with_a_warning() {
+fn a_light_out_of_range_becomes_the_nearest_with_a_warning() {
     let loaded = with_light(json!({ "type": "point", "color": [1, -1, 1e300] })).load();
     let [Light::Spot { intensity, .. }] = loaded.scene.lights[..] else { panic!() };
-    assert_eq!(intensity, Vec3::X);
-    assert!(loaded.warned_of("light 0: a light whose color or intensity is negative or infinite"));
+    assert_eq!(intensity, Vec3::new(1.0, 0.0, 1e12));
+    assert!(loaded.warned_of("light 0: its color times its intensity is not in [0, 1e12]"));
 }
 
 fn with_camera(camera: Value) -> File {

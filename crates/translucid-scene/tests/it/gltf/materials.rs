@@ -147,7 +147,10 @@ fn ior_and_specular_are_read() {
     assert_eq!(read(extended("KHR_materials_ior", json!({ "ior": 1.33 }))).0.specular_ior, 1.33);
     let (material, warnings) = read(extended("KHR_materials_ior", json!({ "ior": 0 })));
     assert_eq!(material.specular_ior, 1.0);
-    assert!(warnings[0].contains("material 0: an ior of 0 becomes 1"), "{warnings:?}");
+    assert!(
+        warnings[0].contains("material 0: specular_ior is 0, but must be in [1, 4]: it becomes 1"),
+        "{warnings:?}"
+    );
     let (material, _) = read(extended(
         "KHR_materials_specular",
         json!({

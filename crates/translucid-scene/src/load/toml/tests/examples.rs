@@ -54,9 +54,7 @@ fn format_description_names_every_key() {
     let lists = [
         super::super::KEYS,
         camera::KEYS,
-        settings::FILM_KEYS,
-        settings::INTEGRATOR_KEYS,
-        material::KEYS,
+        &material::keys(),
         object::KEYS,
         input::COLOR_KEYS,
         input::SCALAR_KEYS,
@@ -69,7 +67,9 @@ fn format_description_names_every_key() {
         light::BEAM_KEYS,
         light::ENVIRONMENT_KEYS,
     ];
-    for key in lists.into_iter().flatten() {
+    let film = settings::FILM.iter().map(|(key, _)| key);
+    let settings = film.chain(settings::INTEGRATOR.iter().map(|(key, _)| key));
+    for key in lists.into_iter().flatten().chain(settings) {
         assert!(page.contains(&format!("`{key}`")), "docs/guide/scene-files.md does not describe {key}");
     }
 }

@@ -16,12 +16,13 @@ fn with_ball(piece: &str) -> String {
 /// The only material of a text.
 fn material(lines: &str) -> Material {
     let text = with_ball(&format!("[[material]]\nname = \"m\"\n{lines}"));
-    parse(&text).unwrap_or_else(|error| panic!("{error}")).materials.swap_remove(0)
+    parse(&text).unwrap_or_else(|error| panic!("{error}")).scene.materials.swap_remove(0)
 }
 
 /// The only light of a text.
 fn light(lines: &str) -> Light {
-    parse(&with_ball(&format!("[[light]]\n{lines}"))).unwrap_or_else(|error| panic!("{error}")).lights[0]
+    parse(&with_ball(&format!("[[light]]\n{lines}"))).unwrap_or_else(|error| panic!("{error}")).scene.lights
+        [0]
 }
 
 #[test]
@@ -78,8 +79,8 @@ fn film_and_integrator_read_every_key() {
         point_memory: 77,
         seed: u64::MAX,
     };
-    assert_eq!((file.film, file.integrator), (film, integrator));
-    assert_eq!(parse(&with_ball("[film]\nfilter = \"box\"")).unwrap().film.filter_radius, 0.5);
+    assert_eq!((file.scene.film, file.scene.integrator), (film, integrator));
+    assert_eq!(parse(&with_ball("[film]\nfilter = \"box\"")).unwrap().scene.film.filter_radius, 0.5);
 }
 
 #[test]
@@ -157,8 +158,8 @@ fn material_textures_have_their_mapping() {
          geometry_normal = { file = \"n.png\", scale = -2 }",
     );
     let file = parse(&text).unwrap();
-    let m = &file.materials[0];
-    let spaces: Vec<ColorSpace> = file.images.iter().map(|image| image.color_space).collect();
+    let m = &file.scene.materials[0];
+    let spaces: Vec<ColorSpace> = file.images.iter().map(|image| image.kind).collect();
     // One image in two color spaces is two images; the same in the same space is one.
     assert_eq!(spaces, [ColorSpace::Srgb, ColorSpace::Linear, ColorSpace::Linear]);
     let base = m.base_color.texture.unwrap();
@@ -281,13 +282,13 @@ fn lights_read_every_key() {
 fn environment_reads_every_key() {
     let text = "[environment]\nradiance = [1, 2, 3]\nfile = \"sky.exr\"\nrotation = 90\nvisible = false";
     let file = parse(&with_ball(text)).unwrap();
-    let environment = file.environment.unwrap();
+    let environment = file.scene.environment.unwrap();
     assert_eq!((environment.radiance, environment.image), (Vec3::new(1.0, 2.0, 3.0), Some(0)));
     assert!(!environment.visible);
     // The middle of the image, −z, turns to −x.
     let turned = environment.world_from_environment * Vec3::NEG_Z;
     assert!(turned.distance(Vec3::NEG_X) < 1e-6, "{turned}");
-    let plain = parse(&with_ball("[environment]\nradiance = 0.5")).unwrap().environment.unwrap();
+    let plain = parse(&with_ball("[environment]\nradiance = 0.5")).unwrap().scene.environment.unwrap();
     assert_eq!((plain.radiance, plain.image, plain.visible), (Vec3::splat(0.5), None, true));
     assert_eq!(plain.world_from_environment, Mat3::IDENTITY);
 }

@@ -1,13 +1,4 @@
-//! Light and dark.
-
-/// The background that a chart is drawn for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Theme {
-    /// Dark on white, as for print.
-    Light,
-    /// Light on near black, as for a dark page.
-    Dark,
-}
+//! Colors, light and dark.
 
 /// A color on white and its counterpart on near black, as "#rrggbb".
 ///
@@ -55,16 +46,9 @@ impl Shade {
         Self { light, dark }
     }
 
-    pub(crate) const fn color(self, theme: Theme) -> &'static str {
-        match theme {
-            Theme::Light => self.light,
-            Theme::Dark => self.dark,
-        }
-    }
-
-    /// Red, green and blue as a display shows them, in \[0, 1\].
-    pub(crate) fn components(self, theme: Theme) -> [f32; 3] {
-        let code = |at: usize| u8::from_str_radix(&self.color(theme)[at..at + 2], 16);
+    /// Red, green and blue of the color on white as a display shows them, in \[0, 1\].
+    pub(crate) fn components(self) -> [f32; 3] {
+        let code = |at: usize| u8::from_str_radix(&self.light[at..at + 2], 16);
         [1, 3, 5].map(|at| f32::from(code(at).unwrap_or(0)) / 255.0)
     }
 }
@@ -72,6 +56,9 @@ impl Shade {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// The colors on white and on near black.
+    const THEMES: [fn(&Shade) -> &'static str; 2] = [|shade| shade.light, |shade| shade.dark];
 
     /// Red, green and blue in proportion to light.
     fn linear(color: &str) -> [f64; 3] {
@@ -114,13 +101,13 @@ mod tests {
         // A difference of 2.3 is just noticeable; dash patterns and markers do the rest
         const LEAST: f64 = 7.5;
         let inks = &Shade::ALL[4..];
-        for theme in [Theme::Light, Theme::Dark] {
+        for theme in THEMES {
             for vision in &VISIONS {
                 for (i, a) in inks.iter().enumerate() {
                     for b in &inks[..i] {
-                        let [x, y] = [a, b].map(|shade| lab(shade.color(theme), vision));
+                        let [x, y] = [a, b].map(|shade| lab(theme(shade), vision));
                         let distance = (0..3).map(|i| (x[i] - y[i]).powi(2)).sum::<f64>().sqrt();
-                        assert!(distance > LEAST, "{a:?} and {b:?} in {theme:?} differ by {distance:.1}");
+                        assert!(distance > LEAST, "{a:?} and {b:?} differ by {distance:.1}");
                     }
                 }
             }
@@ -129,20 +116,20 @@ mod tests {
 
     #[test]
     fn shades_stand_out_from_the_background() {
-        for theme in [Theme::Light, Theme::Dark] {
-            let paper = luminance(Shade::BACKGROUND.color(theme));
+        for theme in THEMES {
+            let paper = luminance(theme(&Shade::BACKGROUND));
             for shade in Shade::ALL {
                 if shade == Shade::BACKGROUND || shade == Shade::GRID {
                     continue;
                 }
                 let [low, high] = {
-                    let ink = luminance(shade.color(theme));
+                    let ink = luminance(theme(&shade));
                     [ink.min(paper), ink.max(paper)]
                 };
                 let contrast = (high + 0.05) / (low + 0.05);
                 // WCAG 2.2, 1.4.11: graphics need 3 : 1, 1.4.3: text 4.5 : 1
                 let least = if shade == Shade::TEXT { 4.5 } else { 2.6 };
-                assert!(contrast > least, "{shade:?} in {theme:?} has a contrast of {contrast:.2}");
+                assert!(contrast > least, "{shade:?} has a contrast of {contrast:.2}");
             }
         }
     }

@@ -1,0 +1,56 @@
+//! Work that takes long: on a thread of its own, while Python looks after signals.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::Duration;
+
+use pyo3::prelude::*;
+
+/// Time between two looks at signals and progress: Ctrl-C is answered within it.
+const POLL: Duration = Duration::from_millis(50);
+
+/// Runs work that looks at the flag it is given and ends soon after it is true; the interpreter is free meanwhile.
+///
+/// `poll` is called now and then with the interpreter attached, to report progress: its exception, as that of a signal,
+/// stops the work and is passed on once it has ended.
+///
+/// # Errors
+/// The first exception of `poll` or of a signal handler, `KeyboardInterrupt` for Ctrl-C.
+pub(crate) fn run<T: Send>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send,
+    mut poll: impl FnMut(Python<'_>) -> PyResult<()>,
+) -> PyResult<T> {
+    let stop = AtomicBool::new(false);
+    std::thread::scope(|scope| {
+        let (send, mut done) = channel();
+        let stop = &stop;
+        let thread = scope.spawn(move || {
+            let result = work(stop);
+            // A poller that has gone is one that has stopped this work.
+            let _ = send.send(());
+            result
+        });
+        let mut raised = None;
+        loop {
+            // The receiver goes along and comes back: threads may not share it
+            let waited;
+            (done, waited) = py.detach(move || {
+                let waited = done.recv_timeout(POLL);
+                (done, waited)
+            });
+            if waited != Err(RecvTimeoutError::Timeout) {
+                break;
+            }
+            if raised.is_none() {
+                raised = py.check_signals().and_then(|()| poll(py)).err();
+                stop.store(raised.is_some(), Ordering::Relaxed);
+            }
+        }
+        let result = py.detach(|| thread.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        match raised {
+            Some(error) => Err(error),
+            None => poll(py).map(|()| result),
+        }
+    })
+}
