@@ -11,9 +11,9 @@
 use glam::Vec3;
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceTextureAt};
 
+use super::exit_point::ExitPoint;
 use super::kernel::SubsurfaceKernel;
 use super::parameters::Subsurface;
-use super::transport::ExitPoint;
 use crate::ray::Hit;
 use crate::surface;
 use crate::surface::bsdf::SurfaceParameters;

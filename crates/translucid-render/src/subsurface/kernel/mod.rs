@@ -17,8 +17,8 @@ use translucid_profile::{AlbedoTableF32, DirectionalDipoleTable, ObliqueDiffusio
 use super::parameters::Subsurface;
 
 pub(crate) use cut::CutProfile;
+use direction::DirectedProfiles;
 pub(crate) use direction::{DirectionalWeight, Directions, Passage};
-pub use recipe::{KernelError, KernelNote, NearestParameter};
 pub(crate) use recipe::{KernelRecipe, unfitted};
 
 /// The profile of one material, or of several that are alike.
@@ -30,7 +30,7 @@ pub(crate) struct SubsurfaceKernel {
     /// Whether a user has made the profile: it may have any shape, holes included.
     is_from_file: bool,
     angular: Angular,
-    notes: Vec<KernelNote>,
+    notes: Vec<String>,
 }
 
 /// A kernel's knowledge of directions.
@@ -64,8 +64,8 @@ impl SubsurfaceKernel {
         self.radial(surface_albedo, length).truncation_radius(0.5)
     }
 
-    /// Notes on what the kernel does not do as its material asks.
-    pub(crate) fn notes(&self) -> &[KernelNote] {
+    /// What the kernel does not do as its material asks, in words that follow its model's name.
+    pub(crate) fn notes(&self) -> &[String] {
         &self.notes
     }
 
@@ -83,18 +83,19 @@ impl SubsurfaceKernel {
     pub(crate) fn directions(&self, subsurface: &Subsurface) -> Directions<'_> {
         let Subsurface { surface_albedo, length } = *subsurface;
         let shape = |c: usize| surface_albedo[c].min(self.brightest);
-        let mean = || direction::RadialMean {
+        let profiles = match &self.angular {
+            Angular::Nothing => return Directions(None),
+            Angular::Dipole(table) => {
+                DirectedProfiles::Dipole([0, 1, 2].map(|c| table.at(shape(c), length[c])))
+            }
+            Angular::Oblique(table) => {
+                DirectedProfiles::Oblique([0, 1, 2].map(|c| table.at(shape(c), length[c])))
+            }
+        };
+        let mean = direction::RadialMean {
             views: [0, 1, 2].map(|c| self.radial(shape(c), length[c])),
             surface_albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(c) } else { 0.0 }),
         };
-        match &self.angular {
-            Angular::Nothing => Directions::Radial,
-            Angular::Dipole(table) => {
-                Directions::Dipole([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
-            }
-            Angular::Oblique(table) => {
-                Directions::Oblique([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
-            }
-        }
+        Directions(Some((profiles, mean)))
     }
 }

@@ -2,13 +2,15 @@
 
 use std::sync::atomic::AtomicBool;
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use translucid_scene::SceneError;
 
 use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
 use super::irradiance::irradiance;
-use super::plan::{Plan, PointsError};
+use super::plan::Plan;
 use super::surfels::{Surfel, Unfinished, cover};
 use crate::world::World;
 
@@ -27,7 +29,8 @@ pub struct PointCloud {
 }
 
 /// The points of a subsurface group.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct CloudGroup {
     pub(super) number: u32,
     pub(super) count: u32,
@@ -85,7 +88,7 @@ impl PointCloud {
         transports: &[SubsurfaceTransport],
         tracer: impl Fn() -> T + Sync,
         making: &Making<'_>,
-    ) -> Result<Option<Self>, PointsError> {
+    ) -> Result<Option<Self>, SceneError> {
         let Some(mut cloud) = Self::without_light(world, transports, making)? else {
             return Ok(None);
         };
@@ -104,7 +107,7 @@ impl PointCloud {
         world: &World,
         transports: &[SubsurfaceTransport],
         making: &Making<'_>,
-    ) -> Result<Option<Self>, PointsError> {
+    ) -> Result<Option<Self>, SceneError> {
         let Making { fingerprint, memory, progress, stop } = *making;
         let scene = &world.scene;
         let plan = Plan::new(world, transports);
