@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelSample, Plan, PreparedScene, Session,
-    SessionError, layer, load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, SessionError,
+    load_checkpoint,
 };
 use translucid_scene::Scene;
 
@@ -16,9 +16,6 @@ use super::{Arguments, points, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
 use crate::{command_line, interrupt, machine, messages};
-
-/// Memory that a pixel takes while it is rendered: its sums, and a sample that waits. Denoising and writing take less.
-pub(crate) const BYTES_PER_PIXEL: u64 = (8 * layer::COUNT + size_of::<PixelSample>()) as u64;
 
 /// How a scene is to be rendered, besides its own settings.
 #[derive(Debug)]

@@ -51,12 +51,12 @@ impl LoadOptions {
         Film { width, height, ..film }
     }
 
-    /// The scene with the model that is asked for, if it is valid; an error without a place is in a file.
-    fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, SceneError> {
+    /// The scene with the model that is asked for, if it is valid.
+    fn finish(&self, mut scene: Scene) -> Result<Scene, SceneError> {
         if let Some(model) = self.subsurface_model {
             scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
         }
-        scene.validate().map_err(|error| error.or_at(path))?;
+        scene.validate()?;
         Ok(scene)
     }
 }

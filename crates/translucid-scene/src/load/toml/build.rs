@@ -56,7 +56,7 @@ impl SceneFile {
         let mut scene = staged(builder.scene, builder.camera);
         scene.profile_tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
-        options.finish(scene, &self.path)
+        options.finish(scene).map_err(|error| error.or_at(&self.path))
     }
 }
 
@@ -174,7 +174,7 @@ struct LoadedMeshFile {
 /// Each thing is a [`Piece`](crate::Piece) with the keys of a scene file's table, and fails at once if it is wrong.
 ///
 /// ```
-/// use translucid_scene::{Piece, SceneBuilder, Unit};
+/// use translucid_scene::{LoadOptions, Piece, SceneBuilder, Unit};
 ///
 /// let mut builder = SceneBuilder::new(Unit::Millimeter);
 /// let mut warnings = Vec::new();
@@ -182,7 +182,7 @@ struct LoadedMeshFile {
 /// builder.add_object(&Piece::new("object ball", "shape = 'sphere'\nmaterial = 'jade'"), &mut warnings)?;
 /// let error = builder.set_film(&Piece::new("film", "sise = [64, 64]")).unwrap_err();
 /// assert_eq!(error.message, "film has no key sise");
-/// let scene = builder.build()?;
+/// let scene = builder.build(&LoadOptions::default())?;
 /// assert_eq!(scene.lights.len(), 2); // those of a scene that has none
 /// # Ok::<(), translucid_scene::SceneError>(())
 /// ```

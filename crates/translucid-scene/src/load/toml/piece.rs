@@ -7,7 +7,7 @@ use super::document::{DocumentText, Table};
 use super::input::{FileList, FileRequest};
 use super::object::ObjectEntry;
 use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
-use crate::load::{load_image, load_profile_table};
+use crate::load::{LoadOptions, load_image, load_profile_table};
 use crate::{
     Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Place, Scene,
     SceneError, SubsurfaceModel, Unit, Warning,
@@ -331,15 +331,16 @@ impl SceneBuilder {
 
     /// The scene, with a camera that shows all of it and with light where it states none.
     ///
+    /// Of the options the size and the model count.
+    ///
     /// # Errors
     /// There are no objects, or what was chosen is beyond what a scene may have.
-    pub fn build(&self) -> Result<Scene, SceneError> {
+    pub fn build(&self, options: &LoadOptions) -> Result<Scene, SceneError> {
         if self.scene.objects.is_empty() {
             return Err(SceneError::new("the scene has no objects, but must have at least one"));
         }
-        let scene = staged(self.scene.clone(), self.camera);
-        scene.validate()?;
-        Ok(scene)
+        let scene = Scene { film: options.film(self.scene.film), ..self.scene.clone() };
+        options.finish(staged(scene, self.camera))
     }
 }
 
@@ -356,7 +357,7 @@ impl From<Scene> for SceneBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{LoadOptions, Pixels, SceneFile};
+    use crate::{Pixels, SceneFile};
 
     fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
         let mut warnings = Vec::new();
@@ -387,7 +388,7 @@ mod tests {
         let of_file = file.load(&LoadOptions::default(), &mut Vec::new()).unwrap();
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
-        assert_eq!(format!("{:?}", builder.build().unwrap()), format!("{of_file:?}"));
+        assert_eq!(format!("{:?}", builder.build(&LoadOptions::default()).unwrap()), format!("{of_file:?}"));
     }
 
     #[test]
