@@ -8,6 +8,7 @@ mod side_by_side;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -165,7 +166,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
-    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?;
+    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use translucid_image::{Denoiser, PixelRect};
@@ -27,7 +28,7 @@ pub(crate) struct Task<'a> {
     /// Files to write.
     pub(crate) outputs: Outputs,
     /// What denoises the picture at the end, if that is asked for.
-    pub(crate) denoiser: Option<Denoiser>,
+    pub(crate) denoiser: Option<Arc<Denoiser>>,
     /// What is different where several renderings belong together.
     pub(crate) part: Option<Part>,
 }
@@ -206,7 +207,8 @@ impl<'a> Work<'a> {
             path: self.task.outputs.checkpoint.clone(),
             interval: self.task.arguments.checkpoint_interval(),
         };
-        let plan = Plan { deadline, checkpoint: Some(checkpoint), ..Plan::samples(samples) };
+        let denoiser = self.task.denoiser.clone();
+        let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(samples) };
         let total = u64::from(self.goal()) * self.session.view().region().area();
         let observer = |event: &Event<'_>| {
             if let Event::Samples(progress) = event {
@@ -229,22 +231,18 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    fn write_images(&self) -> Result<(), Failure> {
-        let scene = self.session.prepared().scene();
-        let film = self.session.film();
-        let sums = film.sums();
-        let arguments = self.task.arguments;
-        let start = Instant::now();
-        let threads = arguments.threads.map_or(0, usize::from);
-        let denoised = self.task.denoiser.as_ref().map(|denoiser| sums.denoise(denoiser, threads));
-        let (denoised, error) = match denoised.transpose() {
+    fn write_images(&mut self) -> Result<(), Failure> {
+        let (denoised, error) = match self.session.take_denoised() {
             Ok(denoised) => (denoised, None),
             // The noisy picture is what the time went into.
             Err(error) => (None, Some(error)),
         };
+        let scene = self.session.prepared().scene();
+        let film = self.session.film();
+        let sums = film.sums();
+        let arguments = self.task.arguments;
         if let Some(denoised) = denoised.as_ref().filter(|_| arguments.verbose) {
-            let seconds = start.elapsed().as_secs_f64();
-            messages::line(&format!("denoised the picture by {} in {seconds:.2} s", denoised.by));
+            messages::line(&format!("denoised the picture by {}", denoised.by));
         }
         let info = ImageInfo {
             scene: scene_name(arguments),
