@@ -259,7 +259,7 @@ fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
     }
 }
 
-/// What files are named after where no name is given.
+/// Name of the files where none is given.
 fn stem(arguments: &Arguments) -> &OsStr {
     arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
 }

@@ -27,9 +27,9 @@ pub(crate) struct Task<'a> {
     pub(crate) arguments: &'a Arguments,
     /// Files to write.
     pub(crate) outputs: Outputs,
-    /// What denoises the picture at the end, if that is asked for.
+    /// Denoiser of the finished picture, if that is asked for.
     pub(crate) denoiser: Option<Arc<Denoiser>>,
-    /// What is different where several renderings belong together.
+    /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
 }
 
@@ -39,17 +39,17 @@ pub(crate) struct Task<'a> {
 /// together, so that they stay comparable.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// What to call it while it goes on.
+    /// Name that the progress line shows.
     pub(crate) label: String,
     /// Where the film with the first half of the samples is kept, for those who go on in the second.
     pub(crate) first_half: PathBuf,
 }
 
-/// What a rendering has come to; its images are written.
+/// A rendering whose images are written.
 pub(crate) struct Rendering {
     /// The sums of all samples.
     pub(crate) film: FilmSums,
-    /// The same as they were after half of the samples, if that is known and was asked for.
+    /// The sums after half of the samples, if that is known and was asked for.
     pub(crate) first_half: Option<FilmSums>,
     /// Whether every pixel has its samples.
     pub(crate) is_finished: bool,

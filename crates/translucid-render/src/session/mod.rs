@@ -58,7 +58,7 @@ pub struct Plan {
     pub previews: Vec<Fraction>,
     /// Bytes that points may take, where the scene asks for points.
     pub point_memory: u64,
-    /// What denoises the picture at the end, however the rendering ended.
+    /// Denoiser of the picture at the end, however the rendering ended.
     pub denoiser: Option<Arc<Denoiser>>,
 }
 
