@@ -8,6 +8,7 @@ mod side_by_side;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
@@ -166,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
-    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?;
+    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
@@ -262,7 +263,7 @@ fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
     }
 }
 
-/// What files are named after where no name is given.
+/// Name of the files where none is given.
 fn stem(arguments: &Arguments) -> &OsStr {
     arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
 }

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use translucid_image::{Denoiser, PixelRect};
@@ -23,9 +24,9 @@ pub(crate) struct Task<'a> {
     pub(crate) arguments: &'a Arguments,
     /// Files to write.
     pub(crate) outputs: Outputs,
-    /// What denoises the picture at the end, if that is asked for.
-    pub(crate) denoiser: Option<Denoiser>,
-    /// What is different where several renderings belong together.
+    /// Denoiser of the finished picture, if that is asked for.
+    pub(crate) denoiser: Option<Arc<Denoiser>>,
+    /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
 }
 
@@ -35,17 +36,17 @@ pub(crate) struct Task<'a> {
 /// together, so that they stay comparable.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// What to call it while it goes on.
+    /// Name that the progress line shows.
     pub(crate) label: String,
     /// Where the film with the first half of the samples is kept, for those who go on in the second.
     pub(crate) first_half: PathBuf,
 }
 
-/// What a rendering has come to; its images are written.
+/// A rendering whose images are written.
 pub(crate) struct Rendering {
     /// The sums of all samples.
     pub(crate) film: FilmSums,
-    /// The same as they were after half of the samples, if that is known and was asked for.
+    /// The sums after half of the samples, if that is known and was asked for.
     pub(crate) first_half: Option<FilmSums>,
     /// Whether every pixel has its samples.
     pub(crate) is_finished: bool,
@@ -203,7 +204,8 @@ impl<'a> Work<'a> {
             path: self.task.outputs.checkpoint.clone(),
             interval: self.task.arguments.checkpoint_interval(),
         };
-        let plan = Plan { deadline, checkpoint: Some(checkpoint), ..Plan::samples(samples) };
+        let denoiser = self.task.denoiser.clone();
+        let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(samples) };
         let total = u64::from(self.goal()) * self.session.view().region().area();
         let observer = |event: &Event<'_>| {
             if let Event::Samples(progress) = event {
@@ -226,22 +228,18 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    fn write_images(&self) -> Result<(), Failure> {
-        let scene = self.session.prepared().scene();
-        let film = self.session.film();
-        let sums = film.sums();
-        let arguments = self.task.arguments;
-        let start = Instant::now();
-        let threads = arguments.threads.map_or(0, usize::from);
-        let denoised = self.task.denoiser.as_ref().map(|denoiser| sums.denoise(denoiser, threads));
-        let (denoised, error) = match denoised.transpose() {
+    fn write_images(&mut self) -> Result<(), Failure> {
+        let (denoised, error) = match self.session.take_denoised() {
             Ok(denoised) => (denoised, None),
             // The noisy picture is what the time went into.
             Err(error) => (None, Some(error)),
         };
+        let scene = self.session.prepared().scene();
+        let film = self.session.film();
+        let sums = film.sums();
+        let arguments = self.task.arguments;
         if let Some(denoised) = denoised.as_ref().filter(|_| arguments.verbose) {
-            let seconds = start.elapsed().as_secs_f64();
-            messages::line(&format!("denoised the picture by {} in {seconds:.2} s", denoised.by));
+            messages::line(&format!("denoised the picture by {}", denoised.by));
         }
         let info = ImageInfo {
             scene: scene_name(arguments),

@@ -131,7 +131,7 @@ fn render_all(
     Ok(entries)
 }
 
-/// What of a rendering is compared.
+/// The part of a rendering that is compared.
 fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u32) -> Entry {
     let first_half = rendering.first_half.as_ref().filter(|_| rendering.is_finished);
     Entry {

@@ -108,7 +108,7 @@ pub struct LightSet {
     infinite: Vec<usize>,
     environment: Option<usize>,
     environment_visible: bool,
-    /// Of the scene \[L²\].
+    /// Cross section of the scene \[L²\].
     cross_section: f32,
 }
 
@@ -183,7 +183,7 @@ impl LightSet {
         self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |_| true)
     }
 
-    /// The same among the lights that the camera sees: it looks through the others.
+    /// Finds the nearest hit among the lights that the camera sees: it looks through the others.
     #[must_use]
     pub fn intersect_visible(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
         self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |is_visible| is_visible)

@@ -25,7 +25,7 @@ const FORMAT: KeptFile =
 /// Largest edge of an image, as `translucid_scene::Film` has it.
 const MAX_EDGE: u32 = 16384;
 
-/// What a checkpoint says besides the sums.
+/// Facts that a checkpoint keeps besides the sums.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CheckpointInfo {
     /// A number that differs when scene or settings do.

@@ -130,13 +130,25 @@ impl LiveFilm {
         self.sums().samples()
     }
 
-    /// The mean values of a layer, row by row from the top, the [`channels`](FilmLayer::channels) of a pixel side by side.
-    #[must_use]
-    pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
+    /// Copies the mean values of a layer, row by row from the top, the [`channels`](FilmLayer::channels) of a pixel side
+    /// by side, as far as the values or the places go.
+    pub fn copy_layer(&self, layer: FilmLayer, into: &mut [f32]) {
         let sums = self.sums();
         let pixels = PixelRect::whole([sums.width, sums.height]).pixels();
-        let values = pixels.map(|(x, y)| layer.values(&sums.mean(x, y)).map(|value| value as f32));
-        values.flat_map(|values| values.into_iter().take(layer.channels())).collect()
+        for ((x, y), into) in pixels.zip(into.chunks_mut(layer.channels())) {
+            into.iter_mut()
+                .zip(layer.values(&sums.mean(x, y)))
+                .for_each(|(into, value)| *into = value as f32);
+        }
+    }
+
+    /// The mean values of a layer, as [`copy_layer`](Self::copy_layer) orders them.
+    #[must_use]
+    pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
+        let (width, height) = (self.sums().width as usize, self.sums().height as usize);
+        let mut values = vec![0.0; width * height * layer.channels()];
+        self.copy_layer(layer, &mut values);
+        values
     }
 
     /// Number of the last change: it grows when tiles get samples.

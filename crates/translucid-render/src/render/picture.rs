@@ -5,7 +5,7 @@ use translucid_image::{Denoised, Denoiser, MetadataValue, OutputError, Picture, 
 use super::film::{FilmSums, mean_depth, radiance};
 use crate::world::layer;
 
-/// What is known of a rendered picture besides its film.
+/// Metadata of a rendered picture, and the picture denoised.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageInfo {
     /// Where the scene came from.

@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use translucid_image::OutputError;
+use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
 use crate::render::{
@@ -40,6 +40,8 @@ pub enum Event<'a> {
     Preview(Fraction, &'a FilmSums),
     /// The film was saved for a later run.
     Checkpoint(&'a Path),
+    /// All samples are there, and the picture is being denoised.
+    Denoising,
 }
 
 /// Hears of what happens in a session, from any of its threads.
@@ -58,13 +60,22 @@ pub struct Plan {
     pub previews: Vec<Fraction>,
     /// Bytes that points may take, where the scene asks for points.
     pub point_memory: u64,
+    /// Denoiser of the picture at the end, however the rendering ended.
+    pub denoiser: Option<Arc<Denoiser>>,
 }
 
 impl Plan {
     /// A number of samples, and nothing else.
     #[must_use]
     pub fn samples(samples: u32) -> Self {
-        Self { samples, deadline: None, checkpoint: None, previews: Vec::new(), point_memory: u64::MAX }
+        Self {
+            samples,
+            deadline: None,
+            checkpoint: None,
+            previews: Vec::new(),
+            point_memory: u64::MAX,
+            denoiser: None,
+        }
     }
 }
 
@@ -104,13 +115,14 @@ pub struct Session {
     film: Arc<LiveFilm>,
     /// Time spent rendering in all runs \[s\].
     seconds: f64,
+    denoised: Option<Result<Denoised, OutputError>>,
 }
 
 impl Session {
     /// A session with an empty film.
     #[must_use]
     pub fn new(prepared: PreparedScene, view: View) -> Self {
-        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0 }
+        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0, denoised: None }
     }
 
     /// The scene.
@@ -210,7 +222,24 @@ impl Session {
         self.preview(plan, observer, stop);
         let outcome = self.render_in_slices(plan, observer, stop, start)?;
         self.seconds += start.elapsed().as_secs_f64();
+        self.denoise(plan, observer);
         Ok(outcome)
+    }
+
+    fn denoise(&mut self, plan: &Plan, observer: &Observer<'_>) {
+        let denoiser = plan.denoiser.as_ref().filter(|_| self.film.sums().paths() > 0);
+        self.denoised = denoiser.map(|denoiser| {
+            observer(&Event::Denoising);
+            self.film.sums().denoise(denoiser, rayon::current_num_threads())
+        });
+    }
+
+    /// The picture denoised, if the last run's plan asked for it.
+    ///
+    /// # Errors
+    /// As [`Denoiser::denoise`].
+    pub fn take_denoised(&mut self) -> Result<Option<Denoised>, OutputError> {
+        self.denoised.take().transpose()
     }
 
     /// Runs on `threads` threads of its own (0: one per processor), which [`RunningSession`] stops.

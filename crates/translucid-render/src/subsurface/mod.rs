@@ -219,7 +219,7 @@ impl SubsurfaceSet {
         self.transports.iter_mut().for_each(|transport| transport.set_axes(axes));
     }
 
-    /// What a user should know of it.
+    /// Notes for the user.
     pub(crate) fn notes(&self, scene: &Scene) -> Vec<Note> {
         let of_materials = self.notes.iter().zip(&scene.materials).flat_map(|(notes, material)| {
             let note =

@@ -1,4 +1,4 @@
-//! What a user should know of a scene as it was made ready.
+//! Notes for the user on a scene as it was made ready.
 
 use std::fmt;
 

@@ -22,7 +22,7 @@ use crate::world::World;
 /// Surface albedos among which the widest profile is sought.
 const ALBEDOS: u16 = 64;
 
-/// What the search misses between them, and more: widths change by less than this from one to the next around the
+/// Margin for what the search misses between them: widths change by less than this from one to the next around the
 /// greatest.
 const MARGIN: f32 = 1.02;
 

@@ -1,4 +1,4 @@
-//! What tells several pictures of one scene apart: numbers, maps, a sheet and a page.
+//! Differences between several pictures of one scene: numbers, maps, a sheet and a page.
 
 use translucid_laboratory::picture::{
     FlipMap, Picture, Raster, Sheet, SheetColumn, difference_color, flip_color, relative_difference,
@@ -275,7 +275,7 @@ impl Report {
     }
 }
 
-/// What a display shows of a picture.
+/// A picture as a display shows it.
 fn shown(picture: &Picture) -> Raster {
     Raster::new(picture.width(), picture.height(), picture.display().to_vec())
 }

@@ -64,7 +64,7 @@ impl SubsurfaceKernel {
         self.radial(surface_albedo, length).truncation_radius(0.5)
     }
 
-    /// What the kernel does not do as its material asks, in words that follow its model's name.
+    /// Shortcomings of the kernel against its material, in words that follow its model's name.
     pub(crate) fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -79,7 +79,7 @@ impl SubsurfaceKernel {
         !self.is_from_file
     }
 
-    /// What the parameters of an exit point say about directions.
+    /// The directional part of an exit point's parameters.
     pub(crate) fn directions(&self, subsurface: &Subsurface) -> Directions<'_> {
         let Subsurface { surface_albedo, length } = *subsurface;
         let shape = |c: usize| surface_albedo[c].min(self.brightest);

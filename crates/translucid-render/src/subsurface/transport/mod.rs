@@ -42,7 +42,7 @@ pub(crate) enum SubsurfaceTransport {
     Walk(Arc<WalkMedium>),
 }
 
-/// What a transport may ask of the path tracer.
+/// The path tracer as a transport sees it.
 pub(crate) trait Tracing<'a> {
     /// Memory of this thread.
     fn scratch(&mut self) -> &mut TransportScratch<'a>;

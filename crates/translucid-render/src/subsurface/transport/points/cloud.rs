@@ -1,4 +1,4 @@
-//! What both passes make: points with the light that enters there.
+//! The cloud that both passes make: points with the light that enters there.
 
 use std::sync::atomic::AtomicBool;
 
@@ -19,7 +19,7 @@ use crate::world::World;
 /// It belongs to a scene but for its camera, film and samples per pixel: other views of the scene can use it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCloud {
-    /// Of all that decides the points and their light.
+    /// Fingerprint of all that decides the points and their light.
     pub(super) fingerprint: u64,
     pub(super) groups: Vec<CloudGroup>,
     /// Group by group, in the order of the hierarchy.
@@ -61,7 +61,7 @@ pub struct PointProgress {
 /// How points are made.
 #[derive(Clone, Copy)]
 pub(crate) struct Making<'a> {
-    /// Of all that decides the points and their light.
+    /// Fingerprint of all that decides the points and their light.
     pub(crate) fingerprint: u64,
     /// Most bytes that they may take.
     pub(crate) memory: u64,

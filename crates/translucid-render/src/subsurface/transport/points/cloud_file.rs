@@ -67,7 +67,7 @@ fn read(data: &mut KeptData<'_>) -> io::Result<PointCloud> {
     defect(&cloud).map_or(Ok(cloud), |what| Err(damaged(what)))
 }
 
-/// What a cloud must not have.
+/// The first defect of a cloud, if it has any.
 fn defect(cloud: &PointCloud) -> Option<&'static str> {
     let counted: u64 = cloud.groups.iter().map(|group| u64::from(group.count)).sum();
     if counted != cloud.surfels.len() as u64 {

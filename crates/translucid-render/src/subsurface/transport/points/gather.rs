@@ -71,7 +71,7 @@ impl Leaving {
     }
 }
 
-/// What comes together at a point.
+/// The light gathered at a point, while it is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Gathered {
     /// Σ R a E: radiant exitance under the surface; 0 in channels that do not scatter.
@@ -198,7 +198,7 @@ struct Open {
     part: Part,
 }
 
-/// What a cluster adds.
+/// Light of a cluster.
 #[derive(Clone, Copy)]
 struct Part {
     light: DVec3,
@@ -258,7 +258,7 @@ impl<'a> Sum<'a> {
         scratch.open.push(Open { key: relative.max_element() as f32, node: index, part });
     }
 
-    /// What a cluster adds as a whole, see the head of the file.
+    /// Light of a cluster taken as a whole, see the head of the file.
     fn part(&self, node: &Node) -> Part {
         let offset = node.center - self.place;
         let squared = offset.length_squared();

@@ -88,7 +88,7 @@ impl Plan {
         (limit as f64 / BYTES_PER_POINT).min(f64::from(u32::MAX / 4)) as usize
     }
 
-    /// What to say where there are, or would be, this many points.
+    /// The message where there are, or would be, this many points.
     pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> SceneError {
         let most = |a: &&GroupPlan, b: &&GroupPlan| a.points().total_cmp(&b.points());
         let Some(worst) = self.groups.iter().max_by(most) else {

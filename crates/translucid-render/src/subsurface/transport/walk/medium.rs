@@ -1,4 +1,4 @@
-//! What a walk goes through: the medium behind a material's surface albedo and length.
+//! The medium that a walk goes through, found from a material's surface albedo and length.
 
 use std::ops::RangeInclusive;
 
