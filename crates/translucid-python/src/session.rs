@@ -10,8 +10,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    Edit, Event, FilmLayer, FilmSums, ImageInfo, LiveFilm, Plan, PreparedScene, RunningSession, SessionError,
-    View, available_memory,
+    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, SessionError, View,
+    available_memory,
 };
 use translucid_scene::{Environment, Light, Mesh, SceneError, repair_mesh};
 
@@ -579,7 +579,7 @@ impl Session {
         let denoised = long_work::run_or_leave(py, move || {
             let sums = film.sums().clone();
             let [width, height] = size_of(&sums);
-            let denoised = Denoiser::load()?.denoise(&sums.layers_picture(&ImageInfo::default()), threads)?;
+            let denoised = sums.denoise(&Denoiser::load()?, threads)?;
             Ok::<_, translucid_image::OutputError>((
                 [height, width, 3],
                 denoised.radiance.into_iter().flatten().collect::<Vec<f32>>(),

@@ -145,8 +145,12 @@ impl LiveFilm {
     /// The mean values of a layer, as [`copy_layer`](Self::copy_layer) orders them.
     #[must_use]
     pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
-        let (width, height) = (self.sums().width as usize, self.sums().height as usize);
-        let mut values = vec![0.0; width * height * layer.channels()];
+        // One lock at a time: a second one waits for a writer that waits for the first
+        let pixels = {
+            let sums = self.sums();
+            sums.width as usize * sums.height as usize
+        };
+        let mut values = vec![0.0; pixels * layer.channels()];
         self.copy_layer(layer, &mut values);
         values
     }
