@@ -23,7 +23,7 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<scene::Scene>()?;
     module.add_class::<session::Session>()?;
     module.add("LAYERS", translucid_render::FilmLayer::ALL.map(translucid_render::FilmLayer::name))?;
-    module.add("SceneError", module.py().get_type::<scene_error::PySceneError>())?;
+    module.add("SceneError", module.py().get_type::<scene_error::SceneError>())?;
     module.add_function(wrap_pyfunction!(pictures::tonemap, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::png_bytes, module)?)?;
     module.add_function(wrap_pyfunction!(pictures::write_exr, module)?)?;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::ndarray::{ArrayViewD, Axis, Ix3};
+use numpy::ndarray::{ArrayView1, ArrayView3, ArrayViewD, Axis, Ix3};
 use numpy::{IntoPyArray, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyOSError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -57,7 +57,7 @@ impl<'py> Pixels<'py> {
         Ok(Self { array: array.try_readonly()? })
     }
 
-    fn view(&self) -> numpy::ndarray::ArrayView3<'_, f32> {
+    fn view(&self) -> ArrayView3<'_, f32> {
         let view: ArrayViewD<'_, f32> = self.array.as_array();
         view.into_dimensionality::<Ix3>().expect("a picture has three dimensions")
     }
@@ -86,7 +86,8 @@ fn display_transform(exposure: f64, tone_mapping: &str) -> PyResult<DisplayTrans
 }
 
 /// The picture of an array of colors, with coverage if there are four channels.
-fn picture_of(view: numpy::ndarray::ArrayView3<'_, f32>) -> Picture<'_> {
+fn picture_of<'a>(view: &ArrayView3<'a, f32>) -> Picture<'a> {
+    let view = *view;
     let (height, width, channels) = view.dim();
     let list = ["R", "G", "B", "A"][..channels].iter().map(|name| PictureChannel::single(name)).collect();
     Picture::new([width as u32, height as u32], list, move |y, values| {
@@ -139,7 +140,7 @@ pub(crate) fn tonemap<'py>(
     match dtype {
         "uint8" => {
             let codes = py.detach(|| {
-                picture_of(view).display_codes(display).map(|codes| match channels {
+                picture_of(&view).display_codes(display).map(|codes| match channels {
                     4 => codes,
                     _ => {
                         codes.as_chunks::<4>().0.iter().flat_map(|code| [code[0], code[1], code[2]]).collect()
@@ -154,7 +155,7 @@ pub(crate) fn tonemap<'py>(
                 let lanes = view.lanes(Axis(2));
                 lanes
                     .into_iter()
-                    .flat_map(|pixel| display_pixel(pixel, factor, display.tone_mapping))
+                    .flat_map(|pixel| display_pixel(&pixel, factor, display.tone_mapping))
                     .collect()
             });
             Ok(values.into_pyarray(py).reshape(shape)?.into_any())
@@ -165,12 +166,11 @@ pub(crate) fn tonemap<'py>(
 
 /// Display values of a pixel, and its coverage if there is one.
 fn display_pixel(
-    pixel: numpy::ndarray::ArrayView1<'_, f32>,
+    pixel: &ArrayView1<'_, f32>,
     factor: f32,
     tone_mapping: ToneMapping,
-) -> impl Iterator<Item = f32> {
-    // `max` turns NaN into 0
-    let alpha = pixel.get(3).map(|alpha| alpha.max(0.0).min(1.0));
+) -> impl Iterator<Item = f32> + use<> {
+    let alpha = pixel.get(3).map(|alpha| if alpha.is_nan() { 0.0 } else { alpha.clamp(0.0, 1.0) });
     let scale = if alpha == Some(0.0) { 0.0 } else { factor / alpha.unwrap_or(1.0) };
     let color = [0, 1, 2].map(|c| pixel[c] * scale);
     display_from_linear(tone_mapping, color).into_iter().chain(alpha)
@@ -189,7 +189,7 @@ pub(crate) fn png_bytes<'py>(
     let pixels = Pixels::extract("array", array)?.require_color("array")?;
     let view = pixels.view();
     let mut bytes = Vec::new();
-    py.detach(|| picture_of(view).write_png(&mut bytes, display)).map_err(names::value_error)?;
+    py.detach(|| picture_of(&view).write_png(&mut bytes, display)).map_err(names::value_error)?;
     Ok(PyBytes::new(py, &bytes))
 }
 
@@ -220,6 +220,7 @@ pub(crate) fn png_bytes<'py>(
 /// NaN becomes 0, infinity the greatest finite number.
 #[pyfunction]
 #[pyo3(signature = (path, picture, *, half=None))]
+#[expect(clippy::needless_pass_by_value, reason = "as a path is taken from Python")]
 pub(crate) fn write_exr(
     py: Python<'_>,
     path: PathBuf,
@@ -292,6 +293,9 @@ fn channel_names(layer: &str, count: usize) -> Vec<String> {
     components[..count].iter().map(|component| format!("{prefix}{component}")).collect()
 }
 
+/// A channel of a layer: component and values.
+type Channel = (String, Vec<f32>);
+
 /// Reads all layers of an OpenEXR file.
 ///
 /// Parameters
@@ -315,7 +319,7 @@ fn channel_names(layer: &str, count: usize) -> Vec<String> {
 pub(crate) fn read_exr(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> {
     let file = long_work::run_or_leave(py, move || load_exr(&path))?.map_err(scene_error)?;
     let [width, height] = file.size;
-    let mut layers: Vec<(String, Vec<(String, Vec<f32>)>)> = Vec::new();
+    let mut layers: Vec<(String, Vec<Channel>)> = Vec::new();
     for (name, values) in file.channels {
         let (layer, component) = match (name.rsplit_once('.'), name.as_str()) {
             (Some((layer, component)), _) => (layer, component),

@@ -1,21 +1,22 @@
 //! `SceneError`: what is wrong with a scene, and where.
 
+use std::path::Path;
+
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::path::Path;
-use translucid_scene::{Place, SceneError, Warning};
+use translucid_scene::{Place, Warning};
 
 pyo3::create_exception!(
     translucid,
-    PySceneError,
+    SceneError,
     PyValueError,
     "A scene that cannot be used.\n\nAttributes\n----------\nmessage : str\n    What is wrong, with the value found and the values allowed.\npath : str or None\n    The file that is wrong, if it is one.\nline : int or None\n    Its line, counted from 1.\npart : str or None\n    The part of the scene or file: ``material skin``.\nhelp : str or None\n    Advice, if there is any.\n"
 );
 
 /// The exception of an error.
-pub(crate) fn scene_error(error: SceneError) -> PyErr {
+pub(crate) fn scene_error(error: translucid_scene::SceneError) -> PyErr {
     Python::attach(|py| {
-        let exception = PySceneError::new_err(error.to_string());
+        let exception = SceneError::new_err(error.to_string());
         let value = exception.value(py);
         let place = error.place.as_ref();
         let path = place.map(|place| place.path.display().to_string()).filter(|path| !path.is_empty());
@@ -35,7 +36,7 @@ pub(crate) fn scene_error(error: SceneError) -> PyErr {
 
 /// The exception of something wrong in a part of a scene.
 pub(crate) fn wrong(part: &str, message: &str) -> PyErr {
-    scene_error(SceneError::at(Place::part(Path::new(""), part), message))
+    scene_error(translucid_scene::SceneError::at(Place::part(Path::new(""), part), message))
 }
 
 /// A value that is wrong, as an error of the scene; errors of other types stay what they are.

@@ -181,7 +181,7 @@ struct LoadedMeshFile {
 /// builder.add_material(&Piece::new("material jade", "name = 'jade'\npreset = 'jade'"), &mut warnings)?;
 /// builder.add_object(&Piece::new("object ball", "shape = 'sphere'\nmaterial = 'jade'"), &mut warnings)?;
 /// let error = builder.set_film(&Piece::new("film", "sise = [64, 64]")).unwrap_err();
-/// assert_eq!(error.message, "film has no key sise");
+/// assert!(error.to_string().starts_with("film: it has no key sise (did you mean size?"));
 /// let scene = builder.build(&LoadOptions::default())?;
 /// assert_eq!(scene.lights.len(), 2); // those of a scene that has none
 /// # Ok::<(), translucid_scene::SceneError>(())

@@ -105,7 +105,8 @@ impl<'a> Table<'a> {
     }
 
     fn title(&self) -> &str {
-        let whole = self.source.part.as_deref().unwrap_or("a scene");
+        // An error of a part has the part before it
+        let whole = if self.source.part.is_some() { "it" } else { "a scene" };
         if self.path.is_empty() { whole } else { &self.path }
     }
 

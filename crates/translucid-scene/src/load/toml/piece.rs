@@ -409,7 +409,7 @@ mod tests {
             (
                 "material a",
                 "name = 'a'\nbase_colr = 1",
-                "material a: material a has no key base_colr (did you mean base_color?",
+                "material a: it has no key base_colr (did you mean base_color?",
             ),
             (
                 "material a",
@@ -426,7 +426,7 @@ mod tests {
                 "name = 'a'\nbase_color = {file = 'no.png'}",
                 "material a: the file no.png does not exist",
             ),
-            ("object a", "name = 'a'", "object a: object a needs the key file or shape"),
+            ("object a", "name = 'a'", "object a: it needs the key file or shape"),
             (
                 "object a",
                 "shape = 'cone'\nmaterial = 'vax'",
