@@ -82,6 +82,6 @@ pub use render::{
     Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError};
-pub use subsurface::Note;
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
+pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};
