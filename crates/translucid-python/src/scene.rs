@@ -673,11 +673,14 @@ fn triangles_of(title: &str, array: &Bound<'_, PyAny>, vertices: usize) -> PyRes
     })
 }
 
+/// Row and column of an array.
+type Place = (usize, usize);
+
 /// The rows of indices below a number, or the place of the first that is not.
 fn indices<T: Element + Copy + TryInto<u32>>(
     array: &Bound<'_, PyArrayDyn<T>>,
     vertices: usize,
-) -> PyResult<Result<Vec<[u32; 3]>, (usize, usize)>> {
+) -> PyResult<Result<Vec<[u32; 3]>, Place>> {
     let array = array.try_readonly()?;
     let view = array.as_array();
     let mut rows = Vec::with_capacity(array.len() / 3);

@@ -17,15 +17,15 @@ pyo3::create_exception!(
 pub(crate) fn scene_error(error: translucid_scene::SceneError) -> PyErr {
     Python::attach(|py| {
         let exception = SceneError::new_err(error.to_string());
-        let value = exception.value(py);
-        let place = error.place.as_ref();
+        let translucid_scene::SceneError { message, place, help } = error;
+        let (value, place) = (exception.value(py), place.as_ref());
         let path = place.map(|place| place.path.display().to_string()).filter(|path| !path.is_empty());
         let set = || {
-            value.setattr("message", &error.message)?;
+            value.setattr("message", message)?;
             value.setattr("path", path)?;
             value.setattr("line", place.and_then(|place| place.line))?;
             value.setattr("part", place.and_then(|place| place.part.clone()))?;
-            value.setattr("help", error.help.clone())
+            value.setattr("help", help)
         };
         match set() {
             Ok(()) => exception,

@@ -84,6 +84,6 @@ pub use render::{
 pub use session::{
     CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError, available_memory,
 };
-pub use subsurface::Note;
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
+pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

@@ -34,7 +34,8 @@ use transport::probes::Probes;
 use transport::walk::{WalkMedium, WalkRecipe};
 
 pub(crate) use exit_point::ExitPoint;
-pub use note::Note;
+use note::Remark;
+pub use note::{Note, NoteKind};
 pub(crate) use parameters::Subsurface;
 pub(crate) use transport::{SubsurfaceTransport, Tracing, TransportScratch};
 
@@ -49,7 +50,7 @@ pub(crate) struct SubsurfaceSet {
     /// For each material.
     transports: Vec<SubsurfaceTransport>,
     /// For each material, in words.
-    notes: Vec<Vec<String>>,
+    notes: Vec<Vec<Remark>>,
     axes: [f32; 3],
     has_points: bool,
     normalizer: Option<Normalizer>,
@@ -113,12 +114,12 @@ impl SubsurfaceSet {
             Ok(normalizer) => (normalizer, None),
             Err(error) => {
                 let message = format!("subsurface_normalization is left out: {error}");
-                (None, Some(Note { material: None, message }))
+                (None, Some(Note { kind: NoteKind::NoNormalization, material: None, message }))
             }
         };
     }
 
-    fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<String>) {
+    fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let is_absent = material.subsurface_weight.factor <= 0.0;
         match material.subsurface_model {
@@ -129,7 +130,7 @@ impl SubsurfaceSet {
         }
     }
 
-    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<String>) {
+    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let recipe = WalkRecipe::of(material);
         match self.media.get(recipe, WalkRecipe::make) {
@@ -140,7 +141,7 @@ impl SubsurfaceSet {
         }
     }
 
-    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<String>) {
+    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let Some(recipe) = KernelRecipe::of(material) else {
             return (SubsurfaceTransport::Lambertian, Vec::new());
@@ -150,23 +151,24 @@ impl SubsurfaceSet {
             Err(error) => return self.stand_in(scene, index, &error),
         };
         let model = material.subsurface_model.name();
-        let mut notes: Vec<String> = kernel::unfitted(material).into_iter().collect();
-        notes.extend(kernel.notes().iter().map(|note| format!("{model} {note}")));
+        let mut notes: Vec<Remark> = kernel::unfitted(material).into_iter().collect();
+        notes.extend(kernel.notes().iter().map(|(kind, words)| (*kind, format!("{model} {words}"))));
         let is_point_based = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
         if is_point_based && kernel.knows_directions() {
-            notes.push(format!(
-                "{model} follows the direction of light; points hold its mean over all directions"
-            ));
+            let words =
+                format!("{model} follows the direction of light; points hold its mean over all directions");
+            notes.push((NoteKind::MeanOverDirections, words));
         }
         (self.transport(scene, index, kernel), notes)
     }
 
     /// Burley's profile in place of one that cannot be made.
-    fn stand_in(&mut self, scene: &Scene, index: usize, error: &str) -> (SubsurfaceTransport, Vec<String>) {
+    fn stand_in(&mut self, scene: &Scene, index: usize, error: &str) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let recipe = KernelRecipe::stand_in(material);
         let model = material.subsurface_model.name();
-        let notes = vec![format!("{model}: {error}; normalized-diffusion stands in for it")];
+        let words = format!("{model}: {error}; normalized-diffusion stands in for it");
+        let notes = vec![(NoteKind::StandIn, words)];
         match self.kernels.get(recipe, |recipe| recipe.make(&[])) {
             Ok(kernel) => (self.transport(scene, index, kernel), notes),
             Err(_) => (SubsurfaceTransport::Lambertian, notes),
@@ -222,8 +224,10 @@ impl SubsurfaceSet {
     /// Notes for the user.
     pub(crate) fn notes(&self, scene: &Scene) -> Vec<Note> {
         let of_materials = self.notes.iter().zip(&scene.materials).flat_map(|(notes, material)| {
-            let note =
-                |message: &String| Note { material: Some(material.name.clone()), message: message.clone() };
+            let note = |(kind, words): &Remark| {
+                let (material, message) = (Some(material.name.clone()), words.clone());
+                Note { kind: *kind, material, message }
+            };
             notes.iter().map(note)
         });
         of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()

@@ -6,9 +6,33 @@ use translucid_scene::{Light, Material, Scene, SubsurfaceModel};
 
 use crate::light;
 
+/// A way in which something is not rendered as the scene asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NoteKind {
+    /// The model's profile cannot be made: `normalized-diffusion` stands in for it.
+    StandIn,
+    /// g or η are beyond what the model is made for: the nearest that it knows are used.
+    NearestParameters,
+    /// The model does not reach the greatest surface albedos: its shape at the greatest stands in there.
+    AlbedoLimit,
+    /// The model is noisy at so small a relative index of refraction.
+    NoisyBoundary,
+    /// Points hold the mean over all directions of light.
+    MeanOverDirections,
+    /// Walks under a boundary never meet lights without a size.
+    LightsWithoutSize,
+    /// Shapes do not count in how much light profiles return.
+    NoNormalization,
+}
+
+/// Kind and words of a note on a material.
+pub(super) type Remark = (NoteKind, String);
+
 /// Something that is not rendered as the scene asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
+    /// Its kind.
+    pub kind: NoteKind,
     /// Name of the material that it is about, if it is one material's.
     pub material: Option<String>,
     /// Words on what is done otherwise, and what would help.
@@ -39,11 +63,15 @@ impl Note {
             materials.join(", "),
             lights.join(", ")
         );
-        (!lights.is_empty() && !materials.is_empty()).then_some(Self { material: None, message })
+        (!lights.is_empty() && !materials.is_empty()).then_some(Self {
+            kind: NoteKind::LightsWithoutSize,
+            material: None,
+            message,
+        })
     }
 
     /// Words on the g and η that a material states otherwise than its model uses them; `None` where it does not.
-    pub(crate) fn of_nearest(material: &Material, used: [f64; 2]) -> Option<String> {
+    pub(crate) fn of_nearest(material: &Material, used: [f64; 2]) -> Option<Remark> {
         let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
         let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
         let changes: Vec<String> = (0..2)
@@ -51,6 +79,7 @@ impl Note {
             .map(|i| format!("{} is {}, taken for {}", names[i], stated[i], used[i] as f32))
             .collect();
         let model = material.subsurface_model.name();
-        (!changes.is_empty()).then(|| format!("{model} does not reach so far: {}", changes.join("; ")))
+        let words = || format!("{model} does not reach so far: {}", changes.join("; "));
+        (!changes.is_empty()).then(|| (NoteKind::NearestParameters, words()))
     }
 }

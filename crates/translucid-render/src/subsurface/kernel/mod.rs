@@ -14,6 +14,7 @@ mod recipe;
 use glam::Vec3;
 use translucid_profile::{AlbedoTableF32, DirectionalDipoleTable, ObliqueDiffusionTable, ProfileViewF32};
 
+use super::note::Remark;
 use super::parameters::Subsurface;
 
 pub(crate) use cut::CutProfile;
@@ -30,7 +31,7 @@ pub(crate) struct SubsurfaceKernel {
     /// Whether a user has made the profile: it may have any shape, holes included.
     is_from_file: bool,
     angular: Angular,
-    notes: Vec<String>,
+    notes: Vec<Remark>,
 }
 
 /// A kernel's knowledge of directions.
@@ -65,7 +66,7 @@ impl SubsurfaceKernel {
     }
 
     /// Shortcomings of the kernel against its material, in words that follow its model's name.
-    pub(crate) fn notes(&self) -> &[String] {
+    pub(crate) fn notes(&self) -> &[Remark] {
         &self.notes
     }
 

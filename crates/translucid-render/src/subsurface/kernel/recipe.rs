@@ -7,7 +7,7 @@ use translucid_profile::{
 use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 
 use super::{Angular, SubsurfaceKernel};
-use crate::subsurface::note::Note;
+use crate::subsurface::note::{Note, NoteKind, Remark};
 
 /// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
 const DARKEST: f64 = 1e-3;
@@ -84,7 +84,7 @@ fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
 }
 
 /// Words on the g and η that a material asks for and its model is not fitted for.
-pub(crate) fn unfitted(material: &Material) -> Option<String> {
+pub(crate) fn unfitted(material: &Material) -> Option<Remark> {
     let SubsurfaceModel::Profile(model) = material.subsurface_model else { return None };
     model.knows_boundary().then(|| Note::of_nearest(material, nearest_known(model, material)))?
 }
@@ -110,14 +110,15 @@ impl ModelRecipe {
         let (table, most) = self.table()?;
         let wanted = self.surface_albedos.map_or(1.0, |albedos| albedos.into_iter().fold(0.0, f64::max));
         let is_noisy = self.model == Model::DirectionalDipole && self.eta < LEAST_ETA_OF_DIRECTIONAL_DIPOLE;
-        let limit = (most < wanted)
-            .then(|| format!("reaches a surface albedo of {most:.4}; its shape there stands in above"));
-        let noisy = is_noisy.then(|| {
+        let limit = || format!("reaches a surface albedo of {most:.4}; its shape there stands in above");
+        let noisy = || {
             format!(
                 "is noisy at subsurface_eta {}, and pale where light grazes; it is made for an index like 1.4",
                 self.eta
             )
-        });
+        };
+        let limit = (most < wanted).then(|| (NoteKind::AlbedoLimit, limit()));
+        let noisy = is_noisy.then(|| (NoteKind::NoisyBoundary, noisy()));
         Ok(SubsurfaceKernel {
             radial: AlbedoTableF32::from(&table),
             brightest: self.brightest() as f32,

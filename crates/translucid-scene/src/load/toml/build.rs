@@ -5,9 +5,8 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::input::FileRequest;
+use super::input::{FileRequest, KnownFiles};
 use super::object::{GeometryOrigin, ObjectEntry};
-use super::piece::KnownFiles;
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::error::nearest;
 use crate::interval::Interval;

@@ -131,13 +131,6 @@ impl Piece {
     }
 }
 
-/// Files that things of a scene name, each with its index there.
-#[derive(Clone, Debug, Default)]
-pub(super) struct KnownFiles {
-    images: Vec<(PathBuf, ColorSpace, usize)>,
-    tables: Vec<(PathBuf, usize)>,
-}
-
 impl SceneBuilder {
     /// A scene in a unit of length without anything in it.
     #[must_use]

@@ -6,7 +6,7 @@ use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_scene::Material;
 
-use crate::subsurface::note::Note;
+use crate::subsurface::note::{Note, Remark};
 
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
@@ -44,7 +44,7 @@ impl WalkRecipe {
     }
 
     /// Words on the parameters of the material that are out of reach.
-    pub(crate) fn unreached(&self, material: &Material) -> Option<String> {
+    pub(crate) fn unreached(&self, material: &Material) -> Option<Remark> {
         Note::of_nearest(material, [self.g, self.eta])
     }
 
