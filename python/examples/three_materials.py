@@ -1,18 +1,19 @@
 """Render a mesh in three materials, and show how far apart they are.
 
-A bust-sized knot of wax, marble and plaster under one light: the same mesh from arrays, the same colors of its surface,
-but light that travels 8 mm, 1.5 mm and not at all below it.
+A knot the size of a fist, of wax, marble and plaster under one light: the same mesh from arrays, the same color of its
+surface, but light with a mean free path of 2 mm, 0.4 mm and none below it.
 
     python three_materials.py [PICTURE.png] [--quick]
 """
 
 import sys
 
+import matplotlib.image
 import numpy as np
 
 import translucid
 
-MATERIALS = {"wax": 8.0, "marble": 1.5, "plaster": 0.0}  # mean free path in mm
+MATERIALS = {"wax": 2.0, "marble": 0.4, "plaster": 0.0}  # mean free path in mm
 COLOR = [0.88, 0.78, 0.66]
 
 
@@ -43,10 +44,10 @@ def scene():
         camera={"position": [0, 0, 150], "target": [0, 0, 0], "fov": 30},
         environment={"radiance": 0.06},
         lights=[
-            {"type": "sphere", "center": [50, 45, -70], "radius": 18, "radiance": 60},
-            {"type": "rectangle", "center": [-80, 60, 90], "target": [0, 0, 0], "size": [50, 50], "radiance": 2.5},
+            {"type": "sphere", "center": [50, 45, -70], "radius": 18, "radiance": 60, "visible": False},
+            {"type": "rectangle", "center": [-80, 60, 90], "target": [0, 0, 0], "size": [50, 50], "radiance": 2.5, "visible": False},
         ],
-        film={"tone_mapping": "agx"},
+        film={"exposure": 1},
     )
     scene.add_material("knot", specular_roughness=0.35, subsurface_color=COLOR, base_color=COLOR, subsurface_weight=1)
     vertices, triangles, normals = knot()
@@ -54,7 +55,7 @@ def scene():
     return scene
 
 
-def main(path="three_materials.png", size=360, samples=96):
+def main(path="three_materials.png", size=240, samples=64):
     """Render the pictures, write them side by side and print their differences."""
     session = translucid.Session(scene(), size=(size, size))
     pictures = {}
@@ -62,27 +63,23 @@ def main(path="three_materials.png", size=360, samples=96):
         model = "normalized-diffusion-oblique" if mean_free_path else "none"
         session.edit_material("knot", subsurface_radius=mean_free_path or 1, subsurface_model=model)
         session.run(samples)
-        pictures[name] = session.picture()
-    plaster = pictures["plaster"]["radiance"]
-    row, differences = [], []
-    for name, picture in pictures.items():
-        row.append(picture.tonemap()[..., :3])
-        difference = (picture["radiance"] - plaster).mean(axis=2)
-        share = np.abs(difference).mean() / plaster.mean()
-        print(f"{name:8} mean radiance {picture['radiance'].mean():.4f}, {share:6.1%} of the light elsewhere than plaster's")
-        # Where there is more light than on plaster is red, where there is less blue.
-        tint = np.clip(difference / 0.5, -1, 1)[..., None]
-        differences.append((255 * (1 - np.abs(tint) * np.where(tint > 0, [0.1, 0.8, 0.9], [0.9, 0.6, 0.1]))).astype(np.uint8))
-    sheet = np.concatenate([np.concatenate(row, axis=1), np.concatenate(differences, axis=1)])
-    write_png(path, sheet)
-    print(f"wrote {path}: above {', '.join(pictures)}, below their differences from plaster")
+        pictures[name] = session.picture(["radiance"])
+    colors = [picture.tonemap() for picture in pictures.values()]
+    pairs = [("wax", "plaster"), ("marble", "plaster"), ("wax", "marble")]
+    differences = [tinted(pictures[one]["radiance"] - pictures[other]["radiance"]) for one, other in pairs]
+    sheet = np.concatenate([np.concatenate(colors, axis=1), np.concatenate(differences, axis=1)])
+    matplotlib.image.imsave(path, sheet)
+    for one, other in pairs:
+        light, reference = (pictures[name]["radiance"].astype(float) for name in (one, other))
+        print(f"{one} against {other}: mean difference {np.abs(light - reference).mean() / reference.mean():.1%}")
+    print(f"wrote {path}: above {', '.join(pictures)}, below {', '.join(f'{one} - {other}' for one, other in pairs)}")
 
 
-def write_png(path, codes):
-    """Write sRGB codes of 8 bits by matplotlib."""
-    import matplotlib.image
-
-    matplotlib.image.imsave(path, codes)
+def tinted(difference):
+    """Codes of a difference of radiance: red where there is more light, blue where there is less."""
+    share = np.clip(difference.mean(axis=2, keepdims=True) / 0.3, -1, 1)
+    lost = np.where(share > 0, [0.1, 0.8, 0.9], [0.9, 0.6, 0.1])
+    return (255 * (1 - np.abs(share) * lost)).astype(np.uint8)
 
 
 if __name__ == "__main__":
