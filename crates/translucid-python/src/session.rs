@@ -78,10 +78,32 @@ enum State {
 #[pyclass(frozen, subclass, module = "translucid", weakref)]
 pub(crate) struct Session {
     state: Mutex<State>,
-    /// The film that is read: that of the session since its last edit.
-    film: Mutex<Arc<LiveFilm>>,
+    /// What can be read while it runs.
+    facts: Mutex<Facts>,
     threads: usize,
     progress: Arc<Progress>,
+}
+
+/// What is known of a session since its last edit, whatever it does.
+struct Facts {
+    film: Arc<LiveFilm>,
+    notes: Vec<String>,
+    exposure: f32,
+    tone_mapping: &'static str,
+    samples_per_pixel: u32,
+}
+
+impl Facts {
+    fn of(session: &translucid_render::Session) -> Self {
+        let film = session.view().film();
+        Self {
+            film: session.film(),
+            notes: session.prepared().notes().iter().map(ToString::to_string).collect(),
+            exposure: film.exposure,
+            tone_mapping: film.tone_mapping.name(),
+            samples_per_pixel: session.prepared().scene().integrator.samples_per_pixel,
+        }
+    }
 }
 
 /// Paths done and to be done.
@@ -125,7 +147,7 @@ impl Session {
             Ok(translucid_render::Session::new(prepared, view))
         })??;
         Ok(Self {
-            film: Mutex::new(session.film()),
+            facts: Mutex::new(Facts::of(&session)),
             state: Mutex::new(State::Idle(Box::new(session))),
             threads,
             progress: Arc::default(),
@@ -191,9 +213,7 @@ impl Session {
         let samples = samples.map(|samples| whole_number("samples", samples, 1, MOST_SAMPLES)).transpose()?;
         let samples = match samples {
             Some(samples) => samples as u32,
-            None => {
-                self.with_idle(py, |session| Ok(session.prepared().scene().integrator.samples_per_pixel))?
-            }
+            None => py.detach(|| self.facts().samples_per_pixel),
         };
         self.start_to(py, samples)
     }
@@ -424,24 +444,16 @@ impl Session {
 
     /// Everything that is not rendered as the scene asks for, in words.
     #[getter]
-    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with_idle(py, |session| {
-            Ok(session.prepared().notes().iter().map(|note| note.to_string()).collect())
-        })
-    }
-
-    /// Time spent rendering since the last edit, in seconds.
-    #[getter]
-    fn seconds(&self, py: Python<'_>) -> PyResult<f64> {
-        self.with_idle(py, |session| Ok(session.seconds()))
+    fn notes(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| self.facts().notes.clone())
     }
 
     /// Exposure in stops and tone mapping that the scene's film states.
     #[getter]
-    fn _display(&self, py: Python<'_>) -> PyResult<(f32, &'static str)> {
-        self.with_idle(py, |session| {
-            let film = session.view().film();
-            Ok((film.exposure, film.tone_mapping.name()))
+    fn _display(&self, py: Python<'_>) -> (f32, &'static str) {
+        py.detach(|| {
+            let facts = self.facts();
+            (facts.exposure, facts.tone_mapping)
         })
     }
 
@@ -492,9 +504,13 @@ impl Session {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn facts(&self) -> MutexGuard<'_, Facts> {
+        self.facts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The film that is read. Nobody waits for it who holds the interpreter.
     fn film(&self, py: Python<'_>) -> Arc<LiveFilm> {
-        py.detach(|| Arc::clone(&self.film.lock().unwrap_or_else(PoisonError::into_inner)))
+        py.detach(|| Arc::clone(&self.facts().film))
     }
 
     fn start_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
@@ -568,7 +584,7 @@ impl Session {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))?;
             pool.install(|| change(session))?;
-            *self.film.lock().unwrap_or_else(PoisonError::into_inner) = session.film();
+            *self.facts() = Facts::of(session);
             Ok(())
         })
     }
