@@ -6,8 +6,9 @@ use std::path::Path;
 
 use clap::ValueEnum;
 use translucid_image::write_atomically;
+use translucid_profile::convention::{LengthUnit, Role, System};
+use translucid_scene::ConvertedNumber;
 
-use super::rows::Row;
 use crate::failure::Failure;
 use crate::table::exact;
 
@@ -23,7 +24,7 @@ pub(crate) enum SettingFormat {
 }
 
 /// Writes the rows to a file or to stdout.
-pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn write(rows: &[ConvertedNumber], format: SettingFormat, path: Option<&Path>) -> Result<(), Failure> {
     let text = match format {
         SettingFormat::Csv => csv(rows),
         SettingFormat::Json => json(rows),
@@ -46,10 +47,35 @@ pub(super) fn print(text: &str) -> Result<(), Failure> {
     }
 }
 
+/// Every system with its parameters and its rule, a line each.
+pub(super) fn list() -> String {
+    let mut text = String::from("system                 length in  parameters and rule\n");
+    for system in System::ALL {
+        let unit = match system.unit {
+            LengthUnit::Scene => "scene unit",
+            LengthUnit::Millimeter => "mm",
+            LengthUnit::Centimeter => "cm",
+        };
+        let parameters: Vec<String> = system
+            .parameters
+            .iter()
+            .map(|parameter| match parameter.role {
+                Role::Factor { default, .. } | Role::Setting { default, .. } => {
+                    format!("{} ({default})", parameter.name)
+                }
+                _ => parameter.name.to_owned(),
+            })
+            .collect();
+        let (name, parameters, formula) = (system.name, parameters.join(", "), system.formula);
+        text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
+    }
+    text
+}
+
 const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
 /// The texts of a row; the fourth is a number.
-fn fields(row: &Row) -> [String; 7] {
+fn fields(row: &ConvertedNumber) -> [String; 7] {
     let source = row.system.source;
     let kind = if source.is_code { "code" } else { "document" };
     let text = |text: &str| text.to_owned();
@@ -64,7 +90,7 @@ fn fields(row: &Row) -> [String; 7] {
     ]
 }
 
-fn csv(rows: &[Row]) -> String {
+fn csv(rows: &[ConvertedNumber]) -> String {
     let mut text = COLUMNS.join(",") + "\n";
     for row in rows {
         text += &fields(row).map(|field| quoted_if_needed(&field)).join(",");
@@ -82,7 +108,7 @@ fn quoted_if_needed(field: &str) -> String {
     }
 }
 
-fn json(rows: &[Row]) -> String {
+fn json(rows: &[ConvertedNumber]) -> String {
     let objects: Vec<String> = rows
         .iter()
         .map(|row| {
@@ -102,7 +128,7 @@ fn json_string(text: &str) -> String {
     format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
-fn paragraphs(rows: &[Row]) -> String {
+fn paragraphs(rows: &[ConvertedNumber]) -> String {
     let width = rows.iter().map(|row| row.parameter.len()).max().unwrap_or(0);
     let mut text = String::new();
     for system in rows.chunk_by(|a, b| a.system.title == b.system.title) {
