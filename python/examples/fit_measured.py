@@ -29,7 +29,7 @@ for family, terms in (("normalized-diffusion", 1), ("exponentials", 2), ("expone
     above.plot(r, fit.profile.eval(r), lw=1, label=f"{family}, {terms}")
     below.plot(r, fit.residuals, ".-", lw=0.5)
 print(f"truth: surface albedo {marble.total:.4f}")
-above.set(yscale="log", ylabel="R(r) [1/mm²]")
+above.set(yscale="log", ylabel="R(r) [1/mm²]", ylim=(1e-8, 10))
 below.set(xscale="log", xlabel="r [mm]", ylabel="(fit − R)/error", ylim=(-8, 8))
 above.legend()
 figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "fit_measured.png", dpi=80)

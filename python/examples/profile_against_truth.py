@@ -26,5 +26,5 @@ for albedo, ax in zip(albedos, axes):
     chi_square = np.mean(((value - reference.exact(bins, **words)[0]) / error) ** 2)
     print(f"A = {albedo}: Monte Carlo against exact, chi-square {chi_square:.2f} for each radius")
     ax.set(title=f"surface albedo {albedo}", xlabel="r / mfp", ylabel="r R(r)", yscale="log")
-axes[0].legend()
+axes[2].legend(loc="lower left", fontsize="small")
 figure.savefig(sys.argv[1] if len(sys.argv) > 1 else "profile_against_truth.png", dpi=80)

@@ -1,10 +1,3 @@
-from os import PathLike
-from collections.abc import Iterable, Iterator, Mapping
-from typing import Any, Final, Literal, NamedTuple, TypeAlias, overload
-
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
-
 from . import reference as reference
 from ._conversion import Conversion as Conversion
 from ._conversion import convert as convert
