@@ -5,13 +5,13 @@ mod setting;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use translucid_profile::Configuration;
-use translucid_scene::{ArgumentNames, Conversion, SceneError, Unit, conversion_system_names};
+use clap::Args;
+use translucid_scene::{ArgumentNames, Conversion, SceneError, conversion_system_names};
 
 use crate::failure::Failure;
 use crate::messages;
-use crate::model::ConfigurationName;
+use crate::model::{ConfigurationName, UnitName};
+use crate::table::print;
 
 const EXAMPLES: &str = "\
 Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps),
@@ -52,10 +52,10 @@ pub(crate) struct ConvertArguments {
     surface_albedo: Vec<f64>,
     /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own
     #[arg(long, value_enum, default_value = "mm")]
-    unit: LengthUnitName,
+    unit: UnitName,
     /// Unit of lengths in the scene that the material goes to [default: that of --unit]
     #[arg(long, value_enum)]
-    to_unit: Option<LengthUnitName>,
+    to_unit: Option<UnitName>,
     /// Systems to print, comma-separated [default: all]
     #[arg(long, value_name = "SYSTEMS", value_delimiter = ',')]
     to: Vec<String>,
@@ -73,40 +73,20 @@ pub(crate) struct ConvertArguments {
     format: output::SettingFormat,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LengthUnitName {
-    /// Millimeters
-    Mm,
-    /// Centimeters
-    Cm,
-    /// Meters
-    M,
-}
-
-impl LengthUnitName {
-    fn unit(self) -> Unit {
-        match self {
-            Self::Mm => Unit::Millimeter,
-            Self::Cm => Unit::Centimeter,
-            Self::M => Unit::Meter,
-        }
-    }
-}
-
 /// Runs the verb.
 pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if arguments.from == ["list"] {
-        return output::print(&output::list());
+        return print(&output::list());
     }
     let to: Vec<&str> = arguments.to.iter().map(String::as_str).collect();
     let conversion = Conversion {
         from: &setting::parse_all("--from", &arguments.from)?,
         surface_albedo: &arguments.surface_albedo,
-        unit: arguments.unit.unit(),
-        to_unit: arguments.to_unit.unwrap_or(arguments.unit).unit(),
+        unit: arguments.unit.into(),
+        to_unit: arguments.to_unit.unwrap_or(arguments.unit).into(),
         to: &to,
         set: &setting::parse_all("--set", &arguments.set)?,
-        configuration: arguments.configuration(),
+        configuration: arguments.configuration.into(),
         names: ArgumentNames { from: "--from", surface_albedo: "--surface-albedo", to: "--to", set: "--set" },
     };
     let converted = conversion.run().map_err(input)?;
@@ -120,14 +100,5 @@ fn input(error: SceneError) -> Failure {
     match error.help {
         Some(help) => failure.with_help(help),
         None => failure,
-    }
-}
-
-impl ConvertArguments {
-    fn configuration(&self) -> Configuration {
-        match self.configuration {
-            ConfigurationName::Searchlight => Configuration::Searchlight,
-            ConfigurationName::Diffuse => Configuration::Diffuse,
-        }
     }
 }

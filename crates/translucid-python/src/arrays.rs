@@ -325,11 +325,7 @@ fn fill<'py, T: Real, S: Send>(
 }
 
 /// Works through elements in order, with the interpreter detached where there are many, and looks after signals.
-fn in_blocks(
-    py: Python<'_>,
-    elements: usize,
-    mut work: impl FnMut(Range<usize>) + Send,
-) -> PyResult<()> {
+fn in_blocks(py: Python<'_>, elements: usize, mut work: impl FnMut(Range<usize>) + Send) -> PyResult<()> {
     if elements <= SHORT {
         work(0..elements);
         return Ok(());

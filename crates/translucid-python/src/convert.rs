@@ -74,12 +74,7 @@ pub(crate) fn _convert(
         to: &to,
         set: &set,
         configuration: names::configuration(configuration)?,
-        names: ArgumentNames {
-            from: "source",
-            surface_albedo: "surface_albedo",
-            to: "to",
-            set: "settings",
-        },
+        names: ArgumentNames { from: "source", surface_albedo: "surface_albedo", to: "to", set: "settings" },
     }
     .run()
     .map_err(fail)?;

@@ -272,7 +272,8 @@ pub(crate) fn fit(
             let rule = Rule::new("terms", "in 1..=8", 1.0, 8.0);
             let terms = Numbers::extract("terms", object)?.single(&rule)?;
             if terms.fract() != 0.0 || family == "normalized-diffusion" && terms != 1.0 {
-                let allowed = if family == "normalized-diffusion" { "1 for this family" } else { "a whole number" };
+                let allowed =
+                    if family == "normalized-diffusion" { "1 for this family" } else { "a whole number" };
                 return Err(PyValueError::new_err(format!("terms is {terms}, but must be {allowed}")));
             }
             terms as usize
@@ -334,7 +335,9 @@ fn samples(
         return Err(PyValueError::new_err(format!("r has the shape {shape:?}, but must have one dimension")));
     };
     if count > MOST_SAMPLES {
-        return Err(PyValueError::new_err(format!("r has {count} samples, but at most {MOST_SAMPLES} are fitted")));
+        return Err(PyValueError::new_err(format!(
+            "r has {count} samples, but at most {MOST_SAMPLES} are fitted"
+        )));
     }
     if reflectance.shape() != [count] {
         let shape = reflectance.shape();
@@ -469,7 +472,9 @@ pub(crate) fn fit_scaling<'py>(
         }
         let coefficients = PyDict::new(py);
         let ScalingPolynomial { constant, slope, factor, center, power } = form;
-        for (name, value) in [("constant", constant), ("slope", slope), ("factor", factor), ("center", center)] {
+        for (name, value) in
+            [("constant", constant), ("slope", slope), ("factor", factor), ("center", center)]
+        {
             coefficients.set_item(name, value)?;
         }
         coefficients.set_item("power", power)?;

@@ -146,7 +146,8 @@ fn make<const N: usize>(
     let Many { elements, profiles, firsts } =
         made.map_err(|(error, element)| names::parameter_error(&error, &index_of(element, &shape)))?;
     let parameters = arguments.iter().enumerate();
-    let parameters = parameters.map(|(i, (name, _))| (*name, firsts.iter().map(|&e| columns[i][e]).collect()));
+    let parameters =
+        parameters.map(|(i, (name, _))| (*name, firsts.iter().map(|&e| columns[i][e]).collect()));
     let parameters = parameters.collect();
     Ok(Profile { description, model: None, configuration: None, parameters, shape, elements, profiles })
 }
@@ -363,16 +364,18 @@ impl Profile {
             // Normalized diffusion takes what a table takes: any albedo in [0, 1], and any length
             let appearance =
                 Appearance { surface_albedo, length, parameterization: Parameterization::Mfp, g: 0.0 };
-            Model::NormalizedDiffusion.profile(&appearance, Configuration::default(), 1.0).map_err(|error| {
-                let is_length = error.parameter != "surface_albedo";
-                ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
-            })?;
+            Model::NormalizedDiffusion.profile(&appearance, Configuration::default(), 1.0).map_err(
+                |error| {
+                    let is_length = error.parameter != "surface_albedo";
+                    ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
+                },
+            )?;
             let profile: TableProfile = AlbedoTable::profile_of_shared(&table, surface_albedo, length);
             Ok(Arc::new(profile))
         })
     }
 
-    /// The same profiles as tables: `cdf`, `quantile` and `sample` of every model then take some ten nanoseconds.
+    /// The profiles as tables, whose `cdf`, `quantile` and `sample` take some ten nanoseconds for every model.
     ///
     /// Returns
     /// -------
@@ -671,7 +674,9 @@ impl Profile {
             [element] => Ok(Arc::clone(&self.profiles[*element as usize])),
             _ => {
                 let shape = &self.shape;
-                Err(PyValueError::new_err(format!("the profile has the shape {shape:?}, but must be a single one")))
+                Err(PyValueError::new_err(format!(
+                    "the profile has the shape {shape:?}, but must be a single one"
+                )))
             }
         }
     }
@@ -741,7 +746,9 @@ fn profile_table(
     let rows = match (reflectance.shape(), surface_albedos) {
         ([n], None) if *n == count => 1,
         ([rows, n], Some(_)) if *n == count => *rows,
-        (shape, None) => return Err(wrong_shape("reflectance", shape, &format!("the shape ({count},) of r"))),
+        (shape, None) => {
+            return Err(wrong_shape("reflectance", shape, &format!("the shape ({count},) of r")));
+        }
         (shape, Some(_)) => {
             let must = format!("the shape (k, {count}): k surface_albedos, and the radii of r");
             return Err(wrong_shape("reflectance", shape, &must));
@@ -781,8 +788,10 @@ fn profile_table(
             enclosed: enclosed.as_ref().map_or(Vec::new(), |enclosed| enclosed[place].to_vec()),
         }
     };
-    let table =
-        ProfileTable { path: PathBuf::from("from_table"), rows: albedos.into_iter().enumerate().map(row).collect() };
+    let table = ProfileTable {
+        path: PathBuf::from("from_table"),
+        rows: albedos.into_iter().enumerate().map(row).collect(),
+    };
     table.table().map_err(|error| PyValueError::new_err(error.message))?;
     Ok(table)
 }

@@ -36,7 +36,9 @@ pub(crate) fn incidence(
         return Ok(configuration.map_or(Incidence::Cosine, Incidence::from));
     };
     if configuration == Some(translucid_profile::Configuration::Diffuse) {
-        return Err(PyValueError::new_err("incidence_angle belongs to a beam, but configuration is \"diffuse\""));
+        return Err(PyValueError::new_err(
+            "incidence_angle belongs to a beam, but configuration is \"diffuse\"",
+        ));
     }
     let degrees = Numbers::extract("incidence_angle", angle)?.single(&ANGLE)?;
     let cos_theta = degrees.to_radians().cos();
@@ -54,18 +56,13 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<rayon::ThreadPool> {
     if let Some(threads) = threads.filter(|threads| !THREADS.contains(threads)) {
         return Err(PyValueError::new_err(format!("threads is {threads}, but must be in [1, 1024]")));
     }
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(threads.unwrap_or(0))
-        .build()
-        .map_err(|error| pyo3::exceptions::PyRuntimeError::new_err(format!("cannot start the threads: {error}")))
+    rayon::ThreadPoolBuilder::new().num_threads(threads.unwrap_or(0)).build().map_err(|error| {
+        pyo3::exceptions::PyRuntimeError::new_err(format!("cannot start the threads: {error}"))
+    })
 }
 
 /// Calls back with how much of the work is done, if anybody wants to know.
-pub(crate) fn report(
-    progress: Option<&Bound<'_, PyAny>>,
-    done: u64,
-    total: u64,
-) -> PyResult<()> {
+pub(crate) fn report(progress: Option<&Bound<'_, PyAny>>, done: u64, total: u64) -> PyResult<()> {
     progress.map_or(Ok(()), |progress| progress.call1((done, total)).map(drop))
 }
 
@@ -106,9 +103,8 @@ enum Solution {
 impl Solution {
     fn new(alpha: f64, eta: f64, incidence: Incidence, is_directed: bool) -> Result<Self, ParameterError> {
         match incidence {
-            Incidence::Pencil { cos_theta } if is_directed => {
-                ObliqueHalfSpace::new(alpha, eta, cos_theta).map(|solution| Self::Directed(Box::new(solution)))
-            }
+            Incidence::Pencil { cos_theta } if is_directed => ObliqueHalfSpace::new(alpha, eta, cos_theta)
+                .map(|solution| Self::Directed(Box::new(solution))),
             _ => HalfSpace::with_boundary(alpha, eta, incidence).map(Self::Radial),
         }
     }
@@ -155,7 +151,8 @@ impl Question {
             } else {
                 Ok(albedo)
             };
-            let solution = alpha.and_then(|alpha| Solution::new(alpha, eta, self.incidence, self.is_directed));
+            let solution =
+                alpha.and_then(|alpha| Solution::new(alpha, eta, self.incidence, self.is_directed));
             done.fetch_add(1, Ordering::Relaxed);
             solution.map(Some).map_err(|error| (error, first))
         };

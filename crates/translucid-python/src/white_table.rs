@@ -118,7 +118,8 @@ impl Photons {
         if object.is_instance_of::<PyRange>() {
             let part = |name: &str| object.getattr(name)?.extract::<i128>();
             let wrong = || PyValueError::new_err("photons must be a range of step 1 within [0, 2**63)");
-            let [start, stop, step] = [part("start"), part("stop"), part("step")].map(|x| x.map_err(|_| wrong()));
+            let [start, stop, step] =
+                [part("start"), part("stop"), part("step")].map(|x| x.map_err(|_| wrong()));
             let (start, stop, step) = (start?, stop?, step?);
             let is_good = step == 1 && start >= 0 && stop >= start && stop < 1 << 63;
             if !is_good {
@@ -128,7 +129,9 @@ impl Photons {
         }
         let is_number = object.is_instance_of::<PyFloat>() || object.is_instance_of::<PyInt>();
         if object.is_instance_of::<pyo3::types::PyBool>() || !is_number && !object.hasattr("__index__")? {
-            return Err(PyTypeError::new_err("photons must be a whole number, such as 1e7, or a range of them"));
+            return Err(PyTypeError::new_err(
+                "photons must be a whole number, such as 1e7, or a range of them",
+            ));
         }
         let wrong = || {
             let shown = object.repr().map(|text| text.to_string()).unwrap_or_default();
@@ -365,7 +368,9 @@ fn side(table: &Table, name: &str) -> PyResult<Side> {
     match name {
         "reflected" => Ok(Side::Reflected),
         "transmitted" if table.problem().parameters().thickness.is_finite() => Ok(Side::Transmitted),
-        "transmitted" => Err(PyValueError::new_err("side is \"transmitted\", but a half space has no far side")),
+        "transmitted" => {
+            Err(PyValueError::new_err("side is \"transmitted\", but a half space has no far side"))
+        }
         _ => Err(names::unknown("side", name, &["reflected", "transmitted"])),
     }
 }
@@ -536,9 +541,7 @@ impl WhiteTable {
         self.figures(py, Some(r), [surface_albedo, single_scattering_albedo], |at, r| {
             let nearest = edges.iter().position(|edge| (edge - r).abs() <= 1e-9 * r);
             let allowed = "one of the radii between the table's rings";
-            nearest
-                .map(|edge| at.enclosed(side, edge))
-                .ok_or_else(|| ParameterError::new("r", r, allowed))
+            nearest.map(|edge| at.enclosed(side, edge)).ok_or_else(|| ParameterError::new("r", r, allowed))
         })
     }
 
@@ -798,7 +801,9 @@ impl WhiteTable {
         let table = self.get();
         let (photons, albedo) = (table.photons(), table.reference_albedo());
         let rings = table.layout().rings();
-        format!("<WhiteTable of {photons} photons in {rings} rings, single-scattering albedos up to {albedo}>")
+        format!(
+            "<WhiteTable of {photons} photons in {rings} rings, single-scattering albedos up to {albedo}>"
+        )
     }
 
     #[classattr]

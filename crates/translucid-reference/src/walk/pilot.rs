@@ -46,8 +46,15 @@ impl From<ParameterError> for PilotError {
 }
 
 impl Problem {
-    /// Single-scattering albedo of a surface albedo, where the exact solution knows it: isotropic scattering in a half
-    /// space with η in [0.5, 3]. None elsewhere.
+    /// Tells whether the exact solution knows it, too: isotropic scattering in a half space with η in [0.5, 3].
+    pub fn is_solved(&self) -> bool {
+        let parameters = self.parameters();
+        parameters.phase_function == PhaseFunction::ISOTROPIC
+            && parameters.thickness.is_infinite()
+            && (0.5..=3.0).contains(&parameters.eta)
+    }
+
+    /// Single-scattering albedo of a surface albedo, where the exact solution [knows](Self::is_solved) it.
     ///
     /// # Errors
     /// The surface albedo is not in (0, 1].
@@ -56,11 +63,8 @@ impl Problem {
         surface_albedo: f64,
     ) -> Result<Option<f64>, ParameterError> {
         let parameters = self.parameters();
-        let is_solved = parameters.phase_function == PhaseFunction::ISOTROPIC
-            && parameters.thickness.is_infinite()
-            && (0.5..=3.0).contains(&parameters.eta);
         let invert = || single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
-        is_solved.then(invert).transpose()
+        self.is_solved().then(invert).transpose()
     }
 
     /// Finds an albedo a little above the one that makes a surface albedo, by short walks.

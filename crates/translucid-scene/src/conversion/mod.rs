@@ -98,7 +98,9 @@ impl Conversion<'_> {
                     // A system with several ways has one surface albedo
                     let is_told = |row: &ConvertedNumber| row.is_albedo() && row.system.name == target.name;
                     let is_repeated = converted.numbers.iter().any(is_told);
-                    converted.numbers.extend(more.into_iter().filter(|row| !(is_repeated && row.is_albedo())));
+                    converted
+                        .numbers
+                        .extend(more.into_iter().filter(|row| !(is_repeated && row.is_albedo())));
                     converted.notes.extend(note);
                 }
                 // A system that was asked for must answer; of all systems some may have nothing to say.
@@ -132,7 +134,9 @@ impl Conversion<'_> {
             }
             other => {
                 let name = self.names.surface_albedo;
-                return Err(SceneError::new(format!("{name} has {other} numbers, but must have one or three")));
+                return Err(SceneError::new(format!(
+                    "{name} has {other} numbers, but must have one or three"
+                )));
             }
         };
 
@@ -194,7 +198,9 @@ impl Conversion<'_> {
         }
         let what = error.parameter;
         let Some(parameter) = source.parameters.iter().find(|parameter| parameter.name == what) else {
-            return SceneError::new(format!("{from} {name} gives {what} = {value}, but it must be {requirement}"));
+            return SceneError::new(format!(
+                "{from} {name} gives {what} = {value}, but it must be {requirement}"
+            ));
         };
         let wrong = SceneError::new(format!("{from} {name}:{what} is {value}, but must be {requirement}"));
         if error.value == 0.0 && matches!(parameter.role, Role::Length | Role::Distance) {
@@ -231,7 +237,9 @@ impl Conversion<'_> {
         if self.names_a_setting(target, error) {
             let (value, set) = (Written(error.value), self.names.set);
             let (name, parameter, requirement) = (target.name, error.parameter, error.requirement());
-            return SceneError::new(format!("{set} {name}:{parameter} is {value}, but must be {requirement}"));
+            return SceneError::new(format!(
+                "{set} {name}:{parameter} is {value}, but must be {requirement}"
+            ));
         }
         SceneError::new(format!("{} has no numbers for this material: {error}", target.name))
             .with_help(format!("its rule is {}", target.formula))

@@ -1,6 +1,8 @@
 //! A material as the numbers of one system.
 
-use translucid_profile::convention::{Channel, Equal, LengthUnit, Parameter, Role, System, Written as Number};
+use translucid_profile::convention::{
+    Channel, Equal, LengthUnit, Parameter, Role, System, Written as Number,
+};
 use translucid_profile::{Configuration, ParameterError};
 
 use super::millimeters;

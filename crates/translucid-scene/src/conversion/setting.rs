@@ -24,7 +24,8 @@ impl Setting {
         systems(argument, system)?;
         if !matches!(values.len(), 1 | 3) {
             let count = values.len();
-            let message = format!("{argument} {system}:{parameter} has {count} values, but must have one or three");
+            let message =
+                format!("{argument} {system}:{parameter} has {count} values, but must have one or three");
             return Err(SceneError::new(message));
         }
         Ok(Self { system: system.to_owned(), parameter: parameter.to_owned(), values })
@@ -58,7 +59,11 @@ impl Setting {
     }
 
     /// The parameter that is meant, of the system among those given, which takes that many values.
-    pub(super) fn resolve(&self, argument: &str, systems: &[&System]) -> Result<&'static Parameter, SceneError> {
+    pub(super) fn resolve(
+        &self,
+        argument: &str,
+        systems: &[&System],
+    ) -> Result<&'static Parameter, SceneError> {
         let Self { system, parameter, .. } = self;
         let mut known = Vec::new();
         for candidate in systems.iter().filter(|candidate| candidate.name == system) {
@@ -82,7 +87,8 @@ impl Setting {
         let count = self.values.len();
         if count > 1 && !found.role.is_per_channel() {
             let (system, name) = (&self.system, found.name);
-            let message = format!("{argument} {system}:{name} has {count} values, but is one for all channels");
+            let message =
+                format!("{argument} {system}:{name} has {count} values, but is one for all channels");
             return Err(SceneError::new(message));
         }
         Ok(found)
@@ -97,7 +103,9 @@ pub(super) fn source(names: &ArgumentNames, settings: &[Setting]) -> Result<&'st
     };
     if let Some(other) = settings.iter().find(|setting| setting.system != first.system) {
         let message = format!("{from} names two systems, {} and {}", first.system, other.system);
-        return Err(SceneError::new(message).with_help(format!("a material comes from one; choose others with {to}")));
+        return Err(
+            SceneError::new(message).with_help(format!("a material comes from one; choose others with {to}"))
+        );
     }
     let ways = systems(from, &first.system)?;
     for setting in settings {
@@ -146,7 +154,9 @@ mod tests {
 
     #[test]
     fn new_refuses_what_is_no_setting() {
-        for (system, values) in [("", vec![1.0]), ("maya", vec![1.0]), ("renderman", vec![]), ("renderman", vec![1.0; 2])] {
+        for (system, values) in
+            [("", vec![1.0]), ("maya", vec![1.0]), ("renderman", vec![]), ("renderman", vec![1.0; 2])]
+        {
             assert!(Setting::new("from", system, "dmfp", values).is_err(), "{system}");
         }
     }
