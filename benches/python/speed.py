@@ -42,7 +42,7 @@ def numpy_eval(d):
 
 def numpy_sample(d):
     """Its two exponentials, chosen by the same number."""
-    return lambda u: np.where(u < 0.25, -d * np.log(1 - 4 * u), -3 * d * np.log((1 - u) / 0.75))
+    return lambda u: np.where(u < 0.25, -d * np.log1p(-4 * np.minimum(u, 0.25 - 1e-9)), -3 * d * np.log((1 - u) / 0.75))
 
 
 def loop(f):

@@ -711,11 +711,10 @@ impl Profile {
             let profile = &self.profiles[0];
             return x.map(py, rule, |from, to| profile.apply(quantity, from, to));
         }
-        x.require(rule)?;
         let shape = broadcast_shape(&[("profile", &self.shape), (rule.name, x.shape())])?;
         let elements = numpy::ndarray::ArrayViewD::from_shape(&self.shape[..], &self.elements);
         let elements = elements.map_err(names::value_error)?;
-        x.map_indexed(py, &shape, &elements, |element, from, to| {
+        x.map_indexed(py, rule, &shape, &elements, |element, from, to| {
             self.profiles[element as usize].apply(quantity, from, to);
         })
     }
