@@ -5,6 +5,8 @@
 - `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
 - `convert`: a material in the numbers of other renderers.
 - `presets`: measured materials.
+- `Scene`, `render`, `Session`: scenes from files and arrays, and pictures of them.
+- `tonemap`, `read_exr`, `write_exr`: pictures in files.
 
 Lengths are in one unit that the caller chose; a function returns them in the same.
 Whatever takes radii, albedos or lengths takes numbers and arrays of any shape, and broadcasts them by NumPy's rules.
@@ -23,18 +25,40 @@ A wrong argument is a `ValueError` or `TypeError` that says which, its value and
 from . import reference
 from ._conversion import Conversion, convert
 from ._presets import presets
-from ._translucid import Fit, Preset, Profile, __version__, fit, fit_scaling, models
+from ._render import Picture, Session, render
+from ._translucid import (
+    Fit,
+    Preset,
+    Profile,
+    Scene,
+    SceneError,
+    __version__,
+    fit,
+    fit_scaling,
+    models,
+    read_exr,
+    tonemap,
+    write_exr,
+)
 
 __all__ = [
     "Conversion",
     "Fit",
+    "Picture",
     "Preset",
     "Profile",
+    "Scene",
+    "SceneError",
+    "Session",
     "__version__",
     "convert",
     "fit",
     "fit_scaling",
     "models",
     "presets",
+    "read_exr",
     "reference",
+    "render",
+    "tonemap",
+    "write_exr",
 ]

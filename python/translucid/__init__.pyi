@@ -1,25 +1,335 @@
-from . import reference as reference
-from ._conversion import Conversion as Conversion
-from ._conversion import convert as convert
-from ._presets import presets as presets
-from ._translucid import Fit as Fit
-from ._translucid import Preset as Preset
-from ._translucid import Profile as Profile
-from ._translucid import __version__ as __version__
-from ._translucid import fit as fit
-from ._translucid import fit_scaling as fit_scaling
-from ._translucid import models as models
+from __future__ import annotations
 
-__all__ = [
-    "Conversion",
-    "Fit",
-    "Preset",
-    "Profile",
-    "__version__",
-    "convert",
-    "fit",
-    "fit_scaling",
-    "models",
-    "presets",
-    "reference",
-]
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from os import PathLike
+from typing import Any, Final, Literal, NamedTuple, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import reference as reference
+
+__version__: Final[str]
+models: Final[list[str]]
+
+__all__: list[str]
+
+_Path = str | PathLike[str]
+_Unit = Literal["mm", "cm", "m"]
+_Progress = bool | Literal["tqdm"] | Callable[[int, int], object] | None
+_ToneMapping = Literal["neutral", "agx", "srgb"]
+_Numbers: TypeAlias = float | np.floating[Any] | NDArray[np.floating[Any]]
+_Configuration: TypeAlias = Literal["searchlight", "diffuse"]
+_Family: TypeAlias = Literal["exponentials", "gaussians", "normalized-diffusion"]
+
+@final
+class Profile:
+    def __new__(
+        cls,
+        model: str = "normalized-diffusion-refined",
+        *,
+        surface_albedo: ArrayLike,
+        mfp: ArrayLike | None = None,
+        dmfp: ArrayLike | None = None,
+        configuration: _Configuration | None = None,
+        g: ArrayLike | None = None,
+        eta: ArrayLike | None = None,
+    ) -> Profile: ...
+    @classmethod
+    def from_medium(
+        cls,
+        sigma_a: ArrayLike,
+        sigma_s: ArrayLike,
+        *,
+        model: str = "normalized-diffusion-refined",
+        g: ArrayLike | None = None,
+        eta: ArrayLike | None = None,
+        configuration: _Configuration | None = None,
+    ) -> Profile: ...
+    @classmethod
+    def from_table(
+        cls,
+        r: ArrayLike | PathLike[str],
+        reflectance: ArrayLike | None = None,
+        *,
+        enclosed: ArrayLike | None = None,
+        surface_albedos: ArrayLike | None = None,
+        surface_albedo: ArrayLike | None = None,
+        mfp: ArrayLike | None = None,
+        dmfp: ArrayLike | None = None,
+    ) -> Profile: ...
+    def tabulated(self) -> Profile: ...
+    def eval(self, r: ArrayLike) -> _Numbers: ...
+    def pdf(self, r: ArrayLike) -> _Numbers: ...
+    def pdf_area(self, r: ArrayLike) -> _Numbers: ...
+    def cdf(self, r: ArrayLike) -> _Numbers: ...
+    def enclosed(self, r: ArrayLike) -> _Numbers: ...
+    def beyond(self, r: ArrayLike) -> _Numbers: ...
+    def quantile(self, u: ArrayLike) -> _Numbers: ...
+    def sample(self, u: ArrayLike) -> _Numbers: ...
+    def plot(
+        self,
+        r: ArrayLike | None = None,
+        *,
+        quantity: Literal["eval", "pdf", "pdf_area", "cdf", "enclosed", "beyond"] = "eval",
+        ax: Any = None,
+        **line: Any,
+    ) -> Any: ...
+    @property
+    def total(self) -> _Numbers: ...
+    @property
+    def surface_albedo(self) -> _Numbers | None: ...
+    @property
+    def mfp(self) -> _Numbers | None: ...
+    @property
+    def dmfp(self) -> _Numbers | None: ...
+    @property
+    def g(self) -> _Numbers | None: ...
+    @property
+    def eta(self) -> _Numbers | None: ...
+    @property
+    def model(self) -> str | None: ...
+    @property
+    def configuration(self) -> _Configuration | None: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+@final
+class Fit:
+    @property
+    def family(self) -> _Family: ...
+    @property
+    def surface_albedo(self) -> float: ...
+    @property
+    def surface_albedo_error(self) -> float: ...
+    @property
+    def weights(self) -> NDArray[np.float64]: ...
+    @property
+    def weight_errors(self) -> NDArray[np.float64]: ...
+    @property
+    def scales(self) -> NDArray[np.float64]: ...
+    @property
+    def scale_errors(self) -> NDArray[np.float64]: ...
+    @property
+    def chi_square(self) -> float | None: ...
+    @property
+    def degrees_of_freedom(self) -> int | None: ...
+    @property
+    def residuals(self) -> NDArray[np.float64] | None: ...
+    @property
+    def l1_error(self) -> float | None: ...
+    @property
+    def undetermined(self) -> list[str]: ...
+    @property
+    def profile(self) -> Profile: ...
+
+@final
+class Preset:
+    @property
+    def name(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def surface_albedo(self) -> NDArray[np.float64]: ...
+    @property
+    def mfp(self) -> NDArray[np.float64]: ...
+    @property
+    def eta(self) -> float: ...
+    @property
+    def roughness(self) -> float: ...
+
+def fit(
+    r: ArrayLike | Profile,
+    reflectance: ArrayLike | None = None,
+    error: ArrayLike | None = None,
+    *,
+    family: _Family = "exponentials",
+    terms: int | None = None,
+) -> Fit: ...
+def fit_scaling(
+    configuration: _Configuration = "searchlight",
+    parameter: Literal["mfp", "dmfp"] = "mfp",
+    *,
+    surface_albedo: ArrayLike | None = None,
+    max_radius: float | None = None,
+) -> dict[str, Any]: ...
+
+class ConvertedParameter(NamedTuple):
+    system: str
+    parameter: str
+    value: float | NDArray[np.float64]
+    unit: str
+    equal: str
+    source: str
+
+class Conversion(dict[str, dict[str, float | NDArray[np.float64]]]):
+    rows: list[ConvertedParameter]
+    notes: list[str]
+    def __init__(self, rows: list[ConvertedParameter], notes: list[str]) -> None: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def _repr_html_(self) -> str: ...
+
+def convert(
+    source: str,
+    *,
+    surface_albedo: ArrayLike | None = None,
+    unit: _Unit = "mm",
+    to_unit: _Unit | None = None,
+    to: str | Iterable[str] = (),
+    settings: Mapping[str, Mapping[str, float]] | None = None,
+    configuration: _Configuration = "diffuse",
+    **parameters: ArrayLike,
+) -> Conversion: ...
+
+class _Presets(Mapping[str, Preset]):
+    def __getitem__(self, name: str) -> Preset: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+
+presets: Final[_Presets]
+
+class SceneError(ValueError):
+    message: str
+    path: str | None
+    line: int | None
+    part: str | None
+    help: str | None
+
+class Scene:
+    def __new__(
+        cls,
+        unit: _Unit = "mm",
+        *,
+        camera: dict[str, Any] | None = None,
+        environment: dict[str, Any] | None = None,
+        film: dict[str, Any] | None = None,
+        integrator: dict[str, Any] | None = None,
+        lights: Iterable[dict[str, Any]] | None = None,
+        subsurface_grouping: Literal["object", "material"] | None = None,
+    ) -> Scene: ...
+    @classmethod
+    def load(
+        cls,
+        path: _Path,
+        *,
+        preset: str | None = None,
+        unit: _Unit | None = None,
+        size: Sequence[int] | None = None,
+        subsurface: str | None = None,
+    ) -> Scene: ...
+    def add_material(self, name: str, **keys: Any) -> None: ...
+    def add_mesh(
+        self,
+        name: str,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        uv: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+        **keys: Any,
+    ) -> None: ...
+    def add_object(self, name: str | None = None, **keys: Any) -> None: ...
+    def add_light(
+        self,
+        type: Literal["rectangle", "sphere", "distant", "spot", "point", "beam"] | None = None,
+        **keys: Any,
+    ) -> None: ...
+    def set_environment(self, **keys: Any) -> None: ...
+    def set_camera(self, **keys: Any) -> None: ...
+    def set_film(self, **keys: Any) -> None: ...
+    def set_integrator(self, **keys: Any) -> None: ...
+    @property
+    def unit(self) -> _Unit: ...
+    @property
+    def objects(self) -> list[str]: ...
+    @property
+    def materials(self) -> list[str]: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+
+class Session:
+    def __new__(
+        cls,
+        scene: Scene | _Path,
+        *,
+        size: Sequence[int] | None = None,
+        subsurface: str | None = None,
+        seed: int | None = None,
+        threads: int | None = None,
+        region: Sequence[int] | None = None,
+    ) -> Session: ...
+    def run(self, samples: int | None = None, *, progress: _Progress = None) -> None: ...
+    def step(self, samples: int = 1, *, progress: _Progress = None) -> None: ...
+    def start(self, samples: int | None = None) -> None: ...
+    def wait(self, *, progress: _Progress = None) -> None: ...
+    def cancel(self) -> None: ...
+    def snapshot(self, layer: str = "radiance") -> NDArray[np.float32]: ...
+    def picture(self, layers: Iterable[str] = ("radiance", "alpha")) -> Picture: ...
+    def edit_material(self, name: str, **keys: Any) -> None: ...
+    def edit_mesh(
+        self,
+        name: str,
+        vertices: ArrayLike,
+        triangles: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        uv: ArrayLike | None = None,
+        colors: ArrayLike | None = None,
+    ) -> None: ...
+    def set_camera(self, **keys: Any) -> None: ...
+    def set_lights(self, lights: Iterable[dict[str, Any]]) -> None: ...
+    def set_environment(self, **keys: Any) -> None: ...
+    def set_integrator(self, **keys: Any) -> None: ...
+    @property
+    def samples(self) -> int: ...
+    @property
+    def is_running(self) -> bool: ...
+    @property
+    def size(self) -> tuple[int, int]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def seconds(self) -> float: ...
+    def _repr_png_(self) -> bytes | None: ...
+
+class Picture(dict[str, NDArray[np.float32]]):
+    exposure: float
+    tone_mapping: str
+    def __init__(
+        self,
+        layers: Mapping[str, NDArray[np.float32]] | Iterable[tuple[str, NDArray[np.float32]]] = (),
+        *,
+        exposure: float = 0.0,
+        tone_mapping: str = "neutral",
+    ) -> None: ...
+    def tonemap(self, **arguments: Any) -> NDArray[Any]: ...
+    def save(self, path: _Path) -> None: ...
+    def _repr_png_(self) -> bytes | None: ...
+
+def render(
+    scene: Scene | _Path,
+    *,
+    size: Sequence[int] | None = None,
+    spp: int | None = None,
+    subsurface: str | None = None,
+    seed: int | None = None,
+    threads: int | None = None,
+    region: Sequence[int] | None = None,
+    layers: Iterable[str] = ("radiance", "alpha"),
+    progress: _Progress = None,
+) -> Picture: ...
+def tonemap(
+    array: ArrayLike,
+    *,
+    exposure: float = 0.0,
+    tone_mapping: _ToneMapping = "neutral",
+    dtype: Literal["uint8", "float32"] = "uint8",
+) -> NDArray[Any]: ...
+def write_exr(
+    path: _Path,
+    picture: ArrayLike | Mapping[str, ArrayLike],
+    *,
+    half: Sequence[str] | None = None,
+) -> None: ...
+def read_exr(path: _Path) -> dict[str, NDArray[np.float32]]: ...

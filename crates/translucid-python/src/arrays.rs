@@ -114,6 +114,18 @@ impl<'py> Numbers<'py> {
         }
     }
 
+    /// All numbers in C order.
+    pub(crate) fn iter(&self) -> Box<dyn Iterator<Item = f64> + '_> {
+        fn all<'a, T: Real>(view: ArrayViewD<'a, T>) -> Box<dyn Iterator<Item = f64> + 'a> {
+            Box::new(view.into_iter().map(|x| x.to_f64()))
+        }
+        match self {
+            Self::One(x) => Box::new(std::iter::once(*x)),
+            Self::Double(array) => all(array.as_array()),
+            Self::Single(array) => all(array.as_array()),
+        }
+    }
+
     /// All numbers in C order, as if the array had a shape that it can be broadcast to.
     pub(crate) fn broadcast(&self, shape: &[usize]) -> Vec<f64> {
         fn all<T: Real>(view: &ArrayViewD<'_, T>, shape: &[usize]) -> Vec<f64> {
@@ -128,8 +140,8 @@ impl<'py> Numbers<'py> {
     }
 
     /// Passes on if all numbers keep a rule.
-    pub(crate) fn require(&self, rule: &Rule) -> PyResult<()> {
-        fn first<T: Real>(view: &ArrayViewD<'_, T>, rule: &Rule) -> Option<(Vec<usize>, f64)> {
+    pub(crate) fn require(&self, rule: &Rule<'_>) -> PyResult<()> {
+        fn first<T: Real>(view: &ArrayViewD<'_, T>, rule: &Rule<'_>) -> Option<(Vec<usize>, f64)> {
             // Most arrays are good: look without asking where
             let is_good = match view.as_slice_memory_order() {
                 Some(slice) => slice.iter().fold(true, |good, x| good & rule.allows(x.to_f64())),
@@ -157,7 +169,7 @@ impl<'py> Numbers<'py> {
     ///
     /// # Errors
     /// There are several, or it breaks the rule.
-    pub(crate) fn single(&self, rule: &Rule) -> PyResult<f64> {
+    pub(crate) fn single(&self, rule: &Rule<'_>) -> PyResult<f64> {
         if self.shape().iter().product::<usize>() != 1 {
             let (name, shape) = (rule.name, self.shape());
             return Err(PyTypeError::new_err(format!(
@@ -173,7 +185,7 @@ impl<'py> Numbers<'py> {
     pub(crate) fn map(
         &self,
         py: Python<'py>,
-        rule: &Rule,
+        rule: &Rule<'_>,
         f: impl Fn(&[f64], &mut [f64]) + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         match self {
@@ -212,7 +224,7 @@ impl<'py> Numbers<'py> {
     fn map_with<T: Real>(
         &self,
         py: Python<'py>,
-        rule: &Rule,
+        rule: &Rule<'_>,
         array: &PyReadonlyArrayDyn<'py, T>,
         f: &(impl Fn(&[f64], &mut [f64]) + Send + Sync),
     ) -> PyResult<Bound<'py, PyAny>> {
@@ -230,7 +242,7 @@ impl<'py> Numbers<'py> {
     pub(crate) fn map_indexed(
         &self,
         py: Python<'py>,
-        rule: &Rule,
+        rule: &Rule<'_>,
         shape: &[usize],
         indices: &ArrayViewD<'_, u32>,
         f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
@@ -269,19 +281,19 @@ impl<'py> Numbers<'py> {
 }
 
 /// Range that the numbers of an argument must be in.
-pub(crate) struct Rule {
+pub(crate) struct Rule<'a> {
     /// Name of the argument.
-    pub(crate) name: &'static str,
+    pub(crate) name: &'a str,
     /// The range, worded to follow "must be".
-    pub(crate) allowed: &'static str,
+    pub(crate) allowed: &'a str,
     /// The least number.
     pub(crate) low: f64,
     /// The greatest.
     pub(crate) high: f64,
 }
 
-impl Rule {
-    pub(crate) const fn new(name: &'static str, allowed: &'static str, low: f64, high: f64) -> Self {
+impl<'a> Rule<'a> {
+    pub(crate) const fn new(name: &'a str, allowed: &'a str, low: f64, high: f64) -> Self {
         Self { name, allowed, low, high }
     }
 
@@ -328,13 +340,13 @@ impl<'a, T: Copy> Elements<'a, T> {
 struct Chunks<'a, T> {
     elements: Elements<'a, T>,
     buffer: [f64; CHUNK],
-    rule: &'a Rule,
+    rule: &'a Rule<'a>,
     /// Whether all so far kept the rule.
     is_good: bool,
 }
 
 impl<'a, T: Real> Chunks<'a, T> {
-    fn new(view: &ArrayViewD<'a, T>, rule: &'a Rule) -> Self {
+    fn new(view: &ArrayViewD<'a, T>, rule: &'a Rule<'a>) -> Self {
         Self { elements: Elements::new(view), buffer: [0.0; CHUNK], rule, is_good: true }
     }
 

@@ -284,19 +284,19 @@ pub(crate) fn fit(
             return Err(PyTypeError::new_err("reflectance and error belong to samples, but r is a Profile"));
         }
         let profile = profile.get().only()?;
-        let work = move |_: &_| match family {
+        let work = move || match family {
             "exponentials" => Fit::of_profile::<Exponential>(family, &*profile, terms),
             "gaussians" => Fit::of_profile::<Gaussian>(family, &*profile, terms),
             _ => Fit::of_profile::<Burley>(family, &*profile, 1),
         };
-        long_work::run_or_abandon(py, work, |_| Ok(()))?
+        long_work::run_or_leave(py, work)?
     } else {
         let Some(reflectance) = reflectance else {
             return Err(PyTypeError::new_err("reflectance is missing: r is not a Profile"));
         };
         let (samples, errors) = samples(r, reflectance, error)?;
-        let work = move |_: &_| fit_samples(family, &samples, errors, terms);
-        long_work::run_or_abandon(py, work, |_| Ok(()))?
+        let work = move || fit_samples(family, &samples, errors, terms);
+        long_work::run_or_leave(py, work)?
     };
     fitted.map_err(names::value_error)
 }
@@ -446,7 +446,7 @@ pub(crate) fn fit_scaling<'py>(
             albedos.broadcast(&[count])
         }
     };
-    let work = move |_: &_| {
+    let work = move || {
         let fit = ScalingFit::new(parameterization, configuration, &albedos, r_max)?;
         let talk = ScalingPolynomial::talk(parameterization, configuration);
         let fitted = if albedos.len() > 3 { fit.polynomial(&talk) } else { talk };
@@ -455,7 +455,7 @@ pub(crate) fn fit_scaling<'py>(
         let (fitted_error, talk_error) = (mean(&fitted), mean(&talk));
         Ok::<(Vec<[f64; 3]>, _, _), ParameterError>((points, (fitted, fitted_error), (talk, talk_error)))
     };
-    let found = long_work::run_or_abandon(py, work, |_| Ok(()))?;
+    let found = long_work::run_or_leave(py, work)?;
     let (points, fitted, talk) = found.map_err(names::value_error)?;
 
     let result = PyDict::new(py);

@@ -4,12 +4,18 @@
 //! takes long runs without the interpreter and ends with Ctrl-C.
 
 mod arrays;
+mod command;
 mod convert;
 mod fit;
+mod keys;
 mod long_work;
 mod names;
+mod pictures;
 mod profile;
 mod reference;
+mod scene;
+mod scene_error;
+mod session;
 mod white_table;
 
 use pyo3::prelude::*;
@@ -22,6 +28,10 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<fit::Fit>()?;
     module.add_class::<convert::Preset>()?;
     module.add_class::<white_table::WhiteTable>()?;
+    module.add_class::<scene::Scene>()?;
+    module.add_class::<session::Session>()?;
+    module.add("LAYERS", translucid_render::FilmLayer::ALL.map(translucid_render::FilmLayer::name))?;
+    module.add("SceneError", module.py().get_type::<scene_error::SceneError>())?;
     for function in [
         wrap_pyfunction!(fit::fit, module)?,
         wrap_pyfunction!(fit::fit_scaling, module)?,
@@ -34,6 +44,11 @@ fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(reference::exact_beyond, module)?,
         wrap_pyfunction!(reference::exact_total, module)?,
         wrap_pyfunction!(white_table::walk, module)?,
+        wrap_pyfunction!(pictures::tonemap, module)?,
+        wrap_pyfunction!(pictures::png_bytes, module)?,
+        wrap_pyfunction!(pictures::write_exr, module)?,
+        wrap_pyfunction!(pictures::read_exr, module)?,
+        wrap_pyfunction!(command::command, module)?,
     ] {
         module.add_function(function)?;
     }

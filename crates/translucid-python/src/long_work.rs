@@ -16,7 +16,7 @@ const POLL: Duration = Duration::from_millis(50);
 /// The flag tells it that nobody waits any more, for it to end early if it can.
 ///
 /// # Errors
-/// As of [`run`].
+/// As of [`run`], or `RuntimeError` if no thread can be started.
 pub(crate) fn run_or_abandon<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
@@ -25,11 +25,12 @@ pub(crate) fn run_or_abandon<T: Send + 'static>(
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     let (send, mut done) = channel();
-    std::thread::spawn(move || {
+    let run = move || {
         let result = std::panic::catch_unwind(AssertUnwindSafe(|| work(&flag)));
         // A poller that has gone is one that was interrupted.
         let _ = send.send(result);
-    });
+    };
+    std::thread::Builder::new().spawn(run)?;
     loop {
         let waited;
         (done, waited) = py.detach(move || {
@@ -87,4 +88,15 @@ pub(crate) fn run<T: Send>(
             None => poll(py).map(|()| result),
         }
     })
+}
+
+/// Runs work that has nothing to report, as [`run_or_abandon`] does.
+///
+/// # Errors
+/// As of [`run_or_abandon`], of a signal.
+pub(crate) fn run_or_leave<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    run_or_abandon(py, |_| work(), |_| Ok(()))
 }

@@ -91,9 +91,9 @@ pub(crate) struct Profile {
 }
 
 /// The rule of radii.
-const RADII: Rule = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
+const RADII: Rule<'_> = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
 /// The rule of random numbers and shares.
-const SHARES: Rule = Rule::new("u", "in [0, 1]", 0.0, 1.0);
+const SHARES: Rule<'_> = Rule::new("u", "in [0, 1]", 0.0, 1.0);
 /// Elements whose profiles are made on a thread of their own, for Ctrl-C.
 const MANY: usize = 64;
 
@@ -702,7 +702,7 @@ impl Profile {
     fn apply<'py>(
         &self,
         py: Python<'py>,
-        rule: &Rule,
+        rule: &Rule<'_>,
         x: &Bound<'py, PyAny>,
         quantity: Quantity,
     ) -> PyResult<Bound<'py, PyAny>> {

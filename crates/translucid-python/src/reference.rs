@@ -16,10 +16,10 @@ use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
 use crate::profile::number_or;
 use crate::{long_work, names};
 
-const RADII: Rule = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
-const MFP: Rule = Rule::new("mfp", "in [1e-100, 1e100]", 1e-100, 1e100);
-const AZIMUTH: Rule = Rule::new("azimuth", "finite", f64::MIN, f64::MAX);
-const ANGLE: Rule = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64.next_down());
+const RADII: Rule<'_> = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
+const MFP: Rule<'_> = Rule::new("mfp", "in [1e-100, 1e100]", 1e-100, 1e100);
+const AZIMUTH: Rule<'_> = Rule::new("azimuth", "finite", f64::MIN, f64::MAX);
+const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64.next_down());
 const THREADS: std::ops::RangeInclusive<usize> = 1..=1024;
 
 /// Value and error, each an array.
@@ -70,7 +70,7 @@ pub(crate) fn report(progress: Option<&Bound<'_, PyAny>>, done: u64, total: u64)
 pub(crate) fn albedo<'py>(
     surface_albedo: Option<&Bound<'py, PyAny>>,
     single_scattering_albedo: Option<&Bound<'py, PyAny>>,
-) -> PyResult<(Rule, Numbers<'py>)> {
+) -> PyResult<(Rule<'static>, Numbers<'py>)> {
     let (rule, object) = match (surface_albedo, single_scattering_albedo) {
         (Some(object), None) => (Rule::new("surface_albedo", "in (0, 1]", f64::MIN_POSITIVE, 1.0), object),
         (None, Some(object)) => {

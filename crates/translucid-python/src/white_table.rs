@@ -376,7 +376,7 @@ fn side(table: &Table, name: &str) -> PyResult<Side> {
 }
 
 /// The table's single-scattering albedo of an albedo that was given by name.
-fn alpha(table: &Table, rule: &Rule, albedo: f64) -> Result<f64, ParameterError> {
+fn alpha(table: &Table, rule: &Rule<'_>, albedo: f64) -> Result<f64, ParameterError> {
     if rule.name != "surface_albedo" {
         return Ok(albedo);
     }
