@@ -140,7 +140,7 @@ CASES = [
     (lambda: exact(1.0, surface_albedo=0.5, incidence_angle=10, configuration="diffuse"), ValueError, "incidence_angle"),
     (lambda: exact(1.0, surface_albedo=0.5, azimuth=10.0), TypeError, "azimuth needs an incidence_angle"),
     (lambda: exact(1.0, surface_albedo=0.5, threads=0), ValueError, "threads is 0"),
-    (lambda: exact(1.0, surface_albedo=0.5, progress=3), TypeError, "not callable"),
+    (lambda: exact(1.0, surface_albedo=0.5, progress=3), TypeError, "progress is 3"),
     (lambda: exact_total(0.0), ValueError, "single_scattering_albedo is 0"),
     # Walks
     (lambda: walk(-1), ValueError, "photons is -1, but must be a whole number"),

@@ -203,6 +203,12 @@ def test_progress_counts_up():
     assert seen == sorted(seen) and seen[-1] == (3, 3)
 
 
+def test_progress_is_a_bar():
+    walk(1000, progress=True)
+    exact(1.0, surface_albedo=0.5, progress=True)
+    assert walk(1000, progress=False).photons == 1000
+
+
 def test_progress_may_raise():
     class Enough(Exception):
         pass

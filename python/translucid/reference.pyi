@@ -10,7 +10,7 @@ from . import Profile
 __all__ = ["WhiteTable", "exact", "exact_beyond", "exact_enclosed", "exact_total", "walk"]
 
 _Numbers: TypeAlias = float | np.floating[Any] | NDArray[np.floating[Any]]
-_Progress: TypeAlias = Callable[[int, int], object]
+_Progress: TypeAlias = bool | Literal["tqdm"] | Callable[[int, int], object]
 _Configuration: TypeAlias = Literal["searchlight", "diffuse"]
 _Side: TypeAlias = Literal["reflected", "transmitted"]
 

@@ -61,6 +61,23 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<rayon::ThreadPool> {
     })
 }
 
+/// Works with the callback that a `progress` argument asks for: a function, a bar, or nothing.
+pub(crate) fn with_progress<'py, T>(
+    py: Python<'py>,
+    progress: Option<&Bound<'py, PyAny>>,
+    description: &str,
+    unit: &str,
+    work: impl FnOnce(Option<&Bound<'py, PyAny>>) -> PyResult<T>,
+) -> PyResult<T> {
+    let Some(progress) = progress else { return work(None) };
+    let manager =
+        py.import("translucid._progress")?.call_method1("reporter", (progress, description, unit))?;
+    let callback = manager.call_method0("__enter__")?;
+    let result = work(Some(&callback).filter(|callback| !callback.is_none()));
+    manager.call_method1("__exit__", (py.None(), py.None(), py.None()))?;
+    result
+}
+
 /// Calls back with how much of the work is done, if anybody wants to know.
 pub(crate) fn report(progress: Option<&Bound<'_, PyAny>>, done: u64, total: u64) -> PyResult<()> {
     progress.map_or(Ok(()), |progress| progress.call1((done, total)).map(drop))
@@ -237,16 +254,19 @@ fn ask<'py>(
     let total = (question.wanted.len() + question.r.len()) as u64;
     let (done, pool) = (Arc::new(AtomicU64::new(0)), pool(words.threads)?);
     let counter = Arc::clone(&done);
-    let answer = long_work::run_or_abandon(
-        py,
-        move |stop| pool.install(|| question.answer(&counter, stop)),
-        |_| report(words.progress, done.load(Ordering::Relaxed).min(total - 1), total),
-    )?;
+    let answer = with_progress(py, words.progress, "exact", "step", |progress| {
+        let answer = long_work::run_or_abandon(
+            py,
+            move |stop| pool.install(|| question.answer(&counter, stop)),
+            |_| report(progress, done.load(Ordering::Relaxed).min(total - 1), total),
+        )?;
+        report(progress, total, total)?;
+        Ok(answer)
+    })?;
     let estimates = answer.map_err(|(error, element)| {
         let index = crate::profile::index_of(element, &shape);
         names::parameter_error(&error, &index)
     })?;
-    report(words.progress, total, total)?;
     let (values, errors) = estimates.iter().map(|estimate| (estimate.value, estimate.error)).unzip();
     let numbers = arguments.map(|(_, numbers)| numbers);
     Ok((array_like(py, &numbers, &shape, values)?, array_like(py, &numbers, &shape, errors)?))
@@ -273,8 +293,8 @@ fn ask<'py>(
 ///     Direction from the entry, in degrees from where the tilted beam points to; by default the mean over all.
 /// threads : int, optional
 ///     Number of threads; by default one per processor.
-/// progress : callable, optional
-///     Called now and then with the steps done and the steps in all; an exception ends the call.
+/// progress : callable, bool or "tqdm", optional
+///     Called now and then with the steps done and the steps in all, and an exception ends the call; True for a bar.
 ///
 /// Returns
 /// -------

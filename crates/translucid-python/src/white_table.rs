@@ -16,7 +16,7 @@ use translucid_reference::{Estimate, Incidence};
 
 use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
 use crate::profile::{Profile, number_or};
-use crate::reference::{Pair, albedo, incidence, pool, report};
+use crate::reference::{Pair, albedo, incidence, pool, report, with_progress};
 use crate::{long_work, names};
 
 /// Most radii of a table, each with three edges of rings.
@@ -88,18 +88,20 @@ impl WhiteTable {
         let (pool, done, total) = (pool(threads)?, AtomicU64::new(0), photons.count());
         let mut table = (*self.get()).clone();
         let mut outcome = Ok(0);
-        let waited = long_work::run(
-            py,
-            |stop| {
-                let progress = |count: u64| done.store(count, Ordering::Relaxed);
-                let control = Control { stop, progress: &progress, deadline: None };
-                outcome = pool.install(|| match *photons {
-                    Photons::Count(seed, count) => table.run(seed, count, &control),
-                    Photons::Range(range) => table.run_range(range, &control),
-                });
-            },
-            |_| report(progress, done.load(Ordering::Relaxed), total),
-        );
+        let waited = with_progress(py, progress, "walk", "photons", |progress| {
+            long_work::run(
+                py,
+                |stop| {
+                    let progress = |count: u64| done.store(count, Ordering::Relaxed);
+                    let control = Control { stop, progress: &progress, deadline: None };
+                    outcome = pool.install(|| match *photons {
+                        Photons::Count(seed, count) => table.run(seed, count, &control),
+                        Photons::Range(range) => table.run_range(range, &control),
+                    });
+                },
+                |_| report(progress, done.load(Ordering::Relaxed), total),
+            )
+        });
         self.set(table);
         waited?;
         outcome.map(drop).map_err(table_error)
@@ -199,8 +201,8 @@ fn table_error(error: TableError) -> PyErr {
 ///     Seed of the random numbers, in [0, 2**64).
 /// threads : int, optional
 ///     Number of threads; by default one per processor. The table does not depend on it.
-/// progress : callable, optional
-///     Called now and then with the photons done and the photons in all; an exception ends the walk.
+/// progress : callable, bool or "tqdm", optional
+///     Called now and then with the photons done and the photons in all, and an exception ends the walk; True for a bar.
 ///
 /// Returns
 /// -------
@@ -439,8 +441,8 @@ impl WhiteTable {
     ///     Seed of the random numbers.
     /// threads : int, optional
     ///     Number of threads; by default one per processor.
-    /// progress : callable, optional
-    ///     Called now and then with the photons done and the photons in all.
+    /// progress : callable, bool or "tqdm", optional
+    ///     Called now and then with the photons done and the photons in all; True for a bar.
     ///
     /// Raises
     /// ------
