@@ -32,11 +32,10 @@ def test_blocks_of_the_guide_run(tmp_path, monkeypatch):
     assert names["conversion"]["cycles-burley"]["subsurface_scale"] > 0
 
 
-def test_three_materials_are_three_pictures(tmp_path):
-    image = pytest.importorskip("matplotlib.image")
+def test_materials_differ_by_how_far_light_travels(tmp_path):
+    pytest.importorskip("matplotlib")
     words = [sys.executable, ROOT / "python/examples/three_materials.py", tmp_path / "sheet.png", "--quick"]
     done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert "wax against plaster" in done.stdout
-    codes = image.imread(tmp_path / "sheet.png")[:60, :, :3]
-    wax, marble, plaster = (codes[:, 60 * i : 60 * (i + 1)].mean() for i in range(3))
-    assert wax > marble > plaster  # light from behind comes through
+    wax, marble = (float(share) for share in re.findall(r"against plaster: mean difference (.*)%", done.stdout))
+    assert wax > 1.5 * marble > 0
+    assert (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")

@@ -165,6 +165,11 @@ impl Session {
     /// progress : bool, 'tqdm' or callable, optional
     ///     Called now and then with the numbers of paths that are done and that there are in all; ``True`` and
     ///     ``'tqdm'`` show a bar. An exception in it ends the rendering and is passed on.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
     fn run(
         &self,
@@ -184,6 +189,11 @@ impl Session {
     ///     How many.
     /// progress : bool, 'tqdm' or callable, optional
     ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
     fn step(
         &self,
@@ -226,6 +236,11 @@ impl Session {
     /// ----------
     /// progress : bool, 'tqdm' or callable, optional
     ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (*, progress=None))]
     fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let mut reported = None;
@@ -300,6 +315,11 @@ impl Session {
     ///     Its name.
     /// **keys
     ///     As in `Scene.add_material`, without further images.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (name, **keys))]
     fn edit_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of(&format!("material {name}"), keys)?;
@@ -320,6 +340,11 @@ impl Session {
     ///     Its name.
     /// vertices, triangles, normals, uv, colors
     ///     As in `Scene.add_mesh`, in their place in the scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (name, vertices, triangles, *, normals=None, uv=None, colors=None))]
     #[expect(clippy::too_many_arguments, reason = "the parts of a mesh")]
     fn edit_mesh(
@@ -355,6 +380,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_camera`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let camera = piece_of("camera", keys)?.camera().map_err(scene_error)?;
@@ -370,6 +400,11 @@ impl Session {
     /// ----------
     /// lights : list of dict
     ///     As in `Scene`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     fn set_lights(&self, py: Python<'_>, lights: &Bound<'_, PyAny>) -> PyResult<()> {
         let read = |(i, light): (usize, PyResult<Bound<'_, PyAny>>)| -> PyResult<Light> {
             let light = light?;
@@ -388,6 +423,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_environment`; without any there is none.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let environment: Option<Environment> = match keys {
@@ -405,6 +445,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_integrator`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of("integrator", keys)?;
