@@ -1,4 +1,4 @@
+# What is public of it is in the stubs of `translucid` and `translucid.reference`.
 from typing import Any
 
-# What is public is in the stubs of the modules that export it.
 def __getattr__(name: str) -> Any: ...
