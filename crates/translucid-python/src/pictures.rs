@@ -155,7 +155,9 @@ pub(crate) fn tonemap<'py>(
                 let lanes = view.lanes(Axis(2));
                 lanes
                     .into_iter()
-                    .flat_map(|pixel| display_pixel(&pixel, factor, display.tone_mapping))
+                    .flat_map(|pixel| {
+                        display_pixel(&pixel, factor, display.tone_mapping).into_iter().take(channels)
+                    })
                     .collect()
             });
             Ok(values.into_pyarray(py).reshape(shape)?.into_any())
@@ -164,16 +166,12 @@ pub(crate) fn tonemap<'py>(
     }
 }
 
-/// Display values of a pixel, and its coverage if there is one.
-fn display_pixel(
-    pixel: &ArrayView1<'_, f32>,
-    factor: f32,
-    tone_mapping: ToneMapping,
-) -> impl Iterator<Item = f32> + use<> {
-    let alpha = pixel.get(3).map(|alpha| if alpha.is_nan() { 0.0 } else { alpha.clamp(0.0, 1.0) });
-    let scale = if alpha == Some(0.0) { 0.0 } else { factor / alpha.unwrap_or(1.0) };
-    let color = [0, 1, 2].map(|c| pixel[c] * scale);
-    display_from_linear(tone_mapping, color).into_iter().chain(alpha)
+/// Display values of a pixel, and its coverage; 1 if it states none.
+fn display_pixel(pixel: &ArrayView1<'_, f32>, factor: f32, tone_mapping: ToneMapping) -> [f32; 4] {
+    let alpha = pixel.get(3).map_or(1.0, |alpha| if alpha.is_nan() { 0.0 } else { alpha.clamp(0.0, 1.0) });
+    let scale = if alpha == 0.0 { 0.0 } else { factor / alpha };
+    let [r, g, b] = display_from_linear(tone_mapping, [0, 1, 2].map(|c| pixel[c] * scale));
+    [r, g, b, alpha]
 }
 
 /// The bytes of a PNG file of a picture.
