@@ -12,12 +12,11 @@ use translucid_laboratory::figures::Report;
 use translucid_profile::{Configuration, Model};
 
 use crate::failure::Failure;
-use crate::interrupt;
-use crate::messages;
+use crate::files::Directory;
 use crate::progress::{Meter, Unit};
 use crate::reference::parse_photons;
 use crate::table::exact;
-use output::Output;
+use crate::{interrupt, machine, messages};
 
 const EXAMPLES: &str = "\
 The medium is a half space of isotropic scatterers (g = 0) without a boundary (eta = 1); lengths are mean free
@@ -118,48 +117,37 @@ const DRAWING: f64 = 0.2;
 /// Runs the verb.
 pub(crate) fn run(arguments: &CompareArguments) -> Result<(), Failure> {
     let settings = arguments.settings()?;
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.threads.map_or(0, usize::from))
-        .build()
-        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
-    let output = Output::prepare(&arguments.output)?;
-    interrupt::catch("\nstopping; nothing has been written yet")?;
-
-    let meter = Meter::new(Unit::Parts, 0, None);
-    let progress = |done: f64| meter.update((1e6 * done) as u64, 1_000_000);
-    let compute = |done: f64| progress((1.0 - DRAWING) * done);
-    let draw = |done: f64| progress(1.0 - DRAWING + DRAWING * done);
-    let files = pool.install(|| {
-        let watch = Watch { stop: &interrupt::STOP, progress: &compute };
-        let comparison = Comparison::new(settings, watch).map_err(stopped)?;
-        output::draw(&Report::new(&comparison), &draw)
-    });
-    meter.finish();
-    let is_stopped = || interrupt::STOP.load(Ordering::Relaxed);
-    let files = match files.and_then(|files| if is_stopped() { Err(stopped(Stopped)) } else { Ok(files) }) {
-        Ok(files) => files,
-        Err(failure) => {
-            output.abandon();
-            return Err(failure);
+    let pool = machine::threads(arguments.threads)?;
+    let count = Directory::fill(&arguments.output, |directory| {
+        output::check(directory)?;
+        interrupt::catch("\nstopping; nothing has been written yet")?;
+        let meter = Meter::new(Unit::Parts);
+        let progress = |done: f64| meter.update((1e6 * done) as u64, 1_000_000);
+        let compute = |done: f64| progress((1.0 - DRAWING) * done);
+        let draw = |done: f64| progress(1.0 - DRAWING + DRAWING * done);
+        let files = pool.install(|| {
+            let watch = Watch { stop: &interrupt::STOP, progress: &compute };
+            let comparison = Comparison::new(settings, watch).map_err(stopped)?;
+            output::draw(&Report::new(&comparison), &draw)
+        });
+        meter.finish();
+        let files = files?;
+        if interrupt::STOP.load(Ordering::Relaxed) {
+            return Err(stopped(Stopped));
         }
-    };
-    // Files of two comparisons beside each other would be worse than the moment that the rest takes
-    interrupt::catch("\nall files are being written; press Ctrl-C again to end at once")?;
-    output.write(&files)?;
-    messages::line(&format!(
-        "{} files in {}; open {}",
-        files.len(),
-        arguments.output.display(),
-        arguments.output.join(output::PAGE).display()
-    ));
+        // Files of two comparisons beside each other would be worse than the moment that the rest takes
+        interrupt::catch("\nall files are being written; press Ctrl-C again to end at once")?;
+        directory.write(&files)?;
+        Ok(files.len())
+    })?;
+    let page = arguments.output.join(output::PAGE);
+    messages::line(&format!("{count} files in {}; open {}", arguments.output.display(), page.display()));
     Ok(())
 }
 
 /// Ctrl-C.
 fn stopped(_: Stopped) -> Failure {
-    Failure::Interrupted {
-        help: String::from("nothing was written; fewer --models or --photons take less time"),
-    }
+    Failure::interrupted("nothing was written; fewer --models or --photons take less time")
 }
 
 /// Values of `--models`, and a model that it refuses with a reason.

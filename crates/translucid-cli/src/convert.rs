@@ -7,15 +7,15 @@ mod setting;
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
+use clap::Args;
+use translucid_profile::ParameterError;
 use translucid_profile::convention::{Channel, LengthUnit, Role, SurfaceAlbedo, System};
-use translucid_profile::{Configuration, ParameterError};
 use translucid_scene::Unit;
 
 use crate::failure::Failure;
 use crate::messages;
-use crate::model::ConfigurationName;
-use crate::table::exact;
+use crate::model::{ConfigurationName, UnitName};
+use crate::table::{exact, print};
 use setting::Setting;
 
 const EXAMPLES: &str = "\
@@ -57,10 +57,10 @@ pub(crate) struct ConvertArguments {
     surface_albedo: Vec<f64>,
     /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own
     #[arg(long, value_enum, default_value = "mm")]
-    unit: LengthUnitName,
+    unit: UnitName,
     /// Unit of lengths in the scene that the material goes to [default: that of --unit]
     #[arg(long, value_enum)]
-    to_unit: Option<LengthUnitName>,
+    to_unit: Option<UnitName>,
     /// Systems to print, comma-separated [default: all]
     #[arg(long, value_name = "SYSTEMS", value_delimiter = ',')]
     to: Vec<String>,
@@ -78,26 +78,6 @@ pub(crate) struct ConvertArguments {
     format: output::SettingFormat,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LengthUnitName {
-    /// Millimeters
-    Mm,
-    /// Centimeters
-    Cm,
-    /// Meters
-    M,
-}
-
-impl LengthUnitName {
-    fn unit(self) -> Unit {
-        match self {
-            Self::Mm => Unit::Millimeter,
-            Self::Cm => Unit::Centimeter,
-            Self::M => Unit::Meter,
-        }
-    }
-}
-
 /// Millimeters in the unit of a system's lengths.
 fn millimeters(unit: LengthUnit, scene: Unit) -> f64 {
     match unit {
@@ -110,7 +90,7 @@ fn millimeters(unit: LengthUnit, scene: Unit) -> f64 {
 /// Runs the verb.
 pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     if arguments.from == ["list"] {
-        return output::print(&names::list());
+        return print(&names::list());
     }
     let channels = arguments.channels()?;
     let settings = Setting::parse_all("--set", &arguments.set)?;
@@ -118,10 +98,10 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     for setting in &settings {
         require_target(setting, &targets)?;
     }
-    let scene = arguments.to_unit.unwrap_or(arguments.unit).unit();
+    let scene = arguments.to_unit.unwrap_or(arguments.unit).into();
     let mut rows: Vec<rows::Row> = Vec::new();
     for target in targets {
-        let written = rows::write(target, &channels, &settings, scene, arguments.configuration());
+        let written = rows::write(target, &channels, &settings, scene, arguments.configuration.into());
         match written {
             Ok(more) => {
                 // A system with several ways has one surface albedo
@@ -140,13 +120,6 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
 }
 
 impl ConvertArguments {
-    fn configuration(&self) -> Configuration {
-        match self.configuration {
-            ConfigurationName::Searchlight => Configuration::Searchlight,
-            ConfigurationName::Diffuse => Configuration::Diffuse,
-        }
-    }
-
     /// The systems to print, in the order asked for.
     fn targets(&self) -> Result<Vec<&'static System>, Failure> {
         if self.to.is_empty() {
@@ -193,8 +166,8 @@ impl ConvertArguments {
             .zip(&values)
             .map(|(&a, values)| {
                 let albedo = SurfaceAlbedo::new(a, greatest.max(a)).map_err(fail)?;
-                let channel = source.read(values, albedo, self.configuration()).map_err(fail)?;
-                channel.in_unit(millimeters(source.unit, self.unit.unit())).map_err(fail)
+                let channel = source.read(values, albedo, self.configuration.into()).map_err(fail)?;
+                channel.in_unit(millimeters(source.unit, self.unit.into())).map_err(fail)
             })
             .collect()
     }
@@ -215,7 +188,7 @@ impl ConvertArguments {
                 .with_help("leave it out, or give a mean free path in place of the coefficients"));
         }
         let albedo = |values: &Vec<f64>| {
-            let found = source.surface_albedo(values, self.configuration());
+            let found = source.surface_albedo(values, self.configuration.into());
             let albedo = found.map_err(|error| self.source_failure(source, &error))?;
             Ok(albedo.unwrap_or(0.0))
         };

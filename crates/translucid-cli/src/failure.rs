@@ -1,78 +1,72 @@
 //! Why a verb ended without its result.
 
 use translucid_image::OutputError;
-use translucid_scene::SceneError;
+use translucid_scene::{Place, SceneError};
 
-/// A reason why a verb has no result.
+/// A reason why a verb has no result: what is wrong, where, and what to do about it.
 #[derive(Debug)]
-pub(crate) enum Failure {
-    /// A scene, mesh or image file is wrong, or an option does not fit it.
-    Scene(SceneError),
-    /// An option is wrong.
-    Input {
-        /// The fault, with the value found and the values allowed.
-        message: String,
-        /// Advice, if there is any.
-        help: Option<String>,
-    },
-    /// A file given by the user cannot be written or resumed from, or there is nothing to denoise with.
-    File(OutputError),
+pub(crate) struct Failure {
+    pub(crate) kind: FailureKind,
+    /// The fault, with the value found and the values allowed.
+    pub(crate) message: String,
+    /// The file that it is about.
+    pub(crate) place: Option<Place>,
+    /// Advice, if there is any.
+    pub(crate) help: Option<String>,
+}
+
+/// Whose fault a failure is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum FailureKind {
+    /// An option or a file that the user has named is wrong.
+    Input,
     /// The input was right, but the work could not be done.
-    Work {
-        /// The fault.
-        message: String,
-        /// Advice, if there is any.
-        help: Option<String>,
-    },
+    Work,
     /// Ctrl-C: what there is has been written.
-    Interrupted {
-        /// How to go on.
-        help: String,
-    },
+    Interrupted,
 }
 
 impl Failure {
     /// An option that is wrong.
     pub(crate) fn input(message: impl Into<String>) -> Self {
-        Self::Input { message: message.into(), help: None }
+        Self { kind: FailureKind::Input, message: message.into(), place: None, help: None }
     }
 
     /// Work that could not be done.
     pub(crate) fn work(message: impl Into<String>) -> Self {
-        Self::Work { message: message.into(), help: None }
+        Self { kind: FailureKind::Work, ..Self::input(message) }
+    }
+
+    /// Ctrl-C, and how to go on.
+    pub(crate) fn interrupted(help: impl Into<String>) -> Self {
+        Self { kind: FailureKind::Interrupted, ..Self::input("interrupted") }.with_help(help)
     }
 
     /// A file that could be written when the work began, but not when it ended.
     pub(crate) fn late(error: OutputError) -> Self {
-        Self::Work { message: error.located_message(), help: error.help }
+        let message = error.located_message();
+        Self { help: error.help, ..Self::work(message) }
     }
 
-    /// Adds advice to a wrong option.
+    /// Adds advice.
     pub(crate) fn with_help(self, advice: impl Into<String>) -> Self {
-        match self {
-            Self::Input { message, .. } => Self::Input { message, help: Some(advice.into()) },
-            Self::Work { message, .. } => Self::Work { message, help: Some(advice.into()) },
-            other => other,
-        }
+        Self { help: Some(advice.into()), ..self }
     }
 
     /// 2 where the input is wrong, else 1.
     pub(crate) fn exit_code(&self) -> u8 {
-        match self {
-            Self::Scene(_) | Self::Input { .. } | Self::File(_) => 2,
-            Self::Work { .. } | Self::Interrupted { .. } => 1,
-        }
+        if self.kind == FailureKind::Input { 2 } else { 1 }
     }
 }
 
 impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        Self::Scene(error)
+    fn from(SceneError { message, place, help }: SceneError) -> Self {
+        Self { place, help, ..Self::input(message) }
     }
 }
 
 impl From<OutputError> for Failure {
-    fn from(error: OutputError) -> Self {
-        Self::File(error)
+    fn from(OutputError { path, message, help }: OutputError) -> Self {
+        Self { place: path.as_deref().map(Place::file), help, ..Self::input(message) }
     }
 }

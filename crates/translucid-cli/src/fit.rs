@@ -127,8 +127,11 @@ impl FitArguments {
     fn case(&self) -> Result<Case, Failure> {
         let missing = |option: &str| Failure::input(format!("{option} is missing"));
         Ok(Case {
-            configuration: self.configuration.ok_or_else(|| missing("--configuration"))?,
-            parameter: self.parameter.ok_or_else(|| missing("--parameter"))?,
+            configuration: self.configuration.ok_or_else(|| missing("--configuration"))?.into(),
+            parameterization: match self.parameter.ok_or_else(|| missing("--parameter"))? {
+                ParameterName::Mfp => Parameterization::Mfp,
+                ParameterName::Dmfp => Parameterization::Dmfp,
+            },
             family: self.family.ok_or_else(|| missing("--family"))?,
             max_radius: self.max_radius,
         })
@@ -138,25 +141,9 @@ impl FitArguments {
 /// Task of fitting a family to the exact half space.
 #[derive(Clone, Copy, Debug)]
 struct Case {
-    configuration: ConfigurationName,
-    parameter: ParameterName,
+    configuration: Configuration,
+    parameterization: Parameterization,
     family: FamilyName,
     /// In mean free paths.
     max_radius: f64,
-}
-
-impl Case {
-    fn configuration(&self) -> Configuration {
-        match self.configuration {
-            ConfigurationName::Searchlight => Configuration::Searchlight,
-            ConfigurationName::Diffuse => Configuration::Diffuse,
-        }
-    }
-
-    fn parameterization(&self) -> Parameterization {
-        match self.parameter {
-            ParameterName::Mfp => Parameterization::Mfp,
-            ParameterName::Dmfp => Parameterization::Dmfp,
-        }
-    }
 }

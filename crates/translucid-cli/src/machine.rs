@@ -1,6 +1,16 @@
-//! Facts that the operating system knows about this process and its machine; `None` where it does not say.
+//! The machine: its threads, and facts that the operating system knows; `None` where it does not say.
 
 use std::fs;
+
+use crate::failure::Failure;
+
+/// So many threads, or one per processor.
+pub(crate) fn threads(count: Option<u16>) -> Result<rayon::ThreadPool, Failure> {
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(count.map_or(0, usize::from))
+        .build()
+        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))
+}
 
 /// CPU seconds that the process has used on all its threads.
 pub(crate) fn cpu_seconds() -> Option<f64> {

@@ -6,15 +6,12 @@
 mod compare;
 mod convert;
 mod failure;
+mod files;
 mod fit;
 mod interrupt;
 mod machine;
 mod messages;
 mod model;
-mod outputs;
-mod picture;
-mod points;
-mod presets;
 mod profile;
 mod progress;
 mod radii;

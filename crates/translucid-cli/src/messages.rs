@@ -6,26 +6,15 @@ use std::ops::Range;
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
 use translucid_scene::{Place, Warning};
 
-use crate::failure::Failure;
+use crate::failure::{Failure, FailureKind};
 
 /// Excerpts of warnings that are printed before the rest is only counted.
 const WARNINGS_SHOWN: usize = 20;
 
 /// Prints why a verb failed and what to do about it.
 pub(crate) fn print_failure(failure: &Failure) {
-    match failure {
-        Failure::Scene(error) => {
-            print(Level::ERROR, &error.message, error.place.as_ref(), error.help.as_deref());
-        }
-        Failure::Input { message, help } | Failure::Work { message, help } => {
-            print(Level::ERROR, message, None, help.as_deref());
-        }
-        Failure::File(error) => {
-            let place = error.path.as_deref().map(Place::file);
-            print(Level::ERROR, &error.message, place.as_ref(), error.help.as_deref());
-        }
-        Failure::Interrupted { help } => print(Level::WARNING, "interrupted", None, Some(help)),
-    }
+    let level = if failure.kind == FailureKind::Interrupted { Level::WARNING } else { Level::ERROR };
+    print(level, &failure.message, failure.place.as_ref(), failure.help.as_deref());
 }
 
 /// Prints what a loader repaired or left out, and how many such warnings there are.

@@ -1,6 +1,7 @@
-//! The models of the command line contract, and the options that describe a profile.
+//! Names that options give models, configurations and units, and the options that describe a profile.
 
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
@@ -8,7 +9,7 @@ use translucid_profile::{
     Appearance, Configuration, Medium, Model, ParameterError, Parameterization, Profile, SumOfGaussians,
     TabulatedProfile,
 };
-use translucid_scene::{SubsurfaceModel, load_profile_table};
+use translucid_scene::{SubsurfaceModel, Unit, load_profile_table};
 
 use crate::failure::Failure;
 use crate::messages;
@@ -18,18 +19,10 @@ use crate::table::exact;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct ModelName(SubsurfaceModel);
 
-const MODELS: [ModelName; SubsurfaceModel::ALL.len()] = {
-    let mut models = [ModelName(SubsurfaceModel::None); SubsurfaceModel::ALL.len()];
-    let mut i = 0;
-    while i < models.len() {
-        models[i] = ModelName(SubsurfaceModel::ALL[i]);
-        i += 1;
-    }
-    models
-};
-
 impl ValueEnum for ModelName {
     fn value_variants<'a>() -> &'a [Self] {
+        static MODELS: LazyLock<Vec<ModelName>> =
+            LazyLock::new(|| SubsurfaceModel::ALL.into_iter().map(ModelName).collect());
         &MODELS
     }
 
@@ -59,6 +52,36 @@ pub(crate) enum ConfigurationName {
     Searchlight,
     /// Light enters with a cosine distribution
     Diffuse,
+}
+
+impl From<ConfigurationName> for Configuration {
+    fn from(name: ConfigurationName) -> Self {
+        match name {
+            ConfigurationName::Searchlight => Self::Searchlight,
+            ConfigurationName::Diffuse => Self::Diffuse,
+        }
+    }
+}
+
+/// Units of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum UnitName {
+    /// Millimeters
+    Mm,
+    /// Centimeters
+    Cm,
+    /// Meters
+    M,
+}
+
+impl From<UnitName> for Unit {
+    fn from(name: UnitName) -> Self {
+        match name {
+            UnitName::Mm => Self::Millimeter,
+            UnitName::Cm => Self::Centimeter,
+            UnitName::M => Self::Meter,
+        }
+    }
 }
 
 /// The options that describe a profile.
@@ -213,23 +236,26 @@ impl ModelArguments {
     }
 
     fn configuration(&self, model: Model, parameterization: Parameterization) -> Configuration {
-        if self.configuration == Some(ConfigurationName::Diffuse) && !model.knows_configuration() {
+        let by_default = match parameterization {
+            Parameterization::Mfp => Configuration::Diffuse,
+            Parameterization::Dmfp => Configuration::Searchlight,
+        };
+        let Some(name) = self.configuration else { return by_default };
+        let configuration = Configuration::from(name);
+        if configuration == Configuration::Diffuse && !model.knows_configuration() {
             messages::print_note(&format!(
                 "{model} is derived for a perpendicular pencil beam; the same profile stands in for diffuse light"
             ));
         }
-        match (self.configuration, parameterization) {
-            (Some(ConfigurationName::Diffuse), Parameterization::Dmfp)
-                if model == Model::NormalizedDiffusion =>
-            {
-                messages::print_note(
-                    "there is no fit for --dmfp in the diffuse configuration; the searchlight fit stands in for it",
-                );
-                Configuration::Diffuse
-            }
-            (Some(ConfigurationName::Diffuse), _) | (None, Parameterization::Mfp) => Configuration::Diffuse,
-            (Some(ConfigurationName::Searchlight), _) | (None, _) => Configuration::Searchlight,
+        if configuration == Configuration::Diffuse
+            && parameterization == Parameterization::Dmfp
+            && model == Model::NormalizedDiffusion
+        {
+            messages::print_note(
+                "there is no fit for --dmfp in the diffuse configuration; the searchlight fit stands in for it",
+            );
         }
+        configuration
     }
 
     /// Refuses a number of terms, a boundary or a phase function that the model knows nothing of.

@@ -36,7 +36,7 @@ pub(crate) struct ProfileArguments {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &ProfileArguments) -> Result<(), Failure> {
-    arguments.table.spare(arguments.model.table_file())?;
+    arguments.table.spare(arguments.model.table_file().into_iter())?;
     let profile = arguments.model.profile()?;
     let columns = ["r", "reflectance", "enclosed"];
     let row = |r: f64| [r, profile.eval(r), profile.enclosed(r)];

@@ -45,25 +45,8 @@ enum Display {
 }
 
 impl Meter {
-    /// A meter that shows nothing.
-    pub(crate) fn quiet(unit: Unit, done_before: u64, deadline: Option<Instant>) -> Self {
-        Self {
-            unit,
-            start: Instant::now(),
-            done_before,
-            deadline,
-            name: String::new(),
-            display: Display::Quiet,
-        }
-    }
-
-    /// The meter with the name of what is being worked at before everything it shows.
-    pub(crate) fn named(self, name: &str) -> Self {
-        Self { name: format!("{name}: "), ..self }
-    }
-
     /// A meter that draws a bar on a terminal and prints lines elsewhere.
-    pub(crate) fn new(unit: Unit, done_before: u64, deadline: Option<Instant>) -> Self {
+    pub(crate) fn new(unit: Unit) -> Self {
         let display = if messages::is_interactive() {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:32} {percent:>3} % {msg}");
@@ -72,7 +55,22 @@ impl Meter {
         } else {
             Display::Lines { next: Mutex::new(Instant::now() + LINE_INTERVAL) }
         };
-        Self { display, ..Self::quiet(unit, done_before, deadline) }
+        Self { unit, start: Instant::now(), done_before: 0, deadline: None, name: String::new(), display }
+    }
+
+    /// The meter, showing nothing if that is asked for.
+    pub(crate) fn quiet(self, is_quiet: bool) -> Self {
+        if is_quiet { Self { display: Display::Quiet, ..self } } else { self }
+    }
+
+    /// The meter of work that goes on from what an earlier run has done, and that may end with the time.
+    pub(crate) fn between(self, done_before: u64, deadline: Option<Instant>) -> Self {
+        Self { done_before, deadline, ..self }
+    }
+
+    /// The meter with the name of what is being worked at before everything it shows.
+    pub(crate) fn named(self, name: &str) -> Self {
+        Self { name: format!("{name}: "), ..self }
     }
 
     /// Shows that `done` of `total` units are done. Any thread may call it at any time.
@@ -136,14 +134,12 @@ struct State {
 impl State {
     fn text(&self, unit: Unit) -> String {
         let rate = match unit {
-            Unit::Samples => format!("{:.2} M samples/s", self.rate * 1e-6),
-            Unit::Photons => format!("{:.2} M photons/s", self.rate * 1e-6),
-            Unit::Albedos => format!("{:.1} albedos/s", self.rate),
-            Unit::Parts => {
-                return format!("{} passed, {} left", duration(self.elapsed), duration(self.left));
-            }
+            Unit::Samples => format!("{:.2} M samples/s, ", self.rate * 1e-6),
+            Unit::Photons => format!("{:.2} M photons/s, ", self.rate * 1e-6),
+            Unit::Albedos => format!("{:.1} albedos/s, ", self.rate),
+            Unit::Parts => String::new(),
         };
-        format!("{rate}, {} passed, {} left", duration(self.elapsed), duration(self.left))
+        format!("{rate}{} passed, {} left", duration(self.elapsed), duration(self.left))
     }
 }
 
@@ -179,7 +175,7 @@ mod tests {
 
     #[test]
     fn state_counts_only_what_this_run_did() {
-        let meter = Meter::quiet(Unit::Samples, 500, None);
+        let meter = Meter::new(Unit::Samples).between(500, None);
         std::thread::sleep(Duration::from_millis(20));
         let state = meter.state(750, 1000);
         assert_eq!(state.fraction, 0.75);
@@ -189,7 +185,7 @@ mod tests {
 
     #[test]
     fn state_goes_by_the_clock_when_that_ends_first() {
-        let meter = Meter::quiet(Unit::Samples, 0, Some(Instant::now() + Duration::from_secs(100)));
+        let meter = Meter::new(Unit::Samples).between(0, Some(Instant::now() + Duration::from_secs(100)));
         let state = meter.state(1, u64::MAX);
         assert!(state.fraction < 0.01 && (99.0..=100.0).contains(&state.left));
     }

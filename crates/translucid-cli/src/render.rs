@@ -1,32 +1,34 @@
 //! `translucid render`: a scene or mesh becomes a picture, or one of each of several models.
 
+mod outputs;
+mod picture;
+mod points;
+mod presets;
 mod side_by_side;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 use translucid_image::Denoiser;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };
 
 use crate::failure::Failure;
-use crate::model::ModelName;
-use crate::outputs::Outputs;
-use crate::picture::{self, Task};
-use crate::presets::print_presets;
-use crate::{machine, messages, points};
+use crate::model::{ModelName, UnitName};
+use crate::{machine, messages};
+use outputs::Outputs;
+use picture::Task;
+use presets::print_presets;
 
 /// Most samples per pixel, as the scene's settings have it.
 const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Time between two checkpoints where none is asked for.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
-
-/// Memory for denoising a pixel: three layers that are read, the picture, and what is written of it.
-const BYTES_PER_DENOISED_PIXEL: u64 = 5 * 12;
 
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
@@ -126,29 +128,9 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
+    /// Time between two checkpoints: what a power cut may cost.
     fn checkpoint_interval(&self) -> Duration {
         self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
-    }
-}
-
-/// Length units of a mesh.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum UnitName {
-    /// Millimeters
-    Mm,
-    /// Centimeters
-    Cm,
-    /// Meters
-    M,
-}
-
-impl From<UnitName> for Unit {
-    fn from(name: UnitName) -> Self {
-        match name {
-            UnitName::Mm => Self::Millimeter,
-            UnitName::Cm => Self::Centimeter,
-            UnitName::M => Self::Meter,
-        }
     }
 }
 
@@ -159,17 +141,17 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
-        if arguments.region.is_some() {
-            let message = "--region is not for comparisons, but --subsurface has several models";
-            return Err(Failure::input(message).with_help("leave --region out, or name one model"));
-        }
-        if arguments.points.is_some() {
-            let message = "--points keeps the points of one model, but --subsurface has several";
-            return Err(Failure::input(message).with_help("leave --points out, or name one model"));
-        }
-        if arguments.denoise {
-            let message = "--denoise is not for comparisons, but --subsurface has several models";
-            return Err(Failure::input(message).with_help("leave --denoise out, or name one model"));
+        for (given, option) in [
+            (arguments.region.is_some(), "--region"),
+            (arguments.points.is_some(), "--points"),
+            (arguments.denoise, "--denoise"),
+        ] {
+            if given {
+                let message = format!("{option} is not for comparisons, but --subsurface has several models");
+                return Err(
+                    Failure::input(message).with_help(format!("leave {option} out, or name one model"))
+                );
+            }
         }
         return side_by_side::run(arguments, &models);
     }
@@ -184,7 +166,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
-    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?;
+    let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
@@ -199,26 +181,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    let denoising = if arguments.denoise { BYTES_PER_DENOISED_PIXEL } else { 0 };
-    require_memory(&scene, picture::BYTES_PER_PIXEL + denoising)?;
-    picture::render(
-        scene,
-        &Task {
-            scene_name: scene_name(arguments),
-            outputs,
-            limit: arguments.time,
-            threads: arguments.threads.map_or(0, usize::from),
-            resume: arguments.resume,
-            checkpoint_interval: arguments.checkpoint_interval(),
-            points: arguments.points.clone(),
-            denoiser,
-            region: arguments.region,
-            quiet: arguments.quiet,
-            verbose: arguments.verbose,
-            part: None,
-        },
-    )
-    .map(drop)
+    require_memory(&scene, picture::BYTES_PER_PIXEL)?;
+    picture::render(scene, &Task { arguments, outputs, denoiser, part: None }).map(drop)
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.
@@ -289,11 +253,15 @@ fn scene_name(arguments: &Arguments) -> String {
 }
 
 fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
-    match (&arguments.output, &arguments.scene) {
-        (Some(path), _) => Outputs::from_option(path),
-        (None, Some(scene)) => Ok(Outputs::from_stem(scene.file_stem().unwrap_or_default())),
-        (None, None) => Ok(Outputs::from_stem(OsStr::new("still-life"))),
+    match &arguments.output {
+        Some(path) => Outputs::from_option(path),
+        None => Ok(Outputs::in_directory(Path::new(""), stem(arguments))),
     }
+}
+
+/// Name of the files where none is given.
+fn stem(arguments: &Arguments) -> &OsStr {
+    arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
 }
 
 /// Refuses a picture that does not fit into memory: the system would end the process without a word.

@@ -37,7 +37,7 @@ pub(crate) struct SampleArguments {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &SampleArguments) -> Result<(), Failure> {
-    arguments.table.spare(arguments.model.table_file())?;
+    arguments.table.spare(arguments.model.table_file().into_iter())?;
     let profile = arguments.model.profile_to_sample()?;
     let radius = |index| [profile.sample(random(arguments.seed, index))];
     arguments.table.write(["r"], (0..arguments.count).map(radius))

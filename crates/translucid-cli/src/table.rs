@@ -1,14 +1,15 @@
 //! Tables of numbers: CSV or JSON, to stdout or a file.
 
-use std::fs;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
 use translucid_image::write_atomically;
+use translucid_laboratory::Cell;
 
 use crate::failure::Failure;
+use crate::files::input_among;
 use crate::interrupt;
 
 /// Where a table goes, and how.
@@ -32,28 +33,20 @@ pub(crate) enum TableFormat {
 }
 
 impl TableArguments {
-    /// The file to write, if it is not stdout.
-    pub(crate) fn output(&self) -> Option<&Path> {
-        self.output.as_deref()
-    }
-
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_image::check_writable(path)?))
     }
 
     /// Refuses to write over a file that is read, whatever paths both go by.
-    pub(crate) fn spare(&self, input: Option<&Path>) -> Result<(), Failure> {
-        let (Some(output), Some(input)) = (self.output(), input) else { return Ok(()) };
-        match (fs::canonicalize(output), fs::canonicalize(input)) {
-            (Ok(written), Ok(read)) if written == read => {
-                let message = format!(
-                    "--output is {}, a file that is read, and would be written over",
-                    output.display()
-                );
+    pub(crate) fn spare<'a>(&self, inputs: impl Iterator<Item = &'a Path>) -> Result<(), Failure> {
+        match input_among(self.output.iter().map(PathBuf::as_path), inputs) {
+            Some(path) => {
+                let message =
+                    format!("--output is {}, a file that is read, and would be written over", path.display());
                 Err(Failure::input(message).with_help("choose another file for the printed table"))
             }
-            _ => Ok(()),
+            None => Ok(()),
         }
     }
 
@@ -63,38 +56,39 @@ impl TableArguments {
         columns: [&str; N],
         rows: impl Iterator<Item = [f64; N]>,
     ) -> Result<(), Failure> {
-        match &self.output {
-            Some(path) => self.write_file(path, columns, rows),
-            None => {
-                let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
-                let written = write_rows(&mut out, self.format, columns, rows).and_then(|()| out.flush());
-                // Dropping the writer would try to write the rest once more.
-                drop(out.into_parts());
-                match written {
-                    Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-                        Err(Failure::work(format!("cannot write to stdout: {error}")))
-                    }
-                    _ => Ok(()),
-                }
-            }
-        }
-    }
-
-    fn write_file<const N: usize>(
-        &self,
-        path: &Path,
-        columns: [&str; N],
-        rows: impl Iterator<Item = [f64; N]>,
-    ) -> Result<(), Failure> {
+        let rows = rows.map(|row| row.map(Cell::Number));
+        let Some(path) = &self.output else {
+            let mut out = BufWriter::with_capacity(1 << 16, io::stdout().lock());
+            let written = self.format.write(&mut out, &columns, rows).and_then(|()| out.flush());
+            // Dropping the writer would try to write the rest once more.
+            drop(out.into_parts());
+            return printed(written);
+        };
         translucid_image::check_writable(path)?;
         interrupt::catch("\nstopping")?;
-        let written = write_atomically(path, |out| write_rows(&mut Guarded(out), self.format, columns, rows));
+        let written = write_atomically(path, |out| self.format.write(&mut Guarded(out), &columns, rows));
         match written {
             Err(_) if interrupt::STOP.load(Ordering::Relaxed) => {
-                Err(Failure::Interrupted { help: format!("{} was not written", path.display()) })
+                Err(Failure::interrupted(format!("{} was not written", path.display())))
             }
             other => other.map_err(Failure::late),
         }
+    }
+}
+
+/// Prints a text to stdout.
+pub(crate) fn print(text: &str) -> Result<(), Failure> {
+    let mut out = io::stdout().lock();
+    printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+}
+
+/// The outcome of printing: a reader that leaves early is no error.
+fn printed(written: io::Result<()>) -> Result<(), Failure> {
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            Err(Failure::work(format!("cannot write to stdout: {error}")))
+        }
+        _ => Ok(()),
     }
 }
 
@@ -115,34 +109,64 @@ impl<W: Write> Write for Guarded<W> {
     }
 }
 
-fn write_rows<const N: usize>(
-    out: &mut impl Write,
-    format: TableFormat,
-    columns: [&str; N],
-    rows: impl Iterator<Item = [f64; N]>,
-) -> io::Result<()> {
-    match format {
-        TableFormat::Csv => {
-            writeln!(out, "{}", columns.join(","))?;
-            for row in rows {
-                writeln!(out, "{}", row.map(exact).join(","))?;
-            }
-        }
-        TableFormat::Json => {
-            let mut separator = "[";
-            for row in rows {
-                let mut number = 0;
-                let fields = row.map(|value| {
-                    number += 1;
-                    format!("\"{}\":{}", columns[number - 1], exact(value))
-                });
-                write!(out, "{separator}\n{{{}}}", fields.join(","))?;
-                separator = ",";
-            }
-            writeln!(out, "{}", if separator == "[" { "[]" } else { "\n]" })?;
-        }
+impl TableFormat {
+    /// The text of a table.
+    pub(crate) fn text(self, columns: &[impl AsRef<str>], rows: &[Vec<Cell>]) -> String {
+        let mut text = Vec::new();
+        // Writing to memory cannot fail
+        let _ = self.write(&mut text, columns, rows.iter());
+        String::from_utf8_lossy(&text).into_owned()
     }
-    Ok(())
+
+    fn write(
+        self,
+        out: &mut impl Write,
+        columns: &[impl AsRef<str>],
+        rows: impl Iterator<Item = impl AsRef<[Cell]>>,
+    ) -> io::Result<()> {
+        let names: Vec<&str> = columns.iter().map(AsRef::as_ref).collect();
+        match self {
+            Self::Csv => {
+                writeln!(out, "{}", names.join(","))?;
+                for row in rows {
+                    let fields: Vec<String> = row.as_ref().iter().map(csv_field).collect();
+                    writeln!(out, "{}", fields.join(","))?;
+                }
+            }
+            Self::Json => {
+                let mut separator = "[";
+                for row in rows {
+                    let member = |(name, cell): (&&str, &Cell)| format!("\"{name}\":{}", json_value(cell));
+                    let members: Vec<String> = names.iter().zip(row.as_ref()).map(member).collect();
+                    write!(out, "{separator}\n{{{}}}", members.join(","))?;
+                    separator = ",";
+                }
+                writeln!(out, "{}", if separator == "[" { "[]" } else { "\n]" })?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A field of a CSV file (RFC 4180), empty for a number that is missing.
+fn csv_field(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(number) if number.is_finite() => exact(*number),
+        Cell::Number(_) => String::new(),
+        Cell::Word(word) if word.contains([',', '"', '\n', '\r']) => {
+            format!("\"{}\"", word.replace('"', "\"\""))
+        }
+        Cell::Word(word) => word.clone(),
+    }
+}
+
+/// A number, null where it is missing, or a string of names and paths, none of which has a control character.
+fn json_value(cell: &Cell) -> String {
+    match cell {
+        Cell::Number(number) if number.is_finite() => exact(*number),
+        Cell::Number(_) => String::from("null"),
+        Cell::Word(word) => format!("\"{}\"", word.replace('\\', "\\\\").replace('"', "\\\"")),
+    }
 }
 
 /// The shortest text that reads back as the same number; valid in CSV and JSON.
@@ -179,8 +203,14 @@ mod tests {
 
     #[test]
     fn json_of_no_rows_is_an_empty_array() {
-        let mut out = Vec::new();
-        write_rows(&mut out, TableFormat::Json, ["r"], std::iter::empty()).unwrap();
-        assert_eq!(String::from_utf8(out).unwrap(), "[]\n");
+        assert_eq!(TableFormat::Json.text(&["r"], &[]), "[]\n");
+    }
+
+    #[test]
+    fn fields_survive_commas_and_quotes() {
+        assert_eq!(csv_field(&Cell::from("a, \"b\"")), "\"a, \"\"b\"\"\"");
+        assert_eq!(csv_field(&Cell::from("a b")), "a b");
+        assert_eq!(json_value(&Cell::from("a\\\"b")), "\"a\\\\\\\"b\"");
+        assert_eq!([csv_field, json_value].map(|text| text(&Cell::from(f64::NAN))), ["", "null"]);
     }
 }

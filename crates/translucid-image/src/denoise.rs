@@ -258,7 +258,7 @@ impl FilterImages {
         let mut images =
             Self { color: Vec::new(), albedo: Vec::new(), normal: Vec::new(), size: picture.size() };
         let mut row = picture.new_row();
-        for y in picture.region.y0..picture.region.y1 {
+        for y in picture.region.rows() {
             picture.read_row(y, &mut row);
             for pixel in row.chunks_exact(picture.channels.len()) {
                 let [color, albedo, normal] =
@@ -272,10 +272,23 @@ impl FilterImages {
     }
 }
 
-/// A device of the library, released when dropped.
+/// A device or filter of the library, released when dropped.
+struct Owned {
+    handle: Handle,
+    release: unsafe extern "C" fn(Handle),
+}
+
+impl Drop for Owned {
+    fn drop(&mut self) {
+        // SAFETY: the handle is valid, of the kind that the function releases, and not used again.
+        unsafe { (self.release)(self.handle) };
+    }
+}
+
+/// A device of the library.
 struct Device<'a> {
     interface: &'a Interface,
-    handle: Handle,
+    owned: Owned,
 }
 
 impl<'a> Device<'a> {
@@ -286,7 +299,7 @@ impl<'a> Device<'a> {
             interface.check(handle)?;
             return Err(OutputError::without_file("Open Image Denoise has no device for this processor"));
         }
-        let device = Self { interface, handle };
+        let owned = Owned { handle, release: interface.release_device };
         if let Ok(threads @ 1..) = c_int::try_from(threads) {
             // SAFETY: the handle is valid, the name ends in NUL and is read during the call.
             unsafe { (interface.set_device_int)(handle, c"numThreads".as_ptr(), threads) };
@@ -294,13 +307,24 @@ impl<'a> Device<'a> {
         // SAFETY: the handle is valid.
         unsafe { (interface.commit_device)(handle) };
         interface.check(handle)?;
-        Ok(device)
+        Ok(Self { interface, owned })
+    }
+
+    /// A filter for path tracers.
+    fn new_filter(&self) -> Result<Owned, OutputError> {
+        // SAFETY: the handle is valid, the name ends in NUL and is read during the call.
+        let handle = unsafe { (self.interface.new_filter)(self.owned.handle, c"RT".as_ptr()) };
+        if handle.is_null() {
+            self.interface.check(handle)?;
+            return Err(OutputError::without_file("Open Image Denoise has no filter for path tracers"));
+        }
+        Ok(Owned { handle, release: self.interface.release_filter })
     }
 
     /// Name and version of the library.
     fn version(&self) -> String {
         // SAFETY: the handle is valid, the name ends in NUL and is read during the call.
-        let version = unsafe { (self.interface.get_device_int)(self.handle, c"version".as_ptr()) };
+        let version = unsafe { (self.interface.get_device_int)(self.owned.handle, c"version".as_ptr()) };
         format!("Open Image Denoise {}.{}.{}", version / 10_000, version / 100 % 100, version % 100)
     }
 
@@ -314,7 +338,7 @@ impl<'a> Device<'a> {
                 "the picture to denoise is empty, or its layers differ in size",
             ));
         }
-        let filter = Filter::new(self)?;
+        let filter = self.new_filter()?;
         let inputs = [(c"color", color), (c"albedo", albedo), (c"normal", normal)];
         for (name, memory) in inputs
             .into_iter()
@@ -342,45 +366,12 @@ impl<'a> Device<'a> {
         unsafe { (self.interface.set_filter_bool)(filter.handle, c"hdr".as_ptr(), true) };
         // SAFETY: the handle is valid.
         unsafe { (self.interface.commit_filter)(filter.handle) };
-        self.interface.check(self.handle)?;
+        self.interface.check(self.owned.handle)?;
         // SAFETY: the handle is valid and committed without error; the call returns when the output is written.
         unsafe { (self.interface.execute_filter)(filter.handle) };
-        self.interface.check(self.handle)?;
+        self.interface.check(self.owned.handle)?;
         drop(filter);
         Ok(images)
-    }
-}
-
-impl Drop for Device<'_> {
-    fn drop(&mut self) {
-        // SAFETY: the handle is valid and not used again.
-        unsafe { (self.interface.release_device)(self.handle) };
-    }
-}
-
-/// A filter of a device, released when dropped.
-struct Filter<'a> {
-    interface: &'a Interface,
-    handle: Handle,
-}
-
-impl<'a> Filter<'a> {
-    fn new(device: &Device<'a>) -> Result<Self, OutputError> {
-        let interface = device.interface;
-        // SAFETY: the handle is valid, the name ends in NUL and is read during the call.
-        let handle = unsafe { (interface.new_filter)(device.handle, c"RT".as_ptr()) };
-        if handle.is_null() {
-            interface.check(device.handle)?;
-            return Err(OutputError::without_file("Open Image Denoise has no filter for path tracers"));
-        }
-        Ok(Self { interface, handle })
-    }
-}
-
-impl Drop for Filter<'_> {
-    fn drop(&mut self) {
-        // SAFETY: the handle is valid and not used again.
-        unsafe { (self.interface.release_filter)(self.handle) };
     }
 }
 

@@ -1,4 +1,4 @@
-//! Pictures in files.
+//! Pictures in files, and other files that are whole or not there.
 //!
 //! A [`Picture`] is a rectangle of pixels with named channels, whose values are asked for row by row, so that sums of
 //! a renderer are written without a copy of them.
@@ -18,20 +18,20 @@
 )]
 
 mod atomic_file;
-mod checksummed;
 mod denoise;
 mod error;
 mod exr;
+mod kept_file;
 mod picture;
+mod pixel_rect;
 mod png;
-mod region;
 mod tone_mapping;
 
 pub use atomic_file::{check_writable, write_atomically};
-pub use checksummed::Checksummed;
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
 pub use error::OutputError;
+pub use kept_file::{KeptData, KeptFile, damaged};
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
+pub use pixel_rect::PixelRect;
 pub use png::{CodedPicture, DisplayTransform};
-pub use region::Region;
 pub use tone_mapping::{ToneMapping, display_from_linear};

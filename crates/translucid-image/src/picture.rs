@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io;
 
-use crate::Region;
+use crate::PixelRect;
 
 /// Fills the values of a row: those of all channels of a pixel side by side.
 type FillRow<'a> = dyn Fn(u32, &mut [f64]) + Sync + 'a;
@@ -27,7 +27,7 @@ type FillRow<'a> = dyn Fn(u32, &mut [f64]) + Sync + 'a;
 /// ```
 pub struct Picture<'a> {
     /// Pixels that the file has.
-    pub region: Region,
+    pub region: PixelRect,
     /// Width and height of the whole picture that the region is a part of.
     pub whole: [u32; 2],
     /// Channels in the order of the values of a pixel.
@@ -51,7 +51,7 @@ impl<'a> Picture<'a> {
         fill_row: impl Fn(u32, &mut [f64]) + Sync + 'a,
     ) -> Self {
         Self {
-            region: Region::whole(size),
+            region: PixelRect::whole(size),
             whole: size,
             channels,
             software: String::new(),
@@ -62,9 +62,9 @@ impl<'a> Picture<'a> {
 
     /// The picture as a region of a larger one of this width and height.
     ///
-    /// Rows keep the numbers that they have in the larger picture, and begin at the column `region.x0`.
+    /// Rows keep the numbers that they have in the larger picture, and begin at the column `region.left`.
     #[must_use]
-    pub fn within(self, region: Region, whole: [u32; 2]) -> Self {
+    pub fn within(self, region: PixelRect, whole: [u32; 2]) -> Self {
         Self { region, whole, ..self }
     }
 
@@ -77,7 +77,7 @@ impl<'a> Picture<'a> {
     /// Width and height of the region in pixels.
     #[must_use]
     pub fn size(&self) -> [usize; 2] {
-        [self.region.width() as usize, self.region.height() as usize]
+        [self.region.width as usize, self.region.height as usize]
     }
 
     /// Place of a channel among the values of a pixel.
@@ -108,11 +108,12 @@ impl<'a> Picture<'a> {
 
     /// Refuses pictures without pixels or channels and regions that are not within the whole.
     pub(crate) fn check(&self) -> io::Result<()> {
-        let Region { x0, y0, x1, y1 } = self.region;
         let [width, height] = self.whole;
         if !self.region.is_within(self.whole) {
+            let (x, y) = (self.region.columns(), self.region.rows());
             return Err(invalid(&format!(
-                "the region {x0},{y0},{x1},{y1} is not a part of {width}x{height} pixels"
+                "the region {},{},{},{} is not a part of {width}x{height} pixels",
+                x.start, y.start, x.end, y.end
             )));
         }
         if i32::try_from(width.max(height)).is_err() {

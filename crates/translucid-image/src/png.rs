@@ -63,9 +63,9 @@ impl Picture<'_> {
         let bytes = width.checked_mul(height).and_then(|count| count.checked_mul(4));
         let mut codes = Vec::with_capacity(bytes.ok_or_else(|| invalid("the picture is too large"))?);
         let mut row = self.new_row();
-        for y in self.region.y0..self.region.y1 {
+        for y in self.region.rows() {
             self.read_row(y, &mut row);
-            for (x, pixel) in (self.region.x0..self.region.x1).zip(row.chunks_exact(self.channels.len())) {
+            for (x, pixel) in self.region.columns().zip(row.chunks_exact(self.channels.len())) {
                 let radiance = color.map(|index| pixel[index]);
                 let alpha = alpha.map_or(1.0, |index| pixel[index]);
                 codes.extend(display_pixel(radiance, alpha, exposure, display.tone_mapping, [x, y]));
@@ -193,7 +193,7 @@ impl<'a> CodedPicture<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{MetadataValue, PictureChannel, Region};
+    use crate::{MetadataValue, PictureChannel, PixelRect};
 
     const PLAIN: DisplayTransform = DisplayTransform { exposure: 0.0, tone_mapping: ToneMapping::Srgb };
 
@@ -267,7 +267,7 @@ mod tests {
 
     #[test]
     fn png_of_a_region_has_the_codes_of_the_whole() {
-        let region = Region { x0: 5, y0: 9, x1: 21, y1: 12 };
+        let region = PixelRect { left: 5, top: 9, width: 16, height: 3 };
         let (_, whole, _) = written(&constant(["R", "G", "B"], [0.3; 3]), PLAIN);
         let part = constant(["R", "G", "B"], [0.3; 3]).within(region, [32, 32]);
         let (info, part, _) = written(&part, PLAIN);
@@ -290,7 +290,8 @@ mod tests {
     fn png_of_no_picture_is_an_error() {
         for picture in [
             constant(["R", "G", "x"], [0.0; 3]),
-            constant(["R", "G", "B"], [0.0; 3]).within(Region { x0: 3, y0: 3, x1: 33, y1: 4 }, [32, 32]),
+            constant(["R", "G", "B"], [0.0; 3])
+                .within(PixelRect { left: 3, top: 3, width: 30, height: 1 }, [32, 32]),
         ] {
             assert!(picture.write_png(io::sink(), PLAIN).is_err());
         }

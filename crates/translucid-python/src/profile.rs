@@ -174,7 +174,7 @@ impl Profile {
         Ok(Self { description, shape: Vec::new(), elements: vec![0], profiles: vec![Arc::new(profile)] })
     }
 
-    /// The same profiles as tables.
+    /// The profiles as tables.
     fn tabulated(&self) -> Self {
         let table =
             |profile: &SharedProfile| -> SharedProfile { Arc::new(TabulatedProfile::new(&**profile)) };

@@ -211,9 +211,8 @@ fn save(film: &FilmSums, scene: &Scene, options: &Options, name: &str) {
         scene: name.to_owned(),
         seed: scene.integrator.seed,
         samples: film.samples(),
-        seconds: 0.0,
         command: String::from("example point_based"),
-        region: None,
+        ..ImageInfo::default()
     };
     let path = directory.join(format!("{name}.png"));
     let display = DisplayTransform { exposure: scene.film.exposure, tone_mapping: scene.film.tone_mapping };

@@ -53,8 +53,7 @@
 //! session.run(&Plan::samples(8), &observer, &stop)?;
 //!
 //! // Read the picture; another thread could while it was rendered
-//! let mut pixels = vec![0.0; 64 * 48 * 3];
-//! session.film().copy_layer(FilmLayer::Radiance, &mut pixels)?;
+//! let pixels = session.film().layer(FilmLayer::Radiance);
 //! assert!(pixels[(24 * 64 + 32) * 3] > 0.1);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -79,10 +78,10 @@ mod world;
 
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
-    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LayerSizeError, LiveFilm, Outcome,
-    PixelRect, PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
+    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene,
+    Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
-pub use session::{CheckpointPlan, Event, Observer, Plan, Rendering, RunningSession, Session, SessionError};
-pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress, PointsError};
-pub use subsurface::{KernelNote, MaterialNote, NearestParameter, Note, SubsurfaceProfileError};
+pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError};
+pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
+pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

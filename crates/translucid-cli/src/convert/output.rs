@@ -1,15 +1,16 @@
 //! Rows as CSV, JSON or text for people.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
 use std::path::Path;
 
 use clap::ValueEnum;
-use translucid_image::write_atomically;
+use translucid_image::check_writable;
+use translucid_laboratory::Cell;
 
 use super::rows::Row;
 use crate::failure::Failure;
-use crate::table::exact;
+use crate::files::write_file;
+use crate::table::{TableFormat, exact, print};
 
 /// How rows are printed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -24,82 +25,31 @@ pub(crate) enum SettingFormat {
 
 /// Writes the rows to a file or to stdout.
 pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) -> Result<(), Failure> {
+    let cells = || rows.iter().map(|row| cells(row).to_vec()).collect::<Vec<_>>();
     let text = match format {
-        SettingFormat::Csv => csv(rows),
-        SettingFormat::Json => json(rows),
+        SettingFormat::Csv => TableFormat::Csv.text(&COLUMNS, &cells()),
+        SettingFormat::Json => TableFormat::Json.text(&COLUMNS, &cells()),
         SettingFormat::Text => paragraphs(rows),
     };
-    if let Some(path) = path {
-        translucid_image::check_writable(path)?;
-        return write_atomically(path, |out| out.write_all(text.as_bytes())).map_err(Failure::late);
-    }
-    print(&text)
-}
-
-/// Writes to stdout, whose reader may leave early.
-pub(super) fn print(text: &str) -> Result<(), Failure> {
-    match io::stdout().lock().write_all(text.as_bytes()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::work(format!("cannot write to stdout: {error}")))
-        }
-        _ => Ok(()),
-    }
+    let Some(path) = path else { return print(&text) };
+    check_writable(path)?;
+    write_file(path, text.as_bytes())
 }
 
 const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
-/// The texts of a row; the fourth is a number.
-fn fields(row: &Row) -> [String; 7] {
+fn cells(row: &Row) -> [Cell; 7] {
     let source = row.system.source;
     let kind = if source.is_code { "code" } else { "document" };
-    let text = |text: &str| text.to_owned();
     [
-        text(row.system.name),
-        text(row.parameter),
-        text(row.channel),
-        exact(row.value),
-        row.unit.clone(),
-        text(row.equal),
-        format!("{kind}: {}", source.place),
+        Cell::from(row.system.name),
+        Cell::from(row.parameter),
+        Cell::from(row.channel),
+        Cell::from(row.value),
+        Cell::from(row.unit.as_str()),
+        Cell::from(row.equal),
+        Cell::from(format!("{kind}: {}", source.place)),
     ]
-}
-
-fn csv(rows: &[Row]) -> String {
-    let mut text = COLUMNS.join(",") + "\n";
-    for row in rows {
-        text += &fields(row).map(|field| quoted_if_needed(&field)).join(",");
-        text.push('\n');
-    }
-    text
-}
-
-/// A field of a CSV file (RFC 4180).
-fn quoted_if_needed(field: &str) -> String {
-    if field.contains([',', '"', '\n', '\r']) {
-        format!("\"{}\"", field.replace('"', "\"\""))
-    } else {
-        field.to_owned()
-    }
-}
-
-fn json(rows: &[Row]) -> String {
-    let objects: Vec<String> = rows
-        .iter()
-        .map(|row| {
-            let mut members = Vec::new();
-            for (i, (name, field)) in COLUMNS.iter().zip(fields(row)).enumerate() {
-                let value = if i == 3 { field } else { json_string(&field) };
-                members.push(format!("\"{name}\":{value}"));
-            }
-            format!("\n{{{}}}", members.join(","))
-        })
-        .collect();
-    if objects.is_empty() { "[]\n".to_owned() } else { format!("[{}\n]\n", objects.join(",")) }
-}
-
-/// A string of names and paths, none of which has a control character.
-fn json_string(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 fn paragraphs(rows: &[Row]) -> String {
@@ -132,13 +82,6 @@ fn rounded(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn fields_survive_commas_and_quotes() {
-        assert_eq!(quoted_if_needed("a, \"b\""), "\"a, \"\"b\"\"\"");
-        assert_eq!(quoted_if_needed("a b"), "a b");
-        assert_eq!(json_string("a\\\"b"), "\"a\\\\\\\"b\"");
-    }
 
     #[test]
     fn rounded_keeps_six_digits() {

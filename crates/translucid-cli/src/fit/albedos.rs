@@ -5,16 +5,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 use translucid_fit::{ErrorSummary, Exponential, Judge, Mixture, Target};
 use translucid_laboratory::comparison::{R_MAX, ScalingCase, talk_albedos};
+use translucid_laboratory::{Cell, DataTable};
 use translucid_profile::{
     Configuration, ExactProfile, Medium, ParameterError, Parameterization,
     half_space_single_scattering_albedo,
 };
 
-use super::output::{OutputArguments, Table, Value};
+use super::output::OutputArguments;
 use super::report::{self, Errors};
-use super::{Case, FamilyName, ParameterName};
+use super::{Case, FamilyName};
 use crate::failure::Failure;
-use crate::model::ConfigurationName;
 use crate::progress::{Meter, Unit};
 use crate::table::exact;
 
@@ -26,7 +26,7 @@ fn unexpected(error: ParameterError) -> Failure {
 /// Normalized diffusion: the best s for each surface albedo, and polynomials through them.
 pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failure> {
     output.check(&BURLEY_FILES, None)?;
-    let fit = ScalingCase::new(case.parameterization(), case.configuration(), case.max_radius);
+    let fit = ScalingCase::new(case.parameterization, case.configuration, case.max_radius);
     let fit = fit.map_err(unexpected)?;
     output.write(&burley_report(case, &fit), &burley_tables(&fit))
 }
@@ -37,17 +37,17 @@ pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> R
     let cases = Case::of_the_talk(max_radius);
     let fits: Result<Vec<ScalingCase>, ParameterError> = cases
         .par_iter()
-        .map(|case| ScalingCase::new(case.parameterization(), case.configuration(), max_radius))
+        .map(|case| ScalingCase::new(case.parameterization, case.configuration, max_radius))
         .collect();
     let fits = fits.map_err(unexpected)?;
     let reports: Vec<String> = cases.iter().zip(&fits).map(|(case, fit)| burley_report(case, fit)).collect();
-    let mut tables: Vec<Table> = Vec::new();
+    let mut tables: Vec<DataTable> = Vec::new();
     for (case, fit) in cases.iter().zip(&fits) {
-        for (i, table) in burley_tables(fit).into_iter().enumerate() {
-            let table = table.with_words(&[
-                ("configuration", case.configuration_word()),
-                ("parameter", case.parameter_word()),
-            ]);
+        for (i, mut table) in burley_tables(fit).into_iter().enumerate() {
+            table.columns.splice(0..0, ["configuration", "parameter"].map(String::from));
+            for row in &mut table.rows {
+                row.splice(0..0, [case.configuration_word(), case.parameter_word()].map(Cell::from));
+            }
             match tables.get_mut(i) {
                 Some(all) => all.rows.extend(table.rows),
                 None => tables.push(table),
@@ -59,14 +59,14 @@ pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> R
 
 const BURLEY_FILES: [&str; 3] = ["points.csv", "coefficients.csv", "errors.csv"];
 
-fn burley_tables(fit: &ScalingCase) -> [Table; 3] {
-    let mut points = Table::new(BURLEY_FILES[0], &["surface_albedo", "s", "error"]);
-    points.rows = fit.points.iter().map(|point| point.map(Value::from).to_vec()).collect();
+fn burley_tables(fit: &ScalingCase) -> [DataTable; 3] {
+    let mut points = DataTable::new("points", "", &["surface_albedo", "s", "error"]);
+    points.rows = fit.points.iter().map(|point| point.map(Cell::from).to_vec()).collect();
     let columns = ["fit", "constant", "slope", "factor", "center", "power"];
-    let mut coefficients = Table::new(BURLEY_FILES[1], &columns);
+    let mut coefficients = DataTable::new("coefficients", "", &columns);
     for (name, form) in [("fitted", fit.fitted), ("talk", fit.talk)] {
         let numbers = [form.constant, form.slope, form.factor, form.center, f64::from(form.power)];
-        let row = [Value::from(name)].into_iter().chain(numbers.map(Value::from));
+        let row = [Cell::from(name)].into_iter().chain(numbers.map(Cell::from));
         coefficients.rows.push(row.collect());
     }
     [points, coefficients, report::table(&burley_errors(fit))]
@@ -106,7 +106,7 @@ pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) 
     let files = ["points.csv", "errors.csv"];
     output.check(&files, None)?;
     let albedos = talk_albedos();
-    let meter = Meter::new(Unit::Albedos, 0, None);
+    let meter = Meter::new(Unit::Albedos);
     let done = AtomicU64::new(0);
     let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
         .par_iter()
@@ -120,7 +120,7 @@ pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) 
     let fits = fits.map_err(unexpected)?;
 
     // Lay out the tables
-    let mut points = Table::new(files[0], &["surface_albedo"]);
+    let mut points = DataTable::new("points", "", &["surface_albedo"]);
     points.columns.extend((1..=terms).flat_map(|k| [format!("weight_{k}"), format!("rate_{k}")]));
     points.columns.push(String::from("error"));
     points.rows = fits.iter().map(AlbedoFit::row).collect();
@@ -147,23 +147,23 @@ struct AlbedoFit {
 
 impl AlbedoFit {
     fn new(case: &Case, surface_albedo: f64, terms: usize) -> Result<Self, ParameterError> {
-        let configuration = case.configuration();
+        let configuration = case.configuration;
         let exact = ExactProfile::new(surface_albedo, 1.0, Parameterization::Mfp, configuration)?;
         let mut fits = Target::new(&exact)?.fit::<Exponential>(terms)?;
         let mixture = fits.swap_remove(terms - 1).mixture;
         let [a, b, c] = R_MAX;
         let [a, b, c, error] = Judge::new(&exact).l1_errors(&mixture, [a, b, c, case.max_radius]);
-        let length = match case.parameter {
-            ParameterName::Mfp => 1.0,
-            ParameterName::Dmfp => dmfp(surface_albedo, configuration)?,
+        let length = match case.parameterization {
+            Parameterization::Mfp => 1.0,
+            Parameterization::Dmfp => dmfp(surface_albedo, configuration)?,
         };
         Ok(Self { surface_albedo, length, mixture, errors: [a, b, c], error })
     }
 
     /// From the least to the greatest scale.
-    fn row(&self) -> Vec<Value> {
+    fn row(&self) -> Vec<Cell> {
         let terms = self.mixture.terms().flat_map(|(weight, scale)| [weight, self.length / scale]);
-        [self.surface_albedo].into_iter().chain(terms).chain([self.error]).map(Value::from).collect()
+        [self.surface_albedo].into_iter().chain(terms).chain([self.error]).map(Cell::from).collect()
     }
 }
 
@@ -177,14 +177,8 @@ impl Case {
     /// The cases of the talk.
     fn of_the_talk(max_radius: f64) -> [Self; 3] {
         ScalingCase::TALK.map(|(parameterization, configuration, _)| Self {
-            configuration: match configuration {
-                Configuration::Searchlight => ConfigurationName::Searchlight,
-                Configuration::Diffuse => ConfigurationName::Diffuse,
-            },
-            parameter: match parameterization {
-                Parameterization::Mfp => ParameterName::Mfp,
-                Parameterization::Dmfp => ParameterName::Dmfp,
-            },
+            configuration,
+            parameterization,
             family: FamilyName::Burley,
             max_radius,
         })
@@ -193,16 +187,16 @@ impl Case {
     /// The configuration as the option has it.
     fn configuration_word(&self) -> &'static str {
         match self.configuration {
-            ConfigurationName::Searchlight => "searchlight",
-            ConfigurationName::Diffuse => "diffuse",
+            Configuration::Searchlight => "searchlight",
+            Configuration::Diffuse => "diffuse",
         }
     }
 
     /// The parameter as the option has it.
     fn parameter_word(&self) -> &'static str {
-        match self.parameter {
-            ParameterName::Mfp => "mfp",
-            ParameterName::Dmfp => "dmfp",
+        match self.parameterization {
+            Parameterization::Mfp => "mfp",
+            Parameterization::Dmfp => "dmfp",
         }
     }
 
@@ -213,12 +207,12 @@ impl Case {
             FamilyName::Exponentials => "sum of exponentials",
         };
         let configuration = match self.configuration {
-            ConfigurationName::Searchlight => "searchlight",
-            ConfigurationName::Diffuse => "diffuse transmission",
+            Configuration::Searchlight => "searchlight",
+            Configuration::Diffuse => "diffuse transmission",
         };
-        let length = match self.parameter {
-            ParameterName::Mfp => "mean free path",
-            ParameterName::Dmfp => "diffuse mean free path (Grosjean's diffusion coefficient)",
+        let length = match self.parameterization {
+            Parameterization::Mfp => "mean free path",
+            Parameterization::Dmfp => "diffuse mean free path (Grosjean's diffusion coefficient)",
         };
         let norm = match self.family {
             FamilyName::Burley if self.max_radius.is_finite() => {
@@ -235,8 +229,8 @@ impl Case {
 
     /// Case that the talk says its fit is for, where that is another.
     fn talk_note(&self) -> &'static str {
-        match (self.parameter, self.configuration) {
-            (ParameterName::Dmfp, ConfigurationName::Diffuse) => {
+        match (self.parameterization, self.configuration) {
+            (Parameterization::Dmfp, Configuration::Diffuse) => {
                 "  (made for the searchlight; the talk has no other)"
             }
             _ => "",

@@ -4,8 +4,7 @@ use std::fmt::Write;
 
 use translucid_fit::ErrorSummary;
 use translucid_laboratory::comparison::R_MAX;
-
-use super::output::{Table, Value};
+use translucid_laboratory::{Cell, DataTable};
 
 /// Errors of one fit up to each of [`R_MAX`].
 pub(super) struct Errors {
@@ -15,13 +14,13 @@ pub(super) struct Errors {
 }
 
 /// The errors as `errors.csv`; an empty r_max means all radii.
-pub(super) fn table(errors: &[Errors]) -> Table {
+pub(super) fn table(errors: &[Errors]) -> DataTable {
     let columns = ["fit", "r_max", "mean_error", "worst_error", "worst_surface_albedo"];
-    let mut table = Table::new("errors.csv", &columns);
+    let mut table = DataTable::new("errors", "", &columns);
     for of in errors {
         for (r_max, summary) in R_MAX.into_iter().zip(&of.summaries) {
             let numbers = [r_max, summary.mean, summary.worst, summary.worst_surface_albedo];
-            table.rows.push([Value::from(of.name)].into_iter().chain(numbers.map(Value::from)).collect());
+            table.rows.push([Cell::from(of.name)].into_iter().chain(numbers.map(Cell::from)).collect());
         }
     }
     table

@@ -5,12 +5,11 @@ use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use translucid_fit::{Burley, Errors, Estimate, Exponential, Family, Gaussian, Sample, SampleFit};
-use translucid_laboratory::{Chart, Ink, ResidualScale, Residuals, residual_chart};
+use translucid_laboratory::{Cell, Chart, DataTable, Ink, ResidualScale, Residuals, residual_chart};
 use translucid_profile::{Model, ParameterError, Profile};
 use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
-use super::output::{Table, Value};
 use crate::failure::Failure;
 use crate::table::exact;
 
@@ -38,20 +37,20 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
     let fits = fits(&samples, errors, terms).map_err(fail)?;
 
     // Lay out the tables
-    let mut parameters = Table::new(files[0], &["fit", "parameter", "value", "standard_error"]);
+    let mut parameters = DataTable::new("parameters", "", &["fit", "parameter", "value", "standard_error"]);
     for fit in &fits {
         for (name, estimate) in &fit.parameters {
-            let words = [Value::from(fit.name), Value::from(name.as_str())];
-            let numbers = [estimate.value, estimate.error].map(Value::from);
+            let words = [Cell::from(fit.name), Cell::from(name.as_str())];
+            let numbers = [estimate.value, estimate.error].map(Cell::from);
             parameters.rows.push(words.into_iter().chain(numbers).collect());
         }
     }
-    let mut residuals = Table::new(files[1], &["r", "reflectance", "error"]);
+    let mut residuals = DataTable::new("residuals", "", &["r", "reflectance", "error"]);
     residuals.columns.extend(fits.iter().map(|fit| format!("{}_residual", fit.name.replace('-', "_"))));
     for (i, sample) in samples.iter().enumerate() {
         let numbers = [sample.r, sample.reflectance, sample.error].into_iter();
         let all = numbers.chain(fits.iter().map(|fit| fit.residuals[i]));
-        residuals.rows.push(all.map(Value::from).collect());
+        residuals.rows.push(all.map(Cell::from).collect());
     }
     let text = report(path, &samples, errors, &fits);
     let chart = chart(&samples, errors, &fits);

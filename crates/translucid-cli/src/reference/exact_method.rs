@@ -3,7 +3,7 @@
 use std::cell::Cell;
 
 use rayon::prelude::*;
-use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
+use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 use translucid_reference::walk::{PhaseFunction, Problem};
 use translucid_reference::{Estimate, Incidence};
 
@@ -15,7 +15,7 @@ use crate::table::exact;
 /// Prints the solution, albedo by albedo.
 pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     refuse_what_is_not_solved(arguments, problem)?;
-    let albedos = albedos(arguments, problem)?;
+    let albedos = arguments.albedos(problem)?;
     let solve = |&(_, alpha): &(Option<f64>, f64)| Solution::new(arguments, problem, alpha);
     // Whatever can be wrong with an albedo shows before the first line is printed.
     solve(&albedos[0])?;
@@ -23,7 +23,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     drop(arguments.radii.iter()?);
     let radii = || arguments.radii.iter().into_iter().flatten();
 
-    let meter = Meter::new(Unit::Albedos, 0, None);
+    let meter = Meter::new(Unit::Albedos);
     let (mut done, count) = (0, albedos.len() as u64);
     let failed: Cell<Option<Failure>> = Cell::new(None);
     let solutions = albedos.chunks(rayon::current_num_threads()).flat_map(|albedos| {
@@ -67,19 +67,6 @@ fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) 
     arguments.walk.refuse_all()
 }
 
-/// Surface albedo, where it was given, and single-scattering albedo of every part of the table.
-fn albedos(arguments: &ReferenceArguments, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
-    let parameters = problem.parameters();
-    if !arguments.single_scattering_albedo.is_empty() {
-        return Ok(arguments.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
-    }
-    let invert = |&surface_albedo: &f64| {
-        let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
-        alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| arguments.name_option(error))
-    };
-    arguments.surface_albedo.iter().map(invert).collect()
-}
-
 /// The solved half space of one albedo.
 enum Solution {
     /// Around the normal, or its mean over all directions.
@@ -116,8 +103,6 @@ impl Solution {
                 (solution.eval(r / mfp, *azimuth), solution.enclosed(r / mfp))
             }
         };
-        let per_area = |value: f64| (value / mfp / mfp).min(f64::MAX);
-        let (reflectance, error) = (per_area(reflectance.value), per_area(reflectance.error));
-        [surface_albedo, alpha, r, reflectance, enclosed.value, error]
+        super::row([surface_albedo, alpha, r], mfp, reflectance, enclosed)
     }
 }

@@ -6,10 +6,12 @@ mod walk_method;
 pub(crate) use walk_method::parse_photons;
 
 use clap::{ArgGroup, Args, ValueEnum};
-use translucid_reference::Incidence;
+use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Side};
+use translucid_reference::{Estimate, Incidence};
 
 use crate::failure::Failure;
+use crate::machine;
 use crate::model::ConfigurationName;
 use crate::radii::RadiiArguments;
 use crate::table::{TableArguments, exact};
@@ -131,7 +133,7 @@ const COLUMNS: [&str; 6] =
 pub(crate) fn run(arguments: &ReferenceArguments) -> Result<(), Failure> {
     let problem = arguments.problem()?;
     arguments.check_albedos()?;
-    arguments.walk.pool()?.install(|| match arguments.method {
+    machine::threads(arguments.walk.threads)?.install(|| match arguments.method {
         Method::Exact => exact_method::run(arguments, &problem),
         Method::MonteCarlo => walk_method::run(arguments, &problem),
     })
@@ -220,20 +222,29 @@ impl ReferenceArguments {
     }
 
     fn check_albedos(&self) -> Result<(), Failure> {
-        for &alpha in &self.single_scattering_albedo {
-            if !(alpha > 0.0 && alpha <= 1.0) {
-                let alpha = exact(alpha);
-                let message = format!("--single-scattering-albedo has {alpha}, but must be in (0, 1]");
-                return Err(Failure::input(message));
-            }
-        }
-        for &albedo in &self.surface_albedo {
-            if !(albedo > 0.0 && albedo < 1.0) {
-                let albedo = exact(albedo);
-                return Err(Failure::input(format!("--surface-albedo has {albedo}, but must be in (0, 1)")));
+        for (option, albedos, most, range) in [
+            ("--single-scattering-albedo", &self.single_scattering_albedo, 1.0, "(0, 1]"),
+            ("--surface-albedo", &self.surface_albedo, 1.0_f64.next_down(), "(0, 1)"),
+        ] {
+            if let Some(&found) = albedos.iter().find(|albedo| !(**albedo > 0.0 && **albedo <= most)) {
+                let found = exact(found);
+                return Err(Failure::input(format!("{option} has {found}, but must be in {range}")));
             }
         }
         Ok(())
+    }
+
+    /// Surface albedo, where it was given, and single-scattering albedo of every part of the table, by the exact solution.
+    fn albedos(&self, problem: &Problem) -> Result<Vec<(Option<f64>, f64)>, Failure> {
+        if !self.single_scattering_albedo.is_empty() {
+            return Ok(self.single_scattering_albedo.iter().map(|&alpha| (None, alpha)).collect());
+        }
+        let parameters = problem.parameters();
+        let invert = |&surface_albedo: &f64| {
+            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
+            alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| self.name_option(error))
+        };
+        self.surface_albedo.iter().map(invert).collect()
     }
 
     fn side(&self) -> Side {
@@ -242,6 +253,18 @@ impl ReferenceArguments {
             SideName::Transmitted => Side::Transmitted,
         }
     }
+}
+
+/// A line of the table: albedos and radius, then what was found, lengths turned back into the unit of the mean free path.
+fn row(
+    [surface_albedo, alpha, r]: [f64; 3],
+    mfp: f64,
+    reflectance: Estimate,
+    enclosed: Estimate,
+) -> [f64; 6] {
+    let per_area = |value: f64| (value / mfp / mfp).min(f64::MAX);
+    let (reflectance, error) = (per_area(reflectance.value), per_area(reflectance.error));
+    [surface_albedo, alpha, r, reflectance, enclosed.value, error]
 }
 
 fn require_positive(option: &str, value: f64) -> Result<(), Failure> {

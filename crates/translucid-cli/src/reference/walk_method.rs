@@ -1,12 +1,11 @@
 //! `translucid reference --method monte-carlo`.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use translucid_profile::{Configuration, half_space_single_scattering_albedo};
-use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{
     Control, Forecast, Goal, Layout, PhaseFunction, Problem, Side, TableError, WhiteTable,
 };
@@ -46,7 +45,7 @@ pub(super) struct WalkArguments {
     seed: Option<u64>,
     /// Number of threads, at most 1024 [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// File that keeps the photons' table (NPZ)
     #[arg(long = "table", value_name = "FILE.npz")]
     table_file: Option<PathBuf>,
@@ -77,14 +76,6 @@ impl WalkArguments {
         }
     }
 
-    /// The threads that are to work.
-    pub(super) fn pool(&self) -> Result<rayon::ThreadPool, Failure> {
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(self.threads.map_or(0, usize::from))
-            .build()
-            .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))
-    }
-
     fn seed(&self) -> u64 {
         self.seed.unwrap_or(0)
     }
@@ -111,7 +102,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     if let Some(path) = &walk.table_file {
         translucid_image::check_writable(path)?;
     }
-    spare_tables(arguments)?;
+    arguments.table.spare(walk.table_file.iter().chain(&walk.merge).map(PathBuf::as_path))?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 
     let mut work = WalkWork::start(arguments, problem)?;
@@ -119,7 +110,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     let interrupted = interrupt::settle();
     work.save()?;
     if interrupted && work.table.photons() == 0 {
-        return Err(Failure::Interrupted { help: String::from("nothing was walked yet") });
+        return Err(Failure::interrupted("nothing was walked yet"));
     }
     work.print()?;
     if interrupted {
@@ -128,33 +119,9 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
             Some(path) => format!("repeat the command with --resume to go on from {}", path.display()),
             None => format!("the table is that of {photons} photons; --table would have kept them"),
         };
-        return Err(Failure::Interrupted { help });
+        return Err(Failure::interrupted(help));
     }
     Ok(())
-}
-
-/// Refuses to print the table over the files of photons.
-fn spare_tables(arguments: &ReferenceArguments) -> Result<(), Failure> {
-    let walk = &arguments.walk;
-    let Some(output) = arguments.table.output() else { return Ok(()) };
-    // A file that is not there yet is told by its directory and name
-    let same = |path: &Path| {
-        let place = |path: &Path| {
-            std::fs::canonicalize(path).ok().or_else(|| {
-                let directory = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-                let directory = std::fs::canonicalize(directory.unwrap_or(Path::new("."))).ok()?;
-                Some(directory.join(path.file_name()?))
-            })
-        };
-        place(path).is_some_and(|path| place(output) == Some(path))
-    };
-    match walk.table_file.iter().chain(&walk.merge).find(|path| same(path)) {
-        Some(path) => {
-            Err(Failure::input(format!("--output would replace the photons in {}", path.display()))
-                .with_help("choose another file for the printed table"))
-        }
-        None => Ok(()),
-    }
 }
 
 /// A walk on its way.
@@ -168,12 +135,18 @@ struct WalkWork<'a> {
 
 /// The albedos of the printed table.
 enum Albedos {
-    /// Single-scattering albedos.
-    Scattering(Vec<f64>),
-    /// Surface albedos and the single-scattering albedos that are known to make them.
-    Known(Vec<(f64, f64)>),
+    /// Surface albedos, where they were given, and single-scattering albedos.
+    Known(Vec<(Option<f64>, f64)>),
     /// Surface albedos, the rest to be read off the walk.
     Surface(Vec<f64>),
+}
+
+impl Albedos {
+    /// The single-scattering albedos that are known before the walk.
+    fn known(&self) -> impl Iterator<Item = f64> {
+        let list: &[(Option<f64>, f64)] = if let Self::Known(list) = self { list } else { &[] };
+        list.iter().map(|&(_, alpha)| alpha)
+    }
 }
 
 impl<'a> WalkWork<'a> {
@@ -228,13 +201,8 @@ impl<'a> WalkWork<'a> {
     /// A table that was made for lower albedos has no photons for higher ones.
     fn check_albedos(&self) -> Result<(), Failure> {
         let reference = self.table.reference_albedo();
-        let known: Vec<f64> = match &self.albedos {
-            Albedos::Scattering(list) => list.clone(),
-            Albedos::Known(list) => list.iter().map(|&(_, alpha)| alpha).collect(),
-            Albedos::Surface(_) => Vec::new(),
-        };
-        match known.iter().find(|&&alpha| alpha > reference) {
-            Some(&alpha) => {
+        match self.albedos.known().find(|&alpha| alpha > reference) {
+            Some(alpha) => {
                 let (alpha, reference) = (exact(alpha), exact(reference));
                 Err(foreign_table(
                     self.arguments,
@@ -248,7 +216,7 @@ impl<'a> WalkWork<'a> {
     /// Walks until there are enough photons, the error is small enough, or Ctrl-C.
     fn walk(&mut self) -> Result<(), Failure> {
         let (start, cpu_before) = (Instant::now(), machine::cpu_seconds());
-        let meter = Meter::new(Unit::Photons, 0, None);
+        let meter = Meter::new(Unit::Photons);
         let walked = match self.arguments.walk.error {
             Some(error) => self.walk_to_error(error, &meter),
             None => self.walk_photons(self.arguments.walk.photons.unwrap_or(DEFAULT_PHOTONS), &meter),
@@ -300,7 +268,7 @@ impl<'a> WalkWork<'a> {
             let Forecast { photons_done, photons_left, .. } = *forecast;
             total.store(photons_done.saturating_add(photons_left), Ordering::Relaxed);
             if saved.0.elapsed() > SAVE_INTERVAL {
-                saved = (Instant::now(), save(arguments.walk.table_file.as_deref(), table));
+                saved = (Instant::now(), save(arguments, table));
             }
         };
         let control = Control {
@@ -316,7 +284,7 @@ impl<'a> WalkWork<'a> {
     }
 
     fn save(&self) -> Result<(), Failure> {
-        save(self.arguments.walk.table_file.as_deref(), &self.table)
+        save(self.arguments, &self.table)
     }
 
     fn print(&self) -> Result<(), Failure> {
@@ -348,7 +316,7 @@ impl Albedos {
                     format!("--single-scattering-albedo has {alpha}, but a walk goes down to {lowest}");
                 return Err(Failure::input(message).with_help("the exact method has no such limit"));
             }
-            return Ok(Self::Scattering(arguments.single_scattering_albedo.clone()));
+            return arguments.albedos(problem).map(Self::Known);
         }
         let parameters = problem.parameters();
         let solved = parameters.phase_function == PhaseFunction::ISOTROPIC
@@ -357,24 +325,18 @@ impl Albedos {
         if !solved {
             return Ok(Self::Surface(arguments.surface_albedo.clone()));
         }
-        let invert = |&surface_albedo: &f64| {
-            let alpha = single_scattering_albedo(surface_albedo, parameters.eta, parameters.incidence);
-            let alpha = alpha.map_err(|error| arguments.name_option(error))?;
-            if alpha > WhiteTable::HIGHEST_REFERENCE_ALBEDO {
-                return Err(out_of_reach(surface_albedo));
-            }
-            Ok((surface_albedo, alpha))
-        };
-        arguments.surface_albedo.iter().map(invert).collect::<Result<_, _>>().map(Self::Known)
+        let albedos = arguments.albedos(problem)?;
+        match albedos.iter().find(|(_, alpha)| *alpha > WhiteTable::HIGHEST_REFERENCE_ALBEDO) {
+            Some(&(surface_albedo, _)) => Err(out_of_reach(surface_albedo.unwrap_or_default())),
+            None => Ok(Self::Known(albedos)),
+        }
     }
 
     /// The albedo at which to walk: the highest that is needed.
     fn reference(&self, arguments: &ReferenceArguments, problem: &Problem) -> Result<f64, Failure> {
         // Photons that survive tell of low albedos, too: those that hardly scatter would leave few
-        let highest = |list: &mut dyn Iterator<Item = f64>| list.fold(LOWEST_REFERENCE, f64::max);
         match self {
-            Self::Scattering(list) => Ok(highest(&mut list.iter().copied())),
-            Self::Known(list) => Ok(highest(&mut list.iter().map(|&(_, alpha)| alpha))),
+            Self::Known(_) => Ok(self.known().fold(LOWEST_REFERENCE, f64::max)),
             Self::Surface(list) => pilot(arguments, problem, list.iter().copied().fold(0.0, f64::max))
                 .map(|albedo| albedo.max(LOWEST_REFERENCE)),
         }
@@ -407,7 +369,7 @@ fn pilot(arguments: &ReferenceArguments, problem: &Problem, surface_albedo: f64)
         let control = Control { stop: &interrupt::STOP, ..Control::default() };
         table.run(arguments.walk.seed(), PILOT_PHOTONS, &control).map_err(table_failure)?;
         if interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted { help: String::from("nothing was walked yet") });
+            return Err(Failure::interrupted("nothing was walked yet"));
         }
         match table.single_scattering_albedo(surface_albedo) {
             Ok(found) => {
@@ -442,8 +404,7 @@ fn rows(
     albedos: &Albedos,
 ) -> Result<Vec<[f64; 6]>, Failure> {
     let pairs: Vec<(Option<f64>, f64)> = match albedos {
-        Albedos::Scattering(list) => list.iter().map(|&alpha| (None, alpha)).collect(),
-        Albedos::Known(list) => list.iter().map(|&(albedo, alpha)| (Some(albedo), alpha)).collect(),
+        Albedos::Known(list) => list.clone(),
         Albedos::Surface(list) => {
             let invert = |&albedo: &f64| {
                 let alpha = table.single_scattering_albedo(albedo);
@@ -463,9 +424,12 @@ fn rows(
                 None => at.at_radius(side, radius),
             };
             let found = found.map_err(|error| arguments.name_option(error))?;
-            let per_area = |value: f64| (value / arguments.mfp / arguments.mfp).min(f64::MAX);
-            let (reflectance, error) = (per_area(found.reflectance.value), per_area(found.reflectance.error));
-            rows.push([surface_albedo, alpha, r, reflectance, found.enclosed.value, error]);
+            rows.push(super::row(
+                [surface_albedo, alpha, r],
+                arguments.mfp,
+                found.reflectance,
+                found.enclosed,
+            ));
         }
     }
     Ok(rows)
@@ -509,11 +473,11 @@ fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, F
     }
 }
 
-fn save(path: Option<&Path>, table: &WhiteTable) -> Result<(), Failure> {
-    match path {
-        Some(path) => translucid_image::write_atomically(path, |out| table.write(out)).map_err(Failure::late),
-        None => Ok(()),
-    }
+/// Keeps the table where that is asked for.
+fn save(arguments: &ReferenceArguments, table: &WhiteTable) -> Result<(), Failure> {
+    let path = arguments.walk.table_file.as_deref();
+    path.map_or(Ok(()), |path| translucid_image::write_atomically(path, |out| table.write(out)))
+        .map_err(Failure::late)
 }
 
 fn foreign_table(arguments: &ReferenceArguments, what: &str) -> Failure {

@@ -1,23 +1,22 @@
 //! One scene with each of several models: pictures, their differences, a sheet, a table and a page.
 
-mod directory;
+mod files;
 mod report;
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 
-use translucid_image::display_from_linear;
+use translucid_image::{PixelRect, display_from_linear};
 use translucid_laboratory::picture::{Picture, PicturePixel};
 use translucid_render::{FilmSums, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
-use super::{Arguments, inputs, require_memory, scene, scene_name};
+use super::picture::{self, Part, Rendering, Task};
+use super::{Arguments, inputs, require_memory, scene, scene_name, stem};
 use crate::failure::Failure;
+use crate::files::Directory;
 use crate::model::ModelName;
-use crate::picture::{self, Part, Rendering, Task};
 use crate::{interrupt, messages};
-use directory::Directory;
 use report::{Entry, Report};
 
 /// Most models of one sheet.
@@ -37,12 +36,11 @@ pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(
     let (first, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
     require_size(&first, models.len())?;
-    let directory = Directory::prepare(&path, models)?;
-    let result = directory.spare(inputs(arguments, &first)).and_then(|()| {
-        let entries = render_all(arguments, models, first, &directory)?;
-        write(arguments, &directory, entries, judge)
-    });
-    result.inspect_err(|_| directory.abandon())
+    Directory::fill(&path, |directory| {
+        files::check(directory, models, inputs(arguments, &first))?;
+        let entries = render_all(arguments, models, first, directory)?;
+        write(arguments, directory, entries, judge)
+    })
 }
 
 /// Refuses a model that is named twice, and more models than a sheet has room for.
@@ -75,8 +73,7 @@ fn judge(models: &[SubsurfaceModel], against: Option<ModelName>) -> Result<usize
 /// Where to write: what `-o` says, or a directory named after the scene.
 fn directory_path(arguments: &Arguments) -> Result<PathBuf, Failure> {
     let Some(path) = &arguments.output else {
-        let stem = arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem();
-        let mut name = OsString::from(stem.unwrap_or_default());
+        let mut name = stem(arguments).to_owned();
         name.push("-side-by-side");
         return Ok(name.into());
     };
@@ -113,9 +110,7 @@ fn render_all(
     let mut entries = Vec::new();
     for (number, &model) in models.iter().enumerate() {
         if interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::Interrupted {
-                help: String::from("repeat the command with --resume to go on"),
-            });
+            return Err(Failure::interrupted("repeat the command with --resume to go on"));
         }
         let scene = match loaded.take() {
             Some(scene) => scene,
@@ -124,29 +119,18 @@ fn render_all(
         };
         let film = scene.film;
         let goal = scene.integrator.samples_per_pixel;
-        let task = Task {
-            scene_name: scene_name(arguments),
-            outputs: directory.outputs(model),
-            limit: arguments.time,
-            threads: arguments.threads.map_or(0, usize::from),
-            resume: arguments.resume,
-            checkpoint_interval: arguments.checkpoint_interval(),
-            points: None,
-            denoiser: None,
-            region: None,
-            quiet: arguments.quiet,
-            verbose: arguments.verbose,
-            part: Some(Part {
-                label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
-                first_half: directory.first_half(model),
-            }),
+        let part = Part {
+            label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
+            first_half: files::first_half(directory, model.name()),
         };
+        let outputs = files::outputs(directory, model.name());
+        let task = Task { arguments, outputs, denoiser: None, part: Some(part) };
         entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
     }
     Ok(entries)
 }
 
-/// What of a rendering is compared.
+/// The part of a rendering that is compared.
 fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u32) -> Entry {
     let first_half = rendering.first_half.as_ref().filter(|_| rendering.is_finished);
     Entry {
@@ -163,7 +147,7 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
 /// A film as a picture; its background is black.
 fn compared(film: &FilmSums, settings: &Film) -> Picture {
     let exposure = settings.exposure.exp2();
-    let pixels = pixels(film).map(|(x, y)| {
+    let pixels = PixelRect::whole([film.width, film.height]).pixels().map(|(x, y)| {
         let radiance = film.radiance(x, y).map(|value| value as f32);
         PicturePixel {
             radiance,
@@ -172,12 +156,6 @@ fn compared(film: &FilmSums, settings: &Film) -> Picture {
         }
     });
     Picture::new(film.width as usize, film.height as usize, pixels)
-}
-
-/// Coordinates of all pixels, row by row.
-fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> + use<> {
-    let (width, height) = (film.width, film.height);
-    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
 /// Compares the pictures, writes what that gives, and takes away what was kept for an interruption.
@@ -192,11 +170,12 @@ fn write(
     directory.write(&report.files()?)?;
     for (entry, unfinished) in report.entries.iter().zip(unfinished) {
         if !unfinished && !arguments.resume {
-            directory.remove_checkpoints(&entry.model);
+            files::remove_checkpoints(directory, &entry.model);
         }
     }
     if !arguments.quiet {
-        messages::line(&format!("wrote {}; open {}", directory.path().display(), directory.page().display()));
+        let page = directory.file(files::PAGE);
+        messages::line(&format!("wrote {}; open {}", directory.path().display(), page.display()));
     }
     Ok(())
 }

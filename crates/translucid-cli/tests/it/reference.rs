@@ -284,7 +284,10 @@ fn wrong_options_are_refused_with_a_reason() {
         ("--single-scattering-albedo 0.9 --at 1 --eta 4", "--method monte-carlo"),
         ("--single-scattering-albedo 0.9 --at 1 --seed 3", "--seed"),
         ("--single-scattering-albedo 0.9 --at 1 --threads 0", "--threads"),
-        ("--single-scattering-albedo 0.9 --at 1 --method monte-carlo --table a.npz -o ./a.npz", "replace"),
+        (
+            "--single-scattering-albedo 0.9 --at 1 --method monte-carlo --table a.npz -o ./a.npz",
+            "written over",
+        ),
         ("--single-scattering-albedo 0.9 --points 1000000000 --max 1 --method monte-carlo", "too many"),
     ] {
         let output = run(&here(), &format!("reference {words}"));

@@ -20,7 +20,7 @@ pub struct Axis {
     pub scale: Scale,
     /// The least and greatest number shown; the range of the data if there is none.
     ///
-    /// Of a range that the axis cannot show (not rising, not finite, not positive on a logarithmic axis) the range of
+    /// For a range that the axis cannot show (not rising, not finite, not positive on a logarithmic axis) the range of
     /// the data is taken.
     pub range: Option<[f64; 2]>,
 }

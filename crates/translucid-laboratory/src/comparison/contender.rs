@@ -10,6 +10,9 @@ use super::Reference;
 /// A profile, or why there is none.
 pub type Made = Result<Box<dyn Profile>, ParameterError>;
 
+/// Makes a profile from a reference or a medium.
+type Make<T> = Box<dyn Fn(&T) -> Made + Send + Sync>;
+
 /// Kind of a contender.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Group {
@@ -52,9 +55,9 @@ pub struct Contender {
     pub group: Group,
     /// Number of terms of a sum.
     pub terms: Option<usize>,
-    make: Box<dyn Fn(&Reference) -> Made + Send + Sync>,
+    make: Make<Reference>,
     /// The profile of a medium, whose total is what the model makes of it.
-    from_medium: Option<Box<dyn Fn(&Medium) -> Made + Send + Sync>>,
+    from_medium: Option<Make<Medium>>,
     /// Whether the model describes diffuse light, not a perpendicular pencil only.
     knows_diffuse: bool,
 }

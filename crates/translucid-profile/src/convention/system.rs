@@ -133,7 +133,7 @@ impl System {
 
     /// One channel in the numbers of the system, its lengths being in the system's unit.
     ///
-    /// Of `settings`, which has a value for each of [`parameters`](Self::parameters), factors and settings count.
+    /// `settings` has a value for each of [`parameters`](Self::parameters); those of factors and settings count.
     ///
     /// # Errors
     /// A value is outside its range, or the rule has no meaning at this surface albedo.

@@ -1,4 +1,4 @@
-//! What is known of a cluster of lights: where they are, whither they shine, and how brightly.
+//! Bounds of a cluster of lights: where they are, whither they shine, and how brightly.
 //!
 //! The description is that of A. Conty Estevez & C. Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", Proc. ACM Comput. Graph. Interact. Tech. 1(2), §3: a box, a cone of normals and an angle about each

@@ -14,7 +14,7 @@ pub(crate) struct Discrete {
     cumulated: Vec<f64>,
 }
 
-/// What [`Discrete::sample`] chose.
+/// A choice of [`Discrete::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
     /// Which entry.

@@ -98,7 +98,7 @@ impl PlacedLight {
     }
 }
 
-/// What kind of light it is, if no ray can meet it.
+/// Name of its kind, if no ray can meet it.
 pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
     match PlacedLight::new(light)? {
         PlacedLight::Spot(_) => Some("spot"),

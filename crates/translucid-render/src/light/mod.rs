@@ -79,9 +79,8 @@ pub struct LightHit {
     pub t: f32,
     /// Emitted radiance.
     pub radiance: Vec3,
-    /// Whether the camera sees the light directly.
-    pub visible: bool,
     position: Vec3,
+    /// Number of the light.
     light: usize,
 }
 
@@ -109,7 +108,7 @@ pub struct LightSet {
     infinite: Vec<usize>,
     environment: Option<usize>,
     environment_visible: bool,
-    /// Of the scene \[L²\].
+    /// Cross section of the scene \[L²\].
     cross_section: f32,
 }
 
@@ -181,26 +180,13 @@ impl LightSet {
     /// Nearest rectangle or sphere light that a ray meets, on the side that emits, before `t_max`.
     #[must_use]
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
-        self.nearest(origin, direction, t_max, |_| true)
+        self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |_| true)
     }
 
-    /// The same among the lights that the camera sees: it looks through the others.
+    /// Finds the nearest hit among the lights that the camera sees: it looks through the others.
     #[must_use]
     pub fn intersect_visible(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
-        self.nearest(origin, direction, t_max, |is_visible| is_visible)
-    }
-
-    #[inline]
-    fn nearest(
-        &self,
-        origin: Vec3,
-        direction: Vec3,
-        t_max: f32,
-        counts: impl Fn(bool) -> bool,
-    ) -> Option<LightHit> {
-        let hit = self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, counts)?;
-        let position = origin + direction * hit.t;
-        Some(LightHit { t: hit.t, radiance: hit.radiance, visible: hit.visible, position, light: hit.light })
+        self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |is_visible| is_visible)
     }
 
     /// Density with which `sample` at a point with a normal makes the direction toward `hit` on an emissive

@@ -24,7 +24,7 @@ const EVEN_SHARE: f32 = 0.1;
 /// A way to select lights, for measuring one against the other: all of them give the same picture in the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum LightSelection {
-    /// What suits the number of lights.
+    /// The way that suits the number of lights.
     #[default]
     Automatic,
     /// Each of up to 32 lights weighed for every point, more of them always by their power.
@@ -40,7 +40,7 @@ pub enum LightSelection {
 pub(crate) enum Selection {
     /// By their importance for the point at hand.
     Weighed,
-    /// The same in two rounds over more lights than fit in an array.
+    /// Each light weighed in two rounds, for more lights than fit into an array.
     AllWeighed,
     /// Always with these probabilities.
     Fixed(Discrete),
@@ -132,7 +132,7 @@ fn weighed<const N: usize>(emitters: &Emitters, receiver: &Receiver) -> Weights<
     Weights::of_first(weights, len, EVEN_SHARE)
 }
 
-/// What [`Weights`] makes of any number of lights.
+/// The weights of any number of lights, as [`Weights`] makes them.
 struct Total {
     sum: f64,
     count: u32,

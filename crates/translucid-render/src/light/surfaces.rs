@@ -6,6 +6,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::node::Bvh2Node;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 
+use super::LightHit;
 use super::emitters::PlacedLight;
 
 /// Up to this many are tested one by one.
@@ -16,16 +17,6 @@ const BOX_ROOM: f32 = 8.0 * f32::EPSILON;
 
 /// Widens the interval in which a ray is within a box, see `wide_tree`: relative to the distance.
 const WIDEN: f32 = 8.0 * f32::EPSILON;
-
-/// Where a ray meets a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct SurfaceHit {
-    pub(crate) t: f32,
-    /// Number of the light.
-    pub(crate) light: usize,
-    pub(crate) radiance: Vec3,
-    pub(crate) visible: bool,
-}
 
 /// Rectangles and spheres among a scene's lights.
 #[derive(Clone, Debug)]
@@ -69,7 +60,7 @@ impl Surfaces {
         ray: (Vec3, Vec3),
         t_max: f32,
         counts: impl Fn(bool) -> bool,
-    ) -> Option<SurfaceHit> {
+    ) -> Option<LightHit> {
         let mut nearest = None;
         let mut limit = t_max;
         let mut test = |light: u32| {
@@ -95,18 +86,18 @@ fn intersect(
     light: u32,
     (origin, direction): (Vec3, Vec3),
     counts: impl Fn(bool) -> bool,
-) -> Option<SurfaceHit> {
+) -> Option<LightHit> {
     let light = light as usize;
-    let (t, radiance, visible) = match &sources[light] {
+    let (t, radiance) = match &sources[light] {
         PlacedLight::Rectangle(shape) if counts(shape.visible) => {
-            (shape.intersect(origin, direction)?, shape.radiance, shape.visible)
+            (shape.intersect(origin, direction)?, shape.radiance)
         }
         PlacedLight::Sphere(shape) if counts(shape.visible) => {
-            (shape.intersect(origin, direction)?, shape.radiance, shape.visible)
+            (shape.intersect(origin, direction)?, shape.radiance)
         }
         _ => return None,
     };
-    Some(SurfaceHit { t, light, radiance, visible })
+    Some(LightHit { t, radiance, position: origin + direction * t, light })
 }
 
 /// Calls `test` for the primitives whose boxes a ray meets before the distance that it returned last.

@@ -23,7 +23,7 @@ pub struct Hit {
     pub(crate) leaf: u32,
 }
 
-/// What the renderer knows of a point on a surface.
+/// A point on a surface, as the renderer knows it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SurfacePoint {
     pub(crate) position: Vec3,

@@ -253,7 +253,7 @@ fn decide_zeros(p: &[[Vec4; 3]; 3], mut edges: [Vec4; 3]) -> [Vec4; 3] {
     edges
 }
 
-/// What a ray meets of a block.
+/// The hit of a ray in a block.
 struct BlockHits {
     /// A bit for each lane with a hit before the ray's end; not 0.
     mask: u32,

@@ -1,6 +1,7 @@
 //! Sums of pixel samples, tile by tile.
 
-use super::pixel_rect::PixelRect;
+use translucid_image::PixelRect;
+
 use crate::world::layer;
 
 /// Edge of a tile in pixels: the unit of work of a thread.
@@ -64,8 +65,7 @@ impl FilmSums {
     /// Linear radiance of a pixel: the sum of the light layers.
     #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> [f64; 3] {
-        let m = self.mean(x, y);
-        std::array::from_fn(|c| m[c] + m[3 + c] + m[6 + c] + m[9 + c])
+        radiance(&self.mean(x, y))
     }
 
     /// Camera paths in all pixels together.
@@ -79,6 +79,16 @@ impl FilmSums {
     pub fn samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
     }
+}
+
+/// The sum of the light layers.
+pub(super) fn radiance(m: &[f64; layer::COUNT]) -> [f64; 3] {
+    std::array::from_fn(|c| m[c] + m[3 + c] + m[6 + c] + m[9 + c])
+}
+
+/// Mean distance over the samples that see a surface.
+pub(super) fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
+    if mean[layer::SURFACE] > 0.0 { mean[layer::DEPTH] / mean[layer::SURFACE] } else { 0.0 }
 }
 
 #[cfg(test)]

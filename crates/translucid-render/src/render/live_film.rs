@@ -1,12 +1,12 @@
 //! A film that others may read while it is rendered.
 
-use std::fmt;
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
 
-use super::film::FilmSums;
-use super::pixel_rect::PixelRect;
+use translucid_image::PixelRect;
+
+use super::film::{FilmSums, mean_depth, radiance};
 use crate::world::layer;
 
 /// A layer of a picture, for those who read it.
@@ -55,47 +55,22 @@ impl FilmLayer {
         }
     }
 
-    /// Writes a pixel's mean values.
-    fn write(self, mean: &[f64; layer::COUNT], out: &mut [f32]) {
-        let mut copy = |range: Range<usize>| {
-            for (out, value) in out.iter_mut().zip(&mean[range]) {
-                *out = *value as f32;
-            }
-        };
+    /// A pixel's values; of a layer with one channel the first.
+    fn values(self, mean: &[f64; layer::COUNT]) -> [f64; 3] {
+        let color = |range: Range<usize>| std::array::from_fn(|c| mean[range.start + c]);
         match self {
-            Self::Radiance => {
-                for (c, out) in out.iter_mut().enumerate() {
-                    *out = (mean[c] + mean[3 + c] + mean[6 + c] + mean[9 + c]) as f32;
-                }
-            }
-            Self::Diffuse => copy(layer::DIFFUSE),
-            Self::Specular => copy(layer::SPECULAR),
-            Self::Subsurface => copy(layer::SUBSURFACE),
-            Self::Emission => copy(layer::EMISSION),
-            Self::Alpha => copy(layer::ALPHA..layer::ALPHA + 1),
-            Self::Albedo => copy(layer::ALBEDO),
-            Self::Normal => copy(layer::NORMAL),
-            Self::Depth => out[0] = (mean[layer::DEPTH] / mean[layer::SURFACE].max(f64::MIN_POSITIVE)) as f32,
+            Self::Radiance => radiance(mean),
+            Self::Diffuse => color(layer::DIFFUSE),
+            Self::Specular => color(layer::SPECULAR),
+            Self::Subsurface => color(layer::SUBSURFACE),
+            Self::Emission => color(layer::EMISSION),
+            Self::Alpha => [mean[layer::ALPHA]; 3],
+            Self::Albedo => color(layer::ALBEDO),
+            Self::Normal => color(layer::NORMAL),
+            Self::Depth => [mean_depth(mean); 3],
         }
     }
 }
-
-/// A buffer that does not have the length of a layer.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LayerSizeError {
-    /// Numbers that the layer has: width × height × channels.
-    pub needed: usize,
-    /// Length of the buffer.
-    pub given: usize,
-}
-
-impl fmt::Display for LayerSizeError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the buffer has room for {} numbers, but must have it for {}", self.given, self.needed)
-    }
-}
-
-impl std::error::Error for LayerSizeError {}
 
 /// Sums over the samples of an image that one rendering adds to and anybody may read.
 ///
@@ -133,21 +108,25 @@ impl LiveFilm {
         self.sums().samples()
     }
 
-    /// Copies the mean values of a layer, row by row from the top, the channels of a pixel side by side.
-    ///
-    /// # Errors
-    /// `out` does not have width × height × [`FilmLayer::channels`] numbers.
-    pub fn copy_layer(&self, layer: FilmLayer, out: &mut [f32]) -> Result<(), LayerSizeError> {
+    /// Copies the mean values of a layer, row by row from the top, the [`channels`](FilmLayer::channels) of a pixel side
+    /// by side, as far as the values or the places go.
+    pub fn copy_layer(&self, layer: FilmLayer, into: &mut [f32]) {
         let sums = self.sums();
-        let needed = sums.width as usize * sums.height as usize * layer.channels();
-        if out.len() != needed {
-            return Err(LayerSizeError { needed, given: out.len() });
+        let pixels = PixelRect::whole([sums.width, sums.height]).pixels();
+        for ((x, y), into) in pixels.zip(into.chunks_mut(layer.channels())) {
+            into.iter_mut()
+                .zip(layer.values(&sums.mean(x, y)))
+                .for_each(|(into, value)| *into = value as f32);
         }
-        let whole = PixelRect { left: 0, top: 0, width: sums.width, height: sums.height };
-        for ((x, y), out) in whole.pixels().zip(out.chunks_exact_mut(layer.channels())) {
-            layer.write(&sums.mean(x, y), out);
-        }
-        Ok(())
+    }
+
+    /// The mean values of a layer, as [`copy_layer`](Self::copy_layer) orders them.
+    #[must_use]
+    pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
+        let (width, height) = (self.sums().width as usize, self.sums().height as usize);
+        let mut values = vec![0.0; width * height * layer.channels()];
+        self.copy_layer(layer, &mut values);
+        values
     }
 
     /// Number of the last change: it grows when tiles get samples.

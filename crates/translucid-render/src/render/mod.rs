@@ -7,15 +7,13 @@ mod live_film;
 mod passes;
 mod picture;
 mod pixel_blocks;
-mod pixel_rect;
 mod prepared;
 mod view;
 
 pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
 pub use film::{FilmSums, TILE_SIZE, TileSums};
-pub use live_film::{FilmLayer, LayerSizeError, LiveFilm};
+pub use live_film::{FilmLayer, LiveFilm};
 pub use passes::{Goal, Outcome, Progress};
 pub use picture::ImageInfo;
-pub use pixel_rect::PixelRect;
 pub use prepared::{Edit, PreparedScene, Renewed};
 pub use view::{Fraction, View};

@@ -5,11 +5,11 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rayon::prelude::*;
+use translucid_image::PixelRect;
 
 use super::film::{FilmSums, TILE_SIZE};
 use super::live_film::LiveFilm;
 use super::pixel_blocks::BlockGrid;
-use super::pixel_rect::PixelRect;
 use super::prepared::PreparedScene;
 use super::view::View;
 use crate::path::PathTracer;

@@ -1,11 +1,11 @@
 //! Pictures of a film: all its layers for a float image, its colors for a display.
 
-use translucid_image::{Denoised, MetadataValue, Picture, PictureChannel, Region};
+use translucid_image::{Denoised, Denoiser, MetadataValue, OutputError, Picture, PictureChannel, PixelRect};
 
-use super::film::FilmSums;
+use super::film::{FilmSums, mean_depth, radiance};
 use crate::world::layer;
 
-/// Metadata of a rendered picture.
+/// Metadata of a rendered picture, and the picture denoised.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ImageInfo {
     /// Where the scene came from.
@@ -19,51 +19,40 @@ pub struct ImageInfo {
     /// The command line that made it.
     pub command: String,
     /// Where the picture lies in a larger one, and that one's width and height; `None` where it is all there is.
-    pub region: Option<(Region, [u32; 2])>,
+    pub place: Option<(PixelRect, [u32; 2])>,
+    /// The picture denoised, if it was; pixels that it does not have are 0.
+    pub denoised: Option<Denoised>,
 }
 
 /// Program and version, as all pictures state it.
 const SOFTWARE: &str = concat!("translucid ", env!("CARGO_PKG_VERSION"));
 
 impl ImageInfo {
-    /// Number of the first row.
-    fn top(&self) -> u32 {
-        self.region.map_or(0, |(region, _)| region.y0)
-    }
-
-    /// The picture in its place.
-    fn placed<'a>(&self, picture: Picture<'a>) -> Picture<'a> {
-        match self.region {
+    /// A picture in its place with notes, and one on its denoiser.
+    ///
+    /// `fill` is given the column and row of a pixel in the film, and the place for its values.
+    fn picture<'a>(
+        &self,
+        film: &FilmSums,
+        channels: Vec<PictureChannel>,
+        fill: impl Fn(u32, u32, &mut [f64]) + Sync + 'a,
+        notes: Vec<(&str, MetadataValue)>,
+        denoiser: &str,
+    ) -> Picture<'a> {
+        let by = self.denoised.iter().map(|denoised| (denoiser, MetadataValue::Text(denoised.by.clone())));
+        let notes = notes.into_iter().chain(by).map(|(name, value)| (name.to_owned(), value)).collect();
+        let (count, top) = (channels.len(), self.place.map_or(0, |(region, _)| region.top));
+        let fill_row = move |y: u32, values: &mut [f64]| {
+            for (x, pixel) in (0..).zip(values.chunks_exact_mut(count)) {
+                fill(x, y - top, pixel);
+            }
+        };
+        let picture = Picture::new([film.width, film.height], channels, fill_row);
+        let picture = match self.place {
             Some((region, whole)) => picture.within(region, whole),
             None => picture,
-        }
-    }
-
-    /// The notes in a picture of all layers.
-    fn notes_of_layers(&self, denoised: Option<&Denoised>) -> Vec<(String, MetadataValue)> {
-        let text = |text: &str| MetadataValue::Text(text.to_owned());
-        let by = denoised.map(|denoised| ("translucidDenoiser", text(&denoised.by)));
-        let notes = [
-            ("translucidScene", text(&self.scene)),
-            ("translucidCommand", text(&self.command)),
-            ("translucidVersion", text(env!("CARGO_PKG_VERSION"))),
-            // OpenEXR has no 64-bit integer.
-            ("translucidSeed", MetadataValue::Text(self.seed.to_string())),
-            ("translucidSamples", MetadataValue::Integer(i32::try_from(self.samples).unwrap_or(i32::MAX))),
-            ("translucidSeconds", MetadataValue::Real(self.seconds)),
-        ];
-        notes.into_iter().chain(by).map(|(name, value)| (name.to_owned(), value)).collect()
-    }
-
-    /// The notes in a picture for a display: no time, so that equal sums give equal files.
-    fn notes_of_colors(&self, denoised: Option<&Denoised>) -> Vec<(String, MetadataValue)> {
-        let by = denoised.map(|denoised| ("Denoiser", MetadataValue::Text(denoised.by.clone())));
-        let notes = [
-            ("Scene", MetadataValue::Text(self.scene.clone())),
-            ("Seed", MetadataValue::Text(self.seed.to_string())),
-            ("Samples", MetadataValue::Text(self.samples.to_string())),
-        ];
-        notes.into_iter().chain(by).map(|(name, value)| (name.to_owned(), value)).collect()
+        };
+        picture.with_metadata(SOFTWARE, notes)
     }
 }
 
@@ -83,78 +72,66 @@ impl FilmSums {
     /// | `albedo.RGB` | albedo of the first surface | 16-bit |
     /// | `normal.XYZ` | shading normal of the first surface, world space | 16-bit |
     /// | `depth.Z` | mean distance to the first surface \[L\], 0 where there is none | 32-bit |
+    /// | `denoised.RGB` | radiance denoised, if it was | 32-bit |
     ///
     /// Colors are linear Rec. 709 and multiplied by coverage; so are albedo and normal.
     #[must_use]
-    pub fn layers_picture(&self, info: &ImageInfo) -> Picture<'_> {
-        self.layers_picture_beside(None, info)
-    }
-
-    /// All layers, and a denoised picture beside them as 32-bit channels `denoised.RGB`.
-    ///
-    /// Pixels that `denoised` does not have are 0.
-    #[must_use]
-    pub fn layers_picture_with<'a>(&'a self, denoised: &'a Denoised, info: &ImageInfo) -> Picture<'a> {
-        self.layers_picture_beside(Some(denoised), info)
-    }
-
-    fn layers_picture_beside<'a>(&'a self, denoised: Option<&'a Denoised>, info: &ImageInfo) -> Picture<'a> {
+    pub fn layers_picture<'a>(&'a self, info: &'a ImageInfo) -> Picture<'a> {
         let halves = half_channels();
         let mut channels: Vec<_> = SINGLE_CHANNELS.into_iter().map(PictureChannel::single).collect();
         channels.extend(halves.iter().map(|(name, _)| PictureChannel::half(name)));
-        if denoised.is_some() {
+        if info.denoised.is_some() {
             channels.extend(DENOISED_CHANNELS.into_iter().map(PictureChannel::single));
         }
-        let count = channels.len();
-        let top = info.top();
-        let fill_row = move |y: u32, values: &mut [f64]| {
-            let y = y - top;
-            for (x, pixel) in (0..self.width).zip(values.chunks_exact_mut(count)) {
-                let (mean, [r, g, b]) = (self.mean(x, y), self.radiance(x, y));
-                let singles = [r, g, b, mean[layer::ALPHA], mean_depth(&mean)];
-                let halves = halves.iter().map(|(_, index)| mean[*index]);
-                let color = denoised.map(|denoised| self.denoised_pixel(denoised, x, y));
-                let all = singles.into_iter().chain(halves).chain(color.into_iter().flatten());
-                pixel.iter_mut().zip(all).for_each(|(place, value)| *place = value);
-            }
+        let fill = move |x, y, pixel: &mut [f64]| {
+            let mean = self.mean(x, y);
+            let [r, g, b] = radiance(&mean);
+            let singles = [r, g, b, mean[layer::ALPHA], mean_depth(&mean)];
+            let halves = halves.iter().map(|(_, index)| mean[*index]);
+            let color = info.denoised.iter().flat_map(|denoised| self.denoised_pixel(denoised, x, y));
+            let all = singles.into_iter().chain(halves).chain(color);
+            pixel.iter_mut().zip(all).for_each(|(place, value)| *place = value);
         };
-        let size = [self.width, self.height];
-        let picture = Picture::new(size, channels, fill_row);
-        info.placed(picture).with_metadata(SOFTWARE, info.notes_of_layers(denoised))
+        let text = |text: &str| MetadataValue::Text(text.to_owned());
+        let notes = vec![
+            ("translucidScene", text(&info.scene)),
+            ("translucidCommand", text(&info.command)),
+            ("translucidVersion", text(env!("CARGO_PKG_VERSION"))),
+            // OpenEXR has no 64-bit integer.
+            ("translucidSeed", MetadataValue::Text(info.seed.to_string())),
+            ("translucidSamples", MetadataValue::Integer(i32::try_from(info.samples).unwrap_or(i32::MAX))),
+            ("translucidSeconds", MetadataValue::Real(info.seconds)),
+        ];
+        info.picture(self, channels, fill, notes, "translucidDenoiser")
     }
 
-    /// Radiance and coverage as a picture for a display.
-    #[must_use]
-    pub fn display_picture(&self, info: &ImageInfo) -> Picture<'_> {
-        self.color_picture(|x, y| self.radiance(x, y), info, info.notes_of_colors(None))
-    }
-
-    /// Denoised radiance and the film's coverage as a picture for a display.
+    /// Radiance, denoised if it was, and coverage as a picture for a display.
     ///
-    /// Pixels that `denoised` does not have are black.
+    /// Its notes have no time, so that equal sums give equal files.
     #[must_use]
-    pub fn denoised_display_picture<'a>(&'a self, denoised: &'a Denoised, info: &ImageInfo) -> Picture<'a> {
-        let radiance = |x, y| self.denoised_pixel(denoised, x, y);
-        self.color_picture(radiance, info, info.notes_of_colors(Some(denoised)))
+    pub fn display_picture<'a>(&'a self, info: &'a ImageInfo) -> Picture<'a> {
+        let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
+        let fill = move |x, y, pixel: &mut [f64]| {
+            let denoised = info.denoised.as_ref();
+            let color =
+                denoised.map_or_else(|| self.radiance(x, y), |denoised| self.denoised_pixel(denoised, x, y));
+            pixel[..3].copy_from_slice(&color);
+            pixel[3] = self.mean(x, y)[layer::ALPHA];
+        };
+        let notes = vec![
+            ("Scene", MetadataValue::Text(info.scene.clone())),
+            ("Seed", MetadataValue::Text(info.seed.to_string())),
+            ("Samples", MetadataValue::Text(info.samples.to_string())),
+        ];
+        info.picture(self, channels.to_vec(), fill, notes, "Denoiser")
     }
 
-    fn color_picture<'a>(
-        &'a self,
-        radiance: impl Fn(u32, u32) -> [f64; 3] + Sync + 'a,
-        info: &ImageInfo,
-        notes: Vec<(String, MetadataValue)>,
-    ) -> Picture<'a> {
-        let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
-        let top = info.top();
-        let fill_row = move |y: u32, values: &mut [f64]| {
-            let y = y - top;
-            for (x, pixel) in (0..self.width).zip(values.as_chunks_mut().0) {
-                let ([r, g, b], alpha) = (radiance(x, y), self.mean(x, y)[layer::ALPHA]);
-                *pixel = [r, g, b, alpha];
-            }
-        };
-        let size = [self.width, self.height];
-        info.placed(Picture::new(size, channels.to_vec(), fill_row)).with_metadata(SOFTWARE, notes)
+    /// Denoises the radiance, on `threads` threads or, if that is 0, as many as there are.
+    ///
+    /// # Errors
+    /// As [`Denoiser::denoise`].
+    pub fn denoise(&self, denoiser: &Denoiser, threads: usize) -> Result<Denoised, OutputError> {
+        denoiser.denoise(&self.layers_picture(&ImageInfo::default()), threads)
     }
 
     /// Denoised radiance of a pixel; 0 where there is none.
@@ -181,16 +158,10 @@ fn half_channels() -> Vec<(String, usize)> {
     .collect()
 }
 
-/// Mean distance over the samples that see a surface.
-fn mean_depth(mean: &[f64; layer::COUNT]) -> f64 {
-    if mean[layer::SURFACE] > 0.0 { mean[layer::DEPTH] / mean[layer::SURFACE] } else { 0.0 }
-}
-
 #[cfg(test)]
 mod tests {
     use std::path::Path;
 
-    use translucid_image::Denoiser;
     use translucid_scene::{LoadOptions, SceneFile};
 
     use super::*;
@@ -210,10 +181,8 @@ mod tests {
         values
     }
 
-    /// Coordinates of all pixels, row by row.
     fn pixels(film: &FilmSums) -> impl Iterator<Item = (u32, u32)> {
-        let (width, height) = (film.width, film.height);
-        (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
+        PixelRect::whole([film.width, film.height]).pixels()
     }
 
     #[test]
@@ -225,7 +194,7 @@ mod tests {
             samples: 5,
             seconds: 1.25,
             command: String::from("translucid render scenes/apple.toml"),
-            region: None,
+            ..ImageInfo::default()
         };
         let picture = film.layers_picture(&info);
         assert_eq!(picture.channels.len(), 23);
@@ -262,9 +231,9 @@ mod tests {
     fn denoised_stands_beside_the_layers_and_in_place_of_the_colors() {
         let film = test_film(7, 5);
         let radiance = (0..34).map(|i| [i as f32, 2.0, 0.5]).collect();
-        let denoised = Denoised { radiance, by: String::from("a broom 1.0.0") };
-        let info = ImageInfo::default();
-        let [plain, both] = [film.layers_picture(&info), film.layers_picture_with(&denoised, &info)];
+        let denoised = Some(Denoised { radiance, by: String::from("a broom 1.0.0") });
+        let infos = [None, denoised].map(|denoised| ImageInfo { denoised, ..ImageInfo::default() });
+        let [plain, both] = infos.each_ref().map(|info| film.layers_picture(info));
         assert_eq!(both.channels[..plain.channels.len()], plain.channels);
         for channel in &plain.channels {
             assert_eq!(values(&both, &channel.name), values(&plain, &channel.name), "{}", channel.name);
@@ -272,7 +241,7 @@ mod tests {
         let mut expected: Vec<f64> = (0..34).map(f64::from).collect();
         expected.push(0.0);
         assert_eq!(values(&both, "denoised.R"), expected);
-        let display = film.denoised_display_picture(&denoised, &info);
+        let display = film.display_picture(&infos[1]);
         assert_eq!(values(&display, "R"), expected);
         assert_eq!(values(&display, "A"), values(&plain, "A"));
         let by = |picture: &Picture<'_>| picture.metadata.iter().any(|(name, _)| name.ends_with("Denoiser"));
@@ -344,10 +313,9 @@ mod tests {
             Ok(denoiser) => denoiser,
             Err(error) => return eprintln!("skipped: {error}"),
         };
-        let info = ImageInfo::default();
         let mut noisy = picture(4, 1);
         let reference = picture(1024, 2);
-        let denoised = denoiser.denoise(&noisy.layers_picture(&info), 1).unwrap();
+        let denoised = noisy.denoise(&denoiser, 1).unwrap();
         assert!(denoised.by.starts_with("Open Image Denoise "), "{}", denoised.by);
         let before = relative_mse(|x, y| noisy.radiance(x, y), &reference);
         let at = |x: u32, y: u32| denoised.radiance[(y * noisy.width + x) as usize].map(f64::from);
@@ -357,7 +325,7 @@ mod tests {
         // What is not a number comes out as one
         noisy.tiles[0].pixels[0] = [f64::NAN; layer::COUNT];
         noisy.tiles[0].pixels[1] = [f64::INFINITY; layer::COUNT];
-        let denoised = denoiser.denoise(&noisy.layers_picture(&info), 0).unwrap();
+        let denoised = noisy.denoise(&denoiser, 0).unwrap();
         assert!(denoised.radiance.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
     }
 }

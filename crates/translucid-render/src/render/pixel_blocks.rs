@@ -3,7 +3,7 @@
 //! Samples of a block share light (see `sharing`), so their errors are alike. Every sample number has a grid of blocks of
 //! its own, shifted against those of the others, or the borders of blocks would show.
 
-use super::pixel_rect::PixelRect;
+use translucid_image::PixelRect;
 
 /// Edge of a block in pixels.
 ///

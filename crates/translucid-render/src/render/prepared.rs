@@ -12,7 +12,7 @@ use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
 use crate::ray::Geometry;
-use crate::subsurface::transport::points::{Making, PointCloud, PointProgress, PointsError};
+use crate::subsurface::transport::points::{Making, PointCloud, PointProgress};
 use crate::subsurface::{Note, SubsurfaceSet};
 use crate::surface::{self, SurfaceTables};
 use crate::world::World;
@@ -214,7 +214,7 @@ impl PreparedScene {
         memory: u64,
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
-    ) -> Result<Option<PointCloud>, PointsError> {
+    ) -> Result<Option<PointCloud>, SceneError> {
         let making = Making { fingerprint: self.points_fingerprint(), memory, progress, stop };
         // Paths that begin at entry points are in no pixel
         let tracer = || self.tracer(0.0);

@@ -3,10 +3,9 @@
 use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
-use translucid_image::Region;
+use translucid_image::PixelRect;
 use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
 
-use super::pixel_rect::PixelRect;
 use crate::ray::Ray;
 use crate::sampling::{Frame, concentric_disk};
 
@@ -93,7 +92,7 @@ impl View {
         let (width, height) = (film.width as f32, film.height as f32);
         let half_width = (camera.horizontal_fov.to_radians() * 0.5).tan();
         Self {
-            region: PixelRect { left: 0, top: 0, width: film.width, height: film.height },
+            region: PixelRect::whole([film.width, film.height]),
             fraction: Fraction::Whole,
             frame: Frame { x, y: forward.cross(x), z: forward },
             half_width,
@@ -184,10 +183,9 @@ impl View {
 
     /// Where the region lies in the whole picture, and that one's width and height; `None` where it is all of it.
     #[must_use]
-    pub fn place(&self) -> Option<(Region, [u32; 2])> {
-        let (PixelRect { left, top, width, height }, whole) = (self.region, self.whole_size());
-        let region = Region { x0: left, y0: top, x1: left + width, y1: top + height };
-        (region != Region::whole(whole)).then_some((region, whole))
+    pub fn place(&self) -> Option<(PixelRect, [u32; 2])> {
+        let whole = self.whole_size();
+        (self.region != PixelRect::whole(whole)).then_some((self.region, whole))
     }
 
     /// Resolution of the picture.

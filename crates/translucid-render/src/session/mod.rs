@@ -1,4 +1,4 @@
-//! A rendering from start to end: points, previews, passes, checkpoints, denoising.
+//! A rendering from start to end: points, previews, passes, checkpoints.
 //!
 //! ```text
 //! prepared scene + view → Session → run(plan, observer, stop) → film
@@ -20,10 +20,10 @@ use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
 use crate::render::{
-    CheckpointInfo, Edit, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene, Progress,
-    Renewed, View, load_checkpoint, save_checkpoint,
+    CheckpointInfo, Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed,
+    View, load_checkpoint, save_checkpoint,
 };
-use crate::subsurface::transport::points::{PointCloud, PointProgress, PointsError};
+use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
 pub use running::RunningSession;
 
@@ -38,21 +38,12 @@ pub enum Event<'a> {
     Preview(Fraction, &'a FilmSums),
     /// The film was saved for a later run.
     Checkpoint(&'a Path),
-    /// The finished picture is being denoised.
+    /// All samples are there, and the picture is being denoised.
     Denoising,
 }
 
-/// Somebody who hears of what happens in a session, from any of its threads.
-pub trait Observer: Sync {
-    /// Hears of an event.
-    fn notice(&self, event: &Event<'_>);
-}
-
-impl<F: Fn(&Event<'_>) + Sync> Observer for F {
-    fn notice(&self, event: &Event<'_>) {
-        self(event);
-    }
-}
+/// Hears of what happens in a session, from any of its threads.
+pub type Observer<'a> = dyn Fn(&Event<'_>) + Sync + 'a;
 
 /// How far a session is to go, and what it does on the way.
 #[derive(Debug)]
@@ -67,10 +58,8 @@ pub struct Plan {
     pub previews: Vec<Fraction>,
     /// Bytes that points may take, where the scene asks for points.
     pub point_memory: u64,
-    /// Denoiser for the picture when all samples are there.
-    pub denoiser: Option<Denoiser>,
-    /// Threads that the denoiser may use; 0 is one per processor.
-    pub denoiser_threads: usize,
+    /// Denoiser of the picture at the end, however the rendering ended.
+    pub denoiser: Option<Arc<Denoiser>>,
 }
 
 impl Plan {
@@ -84,7 +73,6 @@ impl Plan {
             previews: Vec::new(),
             point_memory: u64::MAX,
             denoiser: None,
-            denoiser_threads: 0,
         }
     }
 }
@@ -98,20 +86,11 @@ pub struct CheckpointPlan {
     pub interval: Duration,
 }
 
-/// A session that has ended.
-#[derive(Debug)]
-pub struct Rendering {
-    /// Why it has.
-    pub outcome: Outcome,
-    /// The picture denoised, if that was asked for and all samples are there.
-    pub denoised: Option<Result<Denoised, OutputError>>,
-}
-
 /// Something that keeps a session from going on.
 #[derive(Debug)]
 pub enum SessionError {
     /// The points would not fit.
-    Points(PointsError),
+    Points(SceneError),
     /// The film cannot be saved.
     Checkpoint(OutputError),
 }
@@ -134,13 +113,14 @@ pub struct Session {
     film: Arc<LiveFilm>,
     /// Time spent rendering in all runs \[s\].
     seconds: f64,
+    denoised: Option<Result<Denoised, OutputError>>,
 }
 
 impl Session {
     /// A session with an empty film.
     #[must_use]
     pub fn new(prepared: PreparedScene, view: View) -> Self {
-        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0 }
+        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0, denoised: None }
     }
 
     /// The scene.
@@ -230,25 +210,34 @@ impl Session {
     pub fn run(
         &mut self,
         plan: &Plan,
-        observer: &dyn Observer,
+        observer: &Observer<'_>,
         stop: &AtomicBool,
-    ) -> Result<Rendering, SessionError> {
-        let mut rendering = Rendering { outcome: Outcome::Interrupted, denoised: None };
+    ) -> Result<Outcome, SessionError> {
         if !self.make_points(plan, observer, stop)? {
-            return Ok(rendering);
+            return Ok(Outcome::Interrupted);
         }
         let start = Instant::now();
         self.preview(plan, observer, stop);
-        rendering.outcome = self.render_in_slices(plan, observer, stop, start)?;
+        let outcome = self.render_in_slices(plan, observer, stop, start)?;
         self.seconds += start.elapsed().as_secs_f64();
-        if let (Some(denoiser), Outcome::Finished) = (&plan.denoiser, rendering.outcome) {
-            observer.notice(&Event::Denoising);
-            rendering.denoised = {
-                let sums = self.film.sums();
-                Some(denoiser.denoise(&sums.layers_picture(&ImageInfo::default()), plan.denoiser_threads))
-            };
-        }
-        Ok(rendering)
+        self.denoise(plan, observer);
+        Ok(outcome)
+    }
+
+    fn denoise(&mut self, plan: &Plan, observer: &Observer<'_>) {
+        let denoiser = plan.denoiser.as_ref().filter(|_| self.film.sums().paths() > 0);
+        self.denoised = denoiser.map(|denoiser| {
+            observer(&Event::Denoising);
+            self.film.sums().denoise(denoiser, rayon::current_num_threads())
+        });
+    }
+
+    /// The picture denoised, if the last run's plan asked for it.
+    ///
+    /// # Errors
+    /// As [`Denoiser::denoise`].
+    pub fn take_denoised(&mut self) -> Result<Option<Denoised>, OutputError> {
+        self.denoised.take().transpose()
     }
 
     /// Runs on `threads` threads of its own (0: one per processor), which [`RunningSession`] stops.
@@ -259,7 +248,7 @@ impl Session {
         self,
         plan: Plan,
         threads: usize,
-        observer: impl Observer + Send + 'static,
+        observer: impl Fn(&Event<'_>) + Sync + Send + 'static,
     ) -> std::io::Result<RunningSession> {
         RunningSession::start(self, plan, threads, observer)
     }
@@ -268,14 +257,14 @@ impl Session {
     fn make_points(
         &mut self,
         plan: &Plan,
-        observer: &dyn Observer,
+        observer: &Observer<'_>,
         stop: &AtomicBool,
     ) -> Result<bool, SessionError> {
         if !self.prepared.wants_points() {
             return Ok(true);
         }
         let allowed = u64::from(self.prepared.scene().integrator.point_memory) << 20;
-        let report = |progress| observer.notice(&Event::Points(progress));
+        let report = |progress| observer(&Event::Points(progress));
         let points = self.prepared.make_points(allowed.min(plan.point_memory), &report, stop);
         let Some(points) = points.map_err(SessionError::Points)? else { return Ok(false) };
         self.prepared.set_points(&points);
@@ -283,7 +272,7 @@ impl Session {
     }
 
     /// Renders the previews of an empty film.
-    fn preview(&self, plan: &Plan, observer: &dyn Observer, stop: &AtomicBool) {
+    fn preview(&self, plan: &Plan, observer: &Observer<'_>, stop: &AtomicBool) {
         if self.film.sums().paths() > 0 {
             return;
         }
@@ -294,7 +283,7 @@ impl Session {
             if self.prepared.render(&view, &film, goal, &|_| {}, stop) != Outcome::Finished {
                 return;
             }
-            observer.notice(&Event::Preview(fraction, &film.sums()));
+            observer(&Event::Preview(fraction, &film.sums()));
         }
     }
 
@@ -302,7 +291,7 @@ impl Session {
     fn render_in_slices(
         &self,
         plan: &Plan,
-        observer: &dyn Observer,
+        observer: &Observer<'_>,
         stop: &AtomicBool,
         start: Instant,
     ) -> Result<Outcome, SessionError> {
@@ -311,7 +300,7 @@ impl Session {
             let paths = self.film.sums().paths();
             let slice = interval.and_then(|interval| Instant::now().checked_add(interval));
             let goal = Goal { samples: plan.samples, deadline: plan.deadline.into_iter().chain(slice).min() };
-            let report = |progress| observer.notice(&Event::Samples(progress));
+            let report = |progress| observer(&Event::Samples(progress));
             let outcome = self.prepared.render(&self.view, &self.film, goal, &report, stop);
             let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);
             let Some(checkpoint) = &plan.checkpoint else { return Ok(outcome) };
@@ -325,7 +314,7 @@ impl Session {
             }
             let seconds = start.elapsed().as_secs_f64();
             self.save_after(&checkpoint.path, seconds).map_err(SessionError::Checkpoint)?;
-            observer.notice(&Event::Checkpoint(&checkpoint.path));
+            observer(&Event::Checkpoint(&checkpoint.path));
         }
     }
 }

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use super::{Observer, Plan, Rendering, Session, SessionError};
-use crate::render::LiveFilm;
+use super::{Event, Plan, Session, SessionError};
+use crate::render::{LiveFilm, Outcome};
 
 /// A session that runs in the background. Dropping it stops it.
 pub struct RunningSession {
     film: Arc<LiveFilm>,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<(Session, Result<Rendering, SessionError>)>>,
+    thread: Option<JoinHandle<(Session, Result<Outcome, SessionError>)>>,
 }
 
 impl RunningSession {
@@ -20,7 +20,7 @@ impl RunningSession {
         mut session: Session,
         plan: Plan,
         threads: usize,
-        observer: impl Observer + Send + 'static,
+        observer: impl Fn(&Event<'_>) + Sync + Send + 'static,
     ) -> io::Result<Self> {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(io::Error::other)?;
         let (film, stop) = (session.film(), Arc::new(AtomicBool::new(false)));
@@ -45,13 +45,13 @@ impl RunningSession {
     }
 
     /// Ends the rendering within the time of a few paths and gives the session back, to be edited or to go on.
-    pub fn stop(self) -> (Session, Result<Rendering, SessionError>) {
+    pub fn stop(self) -> (Session, Result<Outcome, SessionError>) {
         self.stop.store(true, Ordering::Relaxed);
         self.wait()
     }
 
     /// Waits for the rendering to end.
-    pub fn wait(mut self) -> (Session, Result<Rendering, SessionError>) {
+    pub fn wait(mut self) -> (Session, Result<Outcome, SessionError>) {
         let Some(thread) = self.thread.take() else { unreachable!("only this takes the thread") };
         match thread.join() {
             Ok(ended) => ended,

@@ -5,10 +5,12 @@
 //! transport/       how light is found: probes, shared probes, points, a walk
 //! pairing.rs       whose parameters count where a texture gives exit and entry point different ones
 //! normalization.rs what a shape holds of a profile
+//! exit_point.rs    a point that light leaves
 //! entry_point.rs   light that arrives where it enters
 //! ```
 
 pub(crate) mod entry_point;
+mod exit_point;
 pub(crate) mod kernel;
 mod normalization;
 mod note;
@@ -19,22 +21,23 @@ pub(crate) mod transport;
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{Material, Scene, SubsurfaceMethod, SubsurfaceModel};
+use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use crate::ray::SurfacePoint;
 use crate::surface::bsdf::SurfaceParameters;
 use crate::world::World;
-use kernel::{KernelError, KernelRecipe, SubsurfaceKernel};
+use kernel::{KernelRecipe, SubsurfaceKernel};
 use normalization::Normalizer;
 use pairing::Pairing;
-use transport::points::{GatherScratch, PointCloud};
+use transport::points::{GatherScratch, Leaving, PointCloud};
 use transport::probes::Probes;
 use transport::walk::{WalkMedium, WalkRecipe};
 
-pub use kernel::{KernelError as SubsurfaceProfileError, KernelNote, NearestParameter};
-pub use note::{MaterialNote, Note};
+pub(crate) use exit_point::ExitPoint;
+use note::Remark;
+pub use note::{Note, NoteKind};
 pub(crate) use parameters::Subsurface;
-pub(crate) use transport::{ExitPoint, SubsurfaceTransport, Tracing, TransportScratch};
+pub(crate) use transport::{SubsurfaceTransport, Tracing, TransportScratch};
 
 /// Probabilities of probing along the two tangents and the normal.
 ///
@@ -46,8 +49,8 @@ const AXIS_PROBES: [f32; 3] = [0.25, 0.25, 1.0];
 pub(crate) struct SubsurfaceSet {
     /// For each material.
     transports: Vec<SubsurfaceTransport>,
-    /// For each material.
-    notes: Vec<Vec<MaterialNote>>,
+    /// For each material, in words.
+    notes: Vec<Vec<Remark>>,
     axes: [f32; 3],
     has_points: bool,
     normalizer: Option<Normalizer>,
@@ -109,11 +112,14 @@ impl SubsurfaceSet {
     pub(crate) fn normalize(&mut self, world: &World) {
         (self.normalizer, self.normalizer_note) = match Normalizer::new(world, &self.transports) {
             Ok(normalizer) => (normalizer, None),
-            Err(error) => (None, Some(Note::NoNormalization(error))),
+            Err(error) => {
+                let message = format!("subsurface_normalization is left out: {error}");
+                (None, Some(Note { kind: NoteKind::NoNormalization, material: None, message }))
+            }
         };
     }
 
-    fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+    fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let is_absent = material.subsurface_weight.factor <= 0.0;
         match material.subsurface_model {
@@ -124,48 +130,45 @@ impl SubsurfaceSet {
         }
     }
 
-    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let recipe = WalkRecipe::of(material);
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
-                let nearest = recipe.nearest(material);
-                let notes =
-                    if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
-                (SubsurfaceTransport::Walk(medium), notes)
+                (SubsurfaceTransport::Walk(medium), recipe.unreached(material).into_iter().collect())
             }
-            Err(error) => self.stand_in(scene, index, KernelError::Model(error)),
+            Err(error) => self.stand_in(scene, index, &error.to_string()),
         }
     }
 
-    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<MaterialNote>) {
+    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let Some(recipe) = KernelRecipe::of(material) else {
             return (SubsurfaceTransport::Lambertian, Vec::new());
         };
         let kernel = match self.kernels.get(recipe, |recipe| recipe.make(&scene.profile_tables)) {
             Ok(kernel) => kernel,
-            Err(error) => return self.stand_in(scene, index, error),
+            Err(error) => return self.stand_in(scene, index, &error),
         };
-        let nearest = kernel::unfitted(material);
-        let mut notes = if nearest.is_empty() { Vec::new() } else { vec![MaterialNote::Nearest(nearest)] };
-        notes.extend(kernel.notes().iter().copied().map(MaterialNote::Kernel));
+        let model = material.subsurface_model.name();
+        let mut notes: Vec<Remark> = kernel::unfitted(material).into_iter().collect();
+        notes.extend(kernel.notes().iter().map(|(kind, words)| (*kind, format!("{model} {words}"))));
         let is_point_based = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
         if is_point_based && kernel.knows_directions() {
-            notes.push(MaterialNote::MeanOverDirections);
+            let words =
+                format!("{model} follows the direction of light; points hold its mean over all directions");
+            notes.push((NoteKind::MeanOverDirections, words));
         }
         (self.transport(scene, index, kernel), notes)
     }
 
     /// Burley's profile in place of one that cannot be made.
-    fn stand_in(
-        &mut self,
-        scene: &Scene,
-        index: usize,
-        error: KernelError,
-    ) -> (SubsurfaceTransport, Vec<MaterialNote>) {
-        let recipe = KernelRecipe::stand_in(&scene.materials[index]);
-        let notes = vec![MaterialNote::StandIn(error)];
+    fn stand_in(&mut self, scene: &Scene, index: usize, error: &str) -> (SubsurfaceTransport, Vec<Remark>) {
+        let material = &scene.materials[index];
+        let recipe = KernelRecipe::stand_in(material);
+        let model = material.subsurface_model.name();
+        let words = format!("{model}: {error}; normalized-diffusion stands in for it");
+        let notes = vec![(NoteKind::StandIn, words)];
         match self.kernels.get(recipe, |recipe| recipe.make(&[])) {
             Ok(kernel) => (self.transport(scene, index, kernel), notes),
             Err(_) => (SubsurfaceTransport::Lambertian, notes),
@@ -218,15 +221,14 @@ impl SubsurfaceSet {
         self.transports.iter_mut().for_each(|transport| transport.set_axes(axes));
     }
 
-    /// What a user should know of it.
+    /// Notes for the user.
     pub(crate) fn notes(&self, scene: &Scene) -> Vec<Note> {
         let of_materials = self.notes.iter().zip(&scene.materials).flat_map(|(notes, material)| {
-            let Material { name, subsurface_model: model, .. } = material;
-            notes.iter().map(|note| Note::Material {
-                material: name.clone(),
-                model: *model,
-                note: note.clone(),
-            })
+            let note = |(kind, words): &Remark| {
+                let (material, message) = (Some(material.name.clone()), words.clone());
+                Note { kind: *kind, material, message }
+            };
+            notes.iter().map(note)
         });
         of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()
     }
@@ -256,7 +258,7 @@ impl SubsurfaceSet {
         scratch: &mut GatherScratch,
     ) -> Vec3 {
         let Some(normalizer) = &self.normalizer else { return Vec3::ONE };
-        normalizer.factor(&scene.materials[exit.material], &exit.leaving(), scratch)
+        normalizer.factor(&scene.materials[exit.material], &Leaving::at(exit), scratch)
     }
 
     /// Factor on light that leaves where the shape is known to hold so much of the profile's energy.

@@ -10,10 +10,10 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use translucid_scene::{Material, SubsurfaceNormalization};
+use translucid_scene::{Material, SceneError, SubsurfaceNormalization};
 
 use super::transport::SubsurfaceTransport;
-use super::transport::points::{GatherScratch, Gatherer, Leaving, Making, PointCloud, PointsError};
+use super::transport::points::{GatherScratch, Gatherer, Leaving, Making, PointCloud};
 use crate::world::World;
 
 /// Most memory for points, in bytes, whatever the scene allows: half a million.
@@ -34,10 +34,7 @@ impl Normalizer {
     ///
     /// # Errors
     /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
-    pub(crate) fn new(
-        world: &World,
-        transports: &[SubsurfaceTransport],
-    ) -> Result<Option<Self>, PointsError> {
+    pub(crate) fn new(world: &World, transports: &[SubsurfaceTransport]) -> Result<Option<Self>, SceneError> {
         let is_asked_for = |material: &Material| {
             material.subsurface_normalization == SubsurfaceNormalization::Energy
                 && material.subsurface_weight.factor > 0.0

@@ -1,78 +1,48 @@
-//! What a user should know of a scene as it was made ready.
+//! Notes for the user on a scene as it was made ready.
 
 use std::fmt;
 
 use translucid_scene::{Light, Material, Scene, SubsurfaceModel};
 
-use super::kernel::{KernelError, KernelNote, NearestParameter};
-use super::transport::points::PointsError;
 use crate::light;
 
-/// Something that is not rendered as the scene asks for.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Note {
-    /// Of one material's subsurface model.
-    Material {
-        /// Name of the material.
-        material: String,
-        /// The model.
-        model: SubsurfaceModel,
-        /// What it does not do.
-        note: MaterialNote,
-    },
-    /// Materials whose walks under a boundary never meet lights of these kinds.
-    LightsWithoutSize {
-        /// Names of the materials.
-        materials: Vec<String>,
-        /// Kinds of light.
-        lights: Vec<&'static str>,
-    },
-    /// Shapes do not count in how much light profiles return.
-    NoNormalization(PointsError),
-}
-
-/// Something that a material's subsurface model does not do as the material asks.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MaterialNote {
-    /// Parameters beyond what the model is fitted for.
-    Nearest(Vec<NearestParameter>),
-    /// The profile has limits.
-    Kernel(KernelNote),
-    /// The profile cannot be made: `normalized-diffusion` stands in for it.
-    StandIn(KernelError),
+/// A way in which something is not rendered as the scene asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum NoteKind {
+    /// The model's profile cannot be made: `normalized-diffusion` stands in for it.
+    StandIn,
+    /// g or η are beyond what the model is made for: the nearest that it knows are used.
+    NearestParameters,
+    /// The model does not reach the greatest surface albedos: its shape at the greatest stands in there.
+    AlbedoLimit,
+    /// The model is noisy at so small a relative index of refraction.
+    NoisyBoundary,
     /// Points hold the mean over all directions of light.
     MeanOverDirections,
+    /// Walks under a boundary never meet lights without a size.
+    LightsWithoutSize,
+    /// Shapes do not count in how much light profiles return.
+    NoNormalization,
+}
+
+/// Kind and words of a note on a material.
+pub(super) type Remark = (NoteKind, String);
+
+/// Something that is not rendered as the scene asks for.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// Its kind.
+    pub kind: NoteKind,
+    /// Name of the material that it is about, if it is one material's.
+    pub material: Option<String>,
+    /// Words on what is done otherwise, and what would help.
+    pub message: String,
 }
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Material { material, model, note } => {
-                let model = model.name();
-                write!(f, "material {material}: ")?;
-                match note {
-                    MaterialNote::Nearest(changes) => {
-                        let changes: Vec<String> = changes.iter().map(ToString::to_string).collect();
-                        write!(f, "{model} does not reach so far: {}", changes.join("; "))
-                    }
-                    MaterialNote::Kernel(note) => write!(f, "{model} {note}"),
-                    MaterialNote::StandIn(error) => {
-                        write!(f, "{model}: {error}; normalized-diffusion stands in for it")
-                    }
-                    MaterialNote::MeanOverDirections => write!(
-                        f,
-                        "{model} follows the direction of light; points hold its mean over all directions"
-                    ),
-                }
-            }
-            Self::LightsWithoutSize { materials, lights } => write!(
-                f,
-                "material {}: random-walk under a boundary (subsurface_eta above 1) meets lights by chance, and never those without a size: {} lights do not shine into it; give them a size, or set subsurface_eta = 1",
-                materials.join(", "),
-                lights.join(", ")
-            ),
-            Self::NoNormalization(error) => write!(f, "subsurface_normalization is left out: {error}"),
-        }
+        self.material.as_ref().map_or(Ok(()), |material| write!(f, "material {material}: "))?;
+        f.write_str(&self.message)
     }
 }
 
@@ -87,8 +57,29 @@ impl Note {
             scene.lights.iter().filter_map(|light: &Light| light::kind_without_size(light)).collect();
         lights.sort_unstable();
         lights.dedup();
-        let materials: Vec<String> =
-            scene.materials.iter().filter(refracts).map(|m| m.name.clone()).collect();
-        (!lights.is_empty() && !materials.is_empty()).then_some(Self::LightsWithoutSize { materials, lights })
+        let materials: Vec<&str> = scene.materials.iter().filter(refracts).map(|m| m.name.as_str()).collect();
+        let message = format!(
+            "material {}: random-walk under a boundary (subsurface_eta above 1) meets lights by chance, and never those without a size: {} lights do not shine into it; give them a size, or set subsurface_eta = 1",
+            materials.join(", "),
+            lights.join(", ")
+        );
+        (!lights.is_empty() && !materials.is_empty()).then_some(Self {
+            kind: NoteKind::LightsWithoutSize,
+            material: None,
+            message,
+        })
+    }
+
+    /// Words on the g and η that a material states otherwise than its model uses them; `None` where it does not.
+    pub(crate) fn of_nearest(material: &Material, used: [f64; 2]) -> Option<Remark> {
+        let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
+        let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
+        let changes: Vec<String> = (0..2)
+            .filter(|&i| f64::from(stated[i]) != used[i])
+            .map(|i| format!("{} is {}, taken for {}", names[i], stated[i], used[i] as f32))
+            .collect();
+        let model = material.subsurface_model.name();
+        let words = || format!("{model} does not reach so far: {}", changes.join("; "));
+        (!changes.is_empty()).then(|| (NoteKind::NearestParameters, words()))
     }
 }

@@ -11,9 +11,9 @@
 use glam::Vec3;
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceTextureAt};
 
+use super::exit_point::ExitPoint;
 use super::kernel::SubsurfaceKernel;
 use super::parameters::Subsurface;
-use super::transport::ExitPoint;
 use crate::ray::Hit;
 use crate::surface;
 use crate::surface::bsdf::SurfaceParameters;
@@ -22,7 +22,7 @@ use crate::world::World;
 /// Surface albedos among which the widest profile is sought.
 const ALBEDOS: u16 = 64;
 
-/// What the search misses between them, and more: widths change by less than this from one to the next around the
+/// Margin for what the search misses between them: widths change by less than this from one to the next around the
 /// greatest.
 const MARGIN: f32 = 1.02;
 

@@ -1,4 +1,4 @@
-//! What a medium looks like at a point of its surface.
+//! The appearance of a medium at a point of its surface.
 
 use glam::Vec3;
 

@@ -1,7 +1,7 @@
 //! Colors and numbers at a point: factors, textures and vertex colors multiplied.
 
 use glam::Vec3;
-use translucid_scene::{Channel, ColorInput, Image, ScalarInput, Scene, TextureRef};
+use translucid_scene::{ColorInput, Image, ScalarInput, Scene, TextureRef};
 
 use crate::ray::SurfacePoint;
 
@@ -17,16 +17,7 @@ pub(super) fn color(scene: &Scene, input: &ColorInput, point: &SurfacePoint) -> 
 pub(super) fn scalar(scene: &Scene, input: &ScalarInput, point: &SurfacePoint) -> f32 {
     match &input.texture {
         None => input.factor,
-        Some((texture, channel)) => {
-            let texel = texel(&scene.images, texture, point);
-            let index = match channel {
-                Channel::Red => 0,
-                Channel::Green => 1,
-                Channel::Blue => 2,
-                Channel::Alpha => 3,
-            };
-            input.factor * texel[index]
-        }
+        Some((texture, channel)) => input.factor * texel(&scene.images, texture, point)[*channel as usize],
     }
 }
 

@@ -1,4 +1,4 @@
-//! What all paths know of a scene, and what light does between two of its points.
+//! The scene as all paths know it, and light between two of its points.
 
 mod direct_light;
 mod path_state;

@@ -29,7 +29,7 @@ pub mod layer {
     pub const COUNT: usize = 21;
 }
 
-/// What one camera path brings; the beauty image is the sum of the four light layers.
+/// The light and the features that one camera path brings; the beauty image is the sum of the four light layers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PixelSample {
     /// See [`layer::DIFFUSE`].

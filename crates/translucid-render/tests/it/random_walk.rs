@@ -110,7 +110,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
         scene.environment = uniform_environment(Vec3::ONE);
         let renderer = prepare(scene);
         assert!(renderer.notes().is_empty(), "{:?}", renderer.notes());
-        let result = flux(&renderer, samples(1 << 14), on_plane);
+        let result = flux(&renderer, samples(1 << 17), on_plane);
         assert_within(&format!("g {g} eta {eta} {parameter:?}"), result, ALBEDO);
     }
 }

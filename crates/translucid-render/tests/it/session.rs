@@ -30,14 +30,14 @@ fn session_stops_at_once_and_goes_on() {
         let result;
         (session, result) = running.stop();
         least = least.min(before.elapsed());
-        assert_eq!(result.expect("no error").outcome, Outcome::Interrupted);
+        assert_eq!(result.expect("no error"), Outcome::Interrupted);
     }
     assert!(least < Duration::from_millis(20), "{least:?}");
     // Where it was stopped leaves no trace
     let samples = session.film().sums().tiles.iter().map(|tile| tile.samples).max().unwrap_or(0) + 1;
     let never = AtomicBool::new(false);
     let plan = Plan::samples(samples);
-    assert_eq!(session.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error").outcome, Outcome::Finished);
+    assert_eq!(session.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error"), Outcome::Finished);
     let mut whole = self::session();
     whole.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error");
     assert!(*session.film().sums() == *whole.film().sums());
@@ -114,8 +114,8 @@ fn observer_hears_of_points_previews_and_samples() {
     };
     let plan = Plan { previews: vec![Fraction::Eighth, Fraction::Half], ..Plan::samples(1) };
     let never = AtomicBool::new(false);
-    let rendering = on_threads(2, || session.run(&plan, &observer, &never)).expect("no error");
-    assert_eq!(rendering.outcome, Outcome::Finished);
+    let outcome = on_threads(2, || session.run(&plan, &observer, &never)).expect("no error");
+    assert_eq!(outcome, Outcome::Finished);
     let words = heard.into_inner().expect("no panic");
     assert_eq!(words, ["points", "Eighth 6x4", "Half 24x14", "samples"]);
     assert!(!never.load(Ordering::Relaxed));

@@ -1,4 +1,4 @@
-//! What tells several pictures of one scene apart: numbers, maps, a sheet and a page.
+//! Differences between several pictures of one scene: numbers, maps, a sheet and a page.
 
 use translucid_laboratory::picture::{
     FlipMap, Picture, Raster, Sheet, SheetColumn, difference_color, flip_color, relative_difference,
@@ -6,8 +6,9 @@ use translucid_laboratory::picture::{
 };
 use translucid_laboratory::{Block, Cell, DataTable, Page, Plate, Section};
 
-use super::directory::{ERRORS, File, PAGE, SHEET, TITLE, map_names};
+use super::files::{ERRORS, PAGE, SHEET, TITLE, map_names};
 use crate::failure::Failure;
+use crate::files::NamedFile;
 use crate::progress::duration;
 
 /// The picture with one model, and what it took.
@@ -49,7 +50,7 @@ struct Distance {
 
 impl Report {
     /// All files, the page first.
-    pub(super) fn files(&self) -> Result<Vec<File>, Failure> {
+    pub(super) fn files(&self) -> Result<Vec<NamedFile>, Failure> {
         let distances: Vec<Distance> =
             self.entries.iter().map(|entry| self.distance(entry)).collect::<Result<_, _>>()?;
         let work = |error: std::io::Error| Failure::work(format!("cannot draw a picture: {error}"));
@@ -193,7 +194,7 @@ impl Report {
     fn plates(
         &self,
         pictures: &[Raster],
-        maps: &[File],
+        maps: &[NamedFile],
         distances: &[Distance],
     ) -> Result<[Vec<Plate>; 3], Failure> {
         let mut plates = [Vec::new(), Vec::new(), Vec::new()];
@@ -274,7 +275,7 @@ impl Report {
     }
 }
 
-/// What a display shows of a picture.
+/// A picture as a display shows it.
 fn shown(picture: &Picture) -> Raster {
     Raster::new(picture.width(), picture.height(), picture.display().to_vec())
 }

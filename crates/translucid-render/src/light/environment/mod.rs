@@ -14,7 +14,7 @@ use map::EnvironmentMap;
 /// See [`translucid_scene::Environment`].
 #[derive(Clone, Debug)]
 pub(crate) enum Environment {
-    /// The same radiance from everywhere.
+    /// Equal radiance from everywhere.
     Constant(Vec3),
     /// An image.
     Map(Box<EnvironmentMap>),

@@ -107,7 +107,7 @@ fn clusters(items: &mut [Item], depth: u32) -> Vec<&mut [Item]> {
     clusters.into_iter().map(|(_, items)| items).collect()
 }
 
-/// What the cost of a cluster is made of; it adds up.
+/// The parts of a cluster's cost, which add up.
 #[derive(Clone, Copy, Debug)]
 struct Summary {
     low: Vec3,
@@ -151,7 +151,7 @@ impl Summary {
 
     /// Strength × squared diagonal × solid angle of emission.
     ///
-    /// Of emitters of a hemisphere about each normal in a cone the latter is π for one normal, 4π for all; between
+    /// For emitters of a hemisphere about each normal in a cone the latter is π for one normal, 4π for all; between
     /// these π (1 + 3 √x) with x = (1 − cos θ_o)/2 is within 15 % of the paper's formula.
     fn cost(&self) -> f64 {
         if self.count == 0 {

@@ -95,7 +95,7 @@ pub(crate) struct Node {
 
 const NONE: Lanes = [Vec4::ZERO; WIDTH / 4];
 
-/// What is below a lane of a node.
+/// The content of a node's lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Child {
     Node(u32),
@@ -145,7 +145,7 @@ impl Node {
         };
     }
 
-    /// What is in a lane, if anything.
+    /// The content of a lane, if there is any.
     fn child(&self, lane: usize) -> Option<Child> {
         let child = self.children[lane];
         let found = if child & LEAF == 0 { Child::Node(child) } else { Child::Light(child & !LEAF) };
@@ -169,7 +169,7 @@ impl Node {
         [a, b, c, d, e, f, g, h]
     }
 
-    /// The same for four lanes at once, without branches.
+    /// Importance of four lanes at once, without branches.
     #[inline(always)]
     fn importances_of_half(&self, i: usize, receiver: &Receiver) -> Vec4 {
         let (point, normal, tilt) = (receiver.point, receiver.normal, receiver.normal.abs());
@@ -247,7 +247,7 @@ pub(crate) struct LightTree {
     nodes: Vec<Node>,
     /// For each node the node and lane that it is in, as node × `WIDTH` + lane.
     parents: Vec<u32>,
-    /// The same for each light.
+    /// The lane of each light.
     leaves: Vec<u32>,
 }
 

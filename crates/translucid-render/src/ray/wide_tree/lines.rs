@@ -1,6 +1,6 @@
 //! The tree's memory: nodes and blocks side by side in one array of cache lines.
 //!
-//! What a ray visits together lies together, so that it touches few pages of memory.
+//! Cache lines of the tree: nodes that a ray visits together lie together, so that it touches few pages of memory.
 
 use bytemuck::{Pod, Zeroable};
 

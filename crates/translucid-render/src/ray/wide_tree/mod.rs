@@ -72,15 +72,22 @@ impl WideTree {
     /// The nearest hit along a ray with the number of its leaf.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<(TriangleHit, u32)> {
-        let mut nearest = Nearest { hit: None };
-        self.traverse(ray, &mut nearest);
-        nearest.hit
+        self.nearest(ray, TriangleBlock::closest)
     }
 
     /// The nearest hit along a ray with a subsurface group, with the number of its leaf.
     #[inline]
     pub(crate) fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<(TriangleHit, u32)> {
-        let mut nearest = NearestInGroup { group, hit: None };
+        self.nearest(ray, move |block, ray| block.closest_in_group(ray, group))
+    }
+
+    #[inline(always)]
+    fn nearest(
+        &self,
+        ray: &Ray,
+        of_block: impl Fn(&TriangleBlock, &BlockRay) -> Option<(TriangleHit, usize)>,
+    ) -> Option<(TriangleHit, u32)> {
+        let mut nearest = Nearest { of_block, hit: None };
         self.traverse(ray, &mut nearest);
         nearest.hit
     }
@@ -99,35 +106,18 @@ impl WideTree {
 }
 
 /// Looks for the nearest hit.
-struct Nearest {
+struct Nearest<F> {
+    /// The nearest hit of a block that counts, and its lane.
+    of_block: F,
     hit: Option<(TriangleHit, u32)>,
 }
 
-impl Visitor for Nearest {
+impl<F: Fn(&TriangleBlock, &BlockRay) -> Option<(TriangleHit, usize)>> Visitor for Nearest<F> {
     const IS_ORDERED: bool = true;
 
     #[inline(always)]
     fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool {
-        if let Some((hit, lane)) = block.closest(ray) {
-            ray.t_max = hit.t;
-            self.hit = Some((hit, first + lane as u32));
-        }
-        false
-    }
-}
-
-/// Looks for the nearest hit of a subsurface group.
-struct NearestInGroup {
-    group: u32,
-    hit: Option<(TriangleHit, u32)>,
-}
-
-impl Visitor for NearestInGroup {
-    const IS_ORDERED: bool = true;
-
-    #[inline(always)]
-    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool {
-        if let Some((hit, lane)) = block.closest_in_group(ray, self.group) {
+        if let Some((hit, lane)) = (self.of_block)(block, ray) {
             ray.t_max = hit.t;
             self.hit = Some((hit, first + lane as u32));
         }

@@ -100,7 +100,7 @@ impl SlabRay {
         met
     }
 
-    /// The same eight tests with one instruction each.
+    /// Tests eight boxes with one instruction for each step.
     ///
     /// It has no `target_feature` of its own, with which it could not be told to always become part of its caller: calls
     /// cost a fifth of all rays per second.

@@ -13,7 +13,7 @@ use super::WideTree;
 use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
 use crate::ray::triangle::{BlockRay, LANES, Ray, TriangleBlock};
 
-/// What is asked of a ray's way.
+/// A question about a ray's way.
 pub(super) trait Visitor {
     /// Whether near blocks shall come before far ones, and what lies beyond the ray's end, which then may come nearer,
     /// be left out.
@@ -124,7 +124,7 @@ impl WideTree {
         }
     }
 
-    /// Of the children that a ray meets, of which there are any, the nearest; the others go onto the stack so that the
+    /// Takes the nearest of the children that a ray meets, of which there are any; the others go onto the stack so that the
     /// nearest of them is on top.
     #[inline(always)]
     fn choose<V: Visitor>(&self, node: &Node, met: &Met, stack: &mut [Visit], used: &mut usize) -> Visit {

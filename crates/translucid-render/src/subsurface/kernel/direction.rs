@@ -19,44 +19,25 @@ pub(crate) struct Passage {
     pub(crate) exit_normal: Vec3,
 }
 
-/// The weight of light by its direction, per channel.
-#[allow(
-    clippy::large_enum_variant,
-    reason = "it lives on the stack for one event: a box would allocate in the inner loop"
-)]
-pub(crate) enum DirectionalWeight {
-    /// All directions alike.
-    Radial,
-    /// The directional dipole.
-    Dipole {
-        passage: Passage,
-        dipoles: [DirectionalDipoleF32; 3],
-        /// 1/R(|x_o − x_i|) of the profile that the entry was found by; 0 in channels that do not scatter.
-        inverse: Vec3,
-    },
-    /// Normalized diffusion of oblique light.
-    Oblique {
-        passage: Passage,
-        profiles: [ObliqueDiffusionF32; 3],
-        /// 1/(r R(r)) of the profile that the entry was found by; 0 in channels that do not scatter.
-        inverse: Vec3,
-    },
-}
-
-/// Directional part of the kernel for the parameters of an exit point.
+/// A model that knows directions at the parameters of an exit point, per channel.
 #[allow(
     clippy::large_enum_variant,
     reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
 )]
 #[derive(Clone, Copy)]
-pub(crate) enum Directions<'a> {
-    /// All directions alike.
-    Radial,
+pub(crate) enum DirectedProfiles {
     /// The directional dipole.
-    Dipole([DirectionalDipoleF32; 3], RadialMean<'a>),
+    Dipole([DirectionalDipoleF32; 3]),
     /// Normalized diffusion of oblique light.
-    Oblique([ObliqueDiffusionF32; 3], RadialMean<'a>),
+    Oblique([ObliqueDiffusionF32; 3]),
 }
+
+/// Directional part of the kernel for the parameters of an exit point; none where all directions are alike.
+#[derive(Clone, Copy)]
+pub(crate) struct Directions<'a>(pub(super) Option<(DirectedProfiles, RadialMean<'a>)>);
+
+/// The weight of light by its direction, per channel; none where all directions are alike.
+pub(crate) struct DirectionalWeight(Option<(DirectedProfiles, Passage, Vec3)>);
 
 /// The profiles that entries are found by, of the shape that their table has.
 #[derive(Clone, Copy)]
@@ -85,34 +66,31 @@ impl Directions<'_> {
     /// The weights of light that goes a way below the surface.
     pub(crate) fn along(&self, passage: Passage) -> DirectionalWeight {
         let distance = passage.offset.length();
-        match self {
-            Self::Radial => DirectionalWeight::Radial,
-            Self::Dipole(dipoles, mean) => DirectionalWeight::Dipole {
-                passage,
-                dipoles: *dipoles,
-                inverse: mean.inverse(|view| view.pdf_area(distance)),
-            },
-            Self::Oblique(profiles, mean) => DirectionalWeight::Oblique {
-                passage,
-                profiles: *profiles,
-                inverse: mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
-            },
-        }
+        DirectionalWeight(self.0.map(|(profiles, mean)| {
+            // 1/R(|x_o − x_i|), or 1/(r R(r)), of the profile that the entry was found by
+            let inverse = match profiles {
+                DirectedProfiles::Dipole(_) => mean.inverse(|view| view.pdf_area(distance)),
+                DirectedProfiles::Oblique(_) => mean.inverse(|view| view.pdf(distance) * (0.5 * FRAC_1_PI)),
+            };
+            (profiles, passage, inverse)
+        }))
     }
 }
 
 impl DirectionalWeight {
+    /// All directions alike.
+    pub(crate) const RADIAL: Self = Self(None);
+
     /// Factor on light that comes from a unit direction.
     #[inline]
     pub(crate) fn weight(&self, toward_light: Vec3) -> Vec3 {
-        match self {
-            Self::Radial => Vec3::ONE,
-            Self::Dipole { passage, dipoles, inverse } => {
-                let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
+        let Some((profiles, passage, inverse)) = &self.0 else { return Vec3::ONE };
+        let [offset, omega, entry_normal, exit_normal] = passage.arrays(toward_light);
+        match profiles {
+            DirectedProfiles::Dipole(dipoles) => {
                 per_channel(*inverse, |c| dipoles[c].eval(offset, omega, entry_normal, exit_normal))
             }
-            Self::Oblique { passage, profiles, inverse } => {
-                let [offset, omega, entry_normal, _] = passage.arrays(toward_light);
+            DirectedProfiles::Oblique(profiles) => {
                 per_channel(*inverse, |c| profiles[c].eval_times_r(offset, omega, entry_normal))
             }
         }

@@ -14,11 +14,12 @@ mod recipe;
 use glam::Vec3;
 use translucid_profile::{AlbedoTableF32, DirectionalDipoleTable, ObliqueDiffusionTable, ProfileViewF32};
 
+use super::note::Remark;
 use super::parameters::Subsurface;
 
 pub(crate) use cut::CutProfile;
+use direction::DirectedProfiles;
 pub(crate) use direction::{DirectionalWeight, Directions, Passage};
-pub use recipe::{KernelError, KernelNote, NearestParameter};
 pub(crate) use recipe::{KernelRecipe, unfitted};
 
 /// The profile of one material, or of several that are alike.
@@ -30,7 +31,7 @@ pub(crate) struct SubsurfaceKernel {
     /// Whether a user has made the profile: it may have any shape, holes included.
     is_from_file: bool,
     angular: Angular,
-    notes: Vec<KernelNote>,
+    notes: Vec<Remark>,
 }
 
 /// A kernel's knowledge of directions.
@@ -64,8 +65,8 @@ impl SubsurfaceKernel {
         self.radial(surface_albedo, length).truncation_radius(0.5)
     }
 
-    /// Notes on what the kernel does not do as its material asks.
-    pub(crate) fn notes(&self) -> &[KernelNote] {
+    /// Shortcomings of the kernel against its material, in words that follow its model's name.
+    pub(crate) fn notes(&self) -> &[Remark] {
         &self.notes
     }
 
@@ -79,22 +80,23 @@ impl SubsurfaceKernel {
         !self.is_from_file
     }
 
-    /// What the parameters of an exit point say about directions.
+    /// The directional part of an exit point's parameters.
     pub(crate) fn directions(&self, subsurface: &Subsurface) -> Directions<'_> {
         let Subsurface { surface_albedo, length } = *subsurface;
         let shape = |c: usize| surface_albedo[c].min(self.brightest);
-        let mean = || direction::RadialMean {
+        let profiles = match &self.angular {
+            Angular::Nothing => return Directions(None),
+            Angular::Dipole(table) => {
+                DirectedProfiles::Dipole([0, 1, 2].map(|c| table.at(shape(c), length[c])))
+            }
+            Angular::Oblique(table) => {
+                DirectedProfiles::Oblique([0, 1, 2].map(|c| table.at(shape(c), length[c])))
+            }
+        };
+        let mean = direction::RadialMean {
             views: [0, 1, 2].map(|c| self.radial(shape(c), length[c])),
             surface_albedo: [0, 1, 2].map(|c| if length[c] > 0.0 { shape(c) } else { 0.0 }),
         };
-        match &self.angular {
-            Angular::Nothing => Directions::Radial,
-            Angular::Dipole(table) => {
-                Directions::Dipole([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
-            }
-            Angular::Oblique(table) => {
-                Directions::Oblique([0, 1, 2].map(|c| table.at(shape(c), length[c])), mean())
-            }
-        }
+        Directions(Some((profiles, mean)))
     }
 }

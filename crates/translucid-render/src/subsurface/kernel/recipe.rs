@@ -1,14 +1,13 @@
 //! From a material to its kernel.
 
-use std::fmt;
-
 use translucid_profile::{
     AlbedoTable, AlbedoTableF32, Appearance, Configuration, DirectionalDipoleTable, Model,
     ObliqueDiffusionTable, ParameterError, Parameterization, Profile,
 };
-use translucid_scene::{Material, ProfileTable, SceneError, SubsurfaceModel};
+use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 
 use super::{Angular, SubsurfaceKernel};
+use crate::subsurface::note::{Note, NoteKind, Remark};
 
 /// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
 const DARKEST: f64 = 1e-3;
@@ -41,49 +40,6 @@ pub(crate) struct ModelRecipe {
     surface_albedos: Option<[f64; 3]>,
 }
 
-/// What a kernel does not do as the material asks.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum KernelNote {
-    /// The model reaches no greater surface albedo than this; its shape there stands in above.
-    AlbedoLimit(f64),
-    /// The directional dipole is noisy at so small a relative index of refraction, and pale where light grazes.
-    NoisyBoundary(f64),
-}
-
-impl fmt::Display for KernelNote {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::AlbedoLimit(most) => {
-                write!(f, "reaches a surface albedo of {most:.4}; its shape there stands in above")
-            }
-            Self::NoisyBoundary(eta) => write!(
-                f,
-                "is noisy at subsurface_eta {eta}, and pale where light grazes; it is made for an index like 1.4"
-            ),
-        }
-    }
-}
-
-/// A profile that cannot be made.
-#[derive(Clone, Debug, PartialEq)]
-pub enum KernelError {
-    /// The model has none for these parameters.
-    Model(ParameterError),
-    /// The file's samples make none.
-    File(SceneError),
-}
-
-impl fmt::Display for KernelError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Model(error) => error.fmt(f),
-            Self::File(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for KernelError {}
-
 impl KernelRecipe {
     /// The recipe of a material's own model; `None` where that is no profile.
     pub(crate) fn of(material: &Material) -> Option<Self> {
@@ -101,11 +57,14 @@ impl KernelRecipe {
     }
 
     /// Tabulates the kernel. Takes milliseconds to tenths of a second.
-    pub(crate) fn make(&self, files: &[ProfileTable]) -> Result<SubsurfaceKernel, KernelError> {
+    ///
+    /// # Errors
+    /// The model has no profile for these parameters, or the file's samples make none: in words.
+    pub(crate) fn make(&self, files: &[ProfileTable]) -> Result<SubsurfaceKernel, String> {
         match self {
-            Self::Model(recipe) => recipe.make().map_err(KernelError::Model),
+            Self::Model(recipe) => recipe.make().map_err(|error| error.to_string()),
             Self::File(index) => {
-                let table = files[*index].table().map_err(KernelError::File)?;
+                let table = files[*index].table().map_err(|error| error.to_string())?;
                 Ok(SubsurfaceKernel {
                     radial: AlbedoTableF32::from(&table),
                     brightest: 1.0,
@@ -124,42 +83,10 @@ fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
     model.nearest_known(f64::from(g), f64::from(eta))
 }
 
-/// The g and η that a material asks for and its model is not fitted for, with those that it is used with.
-pub(crate) fn unfitted(material: &Material) -> Vec<NearestParameter> {
-    let SubsurfaceModel::Profile(model) = material.subsurface_model else { return Vec::new() };
-    if !model.knows_boundary() {
-        return Vec::new();
-    }
-    NearestParameter::changed(material, nearest_known(model, material))
-}
-
-/// A parameter that is out of a model's reach and taken for the nearest within.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct NearestParameter {
-    /// Name of the parameter as scene files have it.
-    pub parameter: &'static str,
-    /// Value that the material states.
-    pub stated: f32,
-    /// Value in its place.
-    pub used: f64,
-}
-
-impl NearestParameter {
-    /// Which of g and η a material states otherwise than they are used.
-    pub(crate) fn changed(material: &Material, used: [f64; 2]) -> Vec<Self> {
-        let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
-        let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
-        (0..2)
-            .filter(|&i| f64::from(stated[i]) != used[i])
-            .map(|i| Self { parameter: names[i], stated: stated[i], used: used[i] })
-            .collect()
-    }
-}
-
-impl fmt::Display for NearestParameter {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} is {}, taken for {}", self.parameter, self.stated, self.used as f32)
-    }
+/// Words on the g and η that a material asks for and its model is not fitted for.
+pub(crate) fn unfitted(material: &Material) -> Option<Remark> {
+    let SubsurfaceModel::Profile(model) = material.subsurface_model else { return None };
+    model.knows_boundary().then(|| Note::of_nearest(material, nearest_known(model, material)))?
 }
 
 impl ModelRecipe {
@@ -183,8 +110,15 @@ impl ModelRecipe {
         let (table, most) = self.table()?;
         let wanted = self.surface_albedos.map_or(1.0, |albedos| albedos.into_iter().fold(0.0, f64::max));
         let is_noisy = self.model == Model::DirectionalDipole && self.eta < LEAST_ETA_OF_DIRECTIONAL_DIPOLE;
-        let limit = (most < wanted).then_some(KernelNote::AlbedoLimit(most));
-        let noisy = is_noisy.then_some(KernelNote::NoisyBoundary(self.eta));
+        let limit = || format!("reaches a surface albedo of {most:.4}; its shape there stands in above");
+        let noisy = || {
+            format!(
+                "is noisy at subsurface_eta {}, and pale where light grazes; it is made for an index like 1.4",
+                self.eta
+            )
+        };
+        let limit = (most < wanted).then(|| (NoteKind::AlbedoLimit, limit()));
+        let noisy = is_noisy.then(|| (NoteKind::NoisyBoundary, noisy()));
         Ok(SubsurfaceKernel {
             radial: AlbedoTableF32::from(&table),
             brightest: self.brightest() as f32,

@@ -19,12 +19,13 @@ use std::sync::Arc;
 use glam::Vec3;
 use translucid_scene::{Material, Scene};
 
+use super::exit_point::ExitPoint;
 use super::parameters::Subsurface;
 use crate::ray::SurfacePoint;
 use crate::sampling::Sampler;
 use crate::surface;
 use crate::world::{Layer, PathState, World};
-use points::{GatherScratch, Gatherer, Leaving};
+use points::{GatherScratch, Gatherer};
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
 use walk::WalkMedium;
@@ -41,28 +42,7 @@ pub(crate) enum SubsurfaceTransport {
     Walk(Arc<WalkMedium>),
 }
 
-/// The point that light leaves, as a path has met it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct ExitPoint<'a> {
-    pub(crate) point: &'a SurfacePoint,
-    /// Number of its material.
-    pub(crate) material: usize,
-    /// Shading normal on the outside.
-    pub(crate) normal: Vec3,
-    /// 1 where the surface is seen from its outside, −1 from its inside.
-    pub(crate) side: f32,
-    pub(crate) subsurface: Subsurface,
-}
-
-impl ExitPoint<'_> {
-    /// The point as one that light is gathered for.
-    pub(crate) fn leaving(&self) -> Leaving {
-        let SurfacePoint { position, geometric_normal: normal, group, .. } = *self.point;
-        Leaving { position, normal, group, material: self.material, subsurface: self.subsurface }
-    }
-}
-
-/// What a transport may ask of the path tracer.
+/// The path tracer as a transport sees it.
 pub(crate) trait Tracing<'a> {
     /// Memory of this thread.
     fn scratch(&mut self) -> &mut TransportScratch<'a>;

@@ -1,4 +1,4 @@
-//! What a rough lobe under a coat loses to the coat, beyond what the coat takes from the direction seen.
+//! Light that a rough lobe under a coat loses to the coat, beyond what the coat takes from the direction seen.
 //!
 //! A facet lobe under a coat is scaled by the lesser of the coat's transmittances in both directions,
 //! which is reciprocal. Of a lobe with directional albedo E seen at μ, the coat of reflectance `E_c` then

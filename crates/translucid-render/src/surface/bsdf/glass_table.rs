@@ -1,4 +1,4 @@
-//! What single scattering by the facets of rough glass keeps.
+//! Share of light that single scattering by the facets of rough glass keeps.
 
 use std::sync::OnceLock;
 

@@ -1,4 +1,4 @@
-//! What lies over the base of a material: coat and dielectric interface, and what they let through.
+//! The layers over the base of a material: coat and dielectric interface, and the light they let through.
 
 use std::f32::consts::{FRAC_1_PI, TAU};
 use std::sync::OnceLock;
@@ -81,7 +81,7 @@ impl<'a> Layers<'a> {
         }
     }
 
-    /// The same surface without its coat.
+    /// This surface without its coat.
     pub(super) fn without_coat(self) -> Self {
         Self { coat_weight: 0.0, coated: None, ..self }
     }
@@ -130,7 +130,7 @@ impl<'a> Layers<'a> {
         1.0 - specular - self.coat_weight * (self.tables.coat.average(self.coat_roughness) - both)
     }
 
-    /// What a white metal leaves to light between its facets; `coat` is the coat's reflectance there.
+    /// Light that a white metal leaves between its facets; `coat` is the coat's reflectance there.
     pub(super) fn metal_exchange_under(&self, coat: f32, mu: f32) -> f32 {
         let deficit = (1.0 - coat) * self.tables.metal.deficit(mu, self.specular_roughness);
         let loss = self

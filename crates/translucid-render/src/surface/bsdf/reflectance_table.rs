@@ -228,7 +228,7 @@ impl ReflectanceTable {
     }
 }
 
-/// What single scattering by the facets of a lossless metal loses: light that meets several facets.
+/// Share of light that single scattering by the facets of a lossless metal loses: that which meets several facets.
 #[derive(Clone, Debug)]
 pub struct MetalTable {
     deficit: FineGrid,

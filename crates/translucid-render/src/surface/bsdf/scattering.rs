@@ -39,7 +39,7 @@ pub enum Lobe {
     Delta,
 }
 
-/// What [`Bsdf::sample`] decides.
+/// A decision of [`Bsdf::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum BsdfSample {
     /// Light comes from a direction.

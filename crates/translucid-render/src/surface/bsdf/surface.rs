@@ -1,4 +1,4 @@
-//! What the BSDF needs to know of a material at one point.
+//! A material at one point, as the BSDF needs it.
 
 use glam::{BVec3, Vec3};
 
@@ -63,7 +63,7 @@ impl Default for SurfaceParameters {
 }
 
 impl SurfaceParameters {
-    /// The same with every weight, color and roughness in [0, 1]; NaN becomes 0.
+    /// Clamps every weight, color and roughness to [0, 1]; NaN becomes 0.
     #[must_use]
     pub fn clamped(&self) -> Self {
         Self {

@@ -8,9 +8,9 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 pub(crate) use translucid_render::PreparedScene;
 use translucid_render::{
-    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, PointsError, Progress, View, measure,
+    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, Progress, View, measure,
 };
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SceneError};
 
 /// Makes a scene ready to be rendered.
 pub(crate) fn prepare(scene: Scene) -> PreparedScene {
@@ -70,7 +70,7 @@ pub(crate) fn render_until(
 }
 
 /// Makes the points that a scene asks for, within so many bytes.
-pub(crate) fn make_points(prepared: &PreparedScene, memory: u64) -> Result<PointCloud, PointsError> {
+pub(crate) fn make_points(prepared: &PreparedScene, memory: u64) -> Result<PointCloud, SceneError> {
     let points = prepared.make_points(memory, &|_| {}, &AtomicBool::new(false))?;
     Ok(points.expect("nobody stops it"))
 }
@@ -82,7 +82,7 @@ pub(crate) fn with_points(mut prepared: PreparedScene, points: &PointCloud) -> P
 }
 
 /// Makes a scene ready to be rendered, with points if it asks for them, within so many bytes.
-pub(crate) fn prepare_with_points(scene: Scene, memory: u64) -> Result<PreparedScene, PointsError> {
+pub(crate) fn prepare_with_points(scene: Scene, memory: u64) -> Result<PreparedScene, SceneError> {
     let prepared = prepare(scene);
     if !prepared.wants_points() {
         return Ok(prepared);

@@ -81,7 +81,7 @@ pub(super) struct SparseArray {
     pub(super) buffer_view: usize,
     #[serde(default)]
     pub(super) byte_offset: usize,
-    /// Of indices alone; 0 is no type.
+    /// Component type of indices alone; 0 is no type.
     #[serde(default)]
     pub(super) component_type: u32,
 }

@@ -58,7 +58,7 @@ pub fn decode_image(
     Ok(Image { name: place.to_string(), path: None, width, height, color_space, pixels })
 }
 
-/// What a format's decoder returns: width, height and pixels.
+/// Width, height and pixels, as a format's decoder returns them.
 type Decoded = Result<([usize; 2], Pixels), SceneError>;
 
 /// Sets values that are not finite to 0 and counts their pixels.

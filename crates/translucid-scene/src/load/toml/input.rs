@@ -25,7 +25,7 @@ pub(super) const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offse
 #[derive(Clone, Debug)]
 pub(super) struct FileRequest<K> {
     pub(super) path: PathBuf,
-    /// What tells it from another request for the same file.
+    /// Kind of request, which tells it from another request for the same file.
     pub(super) kind: K,
     pub(super) place: Place,
 }

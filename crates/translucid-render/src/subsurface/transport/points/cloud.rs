@@ -1,14 +1,16 @@
-//! What both passes make: points with the light that enters there.
+//! The cloud that both passes make: points with the light that enters there.
 
 use std::sync::atomic::AtomicBool;
 
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
+use translucid_scene::SceneError;
 
 use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
 use super::irradiance::irradiance;
-use super::plan::{Plan, PointsError};
+use super::plan::Plan;
 use super::surfels::{Surfel, Unfinished, cover};
 use crate::world::World;
 
@@ -17,7 +19,7 @@ use crate::world::World;
 /// It belongs to a scene but for its camera, film and samples per pixel: other views of the scene can use it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCloud {
-    /// Of all that decides the points and their light.
+    /// Fingerprint of all that decides the points and their light.
     pub(super) fingerprint: u64,
     pub(super) groups: Vec<CloudGroup>,
     /// Group by group, in the order of the hierarchy.
@@ -27,7 +29,8 @@ pub struct PointCloud {
 }
 
 /// The points of a subsurface group.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+#[repr(C)]
 pub(super) struct CloudGroup {
     pub(super) number: u32,
     pub(super) count: u32,
@@ -58,7 +61,7 @@ pub struct PointProgress {
 /// How points are made.
 #[derive(Clone, Copy)]
 pub(crate) struct Making<'a> {
-    /// Of all that decides the points and their light.
+    /// Fingerprint of all that decides the points and their light.
     pub(crate) fingerprint: u64,
     /// Most bytes that they may take.
     pub(crate) memory: u64,
@@ -85,7 +88,7 @@ impl PointCloud {
         transports: &[SubsurfaceTransport],
         tracer: impl Fn() -> T + Sync,
         making: &Making<'_>,
-    ) -> Result<Option<Self>, PointsError> {
+    ) -> Result<Option<Self>, SceneError> {
         let Some(mut cloud) = Self::without_light(world, transports, making)? else {
             return Ok(None);
         };
@@ -104,7 +107,7 @@ impl PointCloud {
         world: &World,
         transports: &[SubsurfaceTransport],
         making: &Making<'_>,
-    ) -> Result<Option<Self>, PointsError> {
+    ) -> Result<Option<Self>, SceneError> {
         let Making { fingerprint, memory, progress, stop } = *making;
         let scene = &world.scene;
         let plan = Plan::new(world, transports);

@@ -32,10 +32,12 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3};
 use translucid_scene::Scene;
 
-use super::super::{ExitPoint, SubsurfaceTransport, Tracing};
+use super::super::{SubsurfaceTransport, Tracing};
 use super::hierarchy::{Hierarchy, Node, Point};
 use super::smooth_profile::SmoothProfile;
 use super::surfels::Surfel;
+use crate::ray::SurfacePoint;
+use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::SubsurfaceKernel;
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{Layer, PathState};
@@ -61,7 +63,15 @@ pub(crate) struct Leaving {
     pub(crate) subsurface: Subsurface,
 }
 
-/// What comes together at a point.
+impl Leaving {
+    /// The point that a path has met.
+    pub(crate) fn at(exit: &ExitPoint<'_>) -> Self {
+        let SurfacePoint { position, geometric_normal: normal, group, .. } = *exit.point;
+        Self { position, normal, group, material: exit.material, subsurface: exit.subsurface }
+    }
+}
+
+/// The light gathered at a point, while it is summed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Gathered {
     /// Σ R a E: radiant exitance under the surface; 0 in channels that do not scatter.
@@ -135,7 +145,7 @@ impl Gatherer {
         path: &mut PathState,
         exit: &ExitPoint<'_>,
     ) -> bool {
-        let Some(gathered) = self.gather(&exit.leaving(), &mut tracer.scratch().points) else {
+        let Some(gathered) = self.gather(&Leaving::at(exit), &mut tracer.scratch().points) else {
             return false;
         };
         let factor = tracer.shape_factor_of(exit, gathered.energy);
@@ -188,7 +198,7 @@ struct Open {
     part: Part,
 }
 
-/// What a cluster adds.
+/// Light of a cluster.
 #[derive(Clone, Copy)]
 struct Part {
     light: DVec3,
@@ -248,7 +258,7 @@ impl<'a> Sum<'a> {
         scratch.open.push(Open { key: relative.max_element() as f32, node: index, part });
     }
 
-    /// What a cluster adds as a whole, see the head of the file.
+    /// Light of a cluster taken as a whole, see the head of the file.
     fn part(&self, node: &Node) -> Part {
         let offset = node.center - self.place;
         let squared = offset.length_squared();
@@ -510,12 +520,12 @@ mod tests {
         irradiance: &[Vec3],
     ) -> Vec3 {
         let Subsurface { surface_albedo, length } = leaving.subsurface;
-        let density = |c: usize, r: f32| kernel.radial(surface_albedo[c], length[c]).pdf_area(r);
+        let profiles = [0, 1, 2].map(|c| kernel.radial(surface_albedo[c], length[c]));
         let (mut sum, mut near, mut weights) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (surfel, light) in surfels.iter().zip(irradiance) {
             let squared = surfel.position().distance_squared(leaving.position);
             let r = (squared + (SOFTENING * spacing).powi(2)).sqrt();
-            let value = Vec3::from_array([0, 1, 2].map(|c| density(c, r)));
+            let value = Vec3::from_array(profiles.each_ref().map(|profile| profile.pdf_area(r)));
             sum += (value * *light * surfel.area).as_dvec3();
             let inside = (1.0 - squared / (NEIGHBORHOOD * spacing).powi(2)).max(0.0);
             let weight =
@@ -540,18 +550,21 @@ mod tests {
             let geometry = Geometry::new(&scene.objects);
             let point = geometry.point_on(&scene, 0, Vec3::new(0.2, 0.2, 0.0));
             let subsurface = set.at(&scene, 0, &point);
-            let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
-            for tolerance in [0.3, 0.05, 0.0] {
-                let mut scene = scene.clone();
-                scene.integrator.point_tolerance = tolerance;
-                let gatherer = Gatherer::new(&scene, set.transports(), &[group], &irradiance);
-                let mut scratch = GatherScratch::default();
-                for i in 0..20 {
+            let exits: Vec<(Leaving, Vec3)> = (0..20)
+                .map(|i| {
                     let at = |salt: u32| 8.0 * sobol_burley::sample(i, salt, 9) - 4.0;
                     let position = Vec3::new(at(0), at(1), at(2));
                     let leaving = Leaving { position, normal: Vec3::Z, group: 5, material: 0, subsurface };
-                    let gathered = gatherer.gather(&leaving, &mut scratch).expect("points");
-                    let exact = brute_force(kernel, &leaving, spacing as f32, &surfels, &irradiance);
+                    (leaving, brute_force(kernel, &leaving, spacing as f32, &surfels, &irradiance))
+                })
+                .collect();
+            let group = GroupOfPoints { number: 5, spacing, surfels: &surfels };
+            let mut gatherer = Gatherer::new(&scene, set.transports(), &[group], &irradiance);
+            let mut scratch = GatherScratch::default();
+            for tolerance in [0.3, 0.05, 0.0] {
+                gatherer.tolerance = f64::from(tolerance);
+                for (leaving, exact) in &exits {
+                    let gathered = gatherer.gather(leaving, &mut scratch).expect("points");
                     let dark = gatherer.groups[0].dark.as_vec3() * subsurface.surface_albedo;
                     for c in 0..3 {
                         // And what the smooth table differs from the profile by
@@ -561,20 +574,9 @@ mod tests {
                     }
                 }
             }
-            assert!(gatherer_of_other_group_is_silent(&scene, &set, &point, subsurface));
+            let elsewhere = Leaving { group: 6, ..exits[0].0 };
+            assert!(gatherer.gather(&elsewhere, &mut scratch).is_none(), "points of another group");
         }
-    }
-
-    fn gatherer_of_other_group_is_silent(
-        scene: &Scene,
-        set: &SubsurfaceSet,
-        point: &crate::ray::SurfacePoint,
-        subsurface: Subsurface,
-    ) -> bool {
-        let gatherer = Gatherer::new(scene, set.transports(), &[], &[]);
-        let (position, normal) = (point.position, point.geometric_normal);
-        let leaving = Leaving { position, normal, group: 5, material: 0, subsurface };
-        gatherer.gather(&leaving, &mut GatherScratch::default()).is_none()
     }
 
     /// Without light the energy is that of the profile, and so is the light of irradiance 1.

@@ -28,4 +28,3 @@ mod surfels;
 pub(crate) use cloud::Making;
 pub use cloud::{PointCloud, PointPass, PointProgress};
 pub(crate) use gather::{GatherScratch, Gatherer, Leaving};
-pub use plan::PointsError;

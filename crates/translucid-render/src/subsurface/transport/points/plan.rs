@@ -1,8 +1,6 @@
 //! How close the points have to lie, and whether there is room for them.
 
-use std::fmt;
-
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SceneError};
 
 use super::super::SubsurfaceTransport;
 use super::patches::Patch;
@@ -20,23 +18,6 @@ const LEAST_POINTS: f64 = 50.0;
 const PLACES: usize = 4096;
 /// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
 const BYTES_PER_POINT: f64 = 256.0;
-
-/// Why points cannot be made.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PointsError {
-    /// What is wrong, with the numbers found and allowed.
-    pub message: String,
-    /// What to do.
-    pub help: String,
-}
-
-impl fmt::Display for PointsError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}; {}", self.message, self.help)
-    }
-}
-
-impl std::error::Error for PointsError {}
 
 /// The points that a scene needs.
 pub(super) struct Plan {
@@ -94,7 +75,7 @@ impl Plan {
     }
 
     /// Refuses points that do not fit into so many bytes.
-    pub(super) fn require_memory(&self, scene: &Scene, limit: u64) -> Result<(), PointsError> {
+    pub(super) fn require_memory(&self, scene: &Scene, limit: u64) -> Result<(), SceneError> {
         let bytes = self.points() * BYTES_PER_POINT;
         if bytes <= limit as f64 && self.points() < f64::from(u32::MAX / 4) {
             return Ok(());
@@ -107,11 +88,11 @@ impl Plan {
         (limit as f64 / BYTES_PER_POINT).min(f64::from(u32::MAX / 4)) as usize
     }
 
-    /// What to say where there are, or would be, this many points.
-    pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> PointsError {
+    /// The message where there are, or would be, this many points.
+    pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> SceneError {
         let most = |a: &&GroupPlan, b: &&GroupPlan| a.points().total_cmp(&b.points());
         let Some(worst) = self.groups.iter().max_by(most) else {
-            return PointsError { message: String::from("there are too many points"), help: String::new() };
+            return SceneError::new("there are too many points");
         };
         let object = &scene.objects[worst.narrowest.object];
         let material = &scene.materials[object.material];
@@ -138,7 +119,7 @@ impl Plan {
         let help = format!(
             "{coarser}raise point_memory if the machine has more, make subsurface_radius larger, or render with subsurface_method = \"ray-traced\""
         );
-        PointsError { message, help }
+        SceneError::new(message).with_help(help)
     }
 }
 

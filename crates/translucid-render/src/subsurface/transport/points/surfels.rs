@@ -17,6 +17,7 @@ use super::hash_grid::HashGrid;
 use super::patches::Patch;
 use super::plan::GroupPlan;
 use crate::ray::Geometry;
+use crate::sampling::split_mix;
 
 /// Disc radius over spacing: saturated darts then stand for the square of the spacing on average.
 const DISC: f64 = 0.79;
@@ -139,8 +140,8 @@ impl<'a> Cover<'a> {
             let primitive = self.geometry.primitive(object as u32, triangle as u32);
             let mut places = Vec::new();
             patch.for_each_part(most_area, |part| {
-                let order = mix(mix(seed ^ u64::from(primitive) << 32) ^ places.len() as u64);
-                let bits = mix(order);
+                let order = split_mix(split_mix(seed ^ u64::from(primitive) << 32) ^ places.len() as u64);
+                let bits = split_mix(order);
                 let [u, v] = [bits >> 32, bits & 0xffff_ffff].map(|bits| bits as f64 / 4_294_967_296.0);
                 places.push(Place { order, position: part.point(u, v).as_vec3(), primitive });
             });
@@ -254,14 +255,6 @@ struct Orphan {
     position: Vec3,
     normal: Vec3,
     primitive: u32,
-}
-
-/// A bijection of 64 bits with good avalanche: the finalizer of `SplitMix64` [Steele, Lea & Flood 2014].
-fn mix(x: u64) -> u64 {
-    let x = x.wrapping_add(0x9e37_79b9_7f4a_7c15);
-    let x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    let x = (x ^ (x >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    x ^ (x >> 31)
 }
 
 #[cfg(test)]

@@ -13,10 +13,11 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::{ExitPoint, Tracing};
+use super::Tracing;
 use crate::ray::Hit;
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::EntryPoint;
+use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::{CutProfile, Passage, SubsurfaceKernel};
 use crate::subsurface::pairing::Pairing;
 use crate::subsurface::parameters::Subsurface;

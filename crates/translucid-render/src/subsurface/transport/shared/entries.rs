@@ -4,9 +4,9 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::super::ExitPoint;
-use super::nearness::{LANES, Nearness, avx2_is_available};
+use super::nearness::{LANES, Nearness};
 use crate::subsurface::entry_point::Arrival;
+use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::{CutProfile, Directions, Passage};
 use crate::world::{Layer, PathState};
 
@@ -76,6 +76,7 @@ pub(crate) struct WaitingExit<'a> {
 }
 
 /// The exits of a block; keeps its memory from block to block.
+#[derive(Default)]
 pub(crate) struct SharedEntries<'a> {
     waiting: Vec<WaitingExit<'a>>,
     /// For each exit the entry that it has found, if any.
@@ -87,7 +88,6 @@ pub(crate) struct SharedEntries<'a> {
 /// Work space for exits of one kind.
 #[derive(Default)]
 struct Sums {
-    avx2: bool,
     /// Entries: the exit that found it among those of its kind, position by axis (filled up to whole [`LANES`]), Σ g.
     entries: Vec<EntryLight>,
     owners: Vec<usize>,
@@ -102,13 +102,6 @@ struct Sums {
     nearness: Vec<f32>,
     /// An exit's terms, those of [`LANES`] entries together.
     partial: Vec<f32>,
-}
-
-impl Default for SharedEntries<'_> {
-    fn default() -> Self {
-        let sums = Sums { avx2: avx2_is_available(), ..Sums::default() };
-        Self { waiting: Vec::new(), entries: Vec::new(), order: Vec::new(), sums }
-    }
 }
 
 impl<'a> SharedEntries<'a> {
@@ -176,7 +169,7 @@ impl Sums {
         let points = self.points.each_ref().map(Vec::as_slice);
         for (row, &index) in self.nearness.chunks_exact_mut(width).zip(alike) {
             let exit = &waiting[index];
-            exit.nearness.fill(exit.position.to_array(), points, row, &mut self.sums, self.avx2);
+            exit.nearness.fill(exit.position.to_array(), points, row, &mut self.sums);
         }
         self.coefficients.clear();
         self.bright.iter_mut().for_each(Vec::clear);

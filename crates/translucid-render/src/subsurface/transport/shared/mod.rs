@@ -28,10 +28,11 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
+use super::Tracing;
 use super::probes::{EntryHit, Probes};
-use super::{ExitPoint, Tracing};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
+use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{Layer, PathState, World};
 use entries::{EntryLight, ExitKind, WaitingExit};

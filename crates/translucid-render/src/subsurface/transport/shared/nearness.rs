@@ -89,34 +89,14 @@ impl Nearness {
 
     /// [`row`](Self::row) with the widest vectors that the processor has.
     #[inline]
-    pub(super) fn fill(
-        &self,
-        exit: [f32; 3],
-        points: [&[f32]; 3],
-        row: &mut [f32],
-        sums: &mut [f32],
-        avx2: bool,
-    ) {
+    pub(super) fn fill(&self, exit: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
         #[cfg(target_arch = "x86_64")]
-        if avx2 {
-            // SAFETY: `avx2` is true only if the processor was found to have AVX2.
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor was found to have AVX2.
             unsafe { self.row_avx2(exit, points, row, sums) };
             return;
         }
-        let _ = avx2;
         self.row(exit, points, row, sums);
-    }
-}
-
-/// Whether the processor has AVX2.
-pub(super) fn avx2_is_available() -> bool {
-    #[cfg(target_arch = "x86_64")]
-    {
-        std::arch::is_x86_feature_detected!("avx2")
-    }
-    #[cfg(not(target_arch = "x86_64"))]
-    {
-        false
     }
 }
 
@@ -130,10 +110,12 @@ mod tests {
 
     const TAIL: f32 = 1e-3;
 
-    fn values(nearness: &Nearness, radii: &[f32], avx2: bool) -> Vec<f32> {
+    type Fill = fn(&Nearness, [f32; 3], [&[f32]; 3], &mut [f32], &mut [f32]);
+
+    fn values(nearness: &Nearness, radii: &[f32], fill: Fill) -> Vec<f32> {
         let zeros = vec![0.0; radii.len()];
         let (mut row, mut sums) = (zeros.clone(), zeros.clone());
-        nearness.fill([0.0; 3], [radii, &zeros, &zeros], &mut row, &mut sums, avx2);
+        fill(nearness, [0.0; 3], [radii, &zeros, &zeros], &mut row, &mut sums);
         assert_eq!(row, sums);
         row
     }
@@ -144,7 +126,7 @@ mod tests {
         let profile = NormalizedDiffusionF32::from_d(d);
         let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(TAIL), 5.0, 0.0], TAIL);
         let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
-        for (r, value) in radii.iter().zip(values(&nearness, &radii, false)) {
+        for (r, value) in radii.iter().zip(values(&nearness, &radii, Nearness::row)) {
             // Weights are relative: 3/a is the height of a density
             let ratio = 3.0 * value / (TAU * profile.pdf_area(*r));
             assert!((0.89..1.12).contains(&ratio), "{ratio} at {} d", r / d);
@@ -156,14 +138,14 @@ mod tests {
     fn nearness_is_the_same_in_vectors() {
         let nearness = Nearness::new([0.9, 0.2, 0.4], [3.0, 0.1, 70.0], TAIL);
         let radii: Vec<f32> = (0..4096).map(|i| (i as f32 * 0.005).exp() * 1e-7 - 1e-7).collect();
-        let bits = |avx2| values(&nearness, &radii, avx2).into_iter().map(f32::to_bits).collect::<Vec<_>>();
-        assert_eq!(bits(false), bits(avx2_is_available()));
+        let bits = |fill| values(&nearness, &radii, fill).into_iter().map(f32::to_bits).collect::<Vec<_>>();
+        assert_eq!(bits(Nearness::row), bits(Nearness::fill));
     }
 
     #[test]
     fn nearness_ends_where_probes_do() {
         let nearness = Nearness::new([0.5, 0.0, 0.5], [1.0, 9.0, 2.0], TAIL);
-        let near = values(&nearness, &[0.0, 1.0, 1.999, 2.001, 5.0, f32::INFINITY, 1e30, 3.0], false);
+        let near = values(&nearness, &[0.0, 1.0, 1.999, 2.001, 5.0, f32::INFINITY, 1e30, 3.0], Nearness::row);
         assert!(near[..3].iter().all(|g| *g > 0.0 && g.is_finite()), "{near:?}");
         assert!(near[3..].iter().all(|g| *g == 0.0), "{near:?}");
     }

@@ -30,7 +30,7 @@ pub(crate) struct Body<'a> {
 /// Diagonals of the scene beyond which a walk has left an open mesh for good: hardly any would find the way back.
 const FARTHEST: f32 = 2.0;
 
-/// What a flight comes to.
+/// The end of a flight.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum FlightEnd {
     /// It ends inside.

@@ -1,4 +1,4 @@
-//! What a walk goes through: the medium behind a material's surface albedo and length.
+//! The medium that a walk goes through, found from a material's surface albedo and length.
 
 use std::ops::RangeInclusive;
 
@@ -6,7 +6,7 @@ use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_scene::Material;
 
-use crate::subsurface::kernel::NearestParameter;
+use crate::subsurface::note::{Note, Remark};
 
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
@@ -43,9 +43,9 @@ impl WalkRecipe {
         }
     }
 
-    /// Which parameters of the material are out of reach.
-    pub(crate) fn nearest(&self, material: &Material) -> Vec<NearestParameter> {
-        NearestParameter::changed(material, [self.g, self.eta])
+    /// Words on the parameters of the material that are out of reach.
+    pub(crate) fn unreached(&self, material: &Material) -> Option<Remark> {
+        Note::of_nearest(material, [self.g, self.eta])
     }
 
     /// Inverts the albedos of the medium.

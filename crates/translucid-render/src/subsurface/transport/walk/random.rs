@@ -1,6 +1,6 @@
 //! Random numbers of a walk: well distributed at first, then independent.
 
-use crate::sampling::Sampler;
+use crate::sampling::{SPLIT_MIX_STEP, Sampler, split_mix};
 
 /// Sets of four that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
 const STRATIFIED: u32 = 5;
@@ -32,11 +32,9 @@ impl<'a> WalkRandom<'a> {
     }
 
     fn next_u64(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        let bits = split_mix(self.state);
+        self.state = self.state.wrapping_add(SPLIT_MIX_STEP);
+        bits
     }
 }
 

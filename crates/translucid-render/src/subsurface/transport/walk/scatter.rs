@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use super::super::ExitPoint;
 use super::body::{Body, FlightEnd, Inside};
 use super::flight::Flights;
 use super::medium::WalkMedium;
@@ -12,6 +11,7 @@ use crate::light::LightSample;
 use crate::ray::{Geometry, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::entry_bsdf;
+use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
 use crate::surface;
 use crate::surface::bsdf::{fresnel_dielectric, refract};

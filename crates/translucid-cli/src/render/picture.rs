@@ -2,50 +2,34 @@
 
 use std::fs;
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use translucid_image::Denoiser;
+use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelRect, Plan, PreparedScene, Rendering as Ended,
-    Session, SessionError, layer, load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelSample, Plan, PreparedScene, Session,
+    SessionError, layer, load_checkpoint,
 };
 use translucid_scene::Scene;
 
+use super::outputs::Outputs;
+use super::{Arguments, points, scene_name};
 use crate::failure::Failure;
-use crate::outputs::Outputs;
-use crate::points;
 use crate::progress::{Meter, Unit, duration};
 use crate::{interrupt, machine, messages};
 
-/// Memory that a pixel takes: its sums, and a sample that waits, or while it is written its values in all channels.
-pub(crate) const BYTES_PER_PIXEL: u64 = 8 * layer::COUNT as u64 + 84;
+/// Memory that a pixel takes while it is rendered: its sums, and a sample that waits. Denoising and writing take less.
+pub(crate) const BYTES_PER_PIXEL: u64 = (8 * layer::COUNT + size_of::<PixelSample>()) as u64;
 
 /// How a scene is to be rendered, besides its own settings.
 #[derive(Debug)]
-pub(crate) struct Task {
-    /// Name for messages and metadata.
-    pub(crate) scene_name: String,
+pub(crate) struct Task<'a> {
+    pub(crate) arguments: &'a Arguments,
     /// Files to write.
     pub(crate) outputs: Outputs,
-    /// Longest time for rendering.
-    pub(crate) limit: Option<Duration>,
-    /// Number of threads; 0 is one per processor.
-    pub(crate) threads: usize,
-    /// Whether to go on from a checkpoint, and to keep one.
-    pub(crate) resume: bool,
-    /// Time between two checkpoints: what a power cut may cost.
-    pub(crate) checkpoint_interval: Duration,
-    /// File of the points that the point-based method needs.
-    pub(crate) points: Option<PathBuf>,
-    /// What denoises the picture at the end, if that is asked for.
-    pub(crate) denoiser: Option<Denoiser>,
-    /// Pixels to render, half-open: x0, y0, x1, y1; all of them if none.
-    pub(crate) region: Option<[u32; 4]>,
-    /// Whether to print errors and warnings only.
-    pub(crate) quiet: bool,
-    /// Whether to print what takes how long.
-    pub(crate) verbose: bool,
-    /// What is different where several renderings belong together.
+    /// Denoiser of the finished picture, if that is asked for.
+    pub(crate) denoiser: Option<Arc<Denoiser>>,
+    /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
 }
 
@@ -55,17 +39,17 @@ pub(crate) struct Task {
 /// together, so that they stay comparable.
 #[derive(Debug)]
 pub(crate) struct Part {
-    /// What to call it while it goes on.
+    /// Name that the progress line shows.
     pub(crate) label: String,
     /// Where the film with the first half of the samples is kept, for those who go on in the second.
     pub(crate) first_half: PathBuf,
 }
 
-/// What a rendering has come to; its images are written.
+/// A rendering whose images are written.
 pub(crate) struct Rendering {
     /// The sums of all samples.
     pub(crate) film: FilmSums,
-    /// The same as they were after half of the samples, if that is known and was asked for.
+    /// The sums after half of the samples, if that is known and was asked for.
     pub(crate) first_half: Option<FilmSums>,
     /// Whether every pixel has its samples.
     pub(crate) is_finished: bool,
@@ -76,23 +60,21 @@ pub(crate) struct Rendering {
 }
 
 /// Renders a scene and writes its files.
-pub(crate) fn render(scene: Scene, task: &Task) -> Result<Rendering, Failure> {
-    let pool = rayon::ThreadPoolBuilder::new()
-        .num_threads(task.threads)
-        .build()
-        .map_err(|error| Failure::work(format!("cannot start the threads: {error}")))?;
+pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure> {
+    let arguments = task.arguments;
+    let pool = machine::threads(arguments.threads)?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
     pool.install(|| {
         let start = Instant::now();
         let prepared = PreparedScene::new(scene)?;
         prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
-        if task.verbose {
+        if arguments.verbose {
             let seconds = start.elapsed().as_secs_f64();
             messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
         }
         let view = prepared.view()?;
-        let view = task.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
-        let prepared = points::prepare(prepared, task.points.as_deref(), task.quiet)?;
+        let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
+        let prepared = points::prepare(prepared, arguments.points.as_deref(), arguments.quiet)?;
         Work::start(Session::new(prepared, view), task)?.finish()
     })
 }
@@ -100,7 +82,7 @@ pub(crate) fn render(scene: Scene, task: &Task) -> Result<Rendering, Failure> {
 /// A picture on its way.
 struct Work<'a> {
     session: Session,
-    task: &'a Task,
+    task: &'a Task<'a>,
     /// The film after half of its samples, for a part of several renderings.
     first_half: Option<FilmSums>,
     /// Seconds that earlier runs spent.
@@ -109,10 +91,10 @@ struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// An empty film, or that of the checkpoint.
-    fn start(mut session: Session, task: &'a Task) -> Result<Self, Failure> {
+    fn start(mut session: Session, task: &'a Task<'a>) -> Result<Self, Failure> {
         if is_to_resume(task) {
             session.resume(&task.outputs.checkpoint)?;
-            if !task.quiet {
+            if !task.arguments.quiet {
                 messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
             }
         }
@@ -130,7 +112,8 @@ impl<'a> Work<'a> {
     /// Number of samples after which the film is kept as its first half; none where there is no use for it.
     fn half(&self) -> Option<u32> {
         // Without a goal of its own, work that ends with the time has no middle
-        (self.task.part.is_some() && self.task.limit.is_none() && self.goal() > 1).then_some(self.goal() / 2)
+        (self.task.part.is_some() && self.task.arguments.time.is_none() && self.goal() > 1)
+            .then_some(self.goal() / 2)
     }
 
     /// The first half that an earlier run has left, where this one begins beyond it.
@@ -148,32 +131,29 @@ impl<'a> Work<'a> {
         let cpu_before = machine::cpu_seconds();
         let paths_before = self.session.film().sums().paths();
         let deadline = self.limit().and_then(|limit| Instant::now().checked_add(limit));
-        let mut meter = if self.task.quiet {
-            Meter::quiet(Unit::Samples, paths_before, deadline)
-        } else {
-            Meter::new(Unit::Samples, paths_before, deadline)
-        };
+        let mut meter =
+            Meter::new(Unit::Samples).quiet(self.task.arguments.quiet).between(paths_before, deadline);
         if let Some(part) = &self.task.part {
             meter = meter.named(&part.label);
         }
         let outcome = self.render_to_the_end(&meter, deadline);
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
-        let ended = outcome?;
+        let outcome = outcome?;
         let paths = self.session.film().sums().paths();
-        self.require_paths(paths, ended.outcome)?;
+        self.require_paths(paths, outcome)?;
         self.write_images()?;
-        self.settle_checkpoint(ended.outcome)?;
-        if !self.task.quiet {
+        self.settle_checkpoint(outcome)?;
+        if !self.task.arguments.quiet {
             self.print_summary(cpu_seconds, paths - paths_before);
         }
-        if ended.outcome == Outcome::Interrupted {
+        if outcome == Outcome::Interrupted {
             let checkpoint = self.task.outputs.checkpoint.display();
             let help = format!("repeat the command with --resume to go on from {checkpoint}");
-            return Err(Failure::Interrupted { help });
+            return Err(Failure::interrupted(help));
         }
         Ok(Rendering {
-            is_finished: ended.outcome == Outcome::Finished,
+            is_finished: outcome == Outcome::Finished,
             seconds: self.session.seconds(),
             cpu_seconds: cpu_seconds.filter(|_| self.seconds_before == 0.0),
             film: self.session.film().sums().clone(),
@@ -191,7 +171,7 @@ impl<'a> Work<'a> {
                 Some(_) => "repeat the command with --resume to go on",
                 None => "the rendering had not begun, so nothing was written",
             };
-            return Err(Failure::Interrupted { help: help.into() });
+            return Err(Failure::interrupted(help));
         }
         let message = "the rendering ended before its first samples, so nothing was written";
         Err(Failure::work(message).with_help("give it more time"))
@@ -200,20 +180,20 @@ impl<'a> Work<'a> {
     /// How long this run may take.
     fn limit(&self) -> Option<Duration> {
         let before = if self.task.part.is_some() { self.seconds_before } else { 0.0 };
-        let limit = self.task.limit?;
+        let limit = self.task.arguments.time?;
         Some(
             Duration::try_from_secs_f64(before).map_or(Duration::ZERO, |before| limit.saturating_sub(before)),
         )
     }
 
     /// Renders until the goal, by way of the first half where that is to be kept.
-    fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Ended, Failure> {
+    fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
         if let (Some(part), Some(half)) = (&self.task.part, self.half())
             && self.session.film().sums().tiles.iter().all(|tile| tile.samples <= half)
         {
-            let ended = self.run(half, meter, deadline)?;
-            if ended.outcome != Outcome::Finished {
-                return Ok(ended);
+            let outcome = self.run(half, meter, deadline)?;
+            if outcome != Outcome::Finished {
+                return Ok(outcome);
             }
             self.session.save(&part.first_half).map_err(Failure::late)?;
             self.first_half = Some(self.session.film().sums().clone());
@@ -222,12 +202,13 @@ impl<'a> Work<'a> {
     }
 
     /// Renders until a number of samples with a checkpoint now and then.
-    fn run(&mut self, samples: u32, meter: &Meter, deadline: Option<Instant>) -> Result<Ended, Failure> {
+    fn run(&mut self, samples: u32, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
         let checkpoint = CheckpointPlan {
             path: self.task.outputs.checkpoint.clone(),
-            interval: self.task.checkpoint_interval,
+            interval: self.task.arguments.checkpoint_interval(),
         };
-        let plan = Plan { deadline, checkpoint: Some(checkpoint), ..Plan::samples(samples) };
+        let denoiser = self.task.denoiser.clone();
+        let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(samples) };
         let total = u64::from(self.goal()) * self.session.view().region().area();
         let observer = |event: &Event<'_>| {
             if let Event::Samples(progress) = event {
@@ -235,14 +216,14 @@ impl<'a> Work<'a> {
             }
         };
         self.session.run(&plan, &observer, &interrupt::STOP).map_err(|error| match error {
-            SessionError::Points(error) => points::failure(error),
+            SessionError::Points(error) => Failure::from(error),
             SessionError::Checkpoint(error) => Failure::late(error),
         })
     }
 
     /// Keeps the state where there is something to go on with, else removes what an earlier slice left.
     fn settle_checkpoint(&self, outcome: Outcome) -> Result<(), Failure> {
-        if outcome != Outcome::Finished || self.task.resume || self.task.part.is_some() {
+        if outcome != Outcome::Finished || self.task.arguments.resume || self.task.part.is_some() {
             return self.session.save(&self.task.outputs.checkpoint).map_err(Failure::late);
         }
         // It is not there when the rendering was short.
@@ -250,38 +231,32 @@ impl<'a> Work<'a> {
         Ok(())
     }
 
-    fn write_images(&self) -> Result<(), Failure> {
+    fn write_images(&mut self) -> Result<(), Failure> {
+        let (denoised, error) = match self.session.take_denoised() {
+            Ok(denoised) => (denoised, None),
+            // The noisy picture is what the time went into.
+            Err(error) => (None, Some(error)),
+        };
         let scene = self.session.prepared().scene();
         let film = self.session.film();
         let sums = film.sums();
+        let arguments = self.task.arguments;
+        if let Some(denoised) = denoised.as_ref().filter(|_| arguments.verbose) {
+            messages::line(&format!("denoised the picture by {}", denoised.by));
+        }
         let info = ImageInfo {
-            scene: self.task.scene_name.clone(),
+            scene: scene_name(arguments),
             seed: scene.integrator.seed,
             samples: sums.samples(),
             seconds: self.session.seconds(),
             command: command_line(),
-            region: self.session.view().place(),
+            place: self.session.view().place(),
+            denoised,
         };
-        let outputs = &self.task.outputs;
-        let Some(denoiser) = &self.task.denoiser else {
-            return outputs.write(&sums, &scene.film, &info).map_err(Failure::late);
-        };
-        let start = Instant::now();
-        match denoiser.denoise(&sums.layers_picture(&info), self.task.threads) {
-            Ok(denoised) => {
-                if self.task.verbose {
-                    let seconds = start.elapsed().as_secs_f64();
-                    messages::line(&format!("denoised the picture by {} in {seconds:.2} s", denoised.by));
-                }
-                outputs.write_denoised(&sums, &denoised, &scene.film, &info).map_err(Failure::late)
-            }
-            Err(error) => {
-                // The noisy picture is what the time went into.
-                outputs.write(&sums, &scene.film, &info).map_err(Failure::late)?;
-                let help = "the picture was written as it was rendered";
-                Err(Failure::work(error.to_string()).with_help(help))
-            }
-        }
+        self.task.outputs.write(&sums, &scene.film, &info)?;
+        error.map_or(Ok(()), |error| {
+            Err(Failure::work(error.to_string()).with_help("the picture was written as it was rendered"))
+        })
     }
 
     fn print_summary(&self, cpu_seconds: Option<f64>, paths: u64) {
@@ -313,11 +288,11 @@ impl<'a> Work<'a> {
 }
 
 /// Whether there is something of an earlier run to go on from, and that is wanted.
-fn is_to_resume(task: &Task) -> bool {
+fn is_to_resume(task: &Task<'_>) -> bool {
     let path = &task.outputs.checkpoint;
-    match (task.resume, path.exists()) {
+    match (task.arguments.resume, path.exists()) {
         (true, true) => return true,
-        (true, false) if !task.quiet => {
+        (true, false) if !task.arguments.quiet => {
             messages::line(&format!("there is no {} yet: starting anew", path.display()));
         }
         (false, true) => {

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use translucid_image::check_writable;
-use translucid_render::{PointCloud, PointPass, PointProgress, PointsError, PreparedScene};
+use translucid_render::{PointCloud, PointPass, PointProgress, PreparedScene};
 use translucid_scene::Scene;
 
 use crate::failure::Failure;
@@ -53,17 +53,9 @@ pub(crate) fn prepare(
     Ok(prepared)
 }
 
-/// Points that do not fit into memory.
-pub(crate) fn failure(error: PointsError) -> Failure {
-    Failure::input(error.message).with_help(error.help)
-}
-
 /// Makes the points and keeps them.
 fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<PointCloud, Failure> {
     let start = Instant::now();
-    let meter = || {
-        if quiet { Meter::quiet(Unit::Samples, 0, None) } else { Meter::new(Unit::Samples, 0, None) }
-    };
     let meters: [OnceLock<Meter>; 2] = [const { OnceLock::new() }; 2];
     let report = |progress: PointProgress| {
         let pass = usize::from(progress.pass == PointPass::Irradiance);
@@ -72,15 +64,15 @@ fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<Po
             if !quiet {
                 messages::line(["laying points over surfaces", "light that enters at the points"][pass]);
             }
-            meter()
+            Meter::new(Unit::Samples).quiet(quiet)
         });
         meter.update(progress.done, progress.total);
     };
     let made = prepared.make_points(memory(prepared.scene()), &report, &interrupt::STOP);
     meters.iter().filter_map(OnceLock::get).for_each(Meter::finish);
-    let Some(points) = made.map_err(failure)? else {
+    let Some(points) = made? else {
         let help = String::from("the points were not ready: repeat the command to make them anew");
-        return Err(Failure::Interrupted { help });
+        return Err(Failure::interrupted(help));
     };
     if !quiet {
         let seconds = duration(start.elapsed().as_secs_f64());

@@ -1,15 +1,14 @@
 //! The files of a rendering.
 
 use std::ffi::OsStr;
-use std::fs;
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use translucid_image::{Denoised, DisplayTransform, OutputError, check_writable};
+use translucid_image::{DisplayTransform, OutputError, check_writable};
 use translucid_render::{FilmSums, ImageInfo};
 use translucid_scene::Film;
 
 use crate::failure::Failure;
+use crate::files::{input_among, is_own};
 
 /// The files that a rendering writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,19 +40,13 @@ impl Outputs {
         Ok(Self { exr, png, checkpoint: checkpoint.into() })
     }
 
-    /// Both images in the current directory.
-    pub(crate) fn from_stem(stem: &OsStr) -> Self {
+    /// Both images in a directory.
+    pub(crate) fn in_directory(directory: &Path, stem: &OsStr) -> Self {
         let file = |end: &str| {
             let mut name = stem.to_owned();
             name.push(end);
-            PathBuf::from(name)
+            directory.join(name)
         };
-        Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
-    }
-
-    /// Both images in a directory.
-    pub(crate) fn in_directory(directory: &Path, stem: &str) -> Self {
-        let file = |end: &str| directory.join(format!("{stem}{end}"));
         Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
     }
 
@@ -90,74 +83,12 @@ impl Outputs {
         }
     }
 
-    /// Writes the images.
-    pub(crate) fn write(
-        &self,
-        film: &FilmSums,
-        settings: &Film,
-        info: &ImageInfo,
-    ) -> Result<(), OutputError> {
-        if let Some(exr) = &self.exr {
-            film.layers_picture(info).save_exr(exr)?;
-        }
-        film.display_picture(info).save_png(&self.png, display_of(settings))
+    /// Writes the images: the layers with a denoised picture beside them, and for a display that in their place.
+    pub(crate) fn write(&self, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), Failure> {
+        let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
+        let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
+        exr.and_then(|()| film.display_picture(info).save_png(&self.png, display)).map_err(Failure::late)
     }
-
-    /// Writes the images with a denoised picture: beside the layers in the float image, in place of the display image.
-    pub(crate) fn write_denoised(
-        &self,
-        film: &FilmSums,
-        denoised: &Denoised,
-        settings: &Film,
-        info: &ImageInfo,
-    ) -> Result<(), OutputError> {
-        if let Some(exr) = &self.exr {
-            film.layers_picture_with(denoised, info).save_exr(exr)?;
-        }
-        film.denoised_display_picture(denoised, info).save_png(&self.png, display_of(settings))
-    }
-}
-
-/// The way to a display that a scene's film asks for.
-fn display_of(film: &Film) -> DisplayTransform {
-    DisplayTransform { exposure: film.exposure, tone_mapping: film.tone_mapping }
-}
-
-/// The first of some files that is one of the inputs, whatever paths both go by, or will be when both are there.
-pub(crate) fn input_among<'a, 'b>(
-    mut files: impl Iterator<Item = &'b Path>,
-    inputs: impl Iterator<Item = &'a Path>,
-) -> Option<&'b Path> {
-    let inputs: Vec<PathBuf> = inputs.filter_map(place).collect();
-    files.find(|path| place(path).is_some_and(|path| inputs.contains(&path)))
-}
-
-/// Where a file is, or would be, in a directory that is there.
-fn place(path: &Path) -> Option<PathBuf> {
-    let of_a_new_file = || {
-        let directory =
-            path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        Some(fs::canonicalize(directory).ok()?.join(path.file_name()?))
-    };
-    fs::canonicalize(path).ok().or_else(of_a_new_file)
-}
-
-/// Whether a file says at its start, where images keep their notes, that this program has made it.
-pub(crate) fn is_own(path: &Path) -> bool {
-    const NAME: &[u8] = b"translucid";
-    let mut start = Vec::new();
-    let read = fs::File::open(path).and_then(|file| file.take(1 << 16).read_to_end(&mut start));
-    read.is_ok() && start.windows(NAME.len()).any(|bytes| bytes == NAME)
-}
-
-/// Whether a page says that this program has made it, with a title that begins so.
-pub(crate) fn is_own_page(page: &Path, title: &str) -> bool {
-    const GENERATOR: &str = "name=\"generator\" content=\"translucid\"";
-    const START: u64 = 4096;
-    let mut start = Vec::new();
-    let read = fs::File::open(page).and_then(|file| file.take(START).read_to_end(&mut start));
-    let start = String::from_utf8_lossy(&start);
-    read.is_ok() && start.contains(GENERATOR) && start.contains(&format!("<title>{title}"))
 }
 
 #[cfg(test)]
@@ -179,7 +110,7 @@ mod tests {
 
     #[test]
     fn outputs_of_a_stem_keep_its_dots() {
-        let outputs = Outputs::from_stem(OsStr::new("head.v2"));
+        let outputs = Outputs::in_directory(Path::new(""), OsStr::new("head.v2"));
         assert_eq!(
             outputs.images().collect::<Vec<_>>(),
             [Path::new("head.v2.exr"), Path::new("head.v2.png")]

@@ -1,20 +1,15 @@
 //! `--preset list`: the materials that a bare mesh can have.
 
 use std::fmt::Write as _;
-use std::io::{self, Write as _};
 
 use translucid_scene::presets;
 
 use crate::failure::Failure;
+use crate::table::print;
 
 /// Prints all presets with their numbers to stdout.
 pub(crate) fn print_presets() -> Result<(), Failure> {
-    match io::stdout().lock().write_all(table().as_bytes()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure::work(format!("cannot write to stdout: {error}")))
-        }
-        _ => Ok(()),
-    }
+    print(&table())
 }
 
 fn table() -> String {
