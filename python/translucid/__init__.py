@@ -13,6 +13,18 @@ Whatever takes radii, albedos or lengths takes numbers and arrays of any shape, 
 0.7
 """
 
-from ._translucid import Profile, __version__
+from ._render import Picture, Session, render
+from ._translucid import Profile, Scene, SceneError, __version__, read_exr, tonemap, write_exr
 
-__all__ = ["Profile", "__version__"]
+__all__ = [
+    "Picture",
+    "Profile",
+    "Scene",
+    "SceneError",
+    "Session",
+    "__version__",
+    "read_exr",
+    "render",
+    "tonemap",
+    "write_exr",
+]

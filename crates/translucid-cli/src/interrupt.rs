@@ -21,6 +21,12 @@ pub(crate) fn settle() -> bool {
     stopped
 }
 
+/// Forgets a Ctrl-C of an earlier command in the same process.
+pub(crate) fn forget() {
+    STOP.store(false, Ordering::Relaxed);
+    WRITING.store(false, Ordering::Relaxed);
+}
+
 /// Signals closer together than this are one: `timeout -s INT` and some shells send it to the process and to its
 /// group.
 const ONE_PRESS: Duration = Duration::from_millis(300);

@@ -12,14 +12,15 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use translucid_image::Denoiser;
+use translucid_image::{Denoiser, PixelRect};
+use translucid_render::Session;
 use translucid_scene::{
     LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
 };
 
 use crate::failure::Failure;
+use crate::messages;
 use crate::model::{ModelName, UnitName};
-use crate::{machine, messages};
 use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
@@ -181,7 +182,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    require_memory(&scene, picture::BYTES_PER_PIXEL)?;
+    Session::require_memory(
+        PixelRect::whole([scene.film.width, scene.film.height]),
+        Session::BYTES_PER_PIXEL,
+    )?;
     picture::render(scene, &Task { arguments, outputs, denoiser, part: None }).map(drop)
 }
 
@@ -262,22 +266,6 @@ fn outputs(arguments: &Arguments) -> Result<Outputs, Failure> {
 /// Name of the files where none is given.
 fn stem(arguments: &Arguments) -> &OsStr {
     arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
-}
-
-/// Refuses a picture that does not fit into memory: the system would end the process without a word.
-fn require_memory(scene: &Scene, bytes_per_pixel: u64) -> Result<(), Failure> {
-    let (width, height) = (scene.film.width, scene.film.height);
-    let needed = u64::from(width) * u64::from(height) * bytes_per_pixel;
-    match machine::available_memory() {
-        Some(available) if needed > available => {
-            let [needed, available] = [needed, available].map(|bytes| bytes as f64 / f64::from(1 << 30));
-            let message = format!(
-                "a picture of {width}x{height} pixels needs {needed:.1} GiB of memory, but {available:.1} GiB are free"
-            );
-            Err(Failure::input(message).with_help("choose a smaller --size"))
-        }
-        _ => Ok(()),
-    }
 }
 
 fn parse_size(text: &str) -> Result<[u32; 2], String> {

@@ -54,10 +54,14 @@ impl Picture<'_> {
         .write(out)
     }
 
-    /// Four codes for each pixel: color and straight alpha.
-    fn display_codes(&self, display: DisplayTransform) -> io::Result<Vec<u8>> {
+    /// The codes of [`write_png`](Self::write_png), four for each pixel: color and straight alpha.
+    ///
+    /// # Errors
+    /// The picture has no pixels, a color channel is missing, or its region is not within the whole.
+    pub fn display_codes(&self, display: DisplayTransform) -> io::Result<Vec<u8>> {
         let color = self.indices_of(["R", "G", "B"])?;
         let alpha = self.index_of("A");
+        self.check()?;
         let exposure = f64::from(display.exposure).exp2();
         let [width, height] = self.size();
         let bytes = width.checked_mul(height).and_then(|count| count.checked_mul(4));

@@ -11,6 +11,24 @@ pub enum ToneMapping {
     Agx,
 }
 
+impl ToneMapping {
+    /// Every curve by its name, in the order of the variants.
+    pub const WORDS: [(&str, Self); 3] =
+        [("srgb", Self::Srgb), ("neutral", Self::Neutral), ("agx", Self::Agx)];
+
+    /// The curve's name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Self::WORDS[self as usize].0
+    }
+
+    /// The curve of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, curve)| curve)
+    }
+}
+
 /// AgX: mixes the primaries, so that a bright pure color has something to lose saturation to.
 const INSET: [[f32; 3]; 3] = [
     [0.842_479_06, 0.078_433_6, 0.079_223_745],

@@ -102,6 +102,18 @@ impl<'py> Numbers<'py> {
         }
     }
 
+    /// All numbers in C order.
+    pub(crate) fn iter(&self) -> Box<dyn Iterator<Item = f64> + '_> {
+        fn all<'a, T: Real>(view: ArrayViewD<'a, T>) -> Box<dyn Iterator<Item = f64> + 'a> {
+            Box::new(view.into_iter().map(|x| x.to_f64()))
+        }
+        match self {
+            Self::One(x) => Box::new(std::iter::once(*x)),
+            Self::Double(array) => all(array.as_array()),
+            Self::Single(array) => all(array.as_array()),
+        }
+    }
+
     /// All numbers in C order, as if the array had a shape that it can be broadcast to.
     pub(crate) fn broadcast(&self, shape: &[usize]) -> Vec<f64> {
         fn all<T: Real>(view: &ArrayViewD<'_, T>, shape: &[usize]) -> Vec<f64> {

@@ -54,3 +54,32 @@ pub(crate) fn run<T: Send>(
         }
     })
 }
+
+/// Runs work that cannot be stopped: an exception of a signal leaves it to itself and is passed on at once.
+///
+/// # Errors
+/// The exception of a signal handler, `KeyboardInterrupt` for Ctrl-C, or `RuntimeError` if no thread can be started.
+pub(crate) fn run_or_leave<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce() -> T + Send + 'static,
+) -> PyResult<T> {
+    let (send, mut done) = channel();
+    let run = move || {
+        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
+        // Nobody is left to take it after a signal
+        let _ = send.send(result);
+    };
+    std::thread::Builder::new().spawn(run)?;
+    loop {
+        let waited;
+        (done, waited) = py.detach(move || {
+            let waited = done.recv_timeout(POLL);
+            (done, waited)
+        });
+        match waited {
+            Ok(result) => return Ok(result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
+            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
+            Err(RecvTimeoutError::Disconnected) => unreachable!("the thread sends before it ends"),
+        }
+    }
+}

@@ -81,7 +81,9 @@ pub use render::{
     CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene,
     Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
-pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError};
+pub use session::{
+    CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError, available_memory,
+};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
 pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

@@ -103,9 +103,9 @@ impl Image {
     }
 
     /// Longest edge in pixels.
-    pub(crate) const LONGEST_EDGE: usize = 32_768;
+    pub const LONGEST_EDGE: usize = 32_768;
     /// Most pixels.
-    pub(crate) const MOST_PIXELS: usize = 1 << 28;
+    pub const MOST_PIXELS: usize = 1 << 28;
 
     /// Checks the size, and that every value is finite.
     ///

@@ -48,7 +48,9 @@ impl Default for Film {
 
 impl Film {
     /// Range of `width` and `height`.
-    pub(crate) const EDGE: WholeInterval = WholeInterval::new(1, 16_384);
+    /// Most pixels along an edge; the fewest is one.
+    pub const LONGEST_EDGE: u32 = 16_384;
+    pub(crate) const EDGE: WholeInterval = WholeInterval::new(1, Self::LONGEST_EDGE as u64);
     /// Range of `filter_radius`.
     pub(crate) const FILTER_RADIUS: Interval = Interval::above(0.0, 8.0);
     /// Range of `exposure`.

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, PixelSample, Plan, PreparedScene, Session,
-    SessionError, layer, load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, SessionError,
+    load_checkpoint,
 };
 use translucid_scene::Scene;
 
@@ -16,10 +16,7 @@ use super::outputs::Outputs;
 use super::{Arguments, points, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
-use crate::{interrupt, machine, messages};
-
-/// Memory that a pixel takes while it is rendered: its sums, and a sample that waits. Denoising and writing take less.
-pub(crate) const BYTES_PER_PIXEL: u64 = (8 * layer::COUNT + size_of::<PixelSample>()) as u64;
+use crate::{command_line, interrupt, machine, messages};
 
 /// How a scene is to be rendered, besides its own settings.
 #[derive(Debug)]
@@ -249,7 +246,7 @@ impl<'a> Work<'a> {
             seed: scene.integrator.seed,
             samples: sums.samples(),
             seconds: self.session.seconds(),
-            command: command_line(),
+            command: command_line::shown(),
             place: self.session.view().place(),
             denoised,
         };
@@ -303,18 +300,4 @@ fn is_to_resume(task: &Task<'_>) -> bool {
         (_, false) => {}
     }
     false
-}
-
-/// The command as it was typed, with quotes where a shell needs them.
-fn command_line() -> String {
-    let plain = |c: char| c.is_alphanumeric() || "-_./=,:+@%".contains(c);
-    let words = std::env::args_os().enumerate().map(|(index, word)| {
-        let word = word.to_string_lossy().into_owned();
-        match index {
-            0 => String::from("translucid"),
-            _ if !word.is_empty() && word.chars().all(plain) => word,
-            _ => format!("'{}'", word.replace('\'', r"'\''")),
-        }
-    });
-    words.collect::<Vec<_>>().join(" ")
 }

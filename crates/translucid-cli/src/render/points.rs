@@ -5,12 +5,12 @@ use std::sync::OnceLock;
 use std::time::Instant;
 
 use translucid_image::check_writable;
-use translucid_render::{PointCloud, PointPass, PointProgress, PreparedScene};
+use translucid_render::{PointCloud, PointPass, PointProgress, PreparedScene, available_memory};
 use translucid_scene::Scene;
 
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
-use crate::{interrupt, machine, messages};
+use crate::{interrupt, messages};
 
 /// Finds out before the work whether points can be kept where they shall be.
 pub(crate) fn check(scene: &Scene, file: Option<&Path>) -> Result<(), Failure> {
@@ -90,5 +90,5 @@ fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<Po
 /// Most memory for points, in bytes: what the scene allows and the machine has.
 fn memory(scene: &Scene) -> u64 {
     let allowed = u64::from(scene.integrator.point_memory) << 20;
-    machine::available_memory().map_or(allowed, |available| allowed.min(available))
+    available_memory().map_or(allowed, |available| allowed.min(available))
 }

@@ -8,11 +8,11 @@ use std::sync::atomic::Ordering;
 
 use translucid_image::{PixelRect, display_from_linear};
 use translucid_laboratory::picture::{Picture, PicturePixel};
-use translucid_render::{FilmSums, layer};
+use translucid_render::{FilmSums, Session, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::picture::{self, Part, Rendering, Task};
-use super::{Arguments, inputs, require_memory, scene, scene_name, stem};
+use super::{Arguments, inputs, scene, scene_name, stem};
 use crate::failure::Failure;
 use crate::files::Directory;
 use crate::model::ModelName;
@@ -96,7 +96,8 @@ fn require_size(scene: &Scene, models: usize) -> Result<(), Failure> {
         return Err(Failure::input(message).with_help("choose a smaller --size, or one model"));
     }
     // The film, its first half, and the pictures of all models
-    require_memory(scene, 2 * picture::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL)
+    let bytes = 2 * Session::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL;
+    Ok(Session::require_memory(PixelRect::whole([scene.film.width, scene.film.height]), bytes)?)
 }
 
 /// Renders the scene with one model after the other.

@@ -46,6 +46,28 @@ impl FilmLayer {
         Self::Depth,
     ];
 
+    /// The layer's name, as files and the Python module write it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Radiance => "radiance",
+            Self::Diffuse => "diffuse",
+            Self::Specular => "specular",
+            Self::Subsurface => "subsurface",
+            Self::Emission => "emission",
+            Self::Alpha => "alpha",
+            Self::Albedo => "albedo",
+            Self::Normal => "normal",
+            Self::Depth => "depth",
+        }
+    }
+
+    /// The layer of a name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|layer| layer.name() == name)
+    }
+
     /// Number of channels.
     #[must_use]
     pub fn channels(self) -> usize {
@@ -123,8 +145,12 @@ impl LiveFilm {
     /// The mean values of a layer, as [`copy_layer`](Self::copy_layer) orders them.
     #[must_use]
     pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
-        let (width, height) = (self.sums().width as usize, self.sums().height as usize);
-        let mut values = vec![0.0; width * height * layer.channels()];
+        // One lock at a time: a second one waits for a writer that waits for the first
+        let pixels = {
+            let sums = self.sums();
+            sums.width as usize * sums.height as usize
+        };
+        let mut values = vec![0.0; pixels * layer.channels()];
         self.copy_layer(layer, &mut values);
         values
     }

@@ -9,6 +9,7 @@
 //! film while it is rendered. [`Session::start`] runs it on threads of its own, so that it can be stopped within
 //! milliseconds, edited and started again.
 
+mod memory;
 mod running;
 
 use std::path::{Path, PathBuf};
@@ -25,6 +26,7 @@ use crate::render::{
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
+pub use memory::available_memory;
 pub use running::RunningSession;
 
 /// Something that happens in a session.

@@ -12,13 +12,13 @@ pub(crate) use nearest::nearest;
 /// Where in a file something was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The file.
+    /// The file; empty for a part of a scene that is made in code.
     pub path: PathBuf,
     /// Line, from 1, for text files.
     pub line: Option<usize>,
     /// The text and the byte range in it that a message should underline.
     pub excerpt: Option<(Arc<str>, Range<usize>)>,
-    /// Position in words where lines mean nothing: "accessor 3", "byte 812".
+    /// Position in words where lines mean nothing: "accessor 3", "byte 812", "material skin".
     pub part: Option<String>,
 }
 
@@ -55,10 +55,11 @@ impl fmt::Display for Place {
         if let Some(line) = self.line {
             write!(f, ":{line}")?;
         }
-        if let Some(part) = &self.part {
-            write!(f, ", {part}")?;
+        match &self.part {
+            Some(part) if self.path.as_os_str().is_empty() => f.write_str(part),
+            Some(part) => write!(f, ", {part}"),
+            None => Ok(()),
         }
-        Ok(())
     }
 }
 

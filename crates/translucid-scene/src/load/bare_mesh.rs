@@ -32,7 +32,7 @@ pub(super) fn load_bare_mesh(
         use_preset(&mut model, &default.material(unit));
         use_vertex_colors(&mut model);
     }
-    options.finish(stage(model, unit, options), path)
+    options.finish(stage(model, unit, options)).map_err(|error| error.or_at(path))
 }
 
 /// The preset's substance for all objects; what the file says of their geometry stays.

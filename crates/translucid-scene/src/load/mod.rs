@@ -19,12 +19,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 pub use gltf::{load_gltf, parse_gltf};
-pub use image::{decode_image, load_image};
+pub use image::{ExrChannels, decode_image, load_exr, load_image};
 pub use mesh_file::MeshFile;
 pub use obj::{load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
-pub use toml::SceneFile;
+pub use toml::{Piece, SceneBuilder, SceneFile};
 
 use crate::{Film, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
@@ -51,12 +51,12 @@ impl LoadOptions {
         Film { width, height, ..film }
     }
 
-    /// The scene with the model that is asked for, if it is valid; an error without a place is in a file.
-    fn finish(&self, mut scene: Scene, path: &Path) -> Result<Scene, SceneError> {
+    /// The scene with the model that is asked for, if it is valid.
+    fn finish(&self, mut scene: Scene) -> Result<Scene, SceneError> {
         if let Some(model) = self.subsurface_model {
             scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
         }
-        scene.validate().map_err(|error| error.or_at(path))?;
+        scene.validate()?;
         Ok(scene)
     }
 }

@@ -20,18 +20,7 @@ const MOST_CHANNELS: usize = 64;
 /// Channels of a group ("beauty.R") are taken if there are none without.
 /// Pixels of the display window that the data window does not cover are black and clear.
 pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
-    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false);
-    for header in metadata.map_err(|error| refusal(source, &error))?.headers {
-        check_layer(source, &header)?;
-    }
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .from_buffered(Cursor::new(source.bytes))
-        .map_err(|error| refusal(source, &error))?;
+    let image = read_first_layer(source)?;
     let window = image.attributes.display_window;
     let start = image.layer_data.attributes.layer_position;
     let planes =
@@ -44,6 +33,52 @@ pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
         pixels.extend((0..width).map(|x| planes.pixel(x as i64 + column, row)));
     }
     Ok(([width, height], Pixels::Float(pixels)))
+}
+
+/// All channels of the first layer of an OpenEXR file, as they are in it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExrChannels {
+    /// Width and height of the data window in pixels.
+    pub size: [usize; 2],
+    /// Upper left pixel of the data window.
+    pub position: [i32; 2],
+    /// Names, sorted, and values row by row from the top.
+    pub channels: Vec<(String, Vec<f32>)>,
+}
+
+/// Reads all channels of the first layer.
+pub(super) fn decode_channels(source: &ImageBytes<'_>) -> Result<ExrChannels, SceneError> {
+    let layer = read_first_layer(source)?.layer_data;
+    let values = |samples: FlatSamples| match samples {
+        FlatSamples::F16(values) => values.into_iter().map(|value| value.to_f32()).collect(),
+        FlatSamples::F32(values) => values,
+        FlatSamples::U32(values) => values.into_iter().map(|value| value as f32).collect(),
+    };
+    let position = layer.attributes.layer_position;
+    let channels = layer.channel_data.list.into_iter();
+    Ok(ExrChannels {
+        size: [layer.size.0, layer.size.1],
+        position: [position.0, position.1],
+        channels: channels.map(|channel| (channel.name.to_string(), values(channel.sample_data))).collect(),
+    })
+}
+
+type ExrImage = exr::image::Image<Layer<AnyChannels<FlatSamples>>>;
+
+/// The first layer, once it is known to be of a size that can be read.
+fn read_first_layer(source: &ImageBytes<'_>) -> Result<ExrImage, SceneError> {
+    let metadata = MetaData::read_from_buffered(Cursor::new(source.bytes), false);
+    for header in metadata.map_err(|error| refusal(source, &error))?.headers {
+        check_layer(source, &header)?;
+    }
+    read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .first_valid_layer()
+        .all_attributes()
+        .from_buffered(Cursor::new(source.bytes))
+        .map_err(|error| refusal(source, &error))
 }
 
 fn refusal(source: &ImageBytes<'_>, error: &Error) -> SceneError {

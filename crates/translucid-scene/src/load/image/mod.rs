@@ -10,6 +10,7 @@ use std::path::Path;
 
 use super::read_file;
 use crate::{ColorSpace, Image, Pixels, Place, SceneError, Warning};
+pub use exr::ExrChannels;
 use file_bytes::ImageBytes;
 
 /// Loads an image file: PNG, JPEG, OpenEXR or Radiance HDR, whatever its name ends in.
@@ -26,6 +27,15 @@ pub fn load_image(
 ) -> Result<Image, SceneError> {
     let image = decode_image(&Place::file(path), &read_file(path)?, color_space, warnings)?;
     Ok(Image { path: Some(path.to_owned()), ..image })
+}
+
+/// Loads all channels of an OpenEXR file's first layer, as they are in it.
+///
+/// # Errors
+/// The file cannot be read, is damaged, of another format, or beyond what an image may have, see [`load_image`].
+pub fn load_exr(path: &Path) -> Result<ExrChannels, SceneError> {
+    let (place, bytes) = (Place::file(path), read_file(path)?);
+    exr::decode_channels(&ImageBytes { place: &place, bytes: &bytes })
 }
 
 /// Decodes an image from bytes as [`load_image`] does; `place` is where messages say it came from.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use super::input::FileRequest;
+use super::input::{FileRequest, KnownFiles};
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::error::nearest;
@@ -15,7 +15,7 @@ use crate::load::stage::Stage;
 use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
 use crate::scene::MOST_TRIANGLES;
 use crate::{
-    Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
+    Camera, Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
 };
 
 /// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
@@ -40,38 +40,22 @@ impl SceneFile {
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
         scene.images = load_files(&self.images, |image| load_image(&image.path, image.kind, warnings))?;
-        let mut builder = Builder {
-            scene,
-            grouping: self.grouping,
-            default_material: None,
-            models: HashMap::new(),
-            groups: HashMap::new(),
-            triangles: 0,
-            warnings,
-        };
+        let mut builder =
+            SceneBuilder { grouping: self.grouping, camera: self.camera, ..SceneBuilder::of(scene) };
         for (chunk, entries) in self.objects.chunks(SHAPES_AT_ONCE).enumerate() {
             let shapes: Vec<_> = entries.par_iter().map(ReadyMesh::of_shape).collect();
             for (number, (entry, shape)) in entries.iter().zip(shapes).enumerate() {
                 let index = chunk * SHAPES_AT_ONCE + number;
                 match shape {
-                    Some(shape) => builder.add_shape(index, entry, shape?)?,
-                    None => builder.add_file(index, entry, overrides.get(&index).copied())?,
+                    Some(shape) => builder.add_ready(entry, shape?, warnings)?,
+                    None => builder.add_file(entry, overrides.get(&index).copied(), warnings)?,
                 }
             }
         }
-        let mut scene = builder.scene;
-        let stage = Stage::of(&scene.objects);
-        let aspect = f64::from(scene.film.width) / f64::from(scene.film.height);
-        scene.camera = self.camera.unwrap_or_else(|| stage.camera(&scene.objects, aspect));
-        let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
-        let is_dark = scene.lights.is_empty() && !scene.objects.iter().any(emits);
-        if is_dark && scene.environment.is_none() {
-            scene.lights = stage.lights();
-            scene.environment = Some(stage.environment());
-        }
+        let mut scene = staged(builder.scene, builder.camera);
         scene.profile_tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
-        options.finish(scene, &self.path)
+        options.finish(scene).map_err(|error| error.or_at(&self.path))
     }
 }
 
@@ -133,7 +117,7 @@ fn load_files<K, T>(
 }
 
 /// A missing file is the scene file's mistake, so the message points there.
-fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
+pub(super) fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
     if path.is_file() {
         return Ok(());
     }
@@ -142,7 +126,7 @@ fn check_present(path: &Path, place: &Place) -> Result<(), SceneError> {
 }
 
 /// Objects that may exchange light under the surface.
-#[derive(PartialEq, Eq, Hash)]
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
 enum Group {
     Named(String),
     /// Index of the material.
@@ -152,7 +136,7 @@ enum Group {
 }
 
 /// A mesh in its place in the scene, checked and valid.
-struct ReadyMesh {
+pub(super) struct ReadyMesh {
     mesh: Mesh,
     /// Triangles before the repair.
     triangles: usize,
@@ -161,13 +145,13 @@ struct ReadyMesh {
 
 impl ReadyMesh {
     /// The shape of an entry; none if that has a file.
-    fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
+    pub(super) fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
         let GeometryOrigin::Shape { name, parameters } = &entry.geometry else { return None };
         let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
         Some(build_shape(name, parameters).map_err(at_place).and_then(|mesh| Self::new(entry, mesh)))
     }
 
-    fn new(entry: &ObjectEntry, mesh: Mesh) -> Result<Self, SceneError> {
+    pub(super) fn new(entry: &ObjectEntry, mesh: Mesh) -> Result<Self, SceneError> {
         let triangles = mesh.triangles.len();
         let mut mesh = mesh.transformed(&entry.world_from_object);
         check_bounds(&mesh, &entry.place)?;
@@ -178,35 +162,85 @@ impl ReadyMesh {
 }
 
 /// A mesh file and the index that its first material has in the scene, once it is there.
+#[derive(Clone, Debug)]
 struct LoadedMeshFile {
     model: MeshFile,
     first_material: Option<usize>,
 }
 
-/// A scene on its way, without a camera yet.
-struct Builder<'a> {
-    scene: Scene,
-    grouping: Grouping,
+/// A scene on its way: things are added one after another, what it does not say is chosen at the end.
+///
+/// Each thing is a [`Piece`](crate::Piece) with the keys of a scene file's table, and fails at once if it is wrong.
+///
+/// ```
+/// use translucid_scene::{LoadOptions, Piece, SceneBuilder, Unit};
+///
+/// let mut builder = SceneBuilder::new(Unit::Millimeter);
+/// let mut warnings = Vec::new();
+/// builder.add_material(&Piece::new("material jade", "name = 'jade'\npreset = 'jade'"), &mut warnings)?;
+/// builder.add_object(&Piece::new("object ball", "shape = 'sphere'\nmaterial = 'jade'"), &mut warnings)?;
+/// let error = builder.set_film(&Piece::new("film", "sise = [64, 64]")).unwrap_err();
+/// assert!(error.to_string().starts_with("film: it has no key sise (did you mean size?"));
+/// let scene = builder.build(&LoadOptions::default())?;
+/// assert_eq!(scene.lights.len(), 2); // those of a scene that has none
+/// # Ok::<(), translucid_scene::SceneError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct SceneBuilder {
+    /// What there is so far.
+    pub(super) scene: Scene,
+    pub(super) grouping: Grouping,
+    /// The camera, if it is not to be chosen.
+    pub(super) camera: Option<Camera>,
     default_material: Option<usize>,
     models: HashMap<(PathBuf, &'static str), LoadedMeshFile>,
     groups: HashMap<Group, u32>,
+    next_group: u32,
+    /// Entries that objects were made of: several for an entry with a file.
+    entries: usize,
     /// Triangles before the repair.
     triangles: usize,
-    warnings: &'a mut Vec<Warning>,
+    /// Files that were brought in piece by piece.
+    pub(super) files: KnownFiles,
 }
 
-impl Builder<'_> {
-    fn add_shape(&mut self, index: usize, entry: &ObjectEntry, shape: ReadyMesh) -> Result<(), SceneError> {
+impl SceneBuilder {
+    /// A scene that goes on from this one, its camera to be chosen.
+    pub(super) fn of(scene: Scene) -> Self {
+        let groups = scene.objects.iter().map(|object| object.subsurface_group.saturating_add(1));
+        let triangles = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        Self {
+            next_group: groups.max().unwrap_or(0),
+            entries: 0,
+            triangles,
+            scene,
+            grouping: Grouping::Object,
+            camera: None,
+            default_material: None,
+            models: HashMap::new(),
+            groups: HashMap::new(),
+            files: KnownFiles::default(),
+        }
+    }
+
+    /// Adds an object whose mesh is there.
+    pub(super) fn add_ready(
+        &mut self,
+        entry: &ObjectEntry,
+        mesh: ReadyMesh,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
         let material = entry.material.unwrap_or_else(|| self.default_material());
-        self.add_mesh(index, entry, shape, (entry.name.clone(), material, 0))
+        self.entries += 1;
+        self.add_mesh(entry, mesh, (entry.name.clone(), material, 0), warnings)
     }
 
     /// Adds what is in the file of an entry, or in the one that replaces it.
-    fn add_file(
+    pub(super) fn add_file(
         &mut self,
-        index: usize,
         entry: &ObjectEntry,
         replacement: Option<&PathBuf>,
+        warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
         let path = replacement.unwrap_or(path);
@@ -218,8 +252,9 @@ impl Builder<'_> {
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = match self.models.remove(&key) {
             Some(loaded) => loaded,
-            None => LoadedMeshFile { model: self.load(path, unit)?, first_material: None },
+            None => LoadedMeshFile { model: self.load(path, unit, warnings)?, first_material: None },
         };
+        self.entries += 1;
         let first_material = self.first_material(entry, &mut loaded);
         for part in &loaded.model.objects {
             let material = entry.material.unwrap_or_else(|| match first_material {
@@ -231,7 +266,7 @@ impl Builder<'_> {
                 _ => format!("{}/{}", entry.name, part.name),
             };
             let mesh = ReadyMesh::new(entry, part.mesh.clone())?;
-            self.add_mesh(index, entry, mesh, (name, material, part.subsurface_group))?;
+            self.add_mesh(entry, mesh, (name, material, part.subsurface_group), warnings)?;
         }
         self.scene
             .lights
@@ -240,8 +275,8 @@ impl Builder<'_> {
         Ok(())
     }
 
-    fn load(&mut self, path: &Path, unit: Unit) -> Result<MeshFile, SceneError> {
-        let mut model = load_model(path, self.warnings)?;
+    fn load(&self, path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+        let mut model = load_model(path, warnings)?;
         scale_lengths(&mut model, (unit.in_millimeters() / self.scene.unit.in_millimeters()) as f32);
         Ok(model)
     }
@@ -262,24 +297,27 @@ impl Builder<'_> {
 
     fn add_mesh(
         &mut self,
-        index: usize,
         entry: &ObjectEntry,
-        ReadyMesh { mesh, triangles, mut warnings }: ReadyMesh,
+        ReadyMesh { mesh, triangles, warnings: mut of_mesh }: ReadyMesh,
         (name, material, model_group): (String, usize, u32),
+        warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         self.triangles += triangles;
         if self.triangles > MOST_TRIANGLES {
             let message = format!("the scene has more than {MOST_TRIANGLES} triangles up to here");
             return Err(SceneError::at(entry.place.clone(), message));
         }
-        self.warnings.append(&mut warnings);
+        warnings.append(&mut of_mesh);
         let group = match &entry.subsurface_group {
             Some(name) => Group::Named(name.clone()),
             None if self.grouping == Grouping::Material => Group::Material(material),
-            None => Group::Own(index, model_group),
+            None => Group::Own(self.entries, model_group),
         };
-        let next = self.groups.len() as u32;
+        let next = self.next_group;
         let subsurface_group = *self.groups.entry(group).or_insert(next);
+        if subsurface_group == next {
+            self.next_group += 1;
+        }
         self.scene.objects.push(Object { name, mesh, material, subsurface_group });
         Ok(())
     }
@@ -291,6 +329,20 @@ impl Builder<'_> {
             self.scene.materials.len() - 1
         })
     }
+}
+
+/// The scene with a camera, and with lights where it has none.
+pub(super) fn staged(mut scene: Scene, camera: Option<Camera>) -> Scene {
+    let stage = Stage::of(&scene.objects);
+    let aspect = f64::from(scene.film.width) / f64::from(scene.film.height);
+    scene.camera = camera.unwrap_or_else(|| stage.camera(&scene.objects, aspect));
+    let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
+    let is_dark = scene.lights.is_empty() && !scene.objects.iter().any(emits);
+    if is_dark && scene.environment.is_none() {
+        scene.lights = stage.lights();
+        scene.environment = Some(stage.environment());
+    }
+    scene
 }
 
 /// A mesh out of bounds is refused here; the repair would cut it off.

@@ -17,11 +17,18 @@ use crate::{Place, SceneError};
 pub(super) struct DocumentText {
     path: PathBuf,
     text: Arc<str>,
+    /// What the text is about where it is no file's.
+    part: Option<String>,
 }
 
 impl DocumentText {
     pub(super) fn new(path: &Path, text: &str) -> Self {
-        Self { path: path.to_owned(), text: Arc::from(text) }
+        Self { path: path.to_owned(), text: Arc::from(text), part: None }
+    }
+
+    /// A text that is in no file: errors name the part of the scene that it is about.
+    pub(super) fn of_part(part: &str, text: &str) -> Self {
+        Self { path: PathBuf::new(), text: Arc::from(text), part: Some(part.to_owned()) }
     }
 
     pub(super) fn text(&self) -> &str {
@@ -29,7 +36,10 @@ impl DocumentText {
     }
 
     pub(super) fn place(&self, span: Range<usize>) -> Place {
-        Place::span(&self.path, &self.text, span)
+        match &self.part {
+            Some(part) => Place::part(&self.path, part),
+            None => Place::span(&self.path, &self.text, span),
+        }
     }
 
     pub(super) fn error(&self, span: Range<usize>, message: impl Into<String>) -> SceneError {
@@ -95,7 +105,9 @@ impl<'a> Table<'a> {
     }
 
     fn title(&self) -> &str {
-        if self.path.is_empty() { "a scene" } else { &self.path }
+        // An error of a part has the part before it
+        let whole = if self.source.part.is_some() { "it" } else { "a scene" };
+        if self.path.is_empty() { whole } else { &self.path }
     }
 
     /// The value of a key.
@@ -133,10 +145,13 @@ impl<'a> Table<'a> {
 
     /// A table of a key, each of whose values is optional.
     pub(super) fn settings<T: Default>(&self, key: &'static str, keys: &[Key<T>]) -> Result<T, SceneError> {
-        let mut settings = T::default();
-        let Some(item) = self.get(key) else { return Ok(settings) };
+        self.get(key).map_or(Ok(T::default()), |item| item.table()?.changed(T::default(), keys))
+    }
+
+    /// Settings with the changes of this table.
+    pub(super) fn changed<T>(self, mut settings: T, keys: &[Key<T>]) -> Result<T, SceneError> {
         let names: Vec<_> = keys.iter().map(|&(name, _)| name).collect();
-        let table = item.table()?.allow(&names)?;
+        let table = self.allow(&names)?;
         for (name, read) in keys {
             table.get(name).map_or(Ok(()), |item| read(&item, &mut settings))?;
         }
@@ -163,7 +178,7 @@ impl<'a> Table<'a> {
 
     /// Dotted path of the table.
     pub(super) fn path(&self) -> &str {
-        &self.path
+        self.title()
     }
 }
 

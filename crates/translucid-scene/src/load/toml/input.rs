@@ -37,6 +37,13 @@ pub(super) struct FileList {
     pub(super) tables: Vec<FileRequest<()>>,
 }
 
+/// Files that things of a scene name, each with its index there.
+#[derive(Clone, Debug, Default)]
+pub(super) struct KnownFiles {
+    pub(super) images: Vec<(PathBuf, ColorSpace, usize)>,
+    pub(super) tables: Vec<(PathBuf, usize)>,
+}
+
 impl FileList {
     /// Index of the image in a file; the same file in the same color space is loaded once.
     pub(super) fn image(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {

@@ -37,14 +37,16 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
-/// Reads a material; what it does not say comes from its preset, else from OpenPBR.
+/// Reads a material; what it does not say comes from its preset, else from `base`.
 pub(super) fn read_material(
     table: &Table<'_>,
+    base: Material,
     unit: Unit,
     images: &mut FileList,
 ) -> Result<Material, SceneError> {
-    let mut material = table.read("preset", Material::default(), |item| read_preset(item, unit))?;
-    material.name = table.require("name")?.name()?;
+    let is_default = base.subsurface_model == default_model(&base);
+    let mut material = table.read("preset", base, |item| read_preset(item, unit))?;
+    table.update("name", &mut material.name, Item::name)?;
     for parameter in PARAMETERS {
         let (name, range) = (parameter.name, parameter.range);
         match parameter.slot(&mut material) {
@@ -52,6 +54,9 @@ pub(super) fn read_material(
             Slot::Scalar(input) => table.update(name, input, |item| read_scalar(item, range, images))?,
             Slot::Color(input) => table.update(name, input, |item| read_color(item, range, images))?,
         }
+    }
+    if is_default || table.get("preset").is_some() {
+        material.subsurface_model = default_model(&material);
     }
     read_model(table, &mut material, images)?;
     table.update("subsurface_parameter", &mut material.subsurface_parameter, |item| {
@@ -77,12 +82,15 @@ fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {
     }
 }
 
-/// Reads `subsurface_model` or `subsurface_table`; without either the medium decides.
+/// The model that the medium decides on where none is named.
+fn default_model(material: &Material) -> SubsurfaceModel {
+    SubsurfaceModel::default_of(material.subsurface_scatter_anisotropy, material.subsurface_eta)
+}
+
+/// Reads `subsurface_model` or `subsurface_table`.
 fn read_model(table: &Table<'_>, material: &mut Material, files: &mut FileList) -> Result<(), SceneError> {
     let models = SubsurfaceModel::ALL.map(|model| (model.name(), model));
-    let default =
-        SubsurfaceModel::default_of(material.subsurface_scatter_anisotropy, material.subsurface_eta);
-    material.subsurface_model = table.read("subsurface_model", default, |item| item.word(&models))?;
+    table.update("subsurface_model", &mut material.subsurface_model, |item| item.word(&models))?;
     let Some(item) = table.get("subsurface_table") else { return Ok(()) };
     if table.get("subsurface_model").is_some() {
         let message = "subsurface_table is the model: leave subsurface_model out, or the table";

@@ -7,6 +7,7 @@ mod input;
 mod light;
 mod material;
 mod object;
+mod piece;
 mod settings;
 #[cfg(test)]
 mod tests;
@@ -17,6 +18,9 @@ use std::path::{Path, PathBuf};
 use document::{DocumentText, Item, Table};
 use input::{FileList, FileRequest};
 use object::{GeometryOrigin, ObjectEntry};
+
+pub use build::SceneBuilder;
+pub use piece::Piece;
 
 use super::stem;
 use crate::{Camera, ColorSpace, Material, Scene, SceneError, Unit};
@@ -134,7 +138,8 @@ fn read_materials(root: &Table<'_>, unit: Unit, files: &mut FileList) -> Result<
     let mut materials = Vec::new();
     for table in root.tables("material", MOST_ENTRIES)? {
         let table = table.allow(&keys)?;
-        let material = material::read_material(&table, unit, files)?;
+        table.require("name")?;
+        let material = material::read_material(&table, Material::default(), unit, files)?;
         claim_name(&table, &material.name, &mut names)?;
         materials.push(material);
     }
@@ -176,6 +181,7 @@ fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
         let plain = match &object.geometry {
             GeometryOrigin::File { path, .. } => stem(path),
             GeometryOrigin::Shape { name, .. } => name.clone(),
+            GeometryOrigin::Given => String::from("mesh"),
         };
         object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };
         names.insert(object.name.clone());

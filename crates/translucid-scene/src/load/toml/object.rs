@@ -25,6 +25,10 @@ pub(super) const KEYS: &[&str] = &[
     "subsurface_group",
 ];
 
+/// Keys of an object whose mesh is at hand.
+const MESH_KEYS: &[&str] =
+    &["name", "material", "translate", "rotate", "scale", "matrix", "subsurface_group"];
+
 /// Where an object's geometry comes from.
 #[derive(Clone, Debug)]
 pub(super) enum GeometryOrigin {
@@ -32,6 +36,8 @@ pub(super) enum GeometryOrigin {
     File { path: PathBuf, unit: Option<Unit> },
     /// A built-in shape.
     Shape { name: String, parameters: ShapeParameters },
+    /// A mesh that is at hand.
+    Given,
 }
 
 /// An object whose geometry is still to be loaded.
@@ -58,15 +64,32 @@ pub(super) fn read_object<'a>(
     let names = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
     let table = table.allow(&KEYS.iter().copied().chain(names).collect::<Vec<_>>())?;
     let (geometry, place) = read_geometry(&table, shape)?;
-    let entry = ObjectEntry {
+    Ok((read_entry(&table, geometry, place, materials)?, table))
+}
+
+/// Reads an object whose mesh is at hand and belongs at this place.
+pub(super) fn read_mesh_object(
+    table: Table<'_>,
+    place: Place,
+    materials: &[Material],
+) -> Result<ObjectEntry, SceneError> {
+    read_entry(&table.allow(MESH_KEYS)?, GeometryOrigin::Given, place, materials)
+}
+
+fn read_entry(
+    table: &Table<'_>,
+    geometry: GeometryOrigin,
+    place: Place,
+    materials: &[Material],
+) -> Result<ObjectEntry, SceneError> {
+    Ok(ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
         place,
-        world_from_object: read_transform(&table)?,
+        world_from_object: read_transform(table)?,
         material: table.get("material").map(|item| read_material_name(&item, materials)).transpose()?,
         subsurface_group: table.get("subsurface_group").map(|item| item.name()).transpose()?,
-    };
-    Ok((entry, table))
+    })
 }
 
 type ShapeList = &'static [crate::ShapeParameter];

@@ -9,8 +9,6 @@ const FILTERS: [(&str, FilterKind); 3] = [
     ("gaussian", FilterKind::Gaussian),
     ("blackman-harris", FilterKind::BlackmanHarris),
 ];
-const TONE_MAPPINGS: [(&str, ToneMapping); 3] =
-    [("srgb", ToneMapping::Srgb), ("neutral", ToneMapping::Neutral), ("agx", ToneMapping::Agx)];
 
 pub(super) const FILM: &[Key<Film>] = &[
     ("size", |item, film| {
@@ -28,7 +26,7 @@ pub(super) const FILM: &[Key<Film>] = &[
     }),
     ("filter_radius", |item, film| item.number(Film::FILTER_RADIUS).map(|x| film.filter_radius = x)),
     ("exposure", |item, film| item.number(Film::EXPOSURE).map(|x| film.exposure = x)),
-    ("tone_mapping", |item, film| item.word(&TONE_MAPPINGS).map(|word| film.tone_mapping = word)),
+    ("tone_mapping", |item, film| item.word(&ToneMapping::WORDS).map(|word| film.tone_mapping = word)),
 ];
 
 pub(super) const INTEGRATOR: &[Key<Integrator>] = &[

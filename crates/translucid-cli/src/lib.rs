@@ -1,0 +1,104 @@
+//! The `translucid` command: renders, profiles and samples translucent materials, and knows their ground truth.
+//!
+//! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
+//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
+
+mod command_line;
+mod compare;
+mod convert;
+mod failure;
+mod files;
+mod fit;
+mod interrupt;
+mod machine;
+mod messages;
+mod model;
+mod profile;
+mod progress;
+mod radii;
+mod reference;
+mod render;
+mod sample;
+mod table;
+
+use std::ffi::OsString;
+
+use clap::{Parser, Subcommand};
+
+use crate::failure::Failure;
+
+/// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
+///
+/// Without a verb it renders the built-in still life to still-life.exr and still-life.png.
+#[derive(Parser)]
+#[command(name = "translucid", version, after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    verb: Option<Verb>,
+}
+
+#[derive(Subcommand)]
+enum Verb {
+    Render(render::Arguments),
+    Profile(profile::ProfileArguments),
+    Sample(sample::SampleArguments),
+    Reference(reference::ReferenceArguments),
+    Fit(fit::FitArguments),
+    Compare(compare::CompareArguments),
+    Convert(convert::ConvertArguments),
+}
+
+const EXAMPLES: &str = "\
+Examples:
+  translucid
+  translucid render bust.glb --preset marble --size 800x800 --spp 128
+  translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
+  translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
+  translucid fit --configuration searchlight --parameter mfp --family burley
+  translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
+  translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
+  translucid help render";
+
+/// Runs the command of these words, the program's own first, and returns its exit code.
+///
+/// It writes to stdout, stderr and files as the program does. The process goes on after it, unless Ctrl-C is pressed
+/// twice while something is rendered or computed.
+pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
+    let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let cli = match Cli::try_parse_from(&words) {
+        Ok(cli) => cli,
+        Err(answer) => {
+            // Help and versions are such an answer, too. Nobody is left to be told when the output is closed.
+            let _ = answer.print();
+            return u8::try_from(answer.exit_code()).unwrap_or(1);
+        }
+    };
+    command_line::set(words);
+    interrupt::forget();
+    // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
+    // fault. The message has then been printed by the panic itself.
+    match std::panic::catch_unwind(|| run_verb(cli)) {
+        Ok(Ok(())) => 0,
+        Ok(Err(failure)) => {
+            messages::print_failure(&failure);
+            failure.exit_code()
+        }
+        Err(_) => {
+            messages::print_note("this is a defect of translucid: please report it with the message above");
+            1
+        }
+    }
+}
+
+fn run_verb(cli: Cli) -> Result<(), Failure> {
+    match cli.verb {
+        None => render::run(&render::Arguments::default()),
+        Some(Verb::Render(arguments)) => render::run(&arguments),
+        Some(Verb::Profile(arguments)) => profile::run(&arguments),
+        Some(Verb::Sample(arguments)) => sample::run(&arguments),
+        Some(Verb::Reference(arguments)) => reference::run(&arguments),
+        Some(Verb::Fit(arguments)) => fit::run(&arguments),
+        Some(Verb::Compare(arguments)) => compare::run(&arguments),
+        Some(Verb::Convert(arguments)) => convert::run(&arguments),
+    }
+}

@@ -1,0 +1,280 @@
+//! Keyword arguments as keys and values of a scene file, arrays among them as its images.
+
+use std::fmt::Write;
+
+use numpy::{PyArrayDyn, PyArrayMethods};
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
+use translucid_scene::{ColorSpace, Image, Piece, Pixels};
+
+use crate::arrays::Numbers;
+use crate::scene_error::{in_scene, scene_error, wrong};
+
+/// Most values of a list: sixteen are the longest that a key takes.
+const LONGEST_LIST: usize = 64;
+
+/// Lists and tables within each other that a value may have.
+const DEEPEST: usize = 8;
+
+/// Keys and values on their way to a [`Piece`].
+pub(crate) struct Keys<'a> {
+    piece: Piece,
+    /// Number of images that the scene has been given so far: each has a name of its own.
+    image_count: &'a mut usize,
+}
+
+impl<'a> Keys<'a> {
+    /// A piece without keys, of this name in messages.
+    pub(crate) fn new(title: &str, image_count: &'a mut usize) -> Self {
+        Self { piece: Piece::new(title, ""), image_count }
+    }
+
+    /// Adds a text.
+    pub(crate) fn text(mut self, key: &str, value: &str) -> Self {
+        self.piece.text += &format!("{} = {}\n", quoted(key), quoted(value));
+        self
+    }
+
+    /// Adds all keyword arguments but those that are `None`.
+    pub(crate) fn arguments(mut self, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        for (key, value) in keys.into_iter().flatten() {
+            let key: String = name_of(&self.piece.title, &key)?;
+            if value.is_none() {
+                continue;
+            }
+            let mut line = format!("{} = ", quoted(&key));
+            self.value(&key, &value, 0, &mut line)?;
+            self.piece.text += &line;
+            self.piece.text.push('\n');
+        }
+        Ok(self)
+    }
+
+    pub(crate) fn piece(self) -> Piece {
+        self.piece
+    }
+
+    /// Writes a value as TOML does.
+    fn value(
+        &mut self,
+        name: &str,
+        value: &Bound<'_, PyAny>,
+        depth: usize,
+        out: &mut String,
+    ) -> PyResult<()> {
+        if depth > DEEPEST {
+            return Err(self.wrong(name, "has too many lists and tables within each other"));
+        }
+        if let Ok(text) = value.cast::<PyString>() {
+            *out +=
+                &quoted(text.to_str().map_err(|_| self.wrong(name, "must be text of Unicode characters"))?);
+        } else if let Ok(flag) = value.cast::<PyBool>() {
+            *out += if flag.is_true() { "true" } else { "false" };
+        } else if value.is_instance_of::<PyInt>() {
+            // `str` refuses thousands of digits
+            let digits = value.str().map_err(|_| self.wrong(name, "is an integer that is too large"))?;
+            *out += digits.to_str()?;
+        } else if let Ok(number) = value.cast::<PyFloat>() {
+            // As Rust prints it, it comes back bit for bit; NaN is lower case in TOML
+            let number = format!("{:?}", number.value());
+            *out += if number == "NaN" { "nan" } else { &number };
+        } else if let Ok(dict) = value.cast::<PyDict>() {
+            self.table(name, dict, depth, out)?;
+        } else if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+            self.list(name, value, depth, out)?;
+        } else if value.hasattr("__array__")? {
+            self.array(name, value, depth, out)?;
+        } else if value.hasattr("__fspath__")? {
+            let path: std::path::PathBuf = value.extract()?;
+            let path =
+                path.to_str().ok_or_else(|| self.wrong(name, "must be a path of Unicode characters"))?;
+            *out += &quoted(path);
+        } else {
+            let kind = value.get_type().name()?;
+            let title = &self.piece.title;
+            return Err(PyTypeError::new_err(format!(
+                "{title}: {name} is of type {kind}, but must be a number, a text, a list, a table or an array"
+            )));
+        }
+        Ok(())
+    }
+
+    fn list(&mut self, name: &str, list: &Bound<'_, PyAny>, depth: usize, out: &mut String) -> PyResult<()> {
+        let length = list.len()?;
+        if length > LONGEST_LIST {
+            let message =
+                format!("has {length} values, but may have {LONGEST_LIST}; an image must be an array");
+            return Err(self.wrong(name, &message));
+        }
+        out.push('[');
+        for (i, element) in list.try_iter()?.enumerate() {
+            self.value(&format!("{name}[{i}]"), &element?, depth + 1, out)?;
+            *out += ", ";
+        }
+        out.push(']');
+        Ok(())
+    }
+
+    fn table(
+        &mut self,
+        name: &str,
+        dict: &Bound<'_, PyDict>,
+        depth: usize,
+        out: &mut String,
+    ) -> PyResult<()> {
+        let mut entries = Vec::new();
+        for (key, value) in dict {
+            let key = name_of(&self.piece.title, &key)?;
+            if value.is_none() {
+                continue;
+            }
+            let is_image = key == "image" && value.hasattr("__array__")?;
+            let mut entry = format!("{} = ", quoted(if is_image { "file" } else { &key }));
+            let path = format!("{name}.{key}");
+            if is_image {
+                entry += &quoted(&self.image(&path, &value)?);
+            } else {
+                self.value(&path, &value, depth + 1, &mut entry)?;
+            }
+            entries.push(entry);
+        }
+        *out += &format!("{{{}}}", entries.join(", "));
+        Ok(())
+    }
+
+    /// A scalar, a list of numbers, the sixteen of a matrix, or an image.
+    fn array(
+        &mut self,
+        name: &str,
+        value: &Bound<'_, PyAny>,
+        depth: usize,
+        out: &mut String,
+    ) -> PyResult<()> {
+        let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
+        let dimensions: usize = array.getattr("ndim")?.extract()?;
+        match dimensions {
+            0 | 1 => {
+                let size: usize = array.getattr("size")?.extract()?;
+                if size > LONGEST_LIST {
+                    let message = format!("has {size} values, but may have {LONGEST_LIST}");
+                    return Err(self.wrong(name, &message));
+                }
+                self.value(name, &array.call_method0("tolist")?, depth + 1, out)
+            }
+            _ if name == "matrix" => self.value(name, &array.call_method0("ravel")?, depth + 1, out),
+            _ => {
+                let image = quoted(&self.image(name, &array)?);
+                *out += &if name == "file" { image } else { format!("{{file = {image}}}") };
+                Ok(())
+            }
+        }
+    }
+
+    /// Takes an image along; returns the name by which the key `file` knows it.
+    fn image(&mut self, name: &str, array: &Bound<'_, PyAny>) -> PyResult<String> {
+        let image_name = format!("array {} ({}, {name})", *self.image_count, self.piece.title);
+        let wrong = |message: String| self.wrong(name, &message);
+        let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+        let (height, width, channels) = match shape[..] {
+            [height, width] => (height, width, 1),
+            [height, width, channels @ (1 | 3 | 4)] => (height, width, channels),
+            _ => {
+                let message = format!(
+                    "has the shape {shape:?}, but an image must have (height, width), (height, width, 3) or (height, width, 4)"
+                );
+                return Err(wrong(message));
+            }
+        };
+        let longest = Image::LONGEST_EDGE;
+        if !(1..=longest).contains(&width) || !(1..=longest).contains(&height) {
+            return Err(wrong(format!(
+                "is {width} pixels wide and {height} high, but both must be in [1, {longest}]"
+            )));
+        }
+        if width * height > Image::MOST_PIXELS {
+            return Err(wrong(format!("has {} pixels, but may have {}", width * height, Image::MOST_PIXELS)));
+        }
+        let pixels = if let Ok(bytes) = array.cast::<PyArrayDyn<u8>>() {
+            let bytes = bytes.try_readonly()?;
+            Pixels::Byte(four_channels(bytes.as_array().iter().copied(), channels, 255))
+        } else {
+            let dtype = array.getattr("dtype")?;
+            if dtype.getattr("kind")?.extract::<String>()? != "f" {
+                let message = format!(
+                    "{name} is an image of dtype {dtype}, but must be one of uint8 or of floating-point numbers"
+                );
+                return Err(PyTypeError::new_err(message));
+            }
+            let numbers = Numbers::extract(name, array)?;
+            let is_allowed = |x| (x as f32).is_finite();
+            numbers
+                .require(name, "finite in single precision", is_allowed)
+                .map_err(|error| in_scene(&self.piece.title, error, array.py()))?;
+            Pixels::Float(four_channels(numbers.iter().map(|x| x as f32), channels, 1.0))
+        };
+        *self.image_count += 1;
+        let (width, height) = (width as u32, height as u32);
+        let name = image_name.clone();
+        // The key that names it says which color space bytes have
+        self.piece.images.push(Image {
+            name,
+            path: None,
+            width,
+            height,
+            color_space: ColorSpace::Linear,
+            pixels,
+        });
+        Ok(image_name)
+    }
+
+    fn wrong(&self, name: &str, message: &str) -> PyErr {
+        wrong(&self.piece.title, &format!("{name} {message}"))
+    }
+}
+
+/// Pixels of red, green, blue and alpha.
+fn four_channels<T: Copy>(values: impl Iterator<Item = T>, channels: usize, opaque: T) -> Vec<[T; 4]> {
+    let mut values = values;
+    let mut pixels = Vec::new();
+    while let Some(first) = values.next() {
+        let mut next = || values.next().unwrap_or(opaque);
+        pixels.push(match channels {
+            1 => [first, first, first, opaque],
+            3 => [first, next(), next(), opaque],
+            _ => [first, next(), next(), next()],
+        });
+    }
+    pixels
+}
+
+/// A key as text.
+fn name_of(title: &str, key: &Bound<'_, PyAny>) -> PyResult<String> {
+    key.extract().map_err(|_| PyTypeError::new_err(format!("{title}: a key is {key}, but must be text")))
+}
+
+/// A text as TOML writes it.
+fn quoted(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => quoted.extend(['\\', c]),
+            _ if c.is_control() => {
+                let _ = write!(quoted, "\\u{:04X}", u32::from(c));
+            }
+            _ => quoted.push(c),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+/// What `read` makes of keyword arguments that bring no images.
+pub(crate) fn piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
+    let mut count = 0;
+    let piece = Keys::new(title, &mut count).arguments(keys)?.piece();
+    if piece.images.is_empty() {
+        return Ok(piece);
+    }
+    Err(scene_error(translucid_scene::SceneError::new(format!("{title} takes no images"))))
+}

@@ -1,0 +1,697 @@
+//! `Scene`: loaded from files, or made of arrays by the keys of scene files.
+
+use std::path::PathBuf;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use glam::{Vec2, Vec3};
+use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyString, PyType};
+use translucid_scene::{Film, LoadOptions, Mesh, SceneBuilder, SubsurfaceModel, Unit, Warning, load_scene};
+
+use crate::arrays::Numbers;
+use crate::keys::Keys;
+use crate::long_work;
+use crate::names;
+use crate::scene_error::{in_scene, scene_error, warn, wrong};
+
+/// Most vertices of a mesh: those of the most triangles that a scene may have, without sharing any.
+const MOST_VERTICES: usize = 3 << 28;
+
+/// Most triangles of a mesh.
+const MOST_TRIANGLES: usize = 1 << 28;
+
+/// Largest coordinate of a vertex.
+const LARGEST_COORDINATE: f64 = 1e9;
+
+/// What a scene is made of so far.
+struct Making {
+    builder: SceneBuilder,
+    /// Images that came as arrays.
+    image_count: usize,
+    light_count: usize,
+}
+
+/// A scene: objects with materials, lights, an environment, a camera.
+///
+/// It is loaded from a file by `load`, or put together here: every keyword is a key of scene files
+/// (``docs/guide/scene-files.md``), with the same meaning, unit, range and default, and everything that
+/// is not said is chosen as for scene files: a camera that shows all objects, and light where there is none.
+/// Instead of the path of an image, an array of shape (H, W), (H, W, 3) or (H, W, 4) can be given: ``uint8`` codes,
+/// or linear floating-point values.
+///
+/// Parameters
+/// ----------
+/// unit : {'mm', 'cm', 'm'}
+///     Unit of all lengths.
+/// camera, environment, film, integrator : dict, optional
+///     As by `set_camera`, `set_environment`, `set_film`, `set_integrator`.
+/// lights : list of dict, optional
+///     Lights, each with the key ``type``.
+/// subsurface_grouping : {'object', 'material'}, optional
+///     Which objects share light under their surfaces where they name no ``subsurface_group``.
+///
+/// Raises
+/// ------
+/// SceneError
+///     A key is unknown, or a value not allowed; the message says where, and what is.
+///
+/// Notes
+/// -----
+/// Lengths are in `unit`, angles in degrees, colors linear Rec. 709 or ``'#rrggbb'``.
+/// Materials have the names of OpenPBR Surface 1.1.
+///
+/// Examples
+/// --------
+/// >>> import numpy as np
+/// >>> import translucid
+/// >>> scene = translucid.Scene(unit="mm")
+/// >>> scene.add_material("wax", subsurface_weight=1, subsurface_color=[0.9, 0.7, 0.4], subsurface_radius=1.5)
+/// >>> vertices = np.array([[0, 9, 0], [6, 0, 0], [-3, 0, -5.2], [-3, 0, 5.2]])
+/// >>> triangles = np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+/// >>> scene.add_mesh("pyramid", vertices, triangles, material="wax")
+/// >>> scene
+/// <translucid.Scene in mm: 1 object, 4 triangles, 1 material, 0 lights>
+#[pyclass(frozen, module = "translucid", weakref)]
+pub(crate) struct Scene {
+    making: Mutex<Making>,
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (unit="mm", *, camera=None, environment=None, film=None, integrator=None, lights=None, subsurface_grouping=None))]
+    #[expect(clippy::too_many_arguments, reason = "the keywords of a scene file")]
+    fn new(
+        py: Python<'_>,
+        unit: &str,
+        camera: Option<&Bound<'_, PyDict>>,
+        environment: Option<&Bound<'_, PyDict>>,
+        film: Option<&Bound<'_, PyDict>>,
+        integrator: Option<&Bound<'_, PyDict>>,
+        lights: Option<&Bound<'_, PyAny>>,
+        subsurface_grouping: Option<&str>,
+    ) -> PyResult<Self> {
+        let unit = unit_of(unit)?;
+        let making = Making { builder: SceneBuilder::new(unit), image_count: 0, light_count: 0 };
+        let scene = Self { making: Mutex::new(making) };
+        if let Some(grouping) = subsurface_grouping {
+            scene.change(py, |making| {
+                let keys = Keys::new("scene", &mut making.image_count).text("subsurface_grouping", grouping);
+                let piece = keys.piece();
+                Ok(move |making: &mut Making, _: &mut Vec<Warning>| {
+                    making.builder.set_subsurface_grouping(&piece)
+                })
+            })?;
+        }
+        if film.is_some() {
+            scene.set_film(py, film)?;
+        }
+        if integrator.is_some() {
+            scene.set_integrator(py, integrator)?;
+        }
+        if camera.is_some() {
+            scene.set_camera(py, camera)?;
+        }
+        if environment.is_some() {
+            scene.set_environment(py, environment)?;
+        }
+        for light in lights.map(|lights| lights.try_iter()).transpose()?.into_iter().flatten() {
+            let light = light?;
+            let keys = light.cast::<PyDict>().map_err(|_| {
+                PyTypeError::new_err(format!("lights must be dictionaries, but one is {light}"))
+            })?;
+            scene.add_light(py, None, Some(keys))?;
+        }
+        Ok(scene)
+    }
+
+    /// Loads a scene file (``.toml``) or a mesh (``.glb``, ``.gltf``, ``.obj``, ``.ply``).
+    ///
+    /// A mesh alone gets a material, a camera, lights and a backdrop where it has none. Whatever had to be repaired is
+    /// said by a ``UserWarning``.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     The file.
+    /// preset : str, optional
+    ///     Material of a mesh, by its name among the presets.
+    /// unit : {'mm', 'cm', 'm'}, optional
+    ///     Unit of a mesh's coordinates; by default m for glTF, else mm.
+    /// size : (int, int), optional
+    ///     Width and height of the picture in pixels, each in [1, 16384], which a chosen camera is made for.
+    /// subsurface : str, optional
+    ///     Model of the transport under all surfaces, in place of the materials' own.
+    ///
+    /// Returns
+    /// -------
+    /// Scene
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     The file cannot be read, or something in it is wrong: ``path`` and ``line`` say where.
+    ///
+    /// Examples
+    /// --------
+    /// >>> translucid.Scene.load("no-such.toml")
+    /// Traceback (most recent call last):
+    ///     ...
+    /// translucid.SceneError: no-such.toml: cannot be read: No such file or directory (os error 2)
+    #[classmethod]
+    #[pyo3(signature = (path, *, preset=None, unit=None, size=None, subsurface=None))]
+    fn load(
+        class: &Bound<'_, PyType>,
+        path: PathBuf,
+        preset: Option<String>,
+        unit: Option<&str>,
+        size: Option<&Bound<'_, PyAny>>,
+        subsurface: Option<&str>,
+    ) -> PyResult<Self> {
+        let options = LoadOptions {
+            preset,
+            unit: unit.map(unit_of).transpose()?,
+            ..picture_options(size, subsurface)?
+        };
+        let scene = load(class.py(), path, options)?;
+        Ok(Self { making: Mutex::new(Making { builder: scene.into(), image_count: 0, light_count: 0 }) })
+    }
+
+    /// Adds a material.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name, which no other material has.
+    /// **keys
+    ///     As in a ``[[material]]`` of a scene file: ``base_color``, ``specular_roughness``, ``subsurface_weight``,
+    ///     ``subsurface_color`` (the surface albedo), ``subsurface_radius`` and ``subsurface_radius_scale`` (the
+    ///     mean free path, in the scene's unit), ``subsurface_model`` …; ``preset`` begins with a measured material.
+    ///     Colors and scalars may be textures: an array, or a dictionary with the keys ``image`` (an array) or
+    ///     ``file``, ``factor``, ``color_space``, ``channel``, ``uv_scale``, ``uv_offset``, ``uv_rotation``, ``wrap``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown, a value out of its range, or the name taken.
+    ///
+    /// Examples
+    /// --------
+    /// >>> scene = translucid.Scene()
+    /// >>> scene.add_material("skin", preset="skin1", specular_roughness=0.35)
+    /// >>> scene.add_material("wax", subsurface_colour=0.8)
+    /// Traceback (most recent call last):
+    ///     ...
+    /// translucid.SceneError: material wax: it has no key subsurface_colour (did you mean subsurface_color? ...
+    #[pyo3(signature = (name, **keys))]
+    fn add_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        self.change(py, |making| {
+            let title = format!("material {name}");
+            let piece =
+                Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
+                making.builder.add_material(&piece, warnings)
+            })
+        })
+    }
+
+    /// Adds an object that is a mesh.
+    ///
+    /// Triangles without area are left out, with a ``UserWarning``.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name, which no other object has.
+    /// vertices : array_like, shape (n, 3)
+    ///     Coordinates in the scene's unit, within ±1e9.
+    /// triangles : array_like of integers, shape (m, 3)
+    ///     Indices of vertices, counted from 0, counter-clockwise as seen from outside.
+    /// normals : array_like, shape (n, 3), optional
+    ///     Shading normals; without them the mesh is flat between its edges.
+    /// uv : array_like, shape (n, 2), optional
+    ///     Texture coordinates, v upward.
+    /// colors : array_like, shape (n, 3), optional
+    ///     Linear colors, used by materials whose color is ``'vertex'``.
+    /// **keys
+    ///     As in an ``[[object]]`` of a scene file: ``material`` (a name), ``translate``, ``rotate``, ``scale`` or
+    ///     ``matrix``, ``subsurface_group``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     An array has another shape, a coordinate is not finite, an index is out of range, or a key is wrong.
+    /// TypeError
+    ///     An array is not of numbers, or the triangles are not of integers.
+    #[pyo3(signature = (name, vertices, triangles, *, normals=None, uv=None, colors=None, **keys))]
+    #[expect(clippy::too_many_arguments, reason = "the parts of a mesh")]
+    fn add_mesh(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uv: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let title = format!("mesh {name}");
+        let mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
+        self.change(py, |making| {
+            let piece =
+                Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
+                making.builder.add_mesh_object(&piece, mesh, warnings)
+            })
+        })
+    }
+
+    /// Adds an object that is a built-in shape or in a file.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str, optional
+    ///     Its name, which no other object has; by default that of the shape or file.
+    /// **keys
+    ///     As in an ``[[object]]`` of a scene file: ``shape`` and its parameters or ``file``, ``material``,
+    ///     ``translate`` …
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, a value not allowed, or the file cannot be used.
+    #[pyo3(signature = (name=None, **keys))]
+    fn add_object(
+        &self,
+        py: Python<'_>,
+        name: Option<&str>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        self.change(py, |making| {
+            let title = name.map_or_else(|| String::from("object"), |name| format!("object {name}"));
+            let mut new = Keys::new(&title, &mut making.image_count);
+            if let Some(name) = name {
+                new = new.text("name", name);
+            }
+            let piece = new.arguments(keys)?.piece();
+            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
+                making.builder.add_object(&piece, warnings)
+            })
+        })
+    }
+
+    /// Adds a light.
+    ///
+    /// Parameters
+    /// ----------
+    /// type : {'rectangle', 'sphere', 'distant', 'spot', 'point', 'beam'}
+    ///     What it is.
+    /// **keys
+    ///     As in a ``[[light]]`` of a scene file: ``center``, ``target``, ``size``, ``radiance`` … of a rectangle.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
+    #[pyo3(signature = (r#type=None, **keys))]
+    fn add_light(
+        &self,
+        py: Python<'_>,
+        r#type: Option<&str>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        self.change(py, |making| {
+            let title = format!("light {}", making.light_count);
+            let mut new = Keys::new(&title, &mut making.image_count);
+            if let Some(name) = r#type {
+                new = new.text("type", name);
+            }
+            let piece = new.arguments(keys)?.piece();
+            Ok(move |making: &mut Making, _: &mut Vec<Warning>| {
+                making.builder.add_light(&piece)?;
+                making.light_count += 1;
+                Ok(())
+            })
+        })
+    }
+
+    /// Sets the light from all around.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in the ``[environment]`` of a scene file: ``radiance``, ``file`` (an image, or an array), ``rotation``,
+    ///     ``visible``.
+    #[pyo3(signature = (**keys))]
+    fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        self.change(py, |making| {
+            let piece = Keys::new("environment", &mut making.image_count).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
+                making.builder.set_environment(&piece, warnings)
+            })
+        })
+    }
+
+    /// Sets the camera.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in the ``[camera]`` of a scene file: ``position``, ``target``, ``up``, ``fov`` (horizontal, in degrees),
+    ///     ``lens_radius``, ``focus_distance``.
+    #[pyo3(signature = (**keys))]
+    fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        self.change(py, |making| {
+            let piece = Keys::new("camera", &mut making.image_count).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_camera(&piece))
+        })
+    }
+
+    /// Changes the film.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in the ``[film]`` of a scene file: ``size``, ``filter``, ``filter_radius``, ``exposure`` (in stops),
+    ///     ``tone_mapping``.
+    #[pyo3(signature = (**keys))]
+    fn set_film(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        self.change(py, |making| {
+            let piece = Keys::new("film", &mut making.image_count).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_film(&piece))
+        })
+    }
+
+    /// Changes how paths are traced.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in the ``[integrator]`` of a scene file: ``samples_per_pixel``, ``max_depth``, ``seed`` …
+    #[pyo3(signature = (**keys))]
+    fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        self.change(py, |making| {
+            let piece = Keys::new("integrator", &mut making.image_count).arguments(keys)?.piece();
+            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_integrator(&piece))
+        })
+    }
+
+    /// Unit of all lengths: ``'mm'``, ``'cm'`` or ``'m'``.
+    #[getter]
+    fn unit(&self, py: Python<'_>) -> &'static str {
+        py.detach(|| self.lock().builder.scene().unit.name())
+    }
+
+    /// Names of the objects, in the order in which they were added.
+    #[getter]
+    fn objects(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| self.lock().builder.scene().objects.iter().map(|object| object.name.clone()).collect())
+    }
+
+    /// Names of the materials, in the order in which they were added.
+    #[getter]
+    fn materials(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| {
+            self.lock().builder.scene().materials.iter().map(|material| material.name.clone()).collect()
+        })
+    }
+
+    /// Width and height of the picture in pixels.
+    #[getter]
+    fn size(&self, py: Python<'_>) -> (u32, u32) {
+        py.detach(|| {
+            let film = self.lock().builder.scene().film;
+            (film.width, film.height)
+        })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        py.detach(|| {
+            let making = self.lock();
+            let scene = making.builder.scene();
+            let triangles = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+            let count = |n: usize, thing: &str| format!("{n} {thing}{}", if n == 1 { "" } else { "s" });
+            format!(
+                "<translucid.Scene in {}: {}, {}, {}, {}>",
+                scene.unit.name(),
+                count(scene.objects.len(), "object"),
+                count(triangles, "triangle"),
+                count(scene.materials.len(), "material"),
+                count(scene.lights.len(), "light")
+            )
+        })
+    }
+}
+
+impl Scene {
+    fn lock(&self) -> MutexGuard<'_, Making> {
+        self.making.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Changes the scene: `read` makes of Python's values what `apply` does without the interpreter, so that nobody waits
+    /// for the scene who holds the interpreter.
+    fn change<A>(&self, py: Python<'_>, read: impl FnOnce(&mut Making) -> PyResult<A>) -> PyResult<()>
+    where
+        A: FnOnce(&mut Making, &mut Vec<Warning>) -> Result<(), translucid_scene::SceneError> + Send,
+    {
+        // Names of images and lights only
+        let mut counts = py.detach(|| {
+            let making = self.lock();
+            Making {
+                builder: SceneBuilder::new(Unit::Millimeter),
+                image_count: making.image_count,
+                light_count: making.light_count,
+            }
+        });
+        let apply = read(&mut counts)?;
+        let mut warnings = Vec::new();
+        let result = py.detach(|| {
+            let mut making = self.lock();
+            making.image_count = making.image_count.max(counts.image_count);
+            apply(&mut making, &mut warnings)
+        });
+        warn(py, &warnings)?;
+        result.map_err(scene_error)
+    }
+
+    /// The scene as it is now, with what it does not say chosen.
+    pub(crate) fn build(&self, py: Python<'_>, options: &LoadOptions) -> PyResult<translucid_scene::Scene> {
+        py.detach(|| self.lock().builder.build(options)).map_err(scene_error)
+    }
+}
+
+/// The scene of an argument: a `Scene`, or the path of a file.
+pub(crate) fn scene_of(
+    argument: &Bound<'_, PyAny>,
+    options: LoadOptions,
+) -> PyResult<translucid_scene::Scene> {
+    let py = argument.py();
+    if let Ok(scene) = argument.cast::<Scene>() {
+        return scene.get().build(py, &options);
+    }
+    let is_path = argument.is_instance_of::<PyString>() || argument.hasattr("__fspath__")?;
+    if !is_path {
+        let kind = argument.get_type().name()?;
+        let message = format!("scene is of type {kind}, but must be a Scene or the path of a file");
+        return Err(PyTypeError::new_err(message));
+    }
+    load(py, argument.extract()?, options)
+}
+
+/// Loads a file and warns of what was repaired.
+fn load(py: Python<'_>, path: PathBuf, options: LoadOptions) -> PyResult<translucid_scene::Scene> {
+    let (scene, warnings) = long_work::run_or_leave(py, move || {
+        let mut warnings = Vec::new();
+        (load_scene(&path, &options, &mut warnings), warnings)
+    })?;
+    warn(py, &warnings)?;
+    scene.map_err(scene_error)
+}
+
+/// Size and model of a picture in place of the scene's.
+pub(crate) fn picture_options(
+    size: Option<&Bound<'_, PyAny>>,
+    subsurface: Option<&str>,
+) -> PyResult<LoadOptions> {
+    let model = |name: &str| {
+        let names = SubsurfaceModel::ALL.map(SubsurfaceModel::name);
+        SubsurfaceModel::from_name(name).ok_or_else(|| names::unknown("subsurface", name, &names))
+    };
+    let size = size
+        .map(|size| whole_numbers("size", size, "two numbers, width and height", [1, Film::LONGEST_EDGE]));
+    Ok(LoadOptions {
+        size: size.transpose()?,
+        subsurface_model: subsurface.map(model).transpose()?,
+        ..LoadOptions::default()
+    })
+}
+
+/// So many whole numbers.
+pub(crate) fn whole_numbers<const N: usize>(
+    name: &str,
+    argument: &Bound<'_, PyAny>,
+    must_be: &str,
+    [min, max]: [u32; 2],
+) -> PyResult<[u32; N]> {
+    let wrong = || PyTypeError::new_err(format!("{name} is {argument}, but must be {must_be}"));
+    let elements: Vec<Bound<'_, PyAny>> =
+        argument.try_iter().map_err(|_| wrong())?.take(N + 1).collect::<PyResult<_>>()?;
+    let elements: [Bound<'_, PyAny>; N] = elements
+        .try_into()
+        .map_err(|_| PyValueError::new_err(format!("{name} is {argument}, but must be {must_be}")))?;
+    let mut numbers = [0; N];
+    for (i, (number, element)) in numbers.iter_mut().zip(&elements).enumerate() {
+        *number = whole_number(&format!("{name}[{i}]"), element, min.into(), max.into())? as u32;
+    }
+    Ok(numbers)
+}
+
+/// A whole number in a range.
+pub(crate) fn whole_number(name: &str, argument: &Bound<'_, PyAny>, min: u64, max: u64) -> PyResult<u64> {
+    let must_be = || format!("but must be a whole number in [{min}, {max}]");
+    if argument.is_instance_of::<PyBool>() || !argument.hasattr("__index__")? {
+        let kind = argument.get_type().name()?;
+        return Err(PyTypeError::new_err(format!("{name} is of type {kind}, {}", must_be())));
+    }
+    let number: Option<u64> = argument.call_method0("__index__")?.extract().ok();
+    number.filter(|n| (min..=max).contains(n)).ok_or_else(|| {
+        let shown = argument.str().map_or_else(|_| String::from("too large"), |text| text.to_string());
+        PyValueError::new_err(format!("{name} is {shown}, {}", must_be()))
+    })
+}
+
+fn unit_of(name: &str) -> PyResult<Unit> {
+    let message = || format!("unit is {name:?}, but must be one of \"mm\", \"cm\", \"m\"");
+    Unit::from_name(name).ok_or_else(|| scene_error(translucid_scene::SceneError::new(message())))
+}
+
+/// A mesh of arrays: vertices, triangles, and if given normals, texture coordinates and colors.
+pub(crate) fn mesh_of(
+    title: &str,
+    vertices: &Bound<'_, PyAny>,
+    triangles: &Bound<'_, PyAny>,
+    [normals, uv, colors]: [Option<&Bound<'_, PyAny>>; 3],
+) -> PyResult<Mesh> {
+    let positions = rows(title, "vertices", vertices, None)?;
+    let count = positions.len();
+    let triangles = triangles_of(title, triangles, count)?;
+    let of_vertices = |name, array: Option<&Bound<'_, PyAny>>| {
+        array.map_or(Ok(Vec::new()), |array| rows::<3>(title, name, array, Some(count)))
+    };
+    let vectors = |rows: Vec<[f32; 3]>| rows.into_iter().map(Vec3::from_array).collect();
+    let uvs = uv.map_or(Ok(Vec::new()), |uv| rows::<2>(title, "uv", uv, Some(count)))?;
+    Ok(Mesh {
+        positions: vectors(positions),
+        normals: vectors(of_vertices("normals", normals)?),
+        uvs: uvs.into_iter().map(Vec2::from_array).collect(),
+        colors: vectors(of_vertices("colors", colors)?),
+        triangles,
+        ..Mesh::default()
+    })
+}
+
+/// The rows of an array of shape (n, N), where n is known or at least 1.
+fn rows<const N: usize>(
+    title: &str,
+    name: &str,
+    array: &Bound<'_, PyAny>,
+    count: Option<usize>,
+) -> PyResult<Vec<[f32; N]>> {
+    let numbers = Numbers::extract(name, array).map_err(|error| in_scene(title, error, array.py()))?;
+    let shape = numbers.shape();
+    let is_right = match count {
+        Some(count) => *shape == [count, N],
+        None => matches!(*shape, [n, columns] if n > 0 && columns == N),
+    };
+    if !is_right {
+        let rows = count.map_or_else(|| String::from("n"), |count| count.to_string());
+        let at_least = if count.is_none() { " with n at least 1" } else { ", a row for each vertex" };
+        let message = format!("{name} has the shape {shape:?}, but must have [{rows}, {N}]{at_least}");
+        return Err(wrong(title, &message));
+    }
+    if shape[0] > MOST_VERTICES {
+        return Err(wrong(title, &format!("{name} has {} rows, but may have {MOST_VERTICES}", shape[0])));
+    }
+    let allowed = "finite and within ±1e9";
+    numbers
+        .require(name, allowed, |x| x.abs() <= LARGEST_COORDINATE)
+        .map_err(|error| in_scene(title, error, array.py()))?;
+    let mut all = Vec::new();
+    all.try_reserve_exact(shape[0]).map_err(|_| wrong(title, &format!("{name} does not fit into memory")))?;
+    let mut numbers = numbers.iter();
+    while let Some(first) = numbers.next() {
+        let mut row = [first as f32; N];
+        row[1..].iter_mut().zip(&mut numbers).for_each(|(x, number)| *x = number as f32);
+        all.push(row);
+    }
+    Ok(all)
+}
+
+/// The rows of an array of indices of shape (m, 3).
+fn triangles_of(title: &str, array: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
+    let py = array.py();
+    let name = "triangles";
+    let array = py
+        .import("numpy")?
+        .call_method1("asarray", (array,))
+        .map_err(|error| wrong(title, &format!("{name} must be an array of integers: {error}")))?;
+    let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+    if !matches!(shape[..], [m, 3] if m > 0) {
+        let message = format!("{name} has the shape {shape:?}, but must have [m, 3] with m at least 1");
+        return Err(wrong(title, &message));
+    }
+    let dtype = array.getattr("dtype")?;
+    if !matches!(dtype.getattr("kind")?.extract::<String>()?.as_str(), "i" | "u") {
+        return Err(PyTypeError::new_err(format!(
+            "{title}: {name} must be integers, but is of dtype {dtype}"
+        )));
+    }
+    if shape[0] > MOST_TRIANGLES {
+        return Err(wrong(title, &format!("{name} has {} rows, but may have {MOST_TRIANGLES}", shape[0])));
+    }
+    let found = if let Ok(array) = array.cast::<PyArrayDyn<u32>>() {
+        indices(array, vertices)
+    } else if let Ok(array) = array.cast::<PyArrayDyn<i32>>() {
+        indices(array, vertices)
+    } else if let Ok(array) = array.cast::<PyArrayDyn<u64>>() {
+        indices(array, vertices)
+    } else {
+        let array = array.call_method1("astype", ("int64",))?;
+        indices(array.cast::<PyArrayDyn<i64>>()?, vertices)
+    };
+    found?.map_err(|(row, column)| {
+        let index = array.get_item((row, column)).and_then(|n| n.str().map(|n| n.to_string()));
+        let index = index.unwrap_or_default();
+        let message = format!(
+            "{name}[{row}, {column}] is {index}, but must be in [0, {}]: there are {vertices} vertices",
+            vertices - 1
+        );
+        wrong(title, &message)
+    })
+}
+
+/// Row and column of an array.
+type Place = (usize, usize);
+
+/// The rows of indices below a number, or the place of the first that is not.
+fn indices<T: Element + Copy + TryInto<u32>>(
+    array: &Bound<'_, PyArrayDyn<T>>,
+    vertices: usize,
+) -> PyResult<Result<Vec<[u32; 3]>, Place>> {
+    let array = array.try_readonly()?;
+    let view = array.as_array();
+    let mut rows = Vec::with_capacity(array.len() / 3);
+    let mut row = [0; 3];
+    for (place, &index) in view.iter().enumerate() {
+        let index = index.try_into().ok().filter(|&index: &u32| (index as usize) < vertices);
+        let Some(index) = index else { return Ok(Err((place / 3, place % 3))) };
+        row[place % 3] = index;
+        if place % 3 == 2 {
+            rows.push(row);
+        }
+    }
+    Ok(Ok(rows))
+}

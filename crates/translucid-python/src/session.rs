@@ -1,0 +1,637 @@
+//! `Session`: a picture that becomes better step by step, while its scene is edited and its film read.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use translucid_image::{Denoiser, PixelRect};
+use translucid_render::{
+    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, SessionError, View,
+    available_memory,
+};
+use translucid_scene::{Environment, Light, Mesh, SceneError, repair_mesh};
+
+use crate::keys::piece_of;
+use crate::long_work;
+use crate::names;
+use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
+use crate::scene_error::{scene_error, warn};
+
+/// Most samples per pixel.
+const MOST_SAMPLES: u64 = 1 << 24;
+
+/// Most threads of a session.
+const MOST_THREADS: u64 = 1024;
+
+/// Longest time between two looks at a session that is waited for.
+const LONGEST_NAP: Duration = Duration::from_millis(20);
+
+/// The layer that a denoiser makes of the others.
+const DENOISED: &str = "denoised";
+
+/// What a session does.
+enum State {
+    Idle(Box<translucid_render::Session>),
+    Running(RunningSession),
+    /// A defect ended it.
+    Lost,
+}
+
+/// A rendering that goes on step by step.
+///
+/// Its picture can be read while it runs, in another thread or between steps. After an edit the film begins anew, and
+/// only what depends on the edit is prepared again.
+///
+/// Parameters
+/// ----------
+/// scene : Scene or path-like
+///     What to render: taken as it is now, later changes of it do not count.
+/// size : (int, int), optional
+///     Width and height in pixels, each in [1, 16384]; by default the scene's.
+/// subsurface : str, optional
+///     Model of the transport under all surfaces, in place of the materials' own.
+/// seed : int, optional
+///     Seed of the random numbers; by default the scene's.
+/// threads : int, optional
+///     Threads to render with, at most 1024; by default one per processor. The picture does not depend on it.
+/// region : (int, int, int, int), optional
+///     Render these pixels only: from (x0, y0) at the upper left to just before (x1, y1). They are those of the whole
+///     picture, bit for bit.
+///
+/// Examples
+/// --------
+/// >>> scene = translucid.Scene()
+/// >>> scene.add_material("wax", preset="wax")
+/// >>> scene.add_object("ball", shape="sphere", material="wax")
+/// >>> session = translucid.Session(scene, size=(32, 24))
+/// >>> session.step()
+/// >>> session.samples
+/// 1
+/// >>> session.edit_material("wax", subsurface_radius=2)
+/// >>> session.run(4)
+/// >>> session.snapshot("alpha").shape
+/// (24, 32, 1)
+#[pyclass(frozen, subclass, module = "translucid", weakref)]
+pub(crate) struct Session {
+    state: Mutex<State>,
+    /// The film that is read: that of the session since its last edit.
+    film: Mutex<Arc<LiveFilm>>,
+    threads: usize,
+    progress: Arc<Progress>,
+}
+
+/// Paths done and to be done.
+#[derive(Default)]
+struct Progress {
+    done: AtomicU64,
+    total: AtomicU64,
+}
+
+#[pymethods]
+impl Session {
+    #[new]
+    #[pyo3(signature = (scene, *, size=None, subsurface=None, seed=None, threads=None, region=None))]
+    pub(crate) fn new(
+        scene: &Bound<'_, PyAny>,
+        size: Option<&Bound<'_, PyAny>>,
+        subsurface: Option<&str>,
+        seed: Option<&Bound<'_, PyAny>>,
+        threads: Option<&Bound<'_, PyAny>>,
+        region: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let options = picture_options(size, subsurface)?;
+        let seed = seed.map(|seed| whole_number("seed", seed, 0, u64::MAX)).transpose()?;
+        let threads = threads.map(|threads| whole_number("threads", threads, 1, MOST_THREADS)).transpose()?;
+        let threads = threads.unwrap_or(0) as usize;
+        let must_be = "four numbers, x0, y0, x1, y1";
+        let region =
+            region.map(|region| whole_numbers("region", region, must_be, [0, u32::MAX])).transpose()?;
+        let py = scene.py();
+        let mut scene = scene_of(scene, options)?;
+        scene.integrator.seed = seed.unwrap_or(scene.integrator.seed);
+        let session = long_work::run_or_leave(py, move || -> Result<_, Failure> {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(Failure::work)?;
+            let view = View::of(&scene)?;
+            let view = region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
+            translucid_render::Session::require_memory(
+                view.region(),
+                translucid_render::Session::BYTES_PER_PIXEL,
+            )?;
+            let prepared = pool.install(|| PreparedScene::new(scene))?;
+            Ok(translucid_render::Session::new(prepared, view))
+        })??;
+        Ok(Self {
+            film: Mutex::new(session.film()),
+            state: Mutex::new(State::Idle(Box::new(session))),
+            threads,
+            progress: Arc::default(),
+        })
+    }
+
+    /// Renders until every pixel has a number of samples.
+    ///
+    /// Ctrl-C ends it with KeyboardInterrupt; the samples so far stay, and another run goes on from them.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : int, optional
+    ///     Samples that each pixel shall have in the end, at most 2**24; by default as many as the scene states.
+    /// progress : bool, 'tqdm' or callable, optional
+    ///     Called now and then with the numbers of paths that are done and that there are in all; ``True`` and
+    ///     ``'tqdm'`` show a bar. An exception in it ends the rendering and is passed on.
+    #[pyo3(signature = (samples=None, *, progress=None))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        samples: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        self.start(py, samples)?;
+        self.wait(py, progress)
+    }
+
+    /// Adds samples to each pixel.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : int
+    ///     How many.
+    /// progress : bool, 'tqdm' or callable, optional
+    ///     As in `run`.
+    #[pyo3(signature = (samples=None, *, progress=None))]
+    fn step(
+        &self,
+        py: Python<'_>,
+        samples: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let more = samples.map_or(Ok(1), |samples| whole_number("samples", samples, 1, MOST_SAMPLES))?;
+        let goal = (more + u64::from(self.samples(py))).min(MOST_SAMPLES);
+        self.start_to(py, goal as u32)?;
+        self.wait(py, progress)
+    }
+
+    /// Renders in the background until every pixel has a number of samples.
+    ///
+    /// Parameters
+    /// ----------
+    /// samples : int, optional
+    ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// RuntimeError
+    ///     It runs already.
+    #[pyo3(signature = (samples=None))]
+    fn start(&self, py: Python<'_>, samples: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let samples = samples.map(|samples| whole_number("samples", samples, 1, MOST_SAMPLES)).transpose()?;
+        let samples = match samples {
+            Some(samples) => samples as u32,
+            None => {
+                self.with_idle(py, |session| Ok(session.prepared().scene().integrator.samples_per_pixel))?
+            }
+        };
+        self.start_to(py, samples)
+    }
+
+    /// Waits for a session that runs in the background.
+    ///
+    /// Ctrl-C ends the session with KeyboardInterrupt.
+    ///
+    /// Parameters
+    /// ----------
+    /// progress : bool, 'tqdm' or callable, optional
+    ///     As in `run`.
+    #[pyo3(signature = (*, progress=None))]
+    fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let mut reported = None;
+        let mut report = |is_last: bool| -> PyResult<()> {
+            let Some(progress) = progress else { return Ok(()) };
+            let done = self.progress.done.load(Ordering::Relaxed);
+            if reported != Some(done) || is_last {
+                reported = Some(done);
+                progress.call1((done, self.progress.total.load(Ordering::Relaxed)))?;
+            }
+            Ok(())
+        };
+        let mut nap = Duration::from_micros(200);
+        loop {
+            let has_ended = py.detach(|| {
+                // Short steps are not to wait for a long nap
+                std::thread::sleep(nap);
+                nap = (nap * 2).min(LONGEST_NAP);
+                !matches!(&*self.lock(), State::Running(running) if !running.is_finished())
+            });
+            if has_ended {
+                self.end(py, RunningSession::wait)?;
+                return report(true);
+            }
+            if let Err(error) = py.check_signals().and_then(|()| report(false)) {
+                // The exception is what the caller is to hear of
+                let _ = self.cancel(py);
+                return Err(error);
+            }
+        }
+    }
+
+    /// Ends what runs in the background, within milliseconds. The samples so far stay.
+    fn cancel(&self, py: Python<'_>) -> PyResult<()> {
+        self.end(py, RunningSession::stop)
+    }
+
+    /// A layer of the picture as it is now.
+    ///
+    /// Parameters
+    /// ----------
+    /// layer : str
+    ///     ``'radiance'`` (linear Rec. 709, multiplied by coverage), its parts ``'diffuse'``, ``'specular'``,
+    ///     ``'subsurface'``, ``'emission'`` by the last event before the camera, ``'alpha'``, and of the first
+    ///     surface ``'albedo'``, ``'normal'`` (world space) and ``'depth'`` (distance in the scene's unit, 0 where there
+    ///     is none); ``'denoised'`` is the radiance without its noise, by Intel Open Image Denoise, which must be
+    ///     installed.
+    ///
+    /// Returns
+    /// -------
+    /// numpy.ndarray
+    ///     Shape (height, width, 3), or (height, width, 1) for alpha and depth, float32.
+    #[pyo3(signature = (layer="radiance"))]
+    fn snapshot<'py>(&self, py: Python<'py>, layer: &str) -> PyResult<Bound<'py, PyAny>> {
+        let film = self.film(py);
+        if layer == DENOISED {
+            return self.denoised(py, film);
+        }
+        let layer = layer_of(layer)?;
+        let (shape, values) = py.detach(|| {
+            let [width, height] = size_of(&film.sums());
+            ([height, width, layer.channels()], film.layer(layer))
+        });
+        Ok(values.into_pyarray(py).reshape(shape)?.into_any())
+    }
+
+    /// Changes a material; what is not named stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    /// **keys
+    ///     As in `Scene.add_material`, without further images.
+    #[pyo3(signature = (name, **keys))]
+    fn edit_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let piece = piece_of(&format!("material {name}"), keys)?;
+        self.edit(py, |session| {
+            let scene = session.prepared().scene();
+            let names = scene.materials.iter().map(|material| material.name.as_str());
+            let index = index_of("material", name, names)?;
+            let material = piece.material(scene.materials[index].clone(), scene.unit)?;
+            session.edit(Edit::Material(index, Box::new(material))).map(drop)
+        })
+    }
+
+    /// Changes the vertices or all of an object's mesh; its material stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    /// vertices, triangles, normals, uv, colors
+    ///     As in `Scene.add_mesh`, in their place in the scene.
+    #[pyo3(signature = (name, vertices, triangles, *, normals=None, uv=None, colors=None))]
+    #[expect(clippy::too_many_arguments, reason = "the parts of a mesh")]
+    fn edit_mesh(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        vertices: &Bound<'_, PyAny>,
+        triangles: &Bound<'_, PyAny>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uv: Option<&Bound<'_, PyAny>>,
+        colors: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let title = format!("mesh {name}");
+        let mut mesh: Mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
+        let mut warnings = Vec::new();
+        let place = translucid_scene::Place::part(std::path::Path::new(""), title);
+        py.detach(|| repair_mesh(&mut mesh, &place, &mut warnings)).map_err(scene_error)?;
+        warn(py, &warnings)?;
+        self.edit(py, move |session| {
+            let scene = session.prepared().scene();
+            let names = scene.objects.iter().map(|object| object.name.as_str());
+            let index = index_of("object", name, names)?;
+            let old = &scene.objects[index];
+            let (name, material, subsurface_group) = (old.name.clone(), old.material, old.subsurface_group);
+            let object = translucid_scene::Object { name, mesh, material, subsurface_group };
+            session.edit(Edit::Object(index, Box::new(object))).map(drop)
+        })
+    }
+
+    /// Looks from elsewhere; nothing of the scene is prepared again.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in `Scene.set_camera`.
+    #[pyo3(signature = (**keys))]
+    fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let camera = piece_of("camera", keys)?.camera().map_err(scene_error)?;
+        self.edit(py, |session| {
+            session.set_view(session.view().with_camera(camera)?);
+            Ok(())
+        })
+    }
+
+    /// Takes other lights in place of all.
+    ///
+    /// Parameters
+    /// ----------
+    /// lights : list of dict
+    ///     As in `Scene`.
+    fn set_lights(&self, py: Python<'_>, lights: &Bound<'_, PyAny>) -> PyResult<()> {
+        let read = |(i, light): (usize, PyResult<Bound<'_, PyAny>>)| -> PyResult<Light> {
+            let light = light?;
+            let keys = light.cast::<PyDict>().map_err(|_| {
+                PyTypeError::new_err(format!("lights must be dictionaries, but one is {light}"))
+            })?;
+            piece_of(&format!("light {i}"), Some(keys))?.light().map_err(scene_error)
+        };
+        let lights: Vec<Light> = lights.try_iter()?.enumerate().map(read).collect::<PyResult<_>>()?;
+        self.edit(py, |session| session.edit(Edit::Lights(lights)).map(drop))
+    }
+
+    /// Takes another environment, without an image.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in `Scene.set_environment`; without any there is none.
+    #[pyo3(signature = (**keys))]
+    fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let environment: Option<Environment> = match keys {
+            Some(keys) if !keys.is_empty() => {
+                Some(piece_of("environment", Some(keys))?.environment().map_err(scene_error)?)
+            }
+            _ => None,
+        };
+        self.edit(py, |session| session.edit(Edit::Environment(environment)).map(drop))
+    }
+
+    /// Changes how paths are traced.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in `Scene.set_integrator`.
+    #[pyo3(signature = (**keys))]
+    fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let piece = piece_of("integrator", keys)?;
+        self.edit(py, |session| {
+            let integrator = piece.integrator(session.prepared().scene().integrator)?;
+            session.edit(Edit::Integrator(integrator))?;
+            let view = session.view();
+            let new = View::new(*view.camera(), *view.film(), integrator.seed)?;
+            let PixelRect { left, top, width, height } = view.region();
+            session.set_view(new.with_region([left, top, left + width, top + height])?);
+            Ok(())
+        })
+    }
+
+    /// Fewest samples that any pixel has.
+    #[getter]
+    fn samples(&self, py: Python<'_>) -> u32 {
+        let film = self.film(py);
+        py.detach(|| film.samples())
+    }
+
+    /// Whether it runs in the background.
+    #[getter]
+    fn is_running(&self, py: Python<'_>) -> bool {
+        py.detach(|| matches!(&*self.lock(), State::Running(running) if !running.is_finished()))
+    }
+
+    /// Width and height of the picture in pixels.
+    #[getter]
+    fn size(&self, py: Python<'_>) -> (usize, usize) {
+        let film = self.film(py);
+        py.detach(|| {
+            let [width, height] = size_of(&film.sums());
+            (width, height)
+        })
+    }
+
+    /// Everything that is not rendered as the scene asks for, in words.
+    #[getter]
+    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
+        self.with_idle(py, |session| {
+            Ok(session.prepared().notes().iter().map(|note| note.to_string()).collect())
+        })
+    }
+
+    /// Time spent rendering since the last edit, in seconds.
+    #[getter]
+    fn seconds(&self, py: Python<'_>) -> PyResult<f64> {
+        self.with_idle(py, |session| Ok(session.seconds()))
+    }
+
+    /// Exposure in stops and tone mapping that the scene's film states.
+    #[getter]
+    fn _display(&self, py: Python<'_>) -> PyResult<(f32, &'static str)> {
+        self.with_idle(py, |session| {
+            let film = session.view().film();
+            Ok((film.exposure, film.tone_mapping.name()))
+        })
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (width, height) = self.size(py);
+        format!("<translucid.Session of {width}x{height} pixels with {} samples>", self.samples(py))
+    }
+}
+
+/// Why there is no session or no more of it.
+enum Failure {
+    Scene(SceneError),
+    Work(String),
+}
+
+impl Failure {
+    fn work(error: impl std::fmt::Display) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Self::Scene(error)
+    }
+}
+
+impl From<SessionError> for Failure {
+    fn from(error: SessionError) -> Self {
+        match error {
+            SessionError::Points(error) => Self::Scene(error),
+            SessionError::Checkpoint(_) => Self::work(error),
+        }
+    }
+}
+
+impl From<Failure> for PyErr {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Scene(error) => scene_error(error),
+            Failure::Work(message) => PyRuntimeError::new_err(message),
+        }
+    }
+}
+
+impl Session {
+    fn lock(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The film that is read. Nobody waits for it who holds the interpreter.
+    fn film(&self, py: Python<'_>) -> Arc<LiveFilm> {
+        py.detach(|| Arc::clone(&self.film.lock().unwrap_or_else(PoisonError::into_inner)))
+    }
+
+    fn start_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
+        py.detach(|| {
+            let mut state = self.lock();
+            let session = match std::mem::replace(&mut *state, State::Lost) {
+                State::Idle(session) => *session,
+                State::Running(running) => {
+                    *state = State::Running(running);
+                    return Err(Failure::work("the session is running: wait for it, or cancel it"));
+                }
+                State::Lost => return Err(lost()),
+            };
+            let total = u64::from(samples) * session.view().region().area();
+            let progress = Arc::clone(&self.progress);
+            progress.done.store(session.film().sums().paths(), Ordering::Relaxed);
+            progress.total.store(total, Ordering::Relaxed);
+            let plan =
+                Plan { point_memory: available_memory().unwrap_or(u64::MAX), ..Plan::samples(samples) };
+            let observer = move |event: &Event<'_>| {
+                if let Event::Samples(now) = event {
+                    progress.done.store(now.samples_done, Ordering::Relaxed);
+                }
+            };
+            // What cannot be started is gone with its threads: there is no memory for a stack
+            *state = State::Running(session.start(plan, self.threads, observer).map_err(Failure::work)?);
+            Ok(())
+        })?;
+        Ok(())
+    }
+
+    /// Has the session end if it runs, by `how`.
+    fn end(
+        &self,
+        py: Python<'_>,
+        how: impl FnOnce(
+            RunningSession,
+        )
+            -> (translucid_render::Session, Result<translucid_render::Outcome, SessionError>)
+        + Send,
+    ) -> PyResult<()> {
+        py.detach(|| end(&mut self.lock(), how))?;
+        Ok(())
+    }
+
+    /// What `use_it` makes of the session once it does not run.
+    fn with_idle<T: Send>(
+        &self,
+        py: Python<'_>,
+        use_it: impl FnOnce(&mut translucid_render::Session) -> Result<T, SceneError> + Send,
+    ) -> PyResult<T> {
+        let result: Result<T, Failure> = py.detach(|| {
+            let mut state = self.lock();
+            end(&mut state, RunningSession::stop)?;
+            match &mut *state {
+                State::Idle(session) => Ok(use_it(session)?),
+                State::Running(_) | State::Lost => Err(lost()),
+            }
+        });
+        Ok(result?)
+    }
+
+    /// Changes the session, which is ended if it runs; its film then begins anew.
+    fn edit(
+        &self,
+        py: Python<'_>,
+        change: impl FnOnce(&mut translucid_render::Session) -> Result<(), SceneError> + Send,
+    ) -> PyResult<()> {
+        self.with_idle(py, |session| {
+            let threads = self.threads;
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            let pool = pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))?;
+            pool.install(|| change(session))?;
+            *self.film.lock().unwrap_or_else(PoisonError::into_inner) = session.film();
+            Ok(())
+        })
+    }
+
+    /// The radiance denoised.
+    fn denoised<'py>(&self, py: Python<'py>, film: Arc<LiveFilm>) -> PyResult<Bound<'py, PyAny>> {
+        let threads = self.threads;
+        let denoised = long_work::run_or_leave(py, move || {
+            let sums = film.sums().clone();
+            let [width, height] = size_of(&sums);
+            let denoised = sums.denoise(&Denoiser::load()?, threads)?;
+            Ok::<_, translucid_image::OutputError>((
+                [height, width, 3],
+                denoised.radiance.into_iter().flatten().collect::<Vec<f32>>(),
+            ))
+        })?;
+        let (shape, values) = denoised.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
+        Ok(values.into_pyarray(py).reshape(shape)?.into_any())
+    }
+}
+
+fn lost() -> Failure {
+    Failure::work("a defect has ended the session")
+}
+
+/// Has a session end if it runs, by `how`.
+fn end(
+    state: &mut State,
+    how: impl FnOnce(
+        RunningSession,
+    ) -> (translucid_render::Session, Result<translucid_render::Outcome, SessionError>),
+) -> Result<(), Failure> {
+    match std::mem::replace(state, State::Lost) {
+        State::Running(running) => {
+            let (session, result) = how(running);
+            *state = State::Idle(Box::new(session));
+            result?;
+        }
+        other => *state = other,
+    }
+    Ok(())
+}
+
+/// Width and height.
+fn size_of(sums: &FilmSums) -> [usize; 2] {
+    [sums.width as usize, sums.height as usize]
+}
+
+fn layer_of(name: &str) -> PyResult<FilmLayer> {
+    let names: Vec<&str> = FilmLayer::ALL.iter().map(|layer| layer.name()).chain([DENOISED]).collect();
+    FilmLayer::from_name(name).ok_or_else(|| names::unknown("layer", name, &names))
+}
+
+/// The number of a thing of a name.
+fn index_of<'a>(
+    thing: &str,
+    name: &str,
+    mut names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, SceneError> {
+    let all = names.clone();
+    names.position(|other| other == name).ok_or_else(|| {
+        let all: Vec<&str> = all.collect();
+        SceneError::new(format!("there is no {thing} {name:?}"))
+            .with_help(format!("there are {}", all.join(", ")))
+    })
+}

@@ -1,0 +1,473 @@
+//! Scenes in code: each thing by the keys of a scene file's table.
+
+use std::path::{Path, PathBuf};
+
+use super::build::{ReadyMesh, SceneBuilder, check_present, staged};
+use super::document::{DocumentText, Table};
+use super::input::{FileList, FileRequest};
+use super::object::ObjectEntry;
+use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
+use crate::load::{LoadOptions, load_image, load_profile_table};
+use crate::{
+    Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Place, Scene,
+    SceneError, SubsurfaceModel, Unit, Warning,
+};
+
+/// A thing of a scene: its keys and values, as they would stand in its table in a scene file.
+///
+/// Paths are relative to the current directory.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Piece {
+    /// What messages call it: "material skin".
+    pub title: String,
+    /// Lines `key = value` in TOML.
+    pub text: String,
+    /// Images at hand, which the key `file` names by their [`Image::name`].
+    pub images: Vec<Image>,
+}
+
+impl Piece {
+    /// A thing without images at hand.
+    #[must_use]
+    pub fn new(title: &str, text: &str) -> Self {
+        Self { title: title.to_owned(), text: text.to_owned(), images: Vec::new() }
+    }
+
+    fn place(&self) -> Place {
+        Place::part(Path::new(""), &self.title)
+    }
+
+    /// What `read` makes of the table.
+    fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
+        let source = DocumentText::of_part(&self.title, &self.text);
+        let document = source.parse()?;
+        read(Table::root(&source, document.get_ref()))
+    }
+
+    /// The camera of `[camera]`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, or a value out of its range.
+    pub fn camera(&self) -> Result<Camera, SceneError> {
+        self.read(|table| camera::read_camera(&table.allow(camera::KEYS)?))
+    }
+
+    /// The light of a `[[light]]`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, or a value out of its range.
+    pub fn light(&self) -> Result<Light, SceneError> {
+        self.read(light::read_light)
+    }
+
+    /// A film with the changes of a `[film]`.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value out of its range.
+    pub fn film(&self, film: Film) -> Result<Film, SceneError> {
+        self.read(|table| table.changed(film, settings::FILM))
+    }
+
+    /// An integrator with the changes of an `[integrator]`.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value out of its range.
+    pub fn integrator(&self, integrator: Integrator) -> Result<Integrator, SceneError> {
+        self.read(|table| table.changed(integrator, settings::INTEGRATOR))
+    }
+
+    /// A material of a scene with the changes of a `[[material]]`, which bring no files.
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, or a file is named.
+    pub fn material(&self, material: Material, unit: Unit) -> Result<Material, SceneError> {
+        let mut files = FileList::default();
+        let name = material.name.clone();
+        let changed = self.read(|table| {
+            let table = table.allow(&material::keys())?;
+            material::read_material(&table, material, unit, &mut files)
+        })?;
+        self.refuse_files(&files)?;
+        Ok(Material { name, ..changed })
+    }
+
+    /// The environment of an `[environment]` without a file.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, or a file is named.
+    pub fn environment(&self) -> Result<Environment, SceneError> {
+        let mut files = FileList::default();
+        let environment = self.read_environment(&mut files)?;
+        self.refuse_files(&files)?;
+        Ok(environment)
+    }
+
+    fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
+        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, files))
+    }
+
+    fn refuse_files(&self, files: &FileList) -> Result<(), SceneError> {
+        if files.images.is_empty() && files.tables.is_empty() {
+            return Ok(());
+        }
+        let message = "a scene that is prepared takes no further images and tables";
+        Err(SceneError::at(self.place(), message).with_help("make a scene that has them"))
+    }
+
+    /// The image at hand or in a file.
+    fn image(
+        &self,
+        request: &FileRequest<ColorSpace>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Image, SceneError> {
+        let at_hand = self.images.iter().find(|image| Path::new(&image.name) == request.path);
+        match at_hand {
+            Some(image) => Ok(Image { color_space: request.kind, ..image.clone() }),
+            None => {
+                check_present(&request.path, &request.place)?;
+                load_image(&request.path, request.kind, warnings)
+            }
+        }
+    }
+}
+
+impl SceneBuilder {
+    /// A scene in a unit of length without anything in it.
+    #[must_use]
+    pub fn new(unit: Unit) -> Self {
+        Self::of(Scene { unit, ..Scene::default() })
+    }
+
+    /// What there is so far; what is chosen at the end is still missing.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Sets which objects share light under the surface where they name no group: "object" or "material".
+    ///
+    /// # Errors
+    /// It is another word.
+    pub fn set_subsurface_grouping(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.grouping = piece.read(|table| {
+            let table = table.allow(&["subsurface_grouping"])?;
+            table.require("subsurface_grouping")?.word(&GROUPINGS)
+        })?;
+        Ok(())
+    }
+
+    /// Adds the material of a `[[material]]`, with the key `name`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
+    pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let mut files = FileList::default();
+        let unit = self.scene.unit;
+        let mut new = piece.read(|table| {
+            let table = table.allow(&material::keys())?;
+            table.require("name")?;
+            material::read_material(&table, Material::default(), unit, &mut files)
+        })?;
+        Self::require_new_name(piece, &new.name, self.scene.materials.iter().map(|other| &other.name))?;
+        let (images, tables) = self.add_files(piece, &files, warnings)?;
+        new.for_each_texture(|texture| texture.image = images[texture.image]);
+        if let SubsurfaceModel::Tabulated(table) = &mut new.subsurface_model {
+            *table = tables[*table];
+        }
+        self.scene.materials.push(new);
+        Ok(())
+    }
+
+    /// Adds the object of an `[[object]]`, with one of the keys `file` and `shape`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
+    pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let materials = &self.scene.materials;
+        let entry = piece.read(|table| Ok(object::read_object(table, materials)?.0))?;
+        let entry = self.named(piece, entry)?;
+        match ReadyMesh::of_shape(&entry) {
+            Some(shape) => self.add_ready(&entry, shape?, warnings),
+            None => self.add_file(&entry, None, warnings),
+        }
+    }
+
+    /// Adds an object with a mesh that is at hand, by the keys of an `[[object]]` but for those of its geometry.
+    ///
+    /// The mesh is repaired as those of files are, see [`repair_mesh`](crate::repair_mesh).
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, the name taken, or nothing is left of the mesh.
+    pub fn add_mesh_object(
+        &mut self,
+        piece: &Piece,
+        mesh: Mesh,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
+        let materials = &self.scene.materials;
+        let entry = piece.read(|table| object::read_mesh_object(table, piece.place(), materials))?;
+        let entry = self.named(piece, entry)?;
+        let mesh = ReadyMesh::new(&entry, mesh)?;
+        self.add_ready(&entry, mesh, warnings)
+    }
+
+    /// An object with a name that no other has.
+    fn named(&self, piece: &Piece, entry: ObjectEntry) -> Result<ObjectEntry, SceneError> {
+        let names = || self.scene.objects.iter().map(|object| &object.name);
+        if !entry.name.is_empty() {
+            Self::require_new_name(piece, &entry.name, names())?;
+            return Ok(entry);
+        }
+        let mut entries = [entry];
+        name_objects(&mut entries, names().cloned().collect());
+        let [entry] = entries;
+        Ok(entry)
+    }
+
+    fn require_new_name<'a>(
+        piece: &Piece,
+        name: &str,
+        mut names: impl Iterator<Item = &'a String>,
+    ) -> Result<(), SceneError> {
+        if names.all(|other| other != name) {
+            return Ok(());
+        }
+        let message = format!("name is {name:?}, but must be a name that no other has");
+        Err(SceneError::at(piece.place(), message))
+    }
+
+    /// Adds the light of a `[[light]]`.
+    ///
+    /// # Errors
+    /// As [`Piece::light`].
+    pub fn add_light(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.lights.push(piece.light()?);
+        Ok(())
+    }
+
+    /// Sets the environment, of an `[environment]`.
+    ///
+    /// # Errors
+    /// As [`Piece::environment`], or a file cannot be used.
+    pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let mut files = FileList::default();
+        let mut environment = piece.read_environment(&mut files)?;
+        let (images, _) = self.add_files(piece, &files, warnings)?;
+        environment.image = environment.image.map(|image| images[image]);
+        self.scene.environment = Some(environment);
+        Ok(())
+    }
+
+    /// Sets the camera, of a `[camera]`.
+    ///
+    /// # Errors
+    /// As [`Piece::camera`].
+    pub fn set_camera(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.camera = Some(piece.camera()?);
+        Ok(())
+    }
+
+    /// Changes the film, by a `[film]`.
+    ///
+    /// # Errors
+    /// As [`Piece::film`].
+    pub fn set_film(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.film = piece.film(self.scene.film)?;
+        Ok(())
+    }
+
+    /// Changes the integrator, by an `[integrator]`.
+    ///
+    /// # Errors
+    /// As [`Piece::integrator`].
+    pub fn set_integrator(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.integrator = piece.integrator(self.scene.integrator)?;
+        Ok(())
+    }
+
+    /// Brings the files of a thing into the scene; the index that each of them has there.
+    fn add_files(
+        &mut self,
+        piece: &Piece,
+        files: &FileList,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
+        let (mut images, mut tables) = (Vec::new(), Vec::new());
+        for request in &files.images {
+            let is_same = |(path, kind, _): &&(PathBuf, ColorSpace, usize)| {
+                *path == request.path && *kind == request.kind
+            };
+            let index = match self.files.images.iter().find(is_same) {
+                Some(&(_, _, index)) => index,
+                None => {
+                    self.scene.images.push(piece.image(request, warnings)?);
+                    self.scene.images.len() - 1
+                }
+            };
+            self.files.images.push((request.path.clone(), request.kind, index));
+            images.push(index);
+        }
+        for request in &files.tables {
+            let index = match self.files.tables.iter().find(|(path, _)| *path == request.path) {
+                Some(&(_, index)) => index,
+                None => {
+                    check_present(&request.path, &request.place)?;
+                    self.scene.profile_tables.push(load_profile_table(&request.path)?);
+                    self.scene.profile_tables.len() - 1
+                }
+            };
+            self.files.tables.push((request.path.clone(), index));
+            tables.push(index);
+        }
+        Ok((images, tables))
+    }
+
+    /// The scene, with a camera that shows all of it and with light where it states none.
+    ///
+    /// Of the options the size and the model count.
+    ///
+    /// # Errors
+    /// There are no objects, or what was chosen is beyond what a scene may have.
+    pub fn build(&self, options: &LoadOptions) -> Result<Scene, SceneError> {
+        if self.scene.objects.is_empty() {
+            return Err(SceneError::new("the scene has no objects, but must have at least one"));
+        }
+        let scene = Scene { film: options.film(self.scene.film), ..self.scene.clone() };
+        options.finish(staged(scene, self.camera))
+    }
+}
+
+/// A scene to add to: its camera stays.
+impl From<Scene> for SceneBuilder {
+    fn from(scene: Scene) -> Self {
+        let camera = Some(scene.camera);
+        let mut builder = Self::of(scene);
+        builder.camera = camera;
+        builder
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Pixels, SceneFile};
+
+    fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
+        let mut warnings = Vec::new();
+        builder.add_material(
+            &Piece::new(
+                "material wax",
+                "name = 'wax'\nsubsurface_weight = 1\nsubsurface_color = '#ff8800'\nsubsurface_scatter_anisotropy = 0.5",
+            ),
+            &mut warnings,
+        )?;
+        let ball = Piece::new("object ball", "name = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\nscale = 2");
+        builder.add_object(&ball, &mut warnings)?;
+        let box_ = Piece::new("object box", "shape = 'box'\ntranslate = [4, 0, 0]");
+        builder.add_object(&box_, &mut warnings)?;
+        builder.set_film(&Piece::new("film", "size = [96, 64]\nexposure = 1"))?;
+        builder.set_integrator(&Piece::new("integrator", "seed = 7"))?;
+        let light = "type = 'sphere'\ncenter = [0, 9, 0]\nradius = 1\nradiance = 3";
+        builder.add_light(&Piece::new("light", light))
+    }
+
+    #[test]
+    fn scene_of_pieces_is_that_of_the_file_with_the_same_keys() {
+        let text = "unit = 'mm'\n[[material]]\nname = 'wax'\nsubsurface_weight = 1\nsubsurface_color = '#ff8800'\n\
+            subsurface_scatter_anisotropy = 0.5\n[[object]]\nname = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\n\
+            scale = 2\n[[object]]\nshape = 'box'\ntranslate = [4, 0, 0]\n[film]\nsize = [96, 64]\nexposure = 1\n\
+            [integrator]\nseed = 7\n[[light]]\ntype = 'sphere'\ncenter = [0, 9, 0]\nradius = 1\nradiance = 3\n";
+        let file = SceneFile::parse(text, Path::new("a.toml")).unwrap();
+        let of_file = file.load(&LoadOptions::default(), &mut Vec::new()).unwrap();
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        assert_eq!(format!("{:?}", builder.build(&LoadOptions::default()).unwrap()), format!("{of_file:?}"));
+    }
+
+    #[test]
+    fn errors_name_the_thing_and_the_key() {
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let mut refuse = |title: &str, text: &str| {
+            let piece = Piece::new(title, text);
+            let error = match title.split(' ').next() {
+                Some("material") => builder.add_material(&piece, &mut Vec::new()),
+                Some("object") => builder.add_object(&piece, &mut Vec::new()),
+                Some("mesh") => builder.add_mesh_object(&piece, Mesh::default(), &mut Vec::new()),
+                _ => builder.add_light(&piece),
+            };
+            error.unwrap_err().to_string()
+        };
+        for (title, text, message) in [
+            (
+                "material a",
+                "name = 'a'\nbase_colr = 1",
+                "material a: it has no key base_colr (did you mean base_color?",
+            ),
+            (
+                "material a",
+                "name = 'a'\nbase_color = nan",
+                "material a: base_color is nan, but must be in [0, 1]",
+            ),
+            (
+                "material wax",
+                "name = 'wax'",
+                "material wax: name is \"wax\", but must be a name that no other has",
+            ),
+            (
+                "material a",
+                "name = 'a'\nbase_color = {file = 'no.png'}",
+                "material a: the file no.png does not exist",
+            ),
+            ("object a", "name = 'a'", "object a: it needs the key file or shape"),
+            (
+                "object a",
+                "shape = 'cone'\nmaterial = 'vax'",
+                "object a: material is 'vax', but must be the name of a material",
+            ),
+            ("mesh a", "material = 'wax'", "mesh a: the mesh has no triangles"),
+            ("light 1", "type = 'sun'", "light 1: type is 'sun', but must be one of"),
+        ] {
+            let found = refuse(title, text);
+            assert!(found.starts_with(message), "{found}\n{message}");
+        }
+        assert_eq!((builder.scene().materials.len(), builder.scene().objects.len()), (2, 2));
+    }
+
+    #[test]
+    fn images_at_hand_are_taken_by_their_name_and_color_space() {
+        let pixels = Pixels::Byte(vec![[188, 0, 0, 255]]);
+        let image = Image {
+            name: "array 0".into(),
+            path: None,
+            width: 1,
+            height: 1,
+            color_space: ColorSpace::Srgb,
+            pixels,
+        };
+        let text = "name = 'a'\nbase_color = {file = 'array 0'}\nspecular_roughness = {file = 'array 0'}";
+        let piece = Piece { images: vec![image], ..Piece::new("material a", text) };
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        builder.add_material(&piece, &mut Vec::new()).unwrap();
+        let scene = builder.scene();
+        let color = scene.materials[0].base_color.texture.unwrap().image;
+        let (roughness, _) = scene.materials[0].specular_roughness.texture.unwrap();
+        assert_eq!(scene.images[color].color_space, ColorSpace::Srgb);
+        assert_eq!(scene.images[roughness.image].color_space, ColorSpace::Linear);
+    }
+
+    #[test]
+    fn edited_material_keeps_what_is_not_named() {
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let wax = builder.scene().materials[0].clone();
+        let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_scatter_anisotropy = 0");
+        let edited = edit.material(wax.clone(), Unit::Millimeter).unwrap();
+        assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
+        // The medium had decided on the model, and does so again.
+        assert_eq!(edited.subsurface_model, SubsurfaceModel::default());
+        assert_ne!(edited.subsurface_model, wax.subsurface_model);
+        let file = Piece::new("material wax", "base_color = {file = 'a.png'}");
+        assert!(file.material(wax, Unit::Millimeter).unwrap_err().message.contains("no further images"));
+    }
+}
