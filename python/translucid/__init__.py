@@ -1,7 +1,16 @@
 """Subsurface scattering you can trust: profiles, exact references, fits and pictures on NumPy arrays.
 
+- `Profile`: reflectance profiles of every model, to evaluate, to sample and to plot.
+- `reference`: the exact half space and Monte Carlo walks, with errors.
+- `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
+- `convert`: a material in the numbers of other renderers.
+- `presets`: measured materials.
+- `Scene`, `render`, `Session`: scenes from files and arrays, and pictures of them.
+- `tonemap`, `read_exr`, `write_exr`: pictures in files.
+
 Lengths are in one unit that the caller chose; a function returns them in the same.
 Whatever takes radii, albedos or lengths takes numbers and arrays of any shape, and broadcasts them by NumPy's rules.
+A wrong argument is a `ValueError` or `TypeError` that says which, its value and what is allowed; results are finite.
 
 >>> import numpy as np
 >>> import translucid
@@ -9,21 +18,46 @@ Whatever takes radii, albedos or lengths takes numbers and arrays of any shape, 
 >>> r = np.array([0.1, 1.0, 10.0])
 >>> jade.eval(r).shape
 (3,)
->>> round(float(jade.cdf(jade.quantile(0.7))), 12)
+>>> round(jade.cdf(jade.quantile(0.7)), 12)
 0.7
 """
 
+from . import reference
+from ._conversion import Conversion, convert
+from ._presets import presets
 from ._render import Picture, Session, render
-from ._translucid import Profile, Scene, SceneError, __version__, read_exr, tonemap, write_exr
+from ._translucid import (
+    Fit,
+    Preset,
+    Profile,
+    Scene,
+    SceneError,
+    __version__,
+    fit,
+    fit_scaling,
+    models,
+    read_exr,
+    tonemap,
+    write_exr,
+)
 
 __all__ = [
+    "Conversion",
+    "Fit",
     "Picture",
+    "Preset",
     "Profile",
     "Scene",
     "SceneError",
     "Session",
     "__version__",
+    "convert",
+    "fit",
+    "fit_scaling",
+    "models",
+    "presets",
     "read_exr",
+    "reference",
     "render",
     "tonemap",
     "write_exr",

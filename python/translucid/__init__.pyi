@@ -1,18 +1,192 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Final, Literal, NamedTuple, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__version__: str
+from . import reference as reference
+
+__version__: Final[str]
+models: Final[list[str]]
+
+__all__: list[str]
 
 _Path = str | PathLike[str]
 _Unit = Literal["mm", "cm", "m"]
 _Progress = bool | Literal["tqdm"] | Callable[[int, int], object] | None
 _ToneMapping = Literal["neutral", "agx", "srgb"]
+_Numbers: TypeAlias = float | np.floating[Any] | NDArray[np.floating[Any]]
+_Configuration: TypeAlias = Literal["searchlight", "diffuse"]
+_Family: TypeAlias = Literal["exponentials", "gaussians", "normalized-diffusion"]
+
+@final
+class Profile:
+    def __new__(
+        cls,
+        model: str = "normalized-diffusion-refined",
+        *,
+        surface_albedo: ArrayLike,
+        mfp: ArrayLike | None = None,
+        dmfp: ArrayLike | None = None,
+        configuration: _Configuration | None = None,
+        g: ArrayLike | None = None,
+        eta: ArrayLike | None = None,
+    ) -> Profile: ...
+    @classmethod
+    def from_medium(
+        cls,
+        sigma_a: ArrayLike,
+        sigma_s: ArrayLike,
+        *,
+        model: str = "normalized-diffusion-refined",
+        g: ArrayLike | None = None,
+        eta: ArrayLike | None = None,
+        configuration: _Configuration | None = None,
+    ) -> Profile: ...
+    @classmethod
+    def from_table(
+        cls,
+        r: ArrayLike | PathLike[str],
+        reflectance: ArrayLike | None = None,
+        *,
+        enclosed: ArrayLike | None = None,
+        surface_albedos: ArrayLike | None = None,
+        surface_albedo: ArrayLike | None = None,
+        mfp: ArrayLike | None = None,
+        dmfp: ArrayLike | None = None,
+    ) -> Profile: ...
+    def tabulated(self) -> Profile: ...
+    def eval(self, r: ArrayLike) -> _Numbers: ...
+    def pdf(self, r: ArrayLike) -> _Numbers: ...
+    def pdf_area(self, r: ArrayLike) -> _Numbers: ...
+    def cdf(self, r: ArrayLike) -> _Numbers: ...
+    def enclosed(self, r: ArrayLike) -> _Numbers: ...
+    def beyond(self, r: ArrayLike) -> _Numbers: ...
+    def quantile(self, u: ArrayLike) -> _Numbers: ...
+    def sample(self, u: ArrayLike) -> _Numbers: ...
+    def plot(
+        self,
+        r: ArrayLike | None = None,
+        *,
+        quantity: Literal["eval", "pdf", "pdf_area", "cdf", "enclosed", "beyond"] = "eval",
+        ax: Any = None,
+        **line: Any,
+    ) -> Any: ...
+    @property
+    def total(self) -> _Numbers: ...
+    @property
+    def surface_albedo(self) -> _Numbers | None: ...
+    @property
+    def mfp(self) -> _Numbers | None: ...
+    @property
+    def dmfp(self) -> _Numbers | None: ...
+    @property
+    def g(self) -> _Numbers | None: ...
+    @property
+    def eta(self) -> _Numbers | None: ...
+    @property
+    def model(self) -> str | None: ...
+    @property
+    def configuration(self) -> _Configuration | None: ...
+    @property
+    def shape(self) -> tuple[int, ...]: ...
+
+@final
+class Fit:
+    @property
+    def family(self) -> _Family: ...
+    @property
+    def surface_albedo(self) -> float: ...
+    @property
+    def surface_albedo_error(self) -> float: ...
+    @property
+    def weights(self) -> NDArray[np.float64]: ...
+    @property
+    def weight_errors(self) -> NDArray[np.float64]: ...
+    @property
+    def scales(self) -> NDArray[np.float64]: ...
+    @property
+    def scale_errors(self) -> NDArray[np.float64]: ...
+    @property
+    def chi_square(self) -> float | None: ...
+    @property
+    def degrees_of_freedom(self) -> int | None: ...
+    @property
+    def residuals(self) -> NDArray[np.float64] | None: ...
+    @property
+    def l1_error(self) -> float | None: ...
+    @property
+    def undetermined(self) -> list[str]: ...
+    @property
+    def profile(self) -> Profile: ...
+
+@final
+class Preset:
+    @property
+    def name(self) -> str: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def surface_albedo(self) -> NDArray[np.float64]: ...
+    @property
+    def mfp(self) -> NDArray[np.float64]: ...
+    @property
+    def eta(self) -> float: ...
+    @property
+    def roughness(self) -> float: ...
+
+def fit(
+    r: ArrayLike | Profile,
+    reflectance: ArrayLike | None = None,
+    error: ArrayLike | None = None,
+    *,
+    family: _Family = "exponentials",
+    terms: int | None = None,
+) -> Fit: ...
+def fit_scaling(
+    configuration: _Configuration = "searchlight",
+    parameter: Literal["mfp", "dmfp"] = "mfp",
+    *,
+    surface_albedo: ArrayLike | None = None,
+    max_radius: float | None = None,
+) -> dict[str, Any]: ...
+
+class ConvertedParameter(NamedTuple):
+    system: str
+    parameter: str
+    value: float | NDArray[np.float64]
+    unit: str
+    equal: str
+    source: str
+
+class Conversion(dict[str, dict[str, float | NDArray[np.float64]]]):
+    rows: list[ConvertedParameter]
+    notes: list[str]
+    def __init__(self, rows: list[ConvertedParameter], notes: list[str]) -> None: ...
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def _repr_html_(self) -> str: ...
+
+def convert(
+    source: str,
+    *,
+    surface_albedo: ArrayLike | None = None,
+    unit: _Unit = "mm",
+    to_unit: _Unit | None = None,
+    to: str | Iterable[str] = (),
+    settings: Mapping[str, Mapping[str, float]] | None = None,
+    configuration: _Configuration = "diffuse",
+    **parameters: ArrayLike,
+) -> Conversion: ...
+
+class _Presets(Mapping[str, Preset]):
+    def __getitem__(self, name: str) -> Preset: ...
+    def __iter__(self) -> Iterator[str]: ...
+    def __len__(self) -> int: ...
+
+presets: Final[_Presets]
 
 class SceneError(ValueError):
     message: str

@@ -4,7 +4,8 @@
 //!   [`Judge`] measures many profiles against one reference.
 //! - [`fit`]: least squares with mixtures of K members of a [`Family`] ([`Gaussian`], [`Exponential`], [`Burley`]), whose
 //!   weights are not negative and sum to 1.
-//! - [`SampleFit`]: mixtures fitted to a measured or simulated table, with the uncertainties of their parameters.
+//! - [`SampleFit`]: mixtures fitted to a measured or simulated table, with the uncertainties of their parameters;
+//!   [`SampleFits`] has one of every family.
 //! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
 //!   [`ScalingPolynomial`]s through it.
 //!
@@ -39,6 +40,7 @@ mod least_squares;
 mod minimum;
 mod mixture;
 mod sample_fit;
+mod sample_fits;
 mod scaling_fit;
 mod scaling_polynomial;
 
@@ -47,5 +49,6 @@ pub use l1_error::{Judge, l1_error};
 pub use least_squares::{Fit, Target, fit};
 pub use mixture::Mixture;
 pub use sample_fit::{Errors, Estimate, Sample, SampleFit};
+pub use sample_fits::SampleFits;
 pub use scaling_fit::{ErrorSummary, ScalingFit, ScalingPoint};
 pub use scaling_polynomial::ScalingPolynomial;

@@ -2,7 +2,7 @@
 
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DMatrix, DVector, Dyn, Owned};
-use translucid_profile::{ParameterError, require};
+use translucid_profile::{ParameterError, Profile, require};
 
 use crate::least_squares::extensions;
 use crate::{Family, Mixture};
@@ -187,6 +187,17 @@ impl<F: Family> SampleFit<F> {
     /// Samples less parameters.
     pub fn degrees_of_freedom(&self) -> usize {
         self.degrees_of_freedom
+    }
+
+    /// χ² for each degree of freedom.
+    pub fn reduced_chi_square(&self) -> f64 {
+        self.chi_square / self.degrees_of_freedom as f64
+    }
+
+    /// (R_fit − R)/error of each sample.
+    pub fn residuals(&self, samples: &[Sample]) -> Vec<f64> {
+        let residual = |sample: &Sample| (self.mixture.eval(sample.r) - sample.reflectance) / sample.error;
+        samples.iter().map(residual).collect()
     }
 
     /// True if some combination of parameters has no effect on the samples.

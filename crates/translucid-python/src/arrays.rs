@@ -1,6 +1,10 @@
 //! Numbers from Python and back: one number, or NumPy arrays of any shape and stride, in single or double precision.
 
-use numpy::ndarray::{ArrayViewD, IxDyn};
+use std::ops::Range;
+use std::time::{Duration, Instant};
+
+use numpy::ndarray::iter::Iter;
+use numpy::ndarray::{ArrayViewD, Axis, Ix4, IxDyn};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -9,8 +13,11 @@ use pyo3::types::{PyFloat, PyInt, PyTuple};
 /// Elements that are converted at a time where a function cannot read an array in its place.
 const CHUNK: usize = 1024;
 
-/// Elements from which on other Python threads may run meanwhile.
-const LONG: usize = 4096;
+/// Most elements that are done while other Python threads wait.
+const SHORT: usize = 256;
+
+/// Time between two looks at signals.
+const BLOCK_TIME: Duration = Duration::from_millis(30);
 
 /// The numbers of an argument, in their place.
 pub(crate) enum Numbers<'py> {
@@ -20,6 +27,12 @@ pub(crate) enum Numbers<'py> {
     Double(PyReadonlyArrayDyn<'py, f64>),
     /// An array in single precision.
     Single(PyReadonlyArrayDyn<'py, f32>),
+}
+
+/// Tells whether all elements lie where the machine reads them: those of packed records and of bytes need not.
+fn is_aligned<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
+    let step = size_of::<T>();
+    array.data() as usize % step == 0 && array.strides().iter().all(|stride| stride % step as isize == 0)
 }
 
 /// A precision of NumPy's that is computed with in double precision.
@@ -41,8 +54,9 @@ impl Real for f32 {
     fn to_f64(self) -> f64 {
         f64::from(self)
     }
+    /// The nearest finite number.
     fn from_f64(x: f64) -> Self {
-        x as f32
+        x.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32
     }
 }
 
@@ -84,13 +98,11 @@ impl<'py> Numbers<'py> {
     }
 
     fn in_place(object: &Bound<'py, PyAny>) -> PyResult<Option<Self>> {
-        if let Ok(array) = object.cast::<PyArrayDyn<f64>>() {
-            return Ok(Some(Self::Double(array.try_readonly()?)));
+        match (object.cast::<PyArrayDyn<f64>>(), object.cast::<PyArrayDyn<f32>>()) {
+            (Ok(array), _) if is_aligned(array) => Ok(Some(Self::Double(array.try_readonly()?))),
+            (_, Ok(array)) if is_aligned(array) => Ok(Some(Self::Single(array.try_readonly()?))),
+            _ => Ok(None),
         }
-        if let Ok(array) = object.cast::<PyArrayDyn<f32>>() {
-            return Ok(Some(Self::Single(array.try_readonly()?)));
-        }
-        Ok(None)
     }
 
     /// The shape; of one number empty.
@@ -127,91 +139,265 @@ impl<'py> Numbers<'py> {
         }
     }
 
-    /// Passes on if all numbers are in a range; `allowed` says what the range is, worded to follow "must be".
-    pub(crate) fn require(
-        &self,
-        name: &str,
-        allowed: &str,
-        is_allowed: impl Fn(f64) -> bool,
-    ) -> PyResult<()> {
-        fn first<T: Real>(
-            view: &ArrayViewD<'_, T>,
-            is_allowed: impl Fn(f64) -> bool,
-        ) -> Option<(Vec<usize>, f64)> {
+    /// Passes on if all numbers keep a rule.
+    pub(crate) fn require(&self, rule: &Rule<'_>) -> PyResult<()> {
+        fn first<T: Real>(view: &ArrayViewD<'_, T>, rule: &Rule<'_>) -> Option<(Vec<usize>, f64)> {
             // Most arrays are good: look without asking where
             let is_good = match view.as_slice_memory_order() {
-                Some(slice) => slice.iter().fold(true, |good, x| good & is_allowed(x.to_f64())),
-                None => view.iter().all(|x| is_allowed(x.to_f64())),
+                Some(slice) => slice.iter().fold(true, |good, x| good & rule.allows(x.to_f64())),
+                None => view.iter().all(|x| rule.allows(x.to_f64())),
             };
             if is_good {
                 return None;
             }
-            let bad = view.indexed_iter().find(|(_, x)| !is_allowed(x.to_f64()));
+            let bad = view.indexed_iter().find(|(_, x)| !rule.allows(x.to_f64()));
             bad.map(|(index, x)| (numpy::ndarray::Dimension::slice(&index).to_vec(), x.to_f64()))
         }
         let bad = match self {
-            Self::One(x) => (!is_allowed(*x)).then(|| (Vec::new(), *x)),
-            Self::Double(array) => first(&array.as_array(), is_allowed),
-            Self::Single(array) => first(&array.as_array(), is_allowed),
+            Self::One(x) => (!rule.allows(*x)).then(|| (Vec::new(), *x)),
+            Self::Double(array) => first(&array.as_array(), rule),
+            Self::Single(array) => first(&array.as_array(), rule),
         };
         bad.map_or(Ok(()), |(index, x)| {
+            let Rule { name, allowed, .. } = rule;
             let place = if index.is_empty() { String::new() } else { format!("{index:?}") };
             Err(PyValueError::new_err(format!("{name}{place} is {x}, but must be {allowed}")))
         })
     }
 
-    /// Applies a function of slices: a number gives a number, an array an array of its shape and precision.
+    /// The only number.
+    ///
+    /// # Errors
+    /// There are several, or it breaks the rule.
+    pub(crate) fn single(&self, rule: &Rule<'_>) -> PyResult<f64> {
+        if self.shape().iter().product::<usize>() != 1 {
+            let (name, shape) = (rule.name, self.shape());
+            return Err(PyTypeError::new_err(format!(
+                "{name} must be one number, but is an array of shape {shape:?}"
+            )));
+        }
+        self.require(rule)?;
+        Ok(self.broadcast(&[1])[0])
+    }
+
+    /// Applies a function of slices to numbers that keep a rule: a number gives a number, an array an array of its shape
+    /// and precision.
     pub(crate) fn map(
         &self,
         py: Python<'py>,
+        rule: &Rule<'_>,
         f: impl Fn(&[f64], &mut [f64]) + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         match self {
             Self::One(x) => {
+                self.require(rule)?;
                 let mut y = [0.0];
                 f(&[*x], &mut y);
                 Ok(PyFloat::new(py, y[0]).into_any())
             }
             Self::Double(array) => {
-                let Ok(from) = array.as_slice() else { return map_in_chunks(py, &array.as_array(), f) };
-                let out = PyArrayDyn::<f64>::zeros(py, array.shape(), false);
+                let Ok(from) = array.as_slice() else { return self.map_with(py, rule, array, &f) };
+                // In the order of Fortran if the numbers are
+                let out = PyArrayDyn::<f64>::zeros(py, array.shape(), !array.is_c_contiguous());
+                let mut is_good = true;
                 {
                     let mut out = out.readwrite();
                     let out = out.as_slice_mut().expect("zeros are contiguous");
-                    detach_if_long(py, from.len(), || f(from, out));
+                    in_blocks(py, from.len(), |block| {
+                        let chunks = from[block.clone()].chunks(CHUNK).zip(out[block].chunks_mut(CHUNK));
+                        for (from, out) in chunks {
+                            // While the numbers are in the first-level cache
+                            is_good &= from.iter().fold(true, |good, x| good & rule.allows(*x));
+                            f(from, out);
+                        }
+                    })?;
+                }
+                if !is_good {
+                    self.require(rule)?;
                 }
                 scalar_if_0d(out)
             }
-            Self::Single(array) => map_in_chunks(py, &array.as_array(), f),
+            Self::Single(array) => self.map_with(py, rule, array, &f),
+        }
+    }
+
+    fn map_with<T: Real>(
+        &self,
+        py: Python<'py>,
+        rule: &Rule<'_>,
+        array: &PyReadonlyArrayDyn<'py, T>,
+        f: &(impl Fn(&[f64], &mut [f64]) + Send + Sync),
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let view = array.as_array();
+        let mut chunks = Chunks::new(&view, rule);
+        let found = fill::<T, _>(py, view.shape(), &mut chunks, |chunks, n, to| f(chunks.next(n), to));
+        if !chunks.is_good {
+            self.require(rule)?;
+        }
+        found
+    }
+
+    /// Applies a function of an index and slices to numbers that keep a rule, the indices and the numbers broadcast to a
+    /// shape.
+    pub(crate) fn map_indexed(
+        &self,
+        py: Python<'py>,
+        rule: &Rule<'_>,
+        shape: &[usize],
+        indices: &ArrayViewD<'_, u32>,
+        f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.require(rule)?;
+        let known = "`broadcast_shape` has found that it can be";
+        let indices = indices.broadcast(IxDyn(shape)).expect(known);
+        fn all<'py, T: Real>(
+            py: Python<'py>,
+            view: &ArrayViewD<'_, T>,
+            shape: &[usize],
+            indices: &ArrayViewD<'_, u32>,
+            f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
+        ) -> PyResult<Bound<'py, PyAny>> {
+            let view = view.broadcast(IxDyn(shape)).expect("`broadcast_shape` has found that it can be");
+            // Known to be good, and as often as it is repeated
+            let anything = Rule::new("", "", f64::NEG_INFINITY, f64::INFINITY);
+            let state = (Chunks::new(&view, &anything), Elements::new(indices), [0; CHUNK]);
+            fill::<T, _>(py, shape, state, |(chunks, indices, wanted), n, to| {
+                let from = chunks.next(n);
+                indices.read(&mut wanted[..n], |index| index);
+                let mut start = 0;
+                for run in wanted[..n].chunk_by(|a, b| a == b) {
+                    let end = start + run.len();
+                    f(run[0], &from[start..end], &mut to[start..end]);
+                    start = end;
+                }
+            })
+        }
+        match self {
+            Self::One(x) => all::<f64>(py, &numpy::ndarray::arr0(*x).into_dyn().view(), shape, &indices, f),
+            Self::Double(array) => all(py, &array.as_array(), shape, &indices, f),
+            Self::Single(array) => all(py, &array.as_array(), shape, &indices, f),
         }
     }
 }
 
-fn map_in_chunks<'py, T: Real>(
+/// Range that the numbers of an argument must be in.
+pub(crate) struct Rule<'a> {
+    /// Name of the argument.
+    pub(crate) name: &'a str,
+    /// The range, worded to follow "must be".
+    pub(crate) allowed: &'a str,
+    /// The least number.
+    pub(crate) low: f64,
+    /// The greatest.
+    pub(crate) high: f64,
+}
+
+impl<'a> Rule<'a> {
+    pub(crate) const fn new(name: &'a str, allowed: &'a str, low: f64, high: f64) -> Self {
+        Self { name, allowed, low, high }
+    }
+
+    #[inline(always)]
+    fn allows(&self, x: f64) -> bool {
+        (x >= self.low) & (x <= self.high)
+    }
+}
+
+/// Elements in C order that are read a chunk at a time: an array's of any number of dimensions one by one take tens of
+/// nanoseconds each.
+enum Elements<'a, T> {
+    Slice(std::slice::Iter<'a, T>),
+    Four(Iter<'a, T, Ix4>),
+    Any(Iter<'a, T, IxDyn>),
+}
+
+impl<'a, T: Copy> Elements<'a, T> {
+    fn new(view: &ArrayViewD<'a, T>) -> Self {
+        if let Some(slice) = view.to_slice() {
+            return Self::Slice(slice.iter());
+        }
+        let mut view = view.clone();
+        while view.ndim() < 4 {
+            view.insert_axis_inplace(Axis(0));
+        }
+        match view.clone().into_dimensionality::<Ix4>() {
+            Ok(view) => Self::Four(view.into_iter()),
+            Err(_) => Self::Any(view.into_iter()),
+        }
+    }
+
+    /// Reads as many of the next elements as there is room for.
+    fn read<U>(&mut self, to: &mut [U], convert: impl Fn(T) -> U) {
+        match self {
+            Self::Slice(elements) => to.iter_mut().zip(elements).for_each(|(to, x)| *to = convert(*x)),
+            Self::Four(elements) => to.iter_mut().zip(elements).for_each(|(to, x)| *to = convert(*x)),
+            Self::Any(elements) => to.iter_mut().zip(elements).for_each(|(to, x)| *to = convert(*x)),
+        }
+    }
+}
+
+/// Numbers in double precision, a chunk at a time.
+struct Chunks<'a, T> {
+    elements: Elements<'a, T>,
+    buffer: [f64; CHUNK],
+    rule: &'a Rule<'a>,
+    /// Whether all so far kept the rule.
+    is_good: bool,
+}
+
+impl<'a, T: Real> Chunks<'a, T> {
+    fn new(view: &ArrayViewD<'a, T>, rule: &'a Rule<'a>) -> Self {
+        Self { elements: Elements::new(view), buffer: [0.0; CHUNK], rule, is_good: true }
+    }
+
+    /// The next `n` numbers, at most [`CHUNK`].
+    fn next(&mut self, n: usize) -> &[f64] {
+        let buffer = &mut self.buffer[..n];
+        self.elements.read(buffer, T::to_f64);
+        self.is_good &= buffer.iter().fold(true, |good, x| good & self.rule.allows(*x));
+        buffer
+    }
+}
+
+/// An array that is computed in C order, at most [`CHUNK`] elements at a time.
+fn fill<'py, T: Real, S: Send>(
     py: Python<'py>,
-    view: &ArrayViewD<'_, T>,
-    f: impl Fn(&[f64], &mut [f64]) + Send + Sync,
+    shape: &[usize],
+    mut state: S,
+    next: impl Fn(&mut S, usize, &mut [f64]) + Send + Sync,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let out = PyArrayDyn::<T>::zeros(py, view.shape(), false);
+    let out = PyArrayDyn::<T>::zeros(py, shape, false);
     {
         let mut out = out.readwrite();
         let out = out.as_slice_mut().expect("zeros are contiguous");
-        detach_if_long(py, out.len(), || {
-            let (mut from, mut to) = ([0.0; CHUNK], [0.0; CHUNK]);
-            let mut numbers = view.iter();
-            for out in out.chunks_mut(CHUNK) {
-                let n = out.len();
-                from.iter_mut().zip(numbers.by_ref().take(n)).for_each(|(x, number)| *x = number.to_f64());
-                f(&from[..n], &mut to[..n]);
+        let mut to = [0.0; CHUNK];
+        in_blocks(py, out.len(), |block| {
+            for out in out[block].chunks_mut(CHUNK) {
+                next(&mut state, out.len(), &mut to[..out.len()]);
                 out.iter_mut().zip(&to).for_each(|(out, y)| *out = T::from_f64(*y));
             }
-        });
+        })?;
     }
     scalar_if_0d(out)
 }
 
-fn detach_if_long(py: Python<'_>, elements: usize, work: impl FnOnce() + Send) {
-    if elements < LONG { work() } else { py.detach(work) }
+/// Works through elements in order, with the interpreter detached where there are many, and looks after signals.
+fn in_blocks(py: Python<'_>, elements: usize, mut work: impl FnMut(Range<usize>) + Send) -> PyResult<()> {
+    if elements <= SHORT {
+        work(0..elements);
+        return Ok(());
+    }
+    let (mut start, mut size) = (0, SHORT);
+    while start < elements {
+        let (end, begun) = (elements.min(start.saturating_add(size)), Instant::now());
+        py.detach(|| work(start..end));
+        // Slow models take milliseconds for few elements, closed forms nanoseconds for each
+        let speed_up = BLOCK_TIME.as_secs_f64() / begun.elapsed().as_secs_f64().max(1e-9);
+        size = ((size as f64 * speed_up.clamp(0.25, 4.0)) as usize).max(16);
+        start = end;
+        py.check_signals()?;
+    }
+    Ok(())
 }
 
 /// A result without dimensions is a scalar, as NumPy's own functions return it.
@@ -241,17 +427,23 @@ pub(crate) fn broadcast_shape(arguments: &[(&str, &[usize])]) -> PyResult<Vec<us
     Ok(result)
 }
 
-/// An array of these numbers in C order, single precision if that is what all arrays among the arguments have.
+/// An array of these numbers in C order, single precision if that is what all arrays among the arguments have; of numbers
+/// a number.
 pub(crate) fn array_like<'py>(
     py: Python<'py>,
     arguments: &[&Numbers<'py>],
     shape: &[usize],
     numbers: Vec<f64>,
 ) -> PyResult<Bound<'py, PyAny>> {
+    if arguments.iter().all(|numbers| matches!(numbers, Numbers::One(_)))
+        && let ([], [number]) = (shape, &numbers[..])
+    {
+        return Ok(PyFloat::new(py, *number).into_any());
+    }
     let is_single = arguments.iter().any(|numbers| matches!(numbers, Numbers::Single(_)))
         && !arguments.iter().any(|numbers| matches!(numbers, Numbers::Double(_)));
     if is_single {
-        let numbers = numbers.into_iter().map(|x| x as f32).collect();
+        let numbers = numbers.into_iter().map(f32::from_f64).collect();
         shaped(numpy::PyArray1::<f32>::from_vec(py, numbers), shape)
     } else {
         shaped(numpy::PyArray1::<f64>::from_vec(py, numbers), shape)

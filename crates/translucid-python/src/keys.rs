@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use translucid_scene::{ColorSpace, Image, Piece, Pixels};
 
-use crate::arrays::Numbers;
+use crate::arrays::{Numbers, Rule};
 use crate::scene_error::{in_scene, scene_error, wrong};
 
 /// Most values of a list: sixteen are the longest that a key takes.
@@ -207,9 +207,9 @@ impl<'a> Keys<'a> {
                 return Err(PyTypeError::new_err(message));
             }
             let numbers = Numbers::extract(name, array)?;
-            let is_allowed = |x| (x as f32).is_finite();
+            let most = f64::from(f32::MAX);
             numbers
-                .require(name, "finite in single precision", is_allowed)
+                .require(&Rule::new(name, "finite in single precision", -most, most))
                 .map_err(|error| in_scene(&self.piece.title, error, array.py()))?;
             Pixels::Float(four_channels(numbers.iter().map(|x| x as f32), channels, 1.0))
         };

@@ -5,28 +5,52 @@
 
 mod arrays;
 mod command;
+mod convert;
+mod fit;
 mod keys;
 mod long_work;
 mod names;
 mod pictures;
 mod profile;
+mod reference;
 mod scene;
 mod scene_error;
 mod session;
+mod white_table;
 
 use pyo3::prelude::*;
 
 #[pymodule]
 fn _translucid(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("models", translucid_profile::Model::ALL.map(translucid_profile::Model::name).to_vec())?;
     module.add_class::<profile::Profile>()?;
+    module.add_class::<fit::Fit>()?;
+    module.add_class::<convert::Preset>()?;
+    module.add_class::<white_table::WhiteTable>()?;
     module.add_class::<scene::Scene>()?;
     module.add_class::<session::Session>()?;
     module.add("LAYERS", translucid_render::FilmLayer::ALL.map(translucid_render::FilmLayer::name))?;
     module.add("SceneError", module.py().get_type::<scene_error::SceneError>())?;
-    module.add_function(wrap_pyfunction!(pictures::tonemap, module)?)?;
-    module.add_function(wrap_pyfunction!(pictures::png_bytes, module)?)?;
-    module.add_function(wrap_pyfunction!(pictures::write_exr, module)?)?;
-    module.add_function(wrap_pyfunction!(pictures::read_exr, module)?)?;
-    module.add_function(wrap_pyfunction!(command::command, module)?)
+    for function in [
+        wrap_pyfunction!(fit::fit, module)?,
+        wrap_pyfunction!(fit::fit_scaling, module)?,
+        wrap_pyfunction!(convert::_convert, module)?,
+        wrap_pyfunction!(convert::_conversion_systems, module)?,
+        wrap_pyfunction!(convert::_preset, module)?,
+        wrap_pyfunction!(convert::_preset_names, module)?,
+        wrap_pyfunction!(reference::exact, module)?,
+        wrap_pyfunction!(reference::exact_enclosed, module)?,
+        wrap_pyfunction!(reference::exact_beyond, module)?,
+        wrap_pyfunction!(reference::exact_total, module)?,
+        wrap_pyfunction!(white_table::walk, module)?,
+        wrap_pyfunction!(pictures::tonemap, module)?,
+        wrap_pyfunction!(pictures::png_bytes, module)?,
+        wrap_pyfunction!(pictures::write_exr, module)?,
+        wrap_pyfunction!(pictures::read_exr, module)?,
+        wrap_pyfunction!(command::command, module)?,
+    ] {
+        module.add_function(function)?;
+    }
+    Ok(())
 }

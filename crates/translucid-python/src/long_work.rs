@@ -1,5 +1,7 @@
 //! Work that takes long: on a thread of its own, while Python looks after signals.
 
+use std::panic::AssertUnwindSafe;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::Duration;
@@ -8,6 +10,39 @@ use pyo3::prelude::*;
 
 /// Time between two looks at signals and progress: Ctrl-C is answered within it.
 const POLL: Duration = Duration::from_millis(50);
+
+/// Runs work that nothing can stop: where a signal or `poll` raises an exception, it is left to end by itself.
+///
+/// The flag tells it that nobody waits any more, for it to end early if it can.
+///
+/// # Errors
+/// As of [`run`], or `RuntimeError` if no thread can be started.
+pub(crate) fn run_or_abandon<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+    mut poll: impl FnMut(Python<'_>) -> PyResult<()>,
+) -> PyResult<T> {
+    let stop = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&stop);
+    let (send, mut done) = channel();
+    let run = move || {
+        let result = std::panic::catch_unwind(AssertUnwindSafe(|| work(&flag)));
+        // A poller that has gone is one that was interrupted.
+        let _ = send.send(result);
+    };
+    std::thread::Builder::new().spawn(run)?;
+    loop {
+        let waited;
+        (done, waited) = py.detach(move || {
+            let waited = done.recv_timeout(POLL);
+            (done, waited)
+        });
+        if let Ok(result) = waited {
+            return result.or_else(|panic| std::panic::resume_unwind(panic));
+        }
+        py.check_signals().and_then(|()| poll(py)).inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+    }
+}
 
 /// Runs work that looks at the flag it is given and ends soon after it is true; the interpreter is free meanwhile.
 ///
@@ -55,31 +90,13 @@ pub(crate) fn run<T: Send>(
     })
 }
 
-/// Runs work that cannot be stopped: an exception of a signal leaves it to itself and is passed on at once.
+/// Runs work that has nothing to report, as [`run_or_abandon`] does.
 ///
 /// # Errors
-/// The exception of a signal handler, `KeyboardInterrupt` for Ctrl-C, or `RuntimeError` if no thread can be started.
+/// As of [`run_or_abandon`], of a signal.
 pub(crate) fn run_or_leave<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce() -> T + Send + 'static,
 ) -> PyResult<T> {
-    let (send, mut done) = channel();
-    let run = move || {
-        let result = std::panic::catch_unwind(std::panic::AssertUnwindSafe(work));
-        // Nobody is left to take it after a signal
-        let _ = send.send(result);
-    };
-    std::thread::Builder::new().spawn(run)?;
-    loop {
-        let waited;
-        (done, waited) = py.detach(move || {
-            let waited = done.recv_timeout(POLL);
-            (done, waited)
-        });
-        match waited {
-            Ok(result) => return Ok(result.unwrap_or_else(|panic| std::panic::resume_unwind(panic))),
-            Err(RecvTimeoutError::Timeout) => py.check_signals()?,
-            Err(RecvTimeoutError::Disconnected) => unreachable!("the thread sends before it ends"),
-        }
-    }
+    run_or_abandon(py, |_| work(), |_| Ok(()))
 }

@@ -27,6 +27,13 @@ pub(crate) fn configuration(name: &str) -> PyResult<Configuration> {
     }
 }
 
+pub(crate) fn of_configuration(configuration: Configuration) -> &'static str {
+    match configuration {
+        Configuration::Searchlight => "searchlight",
+        Configuration::Diffuse => "diffuse",
+    }
+}
+
 /// An error of the library, and of many elements which it was.
 pub(crate) fn parameter_error(error: &ParameterError, index: &[usize]) -> PyErr {
     let place = if index.is_empty() { String::new() } else { format!(" (at index {index:?})") };

@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
 use translucid_scene::{Film, LoadOptions, Mesh, SceneBuilder, SubsurfaceModel, Unit, Warning, load_scene};
 
-use crate::arrays::Numbers;
+use crate::arrays::{Numbers, Rule};
 use crate::keys::Keys;
 use crate::long_work;
 use crate::names;
@@ -617,7 +617,7 @@ fn rows<const N: usize>(
     }
     let allowed = "finite and within ±1e9";
     numbers
-        .require(name, allowed, |x| x.abs() <= LARGEST_COORDINATE)
+        .require(&Rule::new(name, allowed, -LARGEST_COORDINATE, LARGEST_COORDINATE))
         .map_err(|error| in_scene(title, error, array.py()))?;
     let mut all = Vec::new();
     all.try_reserve_exact(shape[0]).map_err(|_| wrong(title, &format!("{name} does not fit into memory")))?;

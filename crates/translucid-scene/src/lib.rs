@@ -16,6 +16,7 @@
 #[cfg(any(test, feature = "testing"))]
 pub mod broken;
 mod camera;
+mod conversion;
 mod error;
 mod image;
 mod interval;
@@ -32,6 +33,9 @@ mod still_life;
 mod texture;
 
 pub use camera::Camera;
+pub use conversion::{
+    ArgumentNames, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
+};
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};

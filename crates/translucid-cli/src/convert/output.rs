@@ -6,8 +6,9 @@ use std::path::Path;
 use clap::ValueEnum;
 use translucid_image::check_writable;
 use translucid_laboratory::Cell;
+use translucid_profile::convention::{LengthUnit, Role, System};
+use translucid_scene::ConvertedNumber;
 
-use super::rows::Row;
 use crate::failure::Failure;
 use crate::files::write_file;
 use crate::table::{TableFormat, exact, print};
@@ -24,7 +25,11 @@ pub(crate) enum SettingFormat {
 }
 
 /// Writes the rows to a file or to stdout.
-pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) -> Result<(), Failure> {
+pub(super) fn write(
+    rows: &[ConvertedNumber],
+    format: SettingFormat,
+    path: Option<&Path>,
+) -> Result<(), Failure> {
     let cells = || rows.iter().map(|row| cells(row).to_vec()).collect::<Vec<_>>();
     let text = match format {
         SettingFormat::Csv => TableFormat::Csv.text(&COLUMNS, &cells()),
@@ -36,9 +41,34 @@ pub(super) fn write(rows: &[Row], format: SettingFormat, path: Option<&Path>) ->
     write_file(path, text.as_bytes())
 }
 
+/// Every system with its parameters and its rule, a line each.
+pub(super) fn list() -> String {
+    let mut text = String::from("system                 length in  parameters and rule\n");
+    for system in System::ALL {
+        let unit = match system.unit {
+            LengthUnit::Scene => "scene unit",
+            LengthUnit::Millimeter => "mm",
+            LengthUnit::Centimeter => "cm",
+        };
+        let parameters: Vec<String> = system
+            .parameters
+            .iter()
+            .map(|parameter| match parameter.role {
+                Role::Factor { default, .. } | Role::Setting { default, .. } => {
+                    format!("{} ({default})", parameter.name)
+                }
+                _ => parameter.name.to_owned(),
+            })
+            .collect();
+        let (name, parameters, formula) = (system.name, parameters.join(", "), system.formula);
+        text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
+    }
+    text
+}
+
 const COLUMNS: [&str; 7] = ["system", "parameter", "channel", "value", "unit", "equal", "source"];
 
-fn cells(row: &Row) -> [Cell; 7] {
+fn cells(row: &ConvertedNumber) -> [Cell; 7] {
     let source = row.system.source;
     let kind = if source.is_code { "code" } else { "document" };
     [
@@ -52,7 +82,7 @@ fn cells(row: &Row) -> [Cell; 7] {
     ]
 }
 
-fn paragraphs(rows: &[Row]) -> String {
+fn paragraphs(rows: &[ConvertedNumber]) -> String {
     let width = rows.iter().map(|row| row.parameter.len()).max().unwrap_or(0);
     let mut text = String::new();
     for system in rows.chunk_by(|a, b| a.system.title == b.system.title) {

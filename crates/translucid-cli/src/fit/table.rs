@@ -4,9 +4,9 @@ use std::fs;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use translucid_fit::{Burley, Errors, Estimate, Exponential, Family, Gaussian, Sample, SampleFit};
+use translucid_fit::{Errors, Estimate, Family, Sample, SampleFit, SampleFits};
 use translucid_laboratory::{Cell, Chart, DataTable, Ink, ResidualScale, Residuals, residual_chart};
-use translucid_profile::{Model, ParameterError, Profile};
+use translucid_profile::{Model, ParameterError};
 use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
@@ -60,41 +60,14 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
     Ok(())
 }
 
-/// All fits.
-///
-/// Relative errors are shares of what the best fit has, not of the samples themselves: a sample that noise has made
-/// smaller would count for more, and noise of 10 % would make every total 2 % too small.
+/// All fits, as they are printed.
 fn fits(samples: &[Sample], errors: Errors, terms: usize) -> Result<[Fit; 3], ParameterError> {
-    let all = |weighed: &[Sample]| {
-        let table = Weighed { samples, weighed, errors };
-        Ok([
-            Fit::new::<Burley>("normalized-diffusion", "d", &table, 1)?,
-            Fit::new::<Exponential>("exponentials", "scale", &table, terms)?,
-            Fit::new::<Gaussian>("gaussians", "standard_deviation", &table, terms)?,
-        ])
-    };
-    let first = all(samples)?;
-    if errors == Errors::Known {
-        return Ok(first);
-    }
-    let Some(best) = first.iter().min_by(|a, b| a.reduced().total_cmp(&b.reduced())) else {
-        return Ok(first);
-    };
-    // Where even the best fit is far off it says little about the sample
-    let weigh = |(sample, residual): (&Sample, &f64)| {
-        let fitted = sample.reflectance + residual * sample.error;
-        let error = fitted.clamp(0.5 * sample.reflectance, 2.0 * sample.reflectance);
-        Sample { error: error.max(LEAST_ERROR), ..*sample }
-    };
-    let weighed: Vec<Sample> = samples.iter().zip(&best.residuals).map(weigh).collect();
-    all(&weighed)
-}
-
-/// Samples of a file, and with the errors that they are fitted with.
-struct Weighed<'a> {
-    samples: &'a [Sample],
-    weighed: &'a [Sample],
-    errors: Errors,
+    let fits = SampleFits::new(samples, errors, terms)?;
+    Ok([
+        Fit::new("normalized-diffusion", "d", samples, &fits.burley),
+        Fit::new("exponentials", "scale", samples, &fits.exponentials),
+        Fit::new("gaussians", "standard_deviation", samples, &fits.gaussians),
+    ])
 }
 
 /// Fit as it is printed.
@@ -109,13 +82,7 @@ struct Fit {
 }
 
 impl Fit {
-    fn new<F: Family>(
-        name: &'static str,
-        scale: &str,
-        table: &Weighed<'_>,
-        terms: usize,
-    ) -> Result<Self, ParameterError> {
-        let fit = SampleFit::<F>::new(table.weighed, table.errors, terms)?;
+    fn new<F: Family>(name: &'static str, scale: &str, samples: &[Sample], fit: &SampleFit<F>) -> Self {
         let mut parameters = vec![(String::from("surface_albedo"), fit.total())];
         for (k, (weight, length)) in fit.weights().iter().zip(fit.scales()).enumerate() {
             if name == "normalized-diffusion" {
@@ -125,15 +92,14 @@ impl Fit {
                 parameters.push((format!("{scale}_{}", k + 1), *length));
             }
         }
-        let residual = |sample: &Sample| (fit.mixture().eval(sample.r) - sample.reflectance) / sample.error;
-        Ok(Self {
+        Self {
             name,
             parameters,
             chi_square: fit.chi_square(),
             degrees_of_freedom: fit.degrees_of_freedom(),
             is_singular: fit.is_singular(),
-            residuals: table.samples.iter().map(residual).collect(),
-        })
+            residuals: fit.residuals(samples),
+        }
     }
 
     /// χ² for each degree of freedom.
@@ -296,42 +262,4 @@ fn require(column: Option<usize>, name: &str, path: &Path) -> Result<usize, Scen
         SceneError::at(Place::line(path, 1), format!("there is no column \"{name}\""))
             .with_help("the columns are r,reflectance and optionally error, separated by commas")
     })
-}
-
-#[cfg(test)]
-mod tests {
-    use translucid_profile::NormalizedDiffusion;
-
-    use super::*;
-
-    /// The mean of 200 fits is off by chance with a standard deviation of a fit's own over √200; four of them are a
-    /// false alarm in 6e-5 of all seeds.
-    #[test]
-    fn noise_of_unknown_size_does_not_make_a_fit_darker() {
-        let truth = NormalizedDiffusion::from_d(0.5, 0.6).unwrap();
-        let mut state = 11u64;
-        let mut uniform = || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let (mut sum, mut square, count) = (0.0, 0.0, 200.0);
-        for _ in 0..200 {
-            let sample = |i: i32| {
-                let r = 0.05 * 1.15f64.powi(i);
-                let noise = (0..12).map(|_| uniform()).sum::<f64>() - 6.0;
-                let reflectance = truth.eval(r) * (1.0 + 0.1 * noise);
-                Sample { r, reflectance, error: reflectance }
-            };
-            let samples: Vec<Sample> = (0..40).map(sample).collect();
-            let fits = fits(&samples, Errors::Relative, 1).unwrap();
-            let found = fits[0].parameters[0].1.value / 0.5;
-            sum += found;
-            square += found * found;
-        }
-        let mean: f64 = sum / count;
-        let error = ((square / count - mean * mean) / count).sqrt();
-        assert!((mean - 1.0).abs() < 4.0 * error, "{mean} +- {error}");
-        // Enough to see what weights by the samples themselves would do
-        assert!(4.0 * error < 0.02 * 0.5, "{error}");
-    }
 }

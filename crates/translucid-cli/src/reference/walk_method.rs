@@ -5,9 +5,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
-use translucid_profile::{Configuration, half_space_single_scattering_albedo};
 use translucid_reference::walk::{
-    Control, Forecast, Goal, Layout, PhaseFunction, Problem, Side, TableError, WhiteTable,
+    Control, Forecast, Goal, Layout, PilotError, Problem, Side, TableError, WhiteTable,
 };
 
 use super::{COLUMNS, ReferenceArguments};
@@ -20,8 +19,6 @@ use crate::{interrupt, machine, messages};
 const DEFAULT_PHOTONS: u64 = 10_000_000;
 /// Time between two savings of the table: what a power cut may cost.
 const SAVE_INTERVAL: Duration = Duration::from_secs(30);
-/// Photons of a run that only finds out which albedo is needed.
-const PILOT_PHOTONS: u64 = 1 << 17;
 /// Most radii of a table, each with three edges of rings.
 const MOST_RADII: usize = 8000;
 /// Lowest albedo that a table is asked for: the squares of weights are numbers.
@@ -318,11 +315,7 @@ impl Albedos {
             }
             return arguments.albedos(problem).map(Self::Known);
         }
-        let parameters = problem.parameters();
-        let solved = parameters.phase_function == PhaseFunction::ISOTROPIC
-            && parameters.thickness.is_infinite()
-            && (0.5..=3.0).contains(&parameters.eta);
-        if !solved {
+        if !problem.is_solved() {
             return Ok(Self::Surface(arguments.surface_albedo.clone()));
         }
         let albedos = arguments.albedos(problem)?;
@@ -355,45 +348,20 @@ fn out_of_reach(surface_albedo: f64) -> Failure {
 
 /// Finds an albedo a little above the one that makes a surface albedo, by short walks.
 fn pilot(arguments: &ReferenceArguments, problem: &Problem, surface_albedo: f64) -> Result<f64, Failure> {
-    // By similarity a medium scatters like an isotropic one of the reduced albedo
-    let reduced = half_space_single_scattering_albedo(surface_albedo, Configuration::Searchlight);
-    let g = problem.parameters().phase_function.mean_cosine();
-    let guess = reduced / (1.0 - g + g * reduced);
-    let mut absorbed = 0.3 * (1.0 - guess);
-    loop {
-        let highest = WhiteTable::HIGHEST_REFERENCE_ALBEDO;
-        let reference = (1.0 - absorbed).min(highest);
-        let layout = Layout::new(&[1.0], 1).map_err(|error| arguments.name_option(error))?;
-        let mut table =
-            WhiteTable::new(*problem, layout, reference).map_err(|error| arguments.name_option(error))?;
-        let control = Control { stop: &interrupt::STOP, ..Control::default() };
-        table.run(arguments.walk.seed(), PILOT_PHOTONS, &control).map_err(table_failure)?;
-        if interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::interrupted("nothing was walked yet"));
+    let control = Control { stop: &interrupt::STOP, ..Control::default() };
+    problem.pilot(surface_albedo, arguments.walk.seed(), &control).map_err(|error| match error {
+        PilotError::Stopped => Failure::interrupted("nothing was walked yet"),
+        PilotError::OutOfReach => out_of_reach(surface_albedo),
+        PilotError::OutsideSlab { least, most } => {
+            let message = format!(
+                "--surface-albedo has {}, but this slab reflects from {least:.4} to {most:.4}",
+                exact(surface_albedo)
+            );
+            Failure::input(message).with_help("the rest goes through or is absorbed")
         }
-        match table.single_scattering_albedo(surface_albedo) {
-            Ok(found) => {
-                let above = found.value + 0.3 * (1.0 - found.value) + 4.0 * found.error;
-                return Ok(above.min(reference));
-            }
-            Err(_) if reference < highest => absorbed *= 0.1,
-            Err(_) if problem.parameters().thickness.is_infinite() => {
-                return Err(out_of_reach(surface_albedo));
-            }
-            Err(_) => {
-                let reflected = |albedo: f64| {
-                    let at = table.at_albedo(albedo).map_err(|error| arguments.name_option(error))?;
-                    Ok::<f64, Failure>(at.total(Side::Reflected).value)
-                };
-                let (least, most) = (reflected(0.0)?, reflected(reference)?);
-                let message = format!(
-                    "--surface-albedo has {}, but this slab reflects from {least:.4} to {most:.4}",
-                    exact(surface_albedo)
-                );
-                return Err(Failure::input(message).with_help("the rest goes through or is absorbed"));
-            }
-        }
-    }
+        PilotError::Table(TableError::Parameter(error)) => arguments.name_option(error),
+        PilotError::Table(error) => table_failure(error),
+    })
 }
 
 /// The lines of the printed table.

@@ -1,13 +1,15 @@
 //! A profile that owns the table that it is read from.
 
+use std::sync::Arc;
+
 use crate::profile::methods_of;
 use crate::{AlbedoTable, Profile, ProfileView};
 
 /// The profile of an [`AlbedoTable`] at one surface albedo and length, together with the table: a [`ProfileView`] that
-/// borrows nothing.
+/// borrows nothing; several may share a table.
 #[derive(Clone, Debug)]
 pub struct TableProfile {
-    table: AlbedoTable,
+    table: Arc<AlbedoTable>,
     surface_albedo: f64,
     length: f64,
 }
@@ -17,7 +19,12 @@ impl AlbedoTable {
     ///
     /// Both are clamped as [`at`](Self::at) does.
     pub fn into_profile(self, surface_albedo: f64, length: f64) -> TableProfile {
-        TableProfile { table: self, surface_albedo, length }
+        Self::profile_of_shared(&Arc::new(self), surface_albedo, length)
+    }
+
+    /// Makes the profile that [`into_profile`](Self::into_profile) makes, of a table that others use, too.
+    pub fn profile_of_shared(table: &Arc<Self>, surface_albedo: f64, length: f64) -> TableProfile {
+        TableProfile { table: Arc::clone(table), surface_albedo, length }
     }
 }
 

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::orders::Cell;
 use super::photon_exit::{PhotonCounts, PhotonExit};
+use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::table_error::TableError;
 use super::trace;
 use super::white_table::WhiteTable;
@@ -49,7 +50,27 @@ impl WhiteTable {
     /// The seed does not have so many photons left (of 2⁶⁴ − 1), or a sum overflows. The table is then unchanged.
     pub fn run(&mut self, seed: u64, photons: u64, control: &Control) -> Result<u64, TableError> {
         let pieces = Pieces::new(self.missing(seed, photons));
-        if pieces.left < photons || self.photons().checked_add(photons).is_none() {
+        if pieces.left < photons {
+            return Err(TableError::TooMany);
+        }
+        self.run_pieces(seed, pieces, control)
+    }
+
+    /// Walks the photons of a range, as one of many machines does that share the work; otherwise as [`run`](Self::run).
+    ///
+    /// # Errors
+    /// The table holds one of them already, or a sum overflows. The table is then unchanged.
+    pub fn run_range(&mut self, range: PhotonRange, control: &Control) -> Result<u64, TableError> {
+        let wanted = PhotonRanges::new([range]).map_err(TableError::Repeated)?;
+        let held = PhotonRanges::new(self.photon_ranges().iter().copied()).map_err(TableError::Repeated)?;
+        held.union(&wanted).map_err(TableError::Repeated)?;
+        let pieces = wanted.as_slice().iter().map(|range| range.start..range.end).collect();
+        self.run_pieces(range.seed, Pieces::new(pieces), control)
+    }
+
+    fn run_pieces(&mut self, seed: u64, pieces: Pieces, control: &Control) -> Result<u64, TableError> {
+        let photons = pieces.left;
+        if self.photons().checked_add(photons).is_none() {
             return Err(TableError::TooMany);
         }
         let threads = photons.div_ceil(SMALLEST_PIECE).clamp(1, rayon::current_num_threads() as u64);

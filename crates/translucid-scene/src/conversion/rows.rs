@@ -1,39 +1,47 @@
-//! A material as the rows of one system.
+//! A material as the numbers of one system.
 
-use translucid_profile::convention::{Channel, Equal, LengthUnit, Parameter, Role, System, Written};
+use translucid_profile::convention::{
+    Channel, Equal, LengthUnit, Parameter, Role, System, Written as Number,
+};
 use translucid_profile::{Configuration, ParameterError};
-use translucid_scene::Unit;
 
 use super::millimeters;
 use super::setting::Setting;
-use crate::messages;
-use crate::table::exact;
+use crate::Unit;
+use crate::interval::Written;
 
 /// One number of one system.
-pub(super) struct Row {
-    pub(super) system: &'static System,
-    pub(super) parameter: &'static str,
+#[derive(Clone, Debug)]
+pub struct ConvertedNumber {
+    /// The system.
+    pub system: &'static System,
+    /// Name of the parameter in the system.
+    pub parameter: &'static str,
     /// "all", or "r", "g", "b".
-    pub(super) channel: &'static str,
-    pub(super) value: f64,
-    pub(super) unit: String,
-    pub(super) equal: &'static str,
+    pub channel: &'static str,
+    /// The number.
+    pub value: f64,
+    /// Its unit, with the factors that the system multiplies it by; empty for numbers without one.
+    pub unit: String,
+    /// Quantity that the conversion keeps: "surface_albedo", "d" or "mfp".
+    pub equal: &'static str,
 }
 
-impl Row {
+impl ConvertedNumber {
+    /// Tells whether it is the surface albedo, which all ways of a system share.
     pub(super) fn is_albedo(&self) -> bool {
         self.equal == "surface_albedo"
     }
 }
 
-/// The rows of a system, for channels with lengths in millimeters.
+/// The numbers of a system, for channels with lengths in millimeters, and a note if it will not use them as they are.
 pub(super) fn write(
     system: &'static System,
     channels: &[Channel],
     settings: &[Setting],
     scene: Unit,
     configuration: Configuration,
-) -> Result<Vec<Row>, ParameterError> {
+) -> Result<(Vec<ConvertedNumber>, Option<String>), ParameterError> {
     // Convert every channel
     let given = |parameter: &Parameter| {
         settings.iter().find(|setting| setting.system == system.name && setting.is_of(parameter))
@@ -44,24 +52,23 @@ pub(super) fn write(
         .map(|p| given(p).map_or(p.role.default(), |setting| setting.value(0)))
         .collect();
     let millimeters = millimeters(system.unit, scene);
-    let written: Vec<Written> = channels
+    let written: Vec<Number> = channels
         .iter()
         .map(|channel| system.write(&channel.in_unit(1.0 / millimeters)?, &values, configuration))
         .collect::<Result<_, _>>()?;
 
     // Let the distance be the greatest length, where there is one that nobody has chosen
     let lengths: Vec<f64> =
-        written.iter().map(|w| if let Written::Length(l) = w { *l } else { 0.0 }).collect();
+        written.iter().map(|w| if let Number::Length(l) = w { *l } else { 0.0 }).collect();
     let has_distance = system.parameters.iter().any(|p| p.role == Role::Distance);
     let chosen = system.parameters.iter().find(|p| p.role == Role::Distance).and_then(given);
     let greatest = lengths.iter().copied().fold(0.0, f64::max);
     let distance = if has_distance { chosen.map_or(greatest, |setting| setting.value(0)) } else { 1.0 };
-    warn_of_short_lengths(system, &lengths);
 
     // Print every parameter, the surface albedo first
     let mut rows = Vec::new();
     let mut push = |parameter, channel, value, unit: &str, equal| {
-        rows.push(Row { system, parameter, channel, value, unit: unit.to_owned(), equal });
+        rows.push(ConvertedNumber { system, parameter, channel, value, unit: unit.to_owned(), equal });
     };
     if let Some(name) = system.albedo_name {
         for (i, channel) in channels.iter().enumerate() {
@@ -81,18 +88,18 @@ pub(super) fn write(
             Role::Length | Role::Absorption | Role::Scattering => {
                 for (i, written) in written.iter().enumerate() {
                     let (value, unit) = match (parameter.role, *written) {
-                        (Role::Absorption, Written::Coefficients { sigma_a, .. }) => {
+                        (Role::Absorption, Number::Coefficients { sigma_a, .. }) => {
                             (sigma_a, format!("1/{unit}"))
                         }
-                        (_, Written::Coefficients { sigma_s, .. }) => (sigma_s, format!("1/{unit}")),
-                        (_, Written::Length(length)) => (length / distance, length_unit.to_owned()),
+                        (_, Number::Coefficients { sigma_s, .. }) => (sigma_s, format!("1/{unit}")),
+                        (_, Number::Length(length)) => (length / distance, length_unit.to_owned()),
                     };
                     push(parameter.name, channel_name(i, channels.len()), value, &unit, equal);
                 }
             }
         }
     }
-    Ok(rows)
+    Ok((rows, note_of_short_lengths(system, &lengths)))
 }
 
 /// Unit of a length, with the factor that the system multiplies it by.
@@ -112,11 +119,10 @@ fn channel_name(index: usize, count: usize) -> &'static str {
     if count == 1 { "all" } else { ["r", "g", "b"][index.min(2)] }
 }
 
-/// Says where a system will not use the numbers as they are.
-fn warn_of_short_lengths(system: &System, lengths: &[f64]) {
-    let Some(least) = system.least_length else { return };
-    if let Some(short) = lengths.iter().find(|&&length| length > 0.0 && length < least) {
-        let (name, short, least) = (system.name, exact(*short), exact(least));
-        messages::print_note(&format!("{name} uses {least} in place of the length {short}, in scene units"));
-    }
+/// Note that a system will not use the numbers as they are.
+fn note_of_short_lengths(system: &System, lengths: &[f64]) -> Option<String> {
+    let least = system.least_length?;
+    let short = lengths.iter().find(|&&length| length > 0.0 && length < least)?;
+    let (name, short, least) = (system.name, Written(*short), Written(least));
+    Some(format!("{name} uses {least} in place of the length {short}, in scene units"))
 }

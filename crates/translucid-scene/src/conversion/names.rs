@@ -1,49 +1,25 @@
 //! Names of systems, and what a misspelt one may have meant.
 
-use translucid_profile::convention::{LengthUnit, Role, System};
+use translucid_profile::convention::System;
 
-use crate::failure::Failure;
+use crate::SceneError;
 
-/// Every system's name, once.
-pub(super) fn all() -> Vec<&'static str> {
+/// Names of all systems that materials are converted between, each once.
+#[must_use]
+pub fn conversion_system_names() -> Vec<&'static str> {
     let mut names: Vec<_> = System::ALL.iter().map(|system| system.name).collect();
     names.dedup();
     names
 }
 
-/// Every system with its parameters and its rule, a line each.
-pub(super) fn list() -> String {
-    let mut text = String::from("system                 length in  parameters and rule\n");
-    for system in System::ALL {
-        let unit = match system.unit {
-            LengthUnit::Scene => "scene unit",
-            LengthUnit::Millimeter => "mm",
-            LengthUnit::Centimeter => "cm",
-        };
-        let parameters: Vec<String> = system
-            .parameters
-            .iter()
-            .map(|parameter| match parameter.role {
-                Role::Factor { default, .. } | Role::Setting { default, .. } => {
-                    format!("{} ({default})", parameter.name)
-                }
-                _ => parameter.name.to_owned(),
-            })
-            .collect();
-        let (name, parameters, formula) = (system.name, parameters.join(", "), system.formula);
-        text += &format!("{name:<21}  {unit:<10} {parameters}: {formula}\n");
-    }
-    text
-}
-
 /// The ways in which the system of a name is told a material.
-pub(super) fn systems(option: &str, name: &str) -> Result<Vec<&'static System>, Failure> {
+pub(super) fn systems(argument: &str, name: &str) -> Result<Vec<&'static System>, SceneError> {
     let found: Vec<_> = System::named(name).collect();
     if !found.is_empty() {
         return Ok(found);
     }
-    let message = format!("{option} names the system \"{name}\", which is not known");
-    Err(Failure::input(message).with_help(advice(name, &all())))
+    let message = format!("{argument} names the system \"{name}\", which is not known");
+    Err(SceneError::new(message).with_help(advice(name, &conversion_system_names())))
 }
 
 /// "did you mean", and all there is.

@@ -1,0 +1,195 @@
+//! `translucid.convert`, and `translucid.presets`.
+
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use translucid_profile::convention::{LengthUnit, Role, System};
+use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, SceneError, Setting, Unit};
+
+use crate::arrays::{Numbers, array_like};
+use crate::names;
+
+/// System, parameter, channel, value, unit, what is equal, source.
+type Row = (&'static str, &'static str, &'static str, f64, String, &'static str, String);
+
+fn fail(error: SceneError) -> PyErr {
+    names::value_error(error)
+}
+
+fn unit(name: &str, text: &str) -> PyResult<Unit> {
+    Unit::from_name(text).ok_or_else(|| names::unknown(name, text, &["mm", "cm", "m"]))
+}
+
+/// One number or three.
+fn values(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    let numbers = Numbers::extract(name, object)?;
+    match numbers.shape() {
+        [] | [1 | 3] => Ok(numbers.broadcast(&[numbers.shape().iter().product()])),
+        shape => {
+            let message = format!("{name} has the shape {shape:?}, but must be one number or three");
+            Err(PyValueError::new_err(message))
+        }
+    }
+}
+
+fn settings(argument: &str, system: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Vec<Setting>> {
+    let setting = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+        let name: String = name.extract()?;
+        let values = values(&name, &value)?;
+        Setting::new(argument, system, &name, values).map_err(fail)
+    };
+    parameters.iter().map(setting).collect()
+}
+
+/// The rows of a conversion and its notes, for `translucid.convert`.
+#[pyfunction]
+#[pyo3(signature = (source, parameters, surface_albedo, unit, to_unit, to, settings, configuration))]
+pub(crate) fn _convert(
+    source: &str,
+    parameters: &Bound<'_, PyDict>,
+    surface_albedo: Option<&Bound<'_, PyAny>>,
+    unit: &str,
+    to_unit: Option<&str>,
+    to: Vec<String>,
+    settings: &Bound<'_, PyDict>,
+    configuration: &str,
+) -> PyResult<(Vec<Row>, Vec<String>)> {
+    let from = self::settings("source", source, parameters)?;
+    let surface_albedo = match surface_albedo {
+        Some(object) => values("surface_albedo", object)?,
+        None => Vec::new(),
+    };
+    let mut set = Vec::new();
+    for (system, parameters) in settings {
+        let (system, parameters): (String, Bound<'_, PyDict>) = (system.extract()?, parameters.extract()?);
+        set.extend(self::settings("settings", &system, &parameters)?);
+    }
+    let to: Vec<&str> = to.iter().map(String::as_str).collect();
+    let unit = self::unit("unit", unit)?;
+    let converted = Conversion {
+        from: &from,
+        surface_albedo: &surface_albedo,
+        unit,
+        to_unit: to_unit.map_or(Ok(unit), |name| self::unit("to_unit", name))?,
+        to: &to,
+        set: &set,
+        configuration: names::configuration(configuration)?,
+        names: ArgumentNames { from: "source", surface_albedo: "surface_albedo", to: "to", set: "settings" },
+    }
+    .run()
+    .map_err(fail)?;
+    let row = |number: ConvertedNumber| {
+        let ConvertedNumber { system, parameter, channel, value, unit, equal } = number;
+        let kind = if system.source.is_code { "code" } else { "document" };
+        (system.name, parameter, channel, value, unit, equal, format!("{kind}: {}", system.source.place))
+    };
+    Ok((converted.numbers.into_iter().map(row).collect(), converted.notes))
+}
+
+/// Every system in the ways that it is told a material: name, title, versions, unit, parameters with their defaults, rule.
+#[pyfunction]
+pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let describe = |system: &System| {
+        let described = PyDict::new(py);
+        let unit = match system.unit {
+            LengthUnit::Scene => "scene",
+            LengthUnit::Millimeter => "mm",
+            LengthUnit::Centimeter => "cm",
+        };
+        let parameters = PyDict::new(py);
+        for parameter in system.parameters {
+            let default = match parameter.role {
+                Role::Factor { default, .. } | Role::Setting { default, .. } => Some(default),
+                _ => None,
+            };
+            parameters.set_item(parameter.name, default)?;
+        }
+        described.set_item("name", system.name)?;
+        described.set_item("title", system.title)?;
+        described.set_item("version", system.version)?;
+        described.set_item("unit", unit)?;
+        described.set_item("parameters", parameters)?;
+        described.set_item("rule", system.formula)?;
+        Ok(described)
+    };
+    System::ALL.iter().map(describe).collect()
+}
+
+/// A named translucent material: measured, with its source, or chosen by eye.
+///
+/// Numbers are for red, green and blue. Made by `translucid.presets`.
+///
+/// Notes
+/// -----
+/// Measured media are converted by similarity: the mean free path is 1/(sigma_a + sigma_s'), the surface albedo that of
+/// the index-matched half space under diffuse light.
+///
+/// Examples
+/// --------
+/// >>> skin = translucid.presets["skin1"]
+/// >>> skin.mfp.round(4), skin.eta
+/// (array([1.2953, 0.9524, 0.6711]), 1.3)
+/// >>> skin.source
+/// 'measured: Jensen et al. 2001, figure 5'
+#[pyclass(frozen, module = "translucid")]
+pub(crate) struct Preset(&'static translucid_scene::Preset);
+
+#[pymethods]
+impl Preset {
+    /// Name as scene files and the command write it.
+    #[getter]
+    fn name(&self) -> &'static str {
+        self.0.name
+    }
+
+    /// Where the numbers come from.
+    #[getter]
+    fn source(&self) -> &'static str {
+        self.0.source
+    }
+
+    /// Surface albedo, in [0, 1]; array of shape (3,).
+    #[getter]
+    fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.surface_albedo().to_array().to_vec())
+    }
+
+    /// Mean free path in millimeters; array of shape (3,).
+    #[getter]
+    fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.mfp_in_millimeters().to_array().to_vec())
+    }
+
+    /// Index of refraction of the surface.
+    #[getter]
+    fn eta(&self) -> f64 {
+        decimal(self.0.eta)
+    }
+
+    /// Perceptual roughness of the surface, by eye.
+    #[getter]
+    fn roughness(&self) -> f64 {
+        decimal(self.0.roughness)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<Preset {:?}, {}>", self.0.name, self.0.source)
+    }
+}
+
+/// The number that is written like one in single precision.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
+}
+
+/// The preset of a name; case, spaces and hyphens do not matter.
+#[pyfunction]
+pub(crate) fn _preset(name: &str) -> PyResult<Preset> {
+    translucid_scene::preset(name).map(Preset).map_err(fail)
+}
+
+/// Names of all presets.
+#[pyfunction]
+pub(crate) fn _preset_names() -> Vec<&'static str> {
+    translucid_scene::presets().iter().map(|preset| preset.name).collect()
+}

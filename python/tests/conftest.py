@@ -1,0 +1,32 @@
+"""What tests share."""
+
+import csv
+import io
+import os
+import pathlib
+import subprocess
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def command():
+    """The `translucid` command: a function from its words to the rows that it prints, as dicts of numbers."""
+    places = [os.environ.get("TRANSLUCID_COMMAND"), ROOT / "target/release/translucid", ROOT / "target/debug/translucid"]
+    found = [str(place) for place in places if place and pathlib.Path(place).is_file()]
+    if not found:
+        pytest.skip("no translucid command: build it, or name it in TRANSLUCID_COMMAND")
+
+    def number(text):
+        try:
+            return float(text)
+        except ValueError:
+            return text
+
+    def run(*words):
+        done = subprocess.run([found[0], *map(str, words)], capture_output=True, text=True, check=True)
+        return [{name: number(text) for name, text in row.items()} for row in csv.DictReader(io.StringIO(done.stdout))]
+
+    return run

@@ -1,0 +1,111 @@
+"""Conversion between systems, and presets."""
+
+import numpy as np
+import pytest
+
+import translucid
+from translucid import Profile, convert, presets
+
+
+def test_widths_of_the_published_table():
+    # d of Burley's profile for a length of 1 at A = 0.2, 0.5, 0.8
+    for source, parameter, widths in [
+        ("cycles-burley", "subsurface_radius", [0.080, 0.080, 0.080]),
+        ("pbrt-v3-disney", "scatterdistance", [0.200, 0.200, 0.200]),
+        ("appleseed", "mfp", [0.316, 0.650, 0.952]),
+        ("hdrp", "scatteringDistance", [1.0, 1.0, 1.0]),
+    ]:
+        found = convert(source, surface_albedo=[0.2, 0.5, 0.8], to="translucid", **{parameter: 1.0})
+        assert np.allclose(found["translucid"]["d"], widths, atol=6e-4)
+
+
+def test_conversion_is_the_command(command):
+    rows = command("convert", "--from", "renderman:dmfp=8", "--from", "renderman:dmfpColor=1,0.4,0.2",
+                   "--surface-albedo", "0.8,0.5,0.4", "--unit", "cm", "--set", "unreal:MeanFreePathDistance=0.1")
+    found = convert("renderman", dmfp=8, dmfpColor=[1, 0.4, 0.2], surface_albedo=[0.8, 0.5, 0.4], unit="cm",
+                    settings={"unreal": {"MeanFreePathDistance": 0.1}})
+    flat = [float(value) for row in found.rows for value in np.atleast_1d(row.value)]
+    assert sorted(flat) == sorted(row["value"] for row in rows) and len(flat) > 50
+    assert {row.system for row in found.rows} == {row["system"] for row in rows} == set(found)
+
+
+def test_way_there_and_back():
+    for system in convert.systems():
+        if system["name"] == "rise" or "mfp" not in system["parameters"] and len(system["parameters"]) != 1:
+            continue
+        name = next(iter(system["parameters"]))
+        if system["parameters"][name] is not None:
+            continue
+        try:
+            there = convert("translucid", d=2.0, surface_albedo=0.5, to=system["name"])[system["name"]]
+            back = convert(system["name"], surface_albedo=0.5, to="translucid", **{name: there[name]})
+        except ValueError as error:
+            assert "surface_albedo follows" in str(error)
+            continue
+        assert back["translucid"]["d"] == pytest.approx(2.0, rel=1e-12)
+
+
+def test_coefficients_determine_the_albedo():
+    found = convert("pbrt", sigma_a=[0.0021, 0.0041, 0.0071], sigma_s=[2.19, 2.62, 3.00], to="openpbr")
+    marble = presets["marble"]
+    assert np.allclose(found["openpbr"]["subsurface_color"], marble.surface_albedo, rtol=1e-9)
+
+
+def test_units():
+    meters = convert("arnold", subsurface_radius=0.002, surface_albedo=0.5, unit="m", to_unit="cm", to="openpbr")
+    assert meters["openpbr"]["subsurface_radius"] == pytest.approx(0.2)
+    assert "<table>" in meters._repr_html_()
+
+
+@pytest.mark.parametrize("words, message", [
+    ({"source": "rendermann", "dmfp": 2.0, "surface_albedo": 0.5}, "did you mean renderman"),
+    ({"source": "renderman", "dmf": 2.0, "surface_albedo": 0.5}, "did you mean dmfp"),
+    ({"source": "renderman", "surface_albedo": 0.5}, "source is missing"),
+    ({"source": "renderman", "dmfp": 2.0}, "surface_albedo is missing"),
+    ({"source": "renderman", "dmfp": 2.0, "surface_albedo": 1.2}, r"surface_albedo is 1.2, but must be in \[0, 1\]"),
+    ({"source": "renderman", "dmfp": 2.0, "surface_albedo": [0.1, 0.2]}, "must be one number or three"),
+    ({"source": "renderman", "dmfp": 0.0, "surface_albedo": 0.5}, "Lambertian"),
+    ({"source": "renderman", "dmfp": -1.0, "surface_albedo": 0.5}, "renderman:dmfp is -1"),
+    ({"source": "renderman", "dmfp": float("nan"), "surface_albedo": 0.5}, "is NaN"),
+    ({"source": "renderman", "dmfp": [1, 2, 3], "surface_albedo": 0.5}, "is one for all channels"),
+    ({"source": "renderman", "dmfp": 1.0, "DMFP": 2.0, "surface_albedo": 0.5}, "twice"),
+    ({"source": "pbrt", "sigma_a": 1.0, "sigma_s": 2.0, "surface_albedo": 0.5}, "follows from the coefficients"),
+    ({"source": "pbrt", "sigma_a": 1.0}, "both coefficients"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "to": "unreel"}, "did you mean unreal"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "unit": "inch"}, 'unit is "inch"'),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "configuration": "x"}, 'configuration is "x"'),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.5, "to": "hdrp", "settings": {"renderman": {"unitLength": 1}}},
+     "to leaves out"),
+    ({"source": "translucid", "d": 1.0, "surface_albedo": 0.1, "to": "unreal-signed"}, "has no numbers"),
+])
+def test_mistakes_are_named(words, message):
+    with pytest.raises(ValueError, match=message):
+        convert(**words)
+
+
+@pytest.mark.parametrize("words", [
+    {"source": 3, "surface_albedo": 0.5}, {"source": "renderman", "dmfp": "x", "surface_albedo": 0.5},
+    {"source": "renderman", "dmfp": 1.0, "surface_albedo": 0.5, "to": [1]},
+    {"source": "renderman", "dmfp": 1.0, "surface_albedo": 0.5, "settings": 3},
+    {"source": "renderman", "dmfp": None, "surface_albedo": 0.5},
+])
+def test_wrong_types_are_named(words):
+    with pytest.raises((TypeError, ValueError)):
+        convert(**words)
+
+
+def test_presets_are_materials():
+    assert len(presets) == 59 and "skin1" in presets and "nothing" not in presets and 3 not in presets
+    skin = presets["Skin 1"]
+    assert np.allclose(skin.mfp, [1.2953, 0.9524, 0.6711], atol=1e-4) and skin.eta == 1.3
+    assert list(presets)[0] == "apple" and presets["apple"].roughness == 0.25
+    assert "Jensen" in skin.source
+    for preset in presets.values():
+        profile = Profile(surface_albedo=preset.surface_albedo, mfp=preset.mfp)
+        assert np.isfinite(profile.eval(1.0)).all() and profile.shape == (3,)
+    for error in (KeyError, ValueError):
+        with pytest.raises(error, match='did you mean "skin1"'):
+            presets["skinl"]
+    with pytest.raises(TypeError):
+        presets[1]
+    assert translucid.presets is presets and "apple" in repr(presets)

@@ -1,0 +1,149 @@
+"""A material in the numbers of other renderers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ._translucid import _conversion_systems, _convert
+
+
+class ConvertedParameter(NamedTuple):
+    """One parameter of one system."""
+
+    system: str
+    parameter: str
+    value: float | np.ndarray
+    unit: str
+    equal: str
+    source: str
+
+
+class Conversion(dict):
+    """A material in the numbers of other systems: ``conversion[system][parameter]``.
+
+    A value is a number, or an array of shape (3,) for red, green and blue.
+
+    Attributes
+    ----------
+    rows : list of ConvertedParameter
+        The same with units, what the conversion keeps ("surface_albedo", the width "d" of Burley's profile, or the "mfp")
+        and where the rule was read.
+    notes : list of str
+        Which systems have no numbers, and which will not use theirs as they are.
+    """
+
+    def __init__(self, rows: list[ConvertedParameter], notes: list[str]) -> None:
+        super().__init__()
+        self.rows = rows
+        self.notes = notes
+        for row in rows:
+            self.setdefault(row.system, {}).setdefault(row.parameter, row.value)
+
+    def __reduce__(self):
+        return (Conversion, (self.rows, self.notes))
+
+    def _repr_html_(self) -> str:
+        from html import escape
+
+        def cells(row: ConvertedParameter) -> str:
+            numbers = ", ".join(f"{value:.6g}" for value in np.atleast_1d(row.value))
+            texts = (row.system, row.parameter, numbers, row.unit, row.equal)
+            return "".join(f"<td>{escape(text)}</td>" for text in texts)
+
+        head = "".join(f"<th>{name}</th>" for name in ("system", "parameter", "value", "unit", "equal"))
+        body = "".join(f"<tr>{cells(row)}</tr>" for row in self.rows)
+        return f"<table><tr>{head}</tr>{body}</table>"
+
+
+def convert(
+    source: str,
+    *,
+    surface_albedo=None,
+    unit: str = "mm",
+    to_unit: str | None = None,
+    to: str | Iterable[str] = (),
+    settings: Mapping[str, Mapping[str, float]] | None = None,
+    configuration: str = "diffuse",
+    **parameters,
+) -> Conversion:
+    """Say a material in the numbers of other renderers and engines.
+
+    Parameters
+    ----------
+    source : str
+        System that the material comes from, such as "renderman", "cycles-burley", "arnold", "unreal", "pbrt" or
+        "translucid"; `convert.systems()` lists all with their parameters.
+    surface_albedo : float or array_like of shape (3,), optional
+        Surface albedo, in [0, 1]; not for a system whose coefficients determine it.
+    unit, to_unit : {"mm", "cm", "m"}, default "mm"
+        Unit of lengths in the scene that the material comes from, and in that it goes to, for systems without a unit of
+        their own; the second is that of the first by default.
+    to : str or iterable of str, optional
+        Systems to convert to; all by default.
+    settings : mapping, optional
+        Factors and distances of those systems that are to have a value: ``{"renderman": {"unitLength": 1.0}}``.
+    configuration : {"diffuse", "searchlight"}, default "diffuse"
+        How light enters in the fit between the width of a profile and the mean free path of a medium.
+    **parameters
+        Parameters of the source system by its own names, each a number or three for red, green and blue. A length or color
+        that is not given counts as 1, other factors as what the system has.
+
+    Returns
+    -------
+    Conversion
+        A dict of dicts: ``conversion[system][parameter]``.
+
+    Raises
+    ------
+    ValueError
+        If a system or parameter is not known (with the nearest name), missing or outside its range, or a system that was
+        asked for has no numbers.
+    TypeError
+        If an argument is no number or name.
+
+    Notes
+    -----
+    Between systems that draw Burley's profile its width d is kept, between systems that walk or solve a medium the
+    transport mean free path; from one kind to the other d = mfp/s(A) by the fit of the configuration. The rules and their
+    sources are in docs/guide/conventions.md.
+
+    Examples
+    --------
+    >>> import translucid
+    >>> conversion = translucid.convert("renderman", dmfp=20.0, surface_albedo=0.8, to="cycles-burley")
+    >>> round(conversion["cycles-burley"]["subsurface_radius"] * conversion["cycles-burley"]["subsurface_scale"], 3)
+    2.999
+    """
+    for name, text in (("source", source), ("unit", unit), ("configuration", configuration)):
+        if not isinstance(text, str):
+            raise TypeError(f"{name} must be a str, but is {text!r}")
+    targets = [to] if isinstance(to, str) else list(to)
+    if not all(isinstance(name, str) for name in targets):
+        raise TypeError(f"to must be names of systems, but is {to!r}")
+    if settings is not None and not (
+        isinstance(settings, Mapping) and all(isinstance(values, Mapping) for values in settings.values())
+    ):
+        raise TypeError(f"settings must be a mapping of systems to mappings of parameters, but is {settings!r}")
+    chosen = {system: dict(values) for system, values in (settings or {}).items()}
+    rows, notes = _convert(
+        source, parameters, surface_albedo, unit, to_unit, targets, chosen, configuration
+    )
+    # Red, green and blue are rows of the command; here they are one array.
+    merged: list[ConvertedParameter] = []
+    for system, parameter, channel, value, length_unit, equal, rule in rows:
+        if channel in ("all", "r"):
+            merged.append(ConvertedParameter(system, parameter, value, length_unit, equal, rule))
+        else:
+            merged[-1] = merged[-1]._replace(value=np.append(merged[-1].value, value))
+    return Conversion(merged, notes)
+
+
+def systems() -> list[dict]:
+    """Every system with its parameters and their defaults, the unit of its lengths, versions and rule."""
+    return _conversion_systems()
+
+
+convert.systems = systems  # type: ignore[attr-defined]

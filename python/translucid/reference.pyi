@@ -1,0 +1,156 @@
+from collections.abc import Callable
+from os import PathLike
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from . import Profile
+
+__all__ = ["WhiteTable", "exact", "exact_beyond", "exact_enclosed", "exact_total", "walk"]
+
+_Numbers: TypeAlias = float | np.floating[Any] | NDArray[np.floating[Any]]
+_Progress: TypeAlias = bool | Literal["tqdm"] | Callable[[int, int], object]
+_Configuration: TypeAlias = Literal["searchlight", "diffuse"]
+_Side: TypeAlias = Literal["reflected", "transmitted"]
+
+@final
+class WhiteTable:
+    def run(
+        self,
+        photons: float | range,
+        *,
+        seed: int = 0,
+        threads: int | None = None,
+        progress: _Progress | None = None,
+    ) -> None: ...
+    def eval(
+        self,
+        r: ArrayLike,
+        *,
+        surface_albedo: ArrayLike | None = None,
+        single_scattering_albedo: ArrayLike | None = None,
+        side: _Side = "reflected",
+        azimuth: float | None = None,
+    ) -> tuple[_Numbers, _Numbers]: ...
+    def enclosed(
+        self,
+        r: ArrayLike,
+        *,
+        surface_albedo: ArrayLike | None = None,
+        single_scattering_albedo: ArrayLike | None = None,
+        side: _Side = "reflected",
+    ) -> tuple[_Numbers, _Numbers]: ...
+    def total(
+        self,
+        *,
+        surface_albedo: ArrayLike | None = None,
+        single_scattering_albedo: ArrayLike | None = None,
+        side: _Side = "reflected",
+    ) -> tuple[_Numbers, _Numbers]: ...
+    def rings(
+        self,
+        *,
+        surface_albedo: float | None = None,
+        single_scattering_albedo: float | None = None,
+        side: _Side = "reflected",
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]: ...
+    def single_scattering_albedo(self, surface_albedo: float) -> tuple[float, float]: ...
+    def profile(
+        self,
+        *,
+        surface_albedo: float | None = None,
+        single_scattering_albedo: float | None = None,
+        side: _Side = "reflected",
+    ) -> Profile: ...
+    def merge(self, *tables: WhiteTable) -> None: ...
+    def __add__(self, value: WhiteTable, /) -> WhiteTable: ...
+    def __radd__(self, value: WhiteTable, /) -> WhiteTable: ...
+    def __eq__(self, value: object, /) -> bool: ...
+    def __ne__(self, value: object, /) -> bool: ...
+    __hash__: None  # type: ignore[assignment]
+    def __reduce__(self) -> tuple[Any, ...]: ...
+    def save(self, path: str | PathLike[str]) -> None: ...
+    @classmethod
+    def load(cls, path: str | PathLike[str]) -> WhiteTable: ...
+    @classmethod
+    def _from_bytes(cls, bytes: bytes) -> WhiteTable: ...
+    @property
+    def photons(self) -> int: ...
+    @property
+    def photon_ranges(self) -> list[tuple[int, range]]: ...
+    @property
+    def edges(self) -> NDArray[np.float64]: ...
+    @property
+    def reference_albedo(self) -> float: ...
+    @property
+    def mean_collisions(self) -> float: ...
+    @property
+    def parameters(self) -> dict[str, Any]: ...
+
+def exact(
+    r: ArrayLike,
+    *,
+    surface_albedo: ArrayLike | None = None,
+    single_scattering_albedo: ArrayLike | None = None,
+    configuration: _Configuration | None = None,
+    mfp: ArrayLike | None = None,
+    eta: ArrayLike | None = None,
+    incidence_angle: float | None = None,
+    azimuth: ArrayLike | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Numbers, _Numbers]: ...
+def exact_enclosed(
+    r: ArrayLike,
+    *,
+    surface_albedo: ArrayLike | None = None,
+    single_scattering_albedo: ArrayLike | None = None,
+    configuration: _Configuration | None = None,
+    mfp: ArrayLike | None = None,
+    eta: ArrayLike | None = None,
+    incidence_angle: float | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Numbers, _Numbers]: ...
+def exact_beyond(
+    r: ArrayLike,
+    *,
+    surface_albedo: ArrayLike | None = None,
+    single_scattering_albedo: ArrayLike | None = None,
+    configuration: _Configuration | None = None,
+    mfp: ArrayLike | None = None,
+    eta: ArrayLike | None = None,
+    incidence_angle: float | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Numbers, _Numbers]: ...
+def exact_total(
+    single_scattering_albedo: ArrayLike,
+    *,
+    configuration: _Configuration | None = None,
+    eta: ArrayLike | None = None,
+    incidence_angle: float | None = None,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> tuple[_Numbers, _Numbers]: ...
+def walk(
+    photons: float | range | None = None,
+    *,
+    radii: ArrayLike | None = None,
+    edges: ArrayLike | None = None,
+    surface_albedo: ArrayLike | None = None,
+    single_scattering_albedo: ArrayLike | None = None,
+    reference_albedo: float | None = None,
+    configuration: _Configuration | None = None,
+    g: float | None = None,
+    phase_function: Literal["henyey-greenstein", "rayleigh"] = "henyey-greenstein",
+    eta: float | None = None,
+    thickness: float | None = None,
+    spot_radius: float | None = None,
+    incidence_angle: float | None = None,
+    sectors: int = 1,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: _Progress | None = None,
+) -> WhiteTable: ...
