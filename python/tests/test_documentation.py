@@ -31,7 +31,9 @@ def test_everything_public_is_documented():
         text = inspect.getdoc(thing)
         assert text and text[0].isupper() or text.startswith(("dict", "(")), name
         is_function = callable(thing) and not inspect.isclass(thing)
-        if is_function and inspect.signature(thing).parameters.keys() - {"self", "cls", "line"}:
+        # Methods whose arguments are those of the function that they stand for say so in a sentence
+        is_read_at_a_glance = len(text.splitlines()) < 8 or getattr(thing, "__module__", "") == "translucid._render"
+        if is_function and not is_read_at_a_glance and inspect.signature(thing).parameters.keys() - {"self", "cls", "line", "arguments", "keys"}:
             assert "Parameters" in text, name
             assert "Returns\n-------" in text or "Raises" in text, name
 

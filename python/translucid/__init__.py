@@ -23,7 +23,7 @@ A wrong argument is a `ValueError` or `TypeError` that says which, its value and
 """
 
 from . import reference
-from ._conversion import Conversion, convert
+from ._conversion import Conversion, ConvertedParameter, convert
 from ._presets import presets
 from ._render import Picture, Session, render
 from ._translucid import (
@@ -43,6 +43,7 @@ from ._translucid import (
 
 __all__ = [
     "Conversion",
+    "ConvertedParameter",
     "Fit",
     "Picture",
     "Preset",

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from os import PathLike
 from typing import Any, Final, Literal, NamedTuple, TypeAlias, final
 
@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from . import reference as reference
+from ._presets import Presets
 
 __version__: Final[str]
 models: Final[list[str]]
@@ -181,12 +182,7 @@ def convert(
     **parameters: ArrayLike,
 ) -> Conversion: ...
 
-class _Presets(Mapping[str, Preset]):
-    def __getitem__(self, name: str) -> Preset: ...
-    def __iter__(self) -> Iterator[str]: ...
-    def __len__(self) -> int: ...
-
-presets: Final[_Presets]
+presets: Final[Presets]
 
 class SceneError(ValueError):
     message: str
@@ -195,6 +191,7 @@ class SceneError(ValueError):
     part: str | None
     help: str | None
 
+@final
 class Scene:
     def __new__(
         cls,

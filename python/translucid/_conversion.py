@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ._translucid import _conversion_systems, _convert
+from . import _translucid
 
 
 class ConvertedParameter(NamedTuple):
@@ -128,7 +128,7 @@ def convert(
     ):
         raise TypeError(f"settings must be a mapping of systems to mappings of parameters, but is {settings!r}")
     chosen = {system: dict(values) for system, values in (settings or {}).items()}
-    rows, notes = _convert(
+    rows, notes = _translucid._convert(
         source, parameters, surface_albedo, unit, to_unit, targets, chosen, configuration
     )
     # Red, green and blue are rows of the command; here they are one array.
@@ -143,7 +143,7 @@ def convert(
 
 def systems() -> list[dict]:
     """Every system with its parameters and their defaults, the unit of its lengths, versions and rule."""
-    return _conversion_systems()
+    return _translucid._conversion_systems()
 
 
 convert.systems = systems  # type: ignore[attr-defined]

@@ -1,19 +1,19 @@
 """Presets by name."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 
-from ._translucid import Preset, _preset, _preset_names
+from . import _translucid
 
 
 class UnknownPreset(KeyError, ValueError):
     """There is no preset of this name."""
 
-    def __str__(self) -> str:
+    def __str__(self):
         # KeyError's own would quote the message.
         return str(self.args[0])
 
 
-class Presets(Mapping[str, Preset]):
+class Presets(Mapping):
     """Ready-made translucent materials by name; case, spaces and hyphens do not matter.
 
     Examples
@@ -28,27 +28,27 @@ class Presets(Mapping[str, Preset]):
     (3,)
     """
 
-    def __getitem__(self, name: str) -> Preset:
+    def __getitem__(self, name):
         if not isinstance(name, str):
             raise TypeError(f"a preset is found by its name, a str, not by {name!r}")
         try:
-            return _preset(name)
+            return _translucid._preset(name)
         except ValueError as error:
             raise UnknownPreset(str(error)) from None
 
-    def __contains__(self, name: object) -> bool:
+    def __contains__(self, name):
         try:
-            return isinstance(name, str) and _preset(name) is not None
+            return isinstance(name, str) and _translucid._preset(name) is not None
         except ValueError:
             return False
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(_preset_names())
+    def __iter__(self):
+        return iter(_translucid._preset_names())
 
-    def __len__(self) -> int:
-        return len(_preset_names())
+    def __len__(self):
+        return len(_translucid._preset_names())
 
-    def __repr__(self) -> str:
+    def __repr__(self):
         return f"<{len(self)} presets: {', '.join(self)}>"
 
 
