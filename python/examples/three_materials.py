@@ -49,13 +49,20 @@ def scene():
         ],
         film={"exposure": 1},
     )
-    scene.add_material("knot", specular_roughness=0.35, subsurface_color=COLOR, base_color=COLOR, subsurface_weight=1)
+    scene.add_material(
+        "knot",
+        base_color=COLOR,
+        specular_roughness=0.35,
+        subsurface_weight=1,
+        subsurface_color=COLOR,
+        subsurface_radius_scale=[1, 0.8, 0.6],
+    )
     vertices, triangles, normals = knot()
     scene.add_mesh("knot", vertices, triangles, normals=normals, material="knot")
     return scene
 
 
-def main(path="three_materials.png", size=240, samples=64):
+def main(path="three_materials.png", size=240, samples=192):
     """Render the pictures, write them side by side and print their differences."""
     session = translucid.Session(scene(), size=(size, size))
     pictures = {}
@@ -77,7 +84,7 @@ def main(path="three_materials.png", size=240, samples=64):
 
 def tinted(difference):
     """Codes of a difference of radiance: red where there is more light, blue where there is less."""
-    share = np.clip(difference.mean(axis=2, keepdims=True) / 0.3, -1, 1)
+    share = np.clip(difference.mean(axis=2, keepdims=True) / 0.15, -1, 1)
     lost = np.where(share > 0, [0.1, 0.8, 0.9], [0.9, 0.6, 0.1])
     return (255 * (1 - np.abs(share) * lost)).astype(np.uint8)
 

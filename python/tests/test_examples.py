@@ -30,3 +30,12 @@ def test_blocks_of_the_guide_run(tmp_path, monkeypatch):
     for block in re.findall(r"```python\n(.*?)```", numbers, re.DOTALL):
         exec(block, names)
     assert names["conversion"]["cycles-burley"]["subsurface_scale"] > 0
+
+
+def test_materials_differ_by_how_far_light_travels(tmp_path):
+    pytest.importorskip("matplotlib")
+    words = [sys.executable, ROOT / "python/examples/three_materials.py", tmp_path / "sheet.png", "--quick"]
+    done = subprocess.run(words, capture_output=True, text=True, check=True)
+    wax, marble = (float(share) for share in re.findall(r"against plaster: mean difference (.*)%", done.stdout))
+    assert wax > 1.5 * marble > 0
+    assert (tmp_path / "sheet.png").read_bytes().startswith(b"\x89PNG")

@@ -175,6 +175,10 @@ def test_session_is_read_and_cancelled_while_it_runs():
         assert session.snapshot().shape == (120, 160, 3)
         time.sleep(0.01)
     assert session.snapshot().max() > 0
+    assert session.picture()["alpha"].shape == (120, 160, 1) and session.notes == [] and session.is_running
+    with pytest.raises(RuntimeError, match="the session is running"):
+        session.run()
+    assert session.is_running
     start = time.perf_counter()
     session.cancel()
     assert time.perf_counter() - start < 0.5
@@ -268,6 +272,17 @@ def test_exception_of_progress_ends_the_rendering():
     assert time.perf_counter() - start < 2
     assert not session.is_running
     session.step()
+
+
+def test_denoiser_that_is_not_there_is_said():
+    session = Session(ball(), size=(32, 24))
+    session.step()
+    try:
+        denoised = session.snapshot("denoised")
+    except RuntimeError as error:
+        assert "Open Image Denoise" in str(error)
+    else:
+        assert denoised.shape == (24, 32, 3) and np.isfinite(denoised).all()
 
 
 @pytest.mark.parametrize("progress", [True, "tqdm"])

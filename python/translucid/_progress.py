@@ -21,7 +21,7 @@ def reporter(progress, description, unit):
         yield progress
     elif progress is True or progress == "tqdm":
         try:
-            from tqdm.auto import tqdm
+            from tqdm.auto import tqdm  # type: ignore[import-untyped]
         except ImportError:
             if progress == "tqdm":
                 raise

@@ -29,7 +29,17 @@ class Picture(dict):
         return np.concatenate([color, self["alpha"]], axis=2) if "alpha" in self else color
 
     def tonemap(self, **arguments):
-        """Return what a display shows of it: `tonemap` of its radiance and coverage."""
+        """Return what a display shows of it: `tonemap` of its radiance and coverage.
+
+        Parameters
+        ----------
+        **arguments
+            As of the function, in place of the picture's own.
+
+        Returns
+        -------
+        numpy.ndarray
+        """
         settings = {"exposure": self.exposure, "tone_mapping": self.tone_mapping} | arguments
         return _translucid.tonemap(self._colors(), **settings)
 
@@ -40,6 +50,11 @@ class Picture(dict):
 
     def save(self, path):
         """Write it: all layers to a ``.exr`` file, what a display shows to a ``.png`` file.
+
+        Parameters
+        ----------
+        path : path-like
+            The file.
 
         Raises
         ------

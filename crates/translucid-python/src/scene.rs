@@ -345,6 +345,11 @@ impl Scene {
     /// **keys
     ///     As in the ``[environment]`` of a scene file: ``radiance``, ``file`` (an image, or an array), ``rotation``,
     ///     ``visible``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         self.change(py, |making| {
@@ -362,6 +367,11 @@ impl Scene {
     /// **keys
     ///     As in the ``[camera]`` of a scene file: ``position``, ``target``, ``up``, ``fov`` (horizontal, in degrees),
     ///     ``lens_radius``, ``focus_distance``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         self.change(py, |making| {
@@ -377,6 +387,11 @@ impl Scene {
     /// **keys
     ///     As in the ``[film]`` of a scene file: ``size``, ``filter``, ``filter_radius``, ``exposure`` (in stops),
     ///     ``tone_mapping``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_film(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         self.change(py, |making| {
@@ -391,6 +406,11 @@ impl Scene {
     /// ----------
     /// **keys
     ///     As in the ``[integrator]`` of a scene file: ``samples_per_pixel``, ``max_depth``, ``seed`` …
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         self.change(py, |making| {

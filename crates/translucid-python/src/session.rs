@@ -78,10 +78,32 @@ enum State {
 #[pyclass(frozen, subclass, module = "translucid", weakref)]
 pub(crate) struct Session {
     state: Mutex<State>,
-    /// The film that is read: that of the session since its last edit.
-    film: Mutex<Arc<LiveFilm>>,
+    /// What can be read while it runs.
+    facts: Mutex<Facts>,
     threads: usize,
     progress: Arc<Progress>,
+}
+
+/// What is known of a session since its last edit, whatever it does.
+struct Facts {
+    film: Arc<LiveFilm>,
+    notes: Vec<String>,
+    exposure: f32,
+    tone_mapping: &'static str,
+    samples_per_pixel: u32,
+}
+
+impl Facts {
+    fn of(session: &translucid_render::Session) -> Self {
+        let film = session.view().film();
+        Self {
+            film: session.film(),
+            notes: session.prepared().notes().iter().map(ToString::to_string).collect(),
+            exposure: film.exposure,
+            tone_mapping: film.tone_mapping.name(),
+            samples_per_pixel: session.prepared().scene().integrator.samples_per_pixel,
+        }
+    }
 }
 
 /// Paths done and to be done.
@@ -125,7 +147,7 @@ impl Session {
             Ok(translucid_render::Session::new(prepared, view))
         })??;
         Ok(Self {
-            film: Mutex::new(session.film()),
+            facts: Mutex::new(Facts::of(&session)),
             state: Mutex::new(State::Idle(Box::new(session))),
             threads,
             progress: Arc::default(),
@@ -143,6 +165,11 @@ impl Session {
     /// progress : bool, 'tqdm' or callable, optional
     ///     Called now and then with the numbers of paths that are done and that there are in all; ``True`` and
     ///     ``'tqdm'`` show a bar. An exception in it ends the rendering and is passed on.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
     fn run(
         &self,
@@ -162,6 +189,11 @@ impl Session {
     ///     How many.
     /// progress : bool, 'tqdm' or callable, optional
     ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
     fn step(
         &self,
@@ -191,9 +223,7 @@ impl Session {
         let samples = samples.map(|samples| whole_number("samples", samples, 1, MOST_SAMPLES)).transpose()?;
         let samples = match samples {
             Some(samples) => samples as u32,
-            None => {
-                self.with_idle(py, |session| Ok(session.prepared().scene().integrator.samples_per_pixel))?
-            }
+            None => py.detach(|| self.facts().samples_per_pixel),
         };
         self.start_to(py, samples)
     }
@@ -206,6 +236,11 @@ impl Session {
     /// ----------
     /// progress : bool, 'tqdm' or callable, optional
     ///     As in `run`.
+    ///
+    /// Raises
+    /// ------
+    /// KeyboardInterrupt
+    ///     Ctrl-C was pressed.
     #[pyo3(signature = (*, progress=None))]
     fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let mut reported = None;
@@ -280,6 +315,11 @@ impl Session {
     ///     Its name.
     /// **keys
     ///     As in `Scene.add_material`, without further images.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (name, **keys))]
     fn edit_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of(&format!("material {name}"), keys)?;
@@ -300,6 +340,11 @@ impl Session {
     ///     Its name.
     /// vertices, triangles, normals, uv, colors
     ///     As in `Scene.add_mesh`, in their place in the scene.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (name, vertices, triangles, *, normals=None, uv=None, colors=None))]
     #[expect(clippy::too_many_arguments, reason = "the parts of a mesh")]
     fn edit_mesh(
@@ -335,6 +380,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_camera`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let camera = piece_of("camera", keys)?.camera().map_err(scene_error)?;
@@ -350,6 +400,11 @@ impl Session {
     /// ----------
     /// lights : list of dict
     ///     As in `Scene`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     fn set_lights(&self, py: Python<'_>, lights: &Bound<'_, PyAny>) -> PyResult<()> {
         let read = |(i, light): (usize, PyResult<Bound<'_, PyAny>>)| -> PyResult<Light> {
             let light = light?;
@@ -368,6 +423,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_environment`; without any there is none.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let environment: Option<Environment> = match keys {
@@ -385,6 +445,11 @@ impl Session {
     /// ----------
     /// **keys
     ///     As in `Scene.set_integrator`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of("integrator", keys)?;
@@ -424,24 +489,16 @@ impl Session {
 
     /// Everything that is not rendered as the scene asks for, in words.
     #[getter]
-    fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with_idle(py, |session| {
-            Ok(session.prepared().notes().iter().map(|note| note.to_string()).collect())
-        })
-    }
-
-    /// Time spent rendering since the last edit, in seconds.
-    #[getter]
-    fn seconds(&self, py: Python<'_>) -> PyResult<f64> {
-        self.with_idle(py, |session| Ok(session.seconds()))
+    fn notes(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| self.facts().notes.clone())
     }
 
     /// Exposure in stops and tone mapping that the scene's film states.
     #[getter]
-    fn _display(&self, py: Python<'_>) -> PyResult<(f32, &'static str)> {
-        self.with_idle(py, |session| {
-            let film = session.view().film();
-            Ok((film.exposure, film.tone_mapping.name()))
+    fn _display(&self, py: Python<'_>) -> (f32, &'static str) {
+        py.detach(|| {
+            let facts = self.facts();
+            (facts.exposure, facts.tone_mapping)
         })
     }
 
@@ -492,9 +549,13 @@ impl Session {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
+    fn facts(&self) -> MutexGuard<'_, Facts> {
+        self.facts.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     /// The film that is read. Nobody waits for it who holds the interpreter.
     fn film(&self, py: Python<'_>) -> Arc<LiveFilm> {
-        py.detach(|| Arc::clone(&self.film.lock().unwrap_or_else(PoisonError::into_inner)))
+        py.detach(|| Arc::clone(&self.facts().film))
     }
 
     fn start_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
@@ -568,7 +629,7 @@ impl Session {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             let pool = pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))?;
             pool.install(|| change(session))?;
-            *self.film.lock().unwrap_or_else(PoisonError::into_inner) = session.film();
+            *self.facts() = Facts::of(session);
             Ok(())
         })
     }
