@@ -32,7 +32,8 @@ pub(crate) enum Numbers<'py> {
 /// Tells whether all elements lie where the machine reads them: those of packed records and of bytes need not.
 fn is_aligned<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     let step = size_of::<T>();
-    array.data() as usize % step == 0 && array.strides().iter().all(|stride| stride % step as isize == 0)
+    (array.data() as usize).is_multiple_of(step)
+        && array.strides().iter().all(|stride| stride % step as isize == 0)
 }
 
 /// A precision of NumPy's that is computed with in double precision.
@@ -444,14 +445,14 @@ pub(crate) fn array_like<'py>(
         && !arguments.iter().any(|numbers| matches!(numbers, Numbers::Double(_)));
     if is_single {
         let numbers = numbers.into_iter().map(f32::from_f64).collect();
-        shaped(numpy::PyArray1::<f32>::from_vec(py, numbers), shape)
+        shaped(&numpy::PyArray1::<f32>::from_vec(py, numbers), shape)
     } else {
-        shaped(numpy::PyArray1::<f64>::from_vec(py, numbers), shape)
+        shaped(&numpy::PyArray1::<f64>::from_vec(py, numbers), shape)
     }
 }
 
 fn shaped<'py, T: Real>(
-    array: Bound<'py, numpy::PyArray1<T>>,
+    array: &Bound<'py, numpy::PyArray1<T>>,
     shape: &[usize],
 ) -> PyResult<Bound<'py, PyAny>> {
     scalar_if_0d(array.reshape(IxDyn(shape))?)

@@ -44,6 +44,8 @@ fn settings(argument: &str, system: &str, parameters: &Bound<'_, PyDict>) -> PyR
 /// The rows of a conversion and its notes, for `translucid.convert`.
 #[pyfunction]
 #[pyo3(signature = (source, parameters, surface_albedo, unit, to_unit, to, settings, configuration))]
+#[expect(clippy::too_many_arguments, reason = "Python's keywords")]
+#[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
 pub(crate) fn _convert(
     source: &str,
     parameters: &Bound<'_, PyDict>,

@@ -178,6 +178,7 @@ fn length<'py>(
 #[pymethods]
 impl Profile {
     #[new]
+    #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     #[pyo3(signature = (model="normalized-diffusion-refined", *, surface_albedo, mfp=None, dmfp=None, configuration=None, g=None, eta=None))]
     fn new(
         py: Python<'_>,
@@ -273,11 +274,10 @@ impl Profile {
 
         // What the media amount to
         let mut parameters = made.parameters;
-        let columns: Vec<&[f64]> = parameters.iter().map(|(_, values)| &values[..]).collect();
+        let [sigma_a, sigma_s, g] = [0, 1, 2].map(|i| parameters[i].1.iter().copied());
         let mut derived: [Vec<f64>; 3] = Default::default();
-        for i in 0..made.profiles.len() {
-            let medium = Medium::new(columns[0][i], columns[1][i], columns[2][i]);
-            let medium = medium.map_err(names::value_error)?;
+        for ((sigma_a, sigma_s), g) in sigma_a.zip(sigma_s).zip(g) {
+            let medium = Medium::new(sigma_a, sigma_s, g).map_err(names::value_error)?;
             let values = [medium.surface_albedo(configuration), medium.mfp(), medium.dmfp()];
             derived.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
         }
@@ -332,6 +332,7 @@ impl Profile {
     /// array([0.3, 0.6])
     #[classmethod]
     #[pyo3(signature = (r, reflectance=None, *, enclosed=None, surface_albedos=None, surface_albedo=None, mfp=None, dmfp=None))]
+    #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn from_table(
         class: &Bound<'_, PyType>,
         r: &Bound<'_, PyAny>,
@@ -343,10 +344,12 @@ impl Profile {
         dmfp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let table = profile_table(r, reflectance, enclosed, surface_albedos)?;
-        if surface_albedo.is_none() && mfp.is_none() && dmfp.is_none() {
-            if let [row] = &table.rows[..] {
-                return Self::of_samples(row);
-            }
+        if surface_albedo.is_none()
+            && mfp.is_none()
+            && dmfp.is_none()
+            && let [row] = &table.rows[..]
+        {
+            return Self::of_samples(row);
         }
         let Some(surface_albedo) = surface_albedo else {
             return Err(PyTypeError::new_err("surface_albedo is missing: of a table only the shape counts"));

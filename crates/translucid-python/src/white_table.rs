@@ -700,6 +700,7 @@ impl WhiteTable {
     /// ------
     /// OSError
     ///     If the file cannot be written.
+    #[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let table = self.get();
         py.detach(|| translucid_image::write_atomically(&path, |out| table.write(out)))
@@ -724,6 +725,7 @@ impl WhiteTable {
     /// ValueError
     ///     If it is no such table, cut short, or its numbers contradict each other.
     #[classmethod]
+    #[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
     fn load(class: &Bound<'_, PyType>, path: PathBuf) -> PyResult<Self> {
         let table = class.py().detach(|| Table::load(&path)).map_err(table_error)?;
         Ok(Self::new(table))

@@ -110,7 +110,7 @@ fn index_has_every_model_and_code_its_language() {
     }
     for page in model_pages() {
         for block in page.code() {
-            let known = ["text", "sh", "console", "toml", "rust"];
+            let known = ["text", "sh", "console", "toml", "rust", "python"];
             let place = format!("{}:{}", page.path.display(), block.line);
             assert!(known.contains(&block.language.as_str()), "{place}: {:?}", block.language);
         }

@@ -233,6 +233,21 @@ mod tests {
     }
 
     #[test]
+    fn ranges_add_up_to_a_run_and_never_count_twice() {
+        let mut whole = empty(0.9);
+        whole.run(3, 9000, &Control::default()).unwrap();
+        let mut parts = empty(0.9);
+        for (start, end) in [(5000, 9000), (0, 0), (0, 1), (1, 5000)] {
+            let done = parts.run_range(PhotonRange { seed: 3, start, end }, &Control::default());
+            assert_eq!(done.unwrap(), end - start);
+        }
+        assert_eq!(parts, whole);
+        let error = parts.run_range(PhotonRange { seed: 3, start: 8999, end: 9001 }, &Control::default());
+        assert_eq!(error.unwrap_err().to_string(), "photons 8999..9000 of seed 3 would count twice");
+        assert_eq!(parts, whole);
+    }
+
+    #[test]
     fn run_fills_gaps_first() {
         let mut part = empty(0.9);
         let (all, gap) = (0..5000, 1000..2000);

@@ -84,7 +84,12 @@ impl Modules {
         if let Some(found) = by_name {
             return self.resolve(module, &found.target.names, uses + 1);
         }
-        let stars = scope.uses.iter().filter(|found| found.name == "*");
+        // The head of a star's path does not come by a star, or two stars would ask each other without end
+        let has_head = |path: &CodePath| match path.names[0].as_str() {
+            "crate" | "self" | "super" => true,
+            head => scope.children.contains_key(head) || scope.uses.iter().any(|found| found.name == head),
+        };
+        let stars = scope.uses.iter().filter(|found| found.name == "*" && has_head(&found.target));
         let mut sources = stars.filter_map(|star| match self.resolve(module, &star.target.names, uses + 1) {
             Some(Found::Module(source)) if source != module => self.named(source, name, uses + 1),
             _ => None,
