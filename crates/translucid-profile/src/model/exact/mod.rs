@@ -116,7 +116,7 @@ mod tests {
             (0.41494747913082, Configuration::Searchlight, 1.0, 2.1217649785e-2),
             (0.47802448922824, Configuration::Diffuse, 1.0, 2.5383964017e-2),
             (0.75272071716030, Configuration::Searchlight, 0.1, 0.64361446601),
-            (0.79456365290203, Configuration::Diffuse, 1.0, 3.5399921615e-2),
+            (0.79456365290203, Configuration::Diffuse, 1.0, 3.539921615e-2),
         ] {
             let found = profile(a, configuration).eval(r);
             assert!((found / expected - 1.0).abs() < 2e-5, "{a} {r}: {found}");
