@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use rayon::prelude::*;
+use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
 use translucid_profile::ParameterError;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
 use translucid_reference::{Estimate, Incidence};
