@@ -269,7 +269,7 @@ fn quoted(text: &str) -> String {
     quoted
 }
 
-/// What `read` makes of keyword arguments that bring no images.
+/// Reads keyword arguments that bring no images.
 pub(crate) fn piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
     let mut count = 0;
     let piece = Keys::new(title, &mut count).arguments(keys)?.piece();

@@ -100,7 +100,7 @@ pub(crate) fn albedo<'py>(
     Ok((rule, numbers))
 }
 
-/// What is asked of the solution.
+/// A figure of the solution.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Asked {
     Reflectance,
@@ -113,7 +113,7 @@ enum Asked {
 enum Solution {
     /// Around the normal, or its mean over all directions.
     Radial(HalfSpace),
-    /// Of a tilted beam, in directions.
+    /// Reflectance of a tilted beam, in directions.
     Directed(Box<ObliqueHalfSpace>),
 }
 

@@ -25,7 +25,7 @@ const MOST_TRIANGLES: usize = 1 << 28;
 /// Largest coordinate of a vertex.
 const LARGEST_COORDINATE: f64 = 1e9;
 
-/// What a scene is made of so far.
+/// A scene while its parts are added.
 struct Making {
     builder: SceneBuilder,
     /// Images that came as arrays.

@@ -33,7 +33,7 @@ const LONGEST_NAP: Duration = Duration::from_millis(20);
 /// The layer that a denoiser makes of the others.
 const DENOISED: &str = "denoised";
 
-/// What a session does.
+/// The state of a session.
 enum State {
     Idle(Box<translucid_render::Session>),
     Running(RunningSession),
@@ -78,7 +78,7 @@ enum State {
 #[pyclass(frozen, subclass, module = "translucid", weakref)]
 pub(crate) struct Session {
     state: Mutex<State>,
-    /// What can be read while it runs.
+    /// The parts that can be read while it runs.
     facts: Mutex<Facts>,
     threads: usize,
     progress: Arc<Progress>,

@@ -179,7 +179,7 @@ fn read_member<R: Read>(
     file: &mut ZipFile<'_, R>,
     size: impl FnOnce(&Header) -> Result<u64, String>,
 ) -> Result<Vec<u8>, String> {
-    // As long as it is stored it is no longer than the archive, whatever its directory says
+    // A stored member is no longer than the archive, whatever its directory says
     if file.compression() != CompressionMethod::Stored || file.compressed_size() != file.size() {
         return Err("is compressed, but must be stored".to_owned());
     }

@@ -37,7 +37,7 @@ impl Piece {
         Place::part(Path::new(""), &self.title)
     }
 
-    /// What `read` makes of the table.
+    /// The value that `read` makes of the table.
     fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
         let source = DocumentText::of_part(&self.title, &self.text);
         let document = source.parse()?;
