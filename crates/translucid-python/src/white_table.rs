@@ -6,15 +6,16 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyFloat, PyInt, PyRange, PyType};
+use pyo3::types::{PyBytes, PyDict, PyRange, PyType};
 use translucid_profile::ParameterError;
 use translucid_reference::walk::{
-    AtAlbedo, Control, Layout, Parameters, PhaseFunction, PhotonRange, PilotError, Problem, Region, Side,
-    TableError, WhiteTable as Table,
+    AtAlbedo, Control, Layout, Parameters, PhaseFunction, PilotError, Problem, Region, Side, TableError,
+    WhiteTable as Table,
 };
 use translucid_reference::{Estimate, Incidence};
 
 use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
+use crate::photons::Photons;
 use crate::profile::{Profile, number_or};
 use crate::reference::{Pair, albedo, incidence, pool, report, with_progress};
 use crate::{long_work, names};
@@ -105,56 +106,6 @@ impl WhiteTable {
         self.set(table);
         waited?;
         outcome.map(drop).map_err(table_error)
-    }
-}
-
-/// Photons to be walked.
-enum Photons {
-    /// Seed, and how many.
-    Count(u64, u64),
-    Range(PhotonRange),
-}
-
-impl Photons {
-    fn extract(object: &Bound<'_, PyAny>, seed: u64) -> PyResult<Self> {
-        if object.is_instance_of::<PyRange>() {
-            let part = |name: &str| object.getattr(name)?.extract::<i128>();
-            let wrong = || PyValueError::new_err("photons must be a range of step 1 within [0, 2**63)");
-            let [start, stop, step] =
-                [part("start"), part("stop"), part("step")].map(|x| x.map_err(|_| wrong()));
-            let (start, stop, step) = (start?, stop?, step?);
-            let is_good = step == 1 && start >= 0 && stop >= start && stop < 1 << 63;
-            if !is_good {
-                return Err(wrong());
-            }
-            return Ok(Self::Range(PhotonRange { seed, start: start as u64, end: stop as u64 }));
-        }
-        let is_number = object.is_instance_of::<PyFloat>() || object.is_instance_of::<PyInt>();
-        if object.is_instance_of::<pyo3::types::PyBool>() || !is_number && !object.hasattr("__index__")? {
-            return Err(PyTypeError::new_err(
-                "photons must be a whole number, such as 1e7, or a range of them",
-            ));
-        }
-        let wrong = || {
-            let shown = object.repr().map(|text| text.to_string()).unwrap_or_default();
-            PyValueError::new_err(format!("photons is {shown}, but must be a whole number in [0, 2**63)"))
-        };
-        let count = match object.cast::<PyFloat>() {
-            Ok(number) => {
-                let number = number.value();
-                let is_good = number >= 0.0 && number < 2.0_f64.powi(63) && number.fract() == 0.0;
-                if is_good { number as u64 } else { return Err(wrong()) }
-            }
-            Err(_) => object.extract::<u64>().map_err(|_| wrong())?,
-        };
-        if count < 1 << 63 { Ok(Self::Count(seed, count)) } else { Err(wrong()) }
-    }
-
-    fn count(&self) -> u64 {
-        match self {
-            Self::Count(_, count) => *count,
-            Self::Range(range) => range.len(),
-        }
     }
 }
 
