@@ -28,7 +28,6 @@ pub struct Piece {
 
 impl Piece {
     /// A thing without images at hand.
-    #[must_use]
     pub fn new(title: &str, text: &str) -> Self {
         Self { title: title.to_owned(), text: text.to_owned(), images: Vec::new() }
     }
@@ -133,13 +132,11 @@ impl Piece {
 
 impl SceneBuilder {
     /// A scene in a unit of length without anything in it.
-    #[must_use]
     pub fn new(unit: Unit) -> Self {
         Self::of(Scene { unit, ..Scene::default() })
     }
 
     /// What there is so far; what is chosen at the end is still missing.
-    #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
