@@ -1,10 +1,11 @@
 //! A scene made ready: what is prepared once, and again only as far as an edit reaches.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_scene::{
-    Environment, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
+    Environment, Image, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
 };
 
 use super::fingerprint::{fingerprint, fingerprint_of_points};
@@ -39,6 +40,11 @@ pub enum Edit {
     Object(usize, Box<Object>),
     /// Other limits of paths, or another way of finding light under surfaces.
     Integrator(Integrator),
+    /// An edit that brings images: their numbers in it go on from those of the scene's images.
+    ///
+    /// Images that nothing refers to any more are dropped, and those behind move up: numbers of images are then those of
+    /// [`PreparedScene::scene`].
+    WithImages(Vec<Arc<Image>>, Box<Edit>),
 }
 
 /// Everything that was prepared anew.
@@ -106,6 +112,7 @@ impl PreparedScene {
     /// There is nothing of that number, or the new value is not valid in this scene, which then stays as it was.
     pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
         let renewed = match edit {
+            Edit::WithImages(images, edit) => return self.edit_with_images(images, *edit),
             Edit::Material(index, material) => self.edit_material(index, *material)?,
             Edit::Object(index, object) => self.edit_object(index, *object)?,
             Edit::Lights(lights) => {
@@ -140,6 +147,19 @@ impl PreparedScene {
         }
         self.subsurface.forget_points();
         Ok(Renewed { points: self.wants_points(), ..renewed })
+    }
+
+    fn edit_with_images(&mut self, images: Vec<Arc<Image>>, edit: Edit) -> Result<Renewed, SceneError> {
+        images.iter().try_for_each(|image| image.validate())?;
+        let count = self.world.scene.images.len();
+        self.world.scene.images.extend(images);
+        let result = self.edit(edit);
+        let scene = &mut self.world.scene;
+        match result {
+            Ok(_) => scene.drop_unused_images(),
+            Err(_) => scene.images.truncate(count),
+        }
+        result
     }
 
     /// Puts a value into the scene, which stays as it was if it is then not valid. Returns the value that was there.

@@ -30,9 +30,11 @@ pub(super) struct FileRequest<K> {
     pub(super) place: Place,
 }
 
-/// The scene's images and profile tables: the index of a request is the index in the scene.
+/// The scene's further images and profile tables: the index of a request is the index in the scene.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FileList {
+    /// Number of images that the scene has already.
+    pub(super) images_before: usize,
     pub(super) images: Vec<FileRequest<ColorSpace>>,
     pub(super) tables: Vec<FileRequest<()>>,
 }
@@ -47,7 +49,7 @@ pub(super) struct KnownFiles {
 impl FileList {
     /// Index of the image in a file; the same file in the same color space is loaded once.
     pub(super) fn image(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
-        request(&mut self.images, file, color_space)
+        Ok(self.images_before + request(&mut self.images, file, color_space)?)
     }
 
     /// Index of the table of profiles in a file.
