@@ -180,7 +180,7 @@ def test_edits_take_images(tmp_path):
         (lambda s: s.edit_material("wax", base_color=np.full((2, 2), np.nan)), r"base_color\[0, 0\] is NaN"),
         (lambda s: s.edit_material("wax", base_color={"image": np.ones((2, 2)), "factor": -1}), "factor is -1"),
         (lambda s: s.edit_material("wax", base_color={"file": "no.png"}), "material wax: the file no.png does not exist"),
-        (lambda s: s.edit_material("wax", subsurface_table="a.csv"), "takes no further tables"),
+        (lambda s: s.edit_material("wax", subsurface_table="a.csv"), "this scene takes no further tables"),
         (lambda s: s.set_environment(file=np.ones((2, 2, 5))), "environment: file has the shape"),
         (lambda s: s.set_environment(file="no.exr"), "environment: the file no.exr does not exist"),
         (lambda s: s.set_camera(position=[0, 0, 0], target=np.ones((2, 2))), "camera takes no images"),

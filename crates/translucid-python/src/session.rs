@@ -13,7 +13,7 @@ use translucid_render::{
     Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, SessionError, View,
     available_memory,
 };
-use translucid_scene::{Light, Mesh, SceneError, Warning, repair_mesh};
+use translucid_scene::{Image, Light, Mesh, SceneError, Warning, repair_mesh};
 
 use crate::keys::{piece_of, plain_piece_of};
 use crate::long_work;
@@ -327,8 +327,9 @@ impl Session {
             let scene = session.prepared().scene();
             let names = scene.materials.iter().map(|material| material.name.as_str());
             let index = index_of("material", name, names)?;
-            let (material, images) = piece.material(scene, &scene.materials[index], warnings)?;
-            Ok(Edit::WithImages(images, Box::new(Edit::Material(index, Box::new(material)))))
+            let old = &scene.materials[index];
+            let (material, images) = piece.material_with_images(scene, old, warnings)?;
+            Ok((images, Edit::Material(index, Box::new(material))))
         })
     }
 
@@ -435,8 +436,9 @@ impl Session {
         };
         let piece = piece_of("environment", Some(keys))?;
         self.edit_with_files(py, |session, warnings| {
-            let (environment, images) = piece.environment(session.prepared().scene(), warnings)?;
-            Ok(Edit::WithImages(images, Box::new(Edit::Environment(Some(environment)))))
+            let scene = session.prepared().scene();
+            let (environment, images) = piece.environment_with_images(scene, warnings)?;
+            Ok((images, Edit::Environment(Some(environment))))
         })
     }
 
@@ -639,12 +641,20 @@ impl Session {
     fn edit_with_files(
         &self,
         py: Python<'_>,
-        make: impl FnOnce(&translucid_render::Session, &mut Vec<Warning>) -> Result<Edit, SceneError> + Send,
+        make: impl FnOnce(
+            &translucid_render::Session,
+            &mut Vec<Warning>,
+        ) -> Result<(Vec<Arc<Image>>, Edit), SceneError>
+        + Send,
     ) -> PyResult<()> {
         let mut warnings = Vec::new();
         self.edit(py, |session| {
-            let edit = make(session, &mut warnings)?;
-            session.edit(edit).map(drop)
+            let (images, edit) = make(session, &mut warnings)?;
+            for image in images {
+                session.edit(Edit::AddImage(image))?;
+            }
+            session.edit(edit)?;
+            session.edit(Edit::DropUnusedImages).map(drop)
         })?;
         warn(py, &warnings)
     }

@@ -9,6 +9,7 @@ use translucid_scene::{
 };
 
 use super::fingerprint::{fingerprint, fingerprint_of_points};
+use super::picker::Picker;
 use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
@@ -40,11 +41,11 @@ pub enum Edit {
     Object(usize, Box<Object>),
     /// Other limits of paths, or another way of finding light under surfaces.
     Integrator(Integrator),
-    /// An edit that brings images: their numbers in it go on from those of the scene's images.
-    ///
-    /// Images that nothing refers to any more are dropped, and those behind move up: numbers of images are then those of
-    /// [`PreparedScene::scene`].
-    WithImages(Vec<Arc<Image>>, Box<Edit>),
+    /// Another image, behind those that the scene has, for edits that refer to it.
+    AddImage(Arc<Image>),
+    /// Without the images that nothing refers to: those behind them move up, and have the numbers of
+    /// [`PreparedScene::scene`] then.
+    DropUnusedImages,
 }
 
 /// Everything that was prepared anew.
@@ -73,6 +74,7 @@ impl PreparedScene {
             || (SurfaceTables::new(&scene.materials, &scene.integrator), SubsurfaceSet::new(&scene)),
         );
         let lights = light_set(&scene, &geometry);
+        let geometry = Arc::new(geometry);
         let mut new = Self { world: World { scene, geometry, surfaces, lights }, subsurface };
         new.subsurface.normalize(&new.world);
         Ok(new)
@@ -90,6 +92,12 @@ impl PreparedScene {
     /// None: the scene was found valid.
     pub fn view(&self) -> Result<View, SceneError> {
         View::of(&self.world.scene)
+    }
+
+    /// Finds what the pixels of a view show, from any thread and whatever happens to the scene meanwhile.
+    #[must_use]
+    pub fn picker(&self) -> Picker {
+        Picker::new(Arc::clone(&self.world.geometry))
     }
 
     /// Everything that is not rendered as the scene asks for.
@@ -112,7 +120,6 @@ impl PreparedScene {
     /// There is nothing of that number, or the new value is not valid in this scene, which then stays as it was.
     pub fn edit(&mut self, edit: Edit) -> Result<Renewed, SceneError> {
         let renewed = match edit {
-            Edit::WithImages(images, edit) => return self.edit_with_images(images, *edit),
             Edit::Material(index, material) => self.edit_material(index, *material)?,
             Edit::Object(index, object) => self.edit_object(index, *object)?,
             Edit::Lights(lights) => {
@@ -124,6 +131,15 @@ impl PreparedScene {
             Edit::Environment(environment) => {
                 self.swap_checked(environment, |scene| &mut scene.environment, Scene::validate_environment)?;
                 Renewed { lights: true, ..Renewed::default() }
+            }
+            Edit::AddImage(image) => {
+                image.validate()?;
+                self.world.scene.images.push(image);
+                return Ok(Renewed::default());
+            }
+            Edit::DropUnusedImages => {
+                self.world.scene.drop_unused_images();
+                return Ok(Renewed::default());
             }
             Edit::Integrator(integrator) => {
                 self.swap_checked(
@@ -147,19 +163,6 @@ impl PreparedScene {
         }
         self.subsurface.forget_points();
         Ok(Renewed { points: self.wants_points(), ..renewed })
-    }
-
-    fn edit_with_images(&mut self, images: Vec<Arc<Image>>, edit: Edit) -> Result<Renewed, SceneError> {
-        images.iter().try_for_each(|image| image.validate())?;
-        let count = self.world.scene.images.len();
-        self.world.scene.images.extend(images);
-        let result = self.edit(edit);
-        let scene = &mut self.world.scene;
-        match result {
-            Ok(_) => scene.drop_unused_images(),
-            Err(_) => scene.images.truncate(count),
-        }
-        result
     }
 
     /// Puts a value into the scene, which stays as it was if it is then not valid. Returns the value that was there.
@@ -202,7 +205,7 @@ impl PreparedScene {
             |scene| scene.validate_object(index).and_then(|()| scene.validate_triangle_count()),
         )?;
         let scene = &self.world.scene;
-        self.world.geometry = Geometry::new(&scene.objects);
+        self.world.geometry = Arc::new(Geometry::new(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         for material in [old.material, scene.objects[index].material] {
             self.subsurface.update(scene, material);

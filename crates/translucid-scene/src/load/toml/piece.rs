@@ -77,27 +77,53 @@ impl Piece {
         self.read(|table| table.changed(integrator, settings::INTEGRATOR))
     }
 
+    /// A material of a scene with the changes of a `[[material]]`, which bring no files.
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, or a file is named.
+    pub fn material(&self, material: &Material, unit: Unit) -> Result<Material, SceneError> {
+        let mut files = FileList::default();
+        let changed = self.changed_material(material, unit, &mut files)?;
+        match files.images.first() {
+            Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
+                .with_help("make a scene that has it")),
+            None => Ok(changed),
+        }
+    }
+
     /// A material of a scene with the changes of a `[[material]]`, and the images that they bring: their numbers go on
     /// from those of the scene's images.
     ///
     /// # Errors
     /// A key is unknown, a value out of its range, an image cannot be used, or a table of profiles is named.
-    pub fn material(
+    pub fn material_with_images(
         &self,
         scene: &Scene,
         material: &Material,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
         let mut files = FileList { images_before: scene.images.len(), ..FileList::default() };
+        let changed = self.changed_material(material, scene.unit, &mut files)?;
+        Ok((changed, self.all_images(&files, warnings)?))
+    }
+
+    fn changed_material(
+        &self,
+        material: &Material,
+        unit: Unit,
+        files: &mut FileList,
+    ) -> Result<Material, SceneError> {
         let changed = self.read(|table| {
             let table = table.allow(&material::keys())?;
-            material::read_material(&table, material.clone(), scene.unit, &mut files)
+            material::read_material(&table, material.clone(), unit, files)
         })?;
-        if let Some(request) = files.tables.first() {
-            let message = "a scene that is prepared takes no further tables of profiles";
-            return Err(SceneError::at(request.place.clone(), message).with_help("make a scene that has it"));
+        match files.tables.first() {
+            Some(table) => {
+                Err(SceneError::at(table.place.clone(), "this scene takes no further tables of profiles")
+                    .with_help("make a scene that has it"))
+            }
+            None => Ok(Material { name: material.name.clone(), ..changed }),
         }
-        Ok((Material { name: material.name.clone(), ..changed }, self.all_images(&files, warnings)?))
     }
 
     /// The environment of an `[environment]`, and the image that it brings: its number goes on from those of the scene's
@@ -105,7 +131,7 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown or missing, a value out of its range, or an image cannot be used.
-    pub fn environment(
+    pub fn environment_with_images(
         &self,
         scene: &Scene,
         warnings: &mut Vec<Warning>,
@@ -479,19 +505,28 @@ mod tests {
         pieces(&mut builder).unwrap();
         let wax = builder.scene().materials[0].clone();
         let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_scatter_anisotropy = 0");
-        let (edited, images) = edit.material(builder.scene(), &wax, &mut Vec::new()).unwrap();
-        assert!(images.is_empty());
+        let edited = edit.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
         // The medium had decided on the model, and does so again.
         assert_eq!(edited.subsurface_model, SubsurfaceModel::default());
         assert_ne!(edited.subsurface_model, wax.subsurface_model);
-        for (text, message) in [
-            ("base_color = {file = 'no.png'}", "the file no.png does not exist"),
-            ("subsurface_table = 'no.csv'", "a scene that is prepared takes no further tables of profiles"),
+        for (text, message, with_images) in [
+            (
+                "base_color = {file = 'a.png'}",
+                "this scene takes no further images",
+                "the file a.png does not exist",
+            ),
+            (
+                "subsurface_table = 'a.csv'",
+                "this scene takes no further tables of profiles",
+                "this scene takes no further tables of profiles",
+            ),
         ] {
             let file = Piece::new("material wax", text);
-            let error = file.material(builder.scene(), &wax, &mut Vec::new()).unwrap_err();
+            let error = file.material(&wax, Unit::Millimeter).unwrap_err();
             assert!(error.to_string().starts_with(&format!("material wax: {message}")), "{error}");
+            let error = file.material_with_images(builder.scene(), &wax, &mut Vec::new()).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("material wax: {with_images}")), "{error}");
         }
     }
 
@@ -511,12 +546,13 @@ mod tests {
         builder.add_material(&first, &mut Vec::new()).unwrap();
         let scene = builder.scene();
         let second = piece("material a", "base_color = {file = 'second', color_space = 'linear'}", "second");
-        let (edited, images) = second.material(scene, &scene.materials[0], &mut Vec::new()).unwrap();
+        let (edited, images) =
+            second.material_with_images(scene, &scene.materials[0], &mut Vec::new()).unwrap();
         assert_eq!(images, [image("second")]);
         assert_eq!(edited.base_color.texture.unwrap().image, 1);
         assert_eq!(edited.specular_roughness.texture.unwrap().0.image, 0);
         let sky = piece("environment", "file = 'sky'", "sky");
-        let (environment, images) = sky.environment(scene, &mut Vec::new()).unwrap();
+        let (environment, images) = sky.environment_with_images(scene, &mut Vec::new()).unwrap();
         assert_eq!((environment.image, images), (Some(1), vec![image("sky")]));
     }
 }
