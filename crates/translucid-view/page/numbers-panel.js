@@ -49,7 +49,7 @@ export class NumbersPanel {
     }
 }
 
-/** A system's numbers: a line for each parameter, a column for each channel. */
+/** A system's numbers under its name: a line for each parameter, a column for each channel. */
 function table(system, rows, i) {
     const parameters = [...group(rows, ({ parameter }) => parameter)];
     const lines = parameters.map(([parameter, cells]) => {
@@ -64,8 +64,9 @@ function table(system, rows, i) {
         return `${parameter} = ${values}${cells[0].unit ? ` ${cells[0].unit}` : ""}`;
     });
     const button = copyButton({ id: `copy-numbers-${i}`, label: `Copy the numbers of ${system}`, text: () => text.join("\n") });
-    const caption = make("caption", {}, make("div", {}, make("span", {}, system), button));
-    return make("table", {}, caption, make("tbody", {}, ...lines));
+    const title = make("h3", { id: `numbers-${i}` }, system);
+    const head = make("div", { className: "system-head" }, title, button);
+    return make("div", { className: "system" }, head, make("table", { "aria-labelledby": title.id }, make("tbody", {}, ...lines)));
 }
 
 function group(items, key) {

@@ -4,8 +4,8 @@ import { byId, make, setText } from "./dom.js";
 import { format } from "./numbers.js";
 
 const MILLIMETERS = { mm: 1, cm: 10, m: 1000 };
-/** Longest bar, in pixels of CSS and as a share of the picture. */
-const LONGEST = 160;
+/** Longest bar, in letters of the page and as a share of the picture. */
+const LONGEST = 12;
 const SHARE = 0.25;
 
 export class ScaleBar {
@@ -30,9 +30,10 @@ export class ScaleBar {
         if (!state || !hello) return;
         const { width } = this.#picture.rect;
         const millimeters = MILLIMETERS[hello.unit] ?? 1;
+        const letter = parseFloat(getComputedStyle(document.documentElement).fontSize);
         // Of a pixel of CSS, at the depth of the point that was clicked last.
         const perPixel = (this.#navigation.lengthPerPixel * state.film.width * millimeters) / width;
-        const length = nice(Math.min(LONGEST, width * SHARE) * perPixel);
+        const length = nice(Math.min(LONGEST * letter, width * SHARE) * perPixel);
         if (!Number.isFinite(length) || length <= 0) return;
         byId("bar").style.width = `${length / perPixel}px`;
         setText(byId("bar-text"), `${format(length)} mm`);
