@@ -6,7 +6,7 @@ use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
     Configuration, Material, SceneError, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, Unit,
+    SubsurfaceTextureAt, Unit, WordValue,
 };
 
 /// Every key.
@@ -36,6 +36,30 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 ];
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
+
+impl Material {
+    /// Every parameter whose value is a word, in the order of the fields.
+    #[must_use]
+    pub fn words(&self) -> Vec<WordValue> {
+        fn value<T: Copy + PartialEq>(
+            name: &'static str,
+            value: T,
+            words: &[(&'static str, T)],
+        ) -> WordValue {
+            let word = words.iter().find(|(_, meaning)| *meaning == value).map_or("", |(word, _)| word);
+            WordValue { name, word, words: words.iter().map(|(word, _)| *word).collect() }
+        }
+        let models = SubsurfaceModel::ALL.map(|model| (model.name(), model));
+        let model = value("subsurface_model", self.subsurface_model, &models);
+        vec![
+            WordValue { word: self.subsurface_model.name(), ..model },
+            value("subsurface_parameter", self.subsurface_parameter, &PARAMETERIZATIONS),
+            value("subsurface_configuration", self.subsurface_configuration, &CONFIGURATIONS),
+            value("subsurface_texture_at", self.subsurface_texture_at, &TEXTURE_AT),
+            value("subsurface_normalization", self.subsurface_normalization, &NORMALIZATIONS),
+        ]
+    }
+}
 
 /// Reads a material; what it does not say comes from its preset, else from `base`.
 pub(super) fn read_material(
