@@ -1,7 +1,9 @@
 //! The profile of a material beside the truth.
 
+use std::sync::Arc;
+
 use serde_json::{Value, json};
-use translucid_profile::{Appearance, Configuration, Model, Parameterization, require};
+use translucid_profile::{Appearance, Configuration, Model, Parameterization, Profile, require};
 use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
 use translucid_scene::{Material, ProfileTable, SubsurfaceModel, Unit};
@@ -10,6 +12,9 @@ use translucid_scene::{Material, ProfileTable, SubsurfaceModel, Unit};
 const POINTS: usize = 160;
 /// Share of the light that leaves beyond the last radius.
 const TAIL: f64 = 1e-3;
+/// Radii of the measure of error, and the share beyond the last of them.
+const ERROR_POINTS: usize = 400;
+const ERROR_TAIL: f64 = 1e-6;
 /// Least surface albedo whose profile is drawn.
 const DARKEST: f64 = 1e-4;
 /// Names of the channels.
@@ -49,21 +54,22 @@ pub(crate) fn profile(material: &Material, tables: &[ProfileTable], unit: Unit) 
         .collect();
     let farthest = models.iter().flatten().map(|curve| curve.farthest).fold(0.0, f64::max);
     let nearest = channels.iter().map(|channel| 0.01 * channel.length).fold(f64::MAX, f64::min);
-    let nearest = nearest.min(0.01 * farthest).max(1e-6 * farthest);
-    let is_drawn = farthest > 0.0 && farthest.is_finite() && nearest > 0.0;
-    let step = (farthest / nearest).ln() / (POINTS - 1) as f64;
-    let radii: Vec<f64> =
-        if is_drawn { (0..POINTS).map(|i| nearest * (step * i as f64).exp()).collect() } else { Vec::new() };
-    let (truth, truths) = truth(&channels, &radii, &mut notes);
-    let curves: Vec<Value> = (0..3)
-        .filter_map(|c| {
-            let curve = models[c].as_ref()?;
-            let values: Vec<f64> = radii.iter().map(|&r| (curve.eval)(r)).collect();
+    let radii = rising([nearest.clamp(1e-6 * farthest, 0.01 * farthest), farthest], POINTS);
+    let (truth, truths) = truth(&channels, &mut notes);
+    let curves: Vec<Value> = models
+        .iter()
+        .zip(&truths)
+        .zip(&channels)
+        .enumerate()
+        .filter_map(|(c, ((curve, truth), channel))| {
+            let curve = curve.as_ref()?;
+            let exact = truth.as_ref();
+            let error = exact.map(|exact| error(curve, exact, [1e-4 * channel.length, curve.end]));
             Some(json!({
                 "name": CHANNELS[c],
-                "model": values,
-                "exact": truths[c],
-                "error_percent": truths[c].as_ref().map(|exact| 100.0 * error(&radii, &values, exact)),
+                "model": radii.iter().map(|&r| (curve.eval)(r)).collect::<Vec<_>>(),
+                "exact": exact.map(|exact| radii.iter().map(|&r| exact(r)).collect::<Vec<_>>()),
+                "error_percent": error.map(|error| 100.0 * error),
             }))
         })
         .collect();
@@ -95,8 +101,27 @@ fn channels(material: &Material, unit: Unit) -> [Channel; 3] {
 /// R(r) of a model.
 struct Curve {
     eval: Box<dyn Fn(f64) -> f64>,
-    /// Radius beyond which little is left.
+    /// Radius beyond which little is left, and beyond which next to nothing is.
     farthest: f64,
+    end: f64,
+}
+
+impl Curve {
+    fn new(eval: impl Fn(f64) -> f64 + 'static, quantile: impl Fn(f64) -> f64) -> Self {
+        let [farthest, end] = [TAIL, ERROR_TAIL].map(|tail| quantile(1.0 - tail));
+        Self { eval: Box::new(eval), farthest, end }
+    }
+}
+
+type Exact = Box<dyn Fn(f64) -> f64>;
+
+/// So many radii that rise by a factor; none where the ends are no lengths.
+fn rising([first, last]: [f64; 2], count: usize) -> Vec<f64> {
+    if !(first > 0.0 && last > first && last.is_finite()) {
+        return Vec::new();
+    }
+    let step = (last / first).ln() / (count - 1) as f64;
+    (0..count).map(|i| first * (step * i as f64).exp()).collect()
 }
 
 /// The curve of the material's model for a channel, or why it has none.
@@ -118,51 +143,50 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
         SubsurfaceModel::Tabulated(index) => {
             let table = tables.get(index).ok_or("the table is not there")?;
             let table = table.table().map_err(|error| error.to_string())?;
-            let farthest = table.at(surface_albedo, length).quantile(1.0 - TAIL);
-            return Ok(Curve { eval: Box::new(move |r| table.at(surface_albedo, length).eval(r)), farthest });
+            let copy = table.clone();
+            let quantile = move |u| copy.at(surface_albedo, length).quantile(u);
+            return Ok(Curve::new(move |r| table.at(surface_albedo, length).eval(r), quantile));
         }
     };
     let [g, eta] = model.nearest_known(channel.g, channel.eta);
     let appearance = Appearance { surface_albedo, length, parameterization, g };
     let profile = model.profile(&appearance, configuration, eta);
     let profile = profile.map_err(|error| format!("{} has no profile: {error}", model.name()))?;
-    let farthest = profile.quantile(1.0 - TAIL);
-    Ok(Curve { eval: Box::new(move |r| profile.eval(r)), farthest })
+    let profile = Arc::from(profile);
+    let other: Arc<dyn Profile> = Arc::clone(&profile);
+    Ok(Curve::new(move |r| profile.eval(r), move |u| other.quantile(u)))
 }
 
-/// The truth of each channel at these radii, where it is known, and its name.
-fn truth(
-    channels: &[Channel; 3],
-    radii: &[f64],
-    notes: &mut Vec<String>,
-) -> (&'static str, [Option<Vec<f64>>; 3]) {
+/// The truth of each channel, where it is known, and its name.
+fn truth(channels: &[Channel; 3], notes: &mut Vec<String>) -> (&'static str, [Option<Exact>; 3]) {
     let Channel { g, eta, .. } = channels[0];
     if g != 0.0 {
-        notes.push("the exact solution is known for isotropic scattering (g = 0) only: compare with the random walk in the picture".to_owned());
+        let note = "the exact solution is known for isotropic scattering (g = 0) only: \
+                    compare with the random walk in the picture";
+        notes.push(note.to_owned());
         return ("", [None, None, None]);
     }
     let exact = channels.map(|channel| {
         let is_drawn = channel.length > 0.0 && channel.surface_albedo >= DARKEST;
-        if !is_drawn {
-            return None;
-        }
-        if eta == 1.0 { matched(&channel, radii) } else { below_boundary(&channel, radii) }
+        is_drawn.then(|| if eta == 1.0 { matched(&channel) } else { below_boundary(&channel) }).flatten()
     });
-    if exact.iter().all(Option::is_none) {
-        return ("", exact);
-    }
-    (if eta == 1.0 { "exact half space" } else { "exact half space under a dielectric boundary" }, exact)
+    let name = match exact.iter().any(Option::is_some) {
+        false => "",
+        true if eta == 1.0 => "exact half space",
+        true => "exact half space under a dielectric boundary",
+    };
+    (name, exact)
 }
 
-fn matched(channel: &Channel, radii: &[f64]) -> Option<Vec<f64>> {
+fn matched(channel: &Channel) -> Option<Exact> {
     let Channel { surface_albedo, length, parameterization, configuration, .. } = *channel;
     let appearance = Appearance { surface_albedo, length, parameterization, g: 0.0 };
     let exact = Model::Exact.profile(&appearance, configuration, 1.0).ok()?;
-    Some(radii.iter().map(|&r| exact.eval(r)).collect())
+    Some(Box::new(move |r| exact.eval(r)))
 }
 
 /// The exact half space under a boundary, for a length that is a mean free path.
-fn below_boundary(channel: &Channel, radii: &[f64]) -> Option<Vec<f64>> {
+fn below_boundary(channel: &Channel) -> Option<Exact> {
     let Channel { surface_albedo, length, parameterization, configuration, eta, .. } = *channel;
     if parameterization != Parameterization::Mfp {
         return None;
@@ -170,16 +194,19 @@ fn below_boundary(channel: &Channel, radii: &[f64]) -> Option<Vec<f64>> {
     let incidence = Incidence::from(configuration);
     let alpha = single_scattering_albedo(surface_albedo, eta, incidence).ok()?;
     let exact = HalfSpace::with_boundary(alpha, eta, incidence).ok()?;
-    Some(radii.iter().map(|&r| exact.eval(r / length).value / (length * length)).collect())
+    Some(Box::new(move |r| exact.eval(r / length).value / (length * length)))
 }
 
 /// The area-weighted L¹ distance of a curve from the exact one, as a part of the latter's energy.
-fn error(radii: &[f64], values: &[f64], exact: &[f64]) -> f64 {
-    // By r² d ln r: the radii rise by a factor
-    let weighted =
-        |f: &dyn Fn(usize) -> f64| (0..radii.len()).map(|i| radii[i] * radii[i] * f(i)).sum::<f64>();
-    let energy = weighted(&|i| exact[i]);
-    if energy > 0.0 { weighted(&|i| (values[i] - exact[i]).abs()) / energy } else { 0.0 }
+fn error(curve: &Curve, exact: &Exact, ends: [f64; 2]) -> f64 {
+    // By r² d ln r, as the radii rise by a factor
+    let (mut distance, mut energy) = (0.0, 0.0);
+    for r in rising(ends, ERROR_POINTS) {
+        let truth = exact(r);
+        distance += r * r * ((curve.eval)(r) - truth).abs();
+        energy += r * r * truth;
+    }
+    if energy > 0.0 { distance / energy } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -220,12 +247,13 @@ mod tests {
         }
     }
 
+    /// docs/accuracy/similarity.md: 3.3 % in the mean over albedos, 5.3 % at most, for g = 0 and η = 1.4.
     #[test]
     fn boundary_has_its_own_truth() {
         let glassy = Material { subsurface_eta: 1.4, ..material(Model::NormalizedDiffusionRefined) };
         let value = profile(&glassy, &[], Unit::Millimeter);
         assert_eq!(value["truth"], "exact half space under a dielectric boundary");
-        assert!(errors(&value).iter().all(|&error| error < 5.0), "{:?}", errors(&value));
+        assert!(errors(&value).iter().all(|&error| error < 5.5), "{:?}", errors(&value));
     }
 
     #[test]
