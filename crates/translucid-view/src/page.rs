@@ -18,13 +18,58 @@ macro_rules! page_files {
     };
 }
 
+const HTML: &str = "text/html; charset=utf-8";
+const PICTURE: &str = "image/svg+xml";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 
 page_files! {
-    "index.html": "text/html; charset=utf-8",
+    "index.html": HTML,
     "style.css": STYLE,
+    "icon.svg": PICTURE,
     "main.js": SCRIPT,
+    "camera.js": SCRIPT,
+    "color.js": SCRIPT,
+    "compare.js": SCRIPT,
+    "connection.js": SCRIPT,
+    "copy.js": SCRIPT,
+    "dock.js": SCRIPT,
+    "dom.js": SCRIPT,
+    "environment.js": SCRIPT,
+    "events.js": SCRIPT,
+    "field.js": SCRIPT,
+    "gesture.js": SCRIPT,
+    "history.js": SCRIPT,
+    "inspector.js": SCRIPT,
+    "keyboard.js": SCRIPT,
+    "lights.js": SCRIPT,
+    "material.js": SCRIPT,
+    "mean-free-path.js": SCRIPT,
+    "menus.js": SCRIPT,
+    "navigation.js": SCRIPT,
+    "notices.js": SCRIPT,
+    "numbers-panel.js": SCRIPT,
+    "numbers.js": SCRIPT,
+    "pacing.js": SCRIPT,
+    "picture.js": SCRIPT,
+    "placement.js": SCRIPT,
+    "probe.js": SCRIPT,
+    "profile-panel.js": SCRIPT,
+    "render.js": SCRIPT,
+    "row.js": SCRIPT,
+    "scale-bar.js": SCRIPT,
+    "scale.js": SCRIPT,
+    "session.js": SCRIPT,
+    "slider.js": SCRIPT,
+    "status.js": SCRIPT,
+    "storage.js": SCRIPT,
+    "tabs.js": SCRIPT,
+    "theme.js": SCRIPT,
+    "vector.js": SCRIPT,
+    "vendor/uplot/uPlot.esm.js": SCRIPT,
+    "vendor/uplot/uPlot.min.css": STYLE,
+    "view-bar.js": SCRIPT,
+    "watch.js": SCRIPT,
 }
 
 #[cfg(test)]
