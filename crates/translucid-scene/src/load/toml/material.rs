@@ -1,7 +1,8 @@
 //! `[[material]]`: a surface with the parameter names of OpenPBR.
 
-use super::document::{Item, Table};
+use super::document::{Item, Setting, Table};
 use super::input::{FileList, read_color, read_normal_map, read_scalar};
+use super::text::word_of;
 use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
@@ -13,15 +14,9 @@ use crate::{
 pub(super) fn keys() -> Vec<&'static str> {
     let mut keys = vec!["name", "preset"];
     keys.extend(PARAMETERS.iter().map(|parameter| parameter.name));
-    keys.extend([
-        "subsurface_model",
-        "subsurface_table",
-        "subsurface_parameter",
-        "subsurface_configuration",
-        "subsurface_texture_at",
-        "subsurface_normalization",
-        "geometry_normal",
-    ]);
+    keys.extend(["subsurface_model", "subsurface_table"]);
+    keys.extend(WORDS.iter().map(|setting| setting.key));
+    keys.push("geometry_normal");
     keys
 }
 
@@ -37,6 +32,25 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
+/// A parameter that is one of several words.
+macro_rules! word {
+    ($name:ident of $words:ident) => {
+        Setting {
+            key: stringify!($name),
+            read: |item, material| item.word(&$words).map(|word| material.$name = word),
+            write: |material| word_of(&$words, material.$name),
+        }
+    };
+}
+
+/// Parameters that are words.
+pub(super) const WORDS: [Setting<Material>; 4] = [
+    word!(subsurface_parameter of PARAMETERIZATIONS),
+    word!(subsurface_configuration of CONFIGURATIONS),
+    word!(subsurface_texture_at of TEXTURE_AT),
+    word!(subsurface_normalization of NORMALIZATIONS),
+];
+
 /// Reads a material; what it does not say comes from its preset, else from `base`.
 pub(super) fn read_material(
     table: &Table<'_>,
@@ -51,26 +65,26 @@ pub(super) fn read_material(
         let (name, range) = (parameter.name, parameter.range);
         match parameter.slot(&mut material) {
             Slot::Number(number) => table.update(name, number, |item| item.number(range))?,
-            Slot::Scalar(input) => table.update(name, input, |item| read_scalar(item, range, images))?,
-            Slot::Color(input) => table.update(name, input, |item| read_color(item, range, images))?,
+            Slot::Scalar(input) => {
+                let base = *input;
+                table.update(name, input, |item| read_scalar(item, base, range, images))?;
+            }
+            Slot::Color(input) => {
+                let base = *input;
+                table.update(name, input, |item| read_color(item, base, range, images))?;
+            }
         }
     }
     if is_default || table.get("preset").is_some() {
         material.subsurface_model = default_model(&material);
     }
     read_model(table, &mut material, images)?;
-    table.update("subsurface_parameter", &mut material.subsurface_parameter, |item| {
-        item.word(&PARAMETERIZATIONS)
-    })?;
-    table.update("subsurface_configuration", &mut material.subsurface_configuration, |item| {
-        item.word(&CONFIGURATIONS)
-    })?;
-    let texture_at = &mut material.subsurface_texture_at;
-    table.update("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
-    let normalization = &mut material.subsurface_normalization;
-    table.update("subsurface_normalization", normalization, |item| item.word(&NORMALIZATIONS))?;
+    for Setting { key, read, .. } in &WORDS {
+        table.get(key).map_or(Ok(()), |item| read(&item, &mut material))?;
+    }
+    let map = material.geometry_normal;
     table.update("geometry_normal", &mut material.geometry_normal, |item| {
-        read_normal_map(item, images).map(Some)
+        read_normal_map(item, map, images)
     })?;
     Ok(material)
 }

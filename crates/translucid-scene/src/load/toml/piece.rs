@@ -103,7 +103,7 @@ impl Piece {
     }
 
     fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
-        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, files))
+        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
     }
 
     fn refuse_files(&self, files: &FileList) -> Result<(), SceneError> {
@@ -184,7 +184,7 @@ impl SceneBuilder {
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let materials = &self.scene.materials;
-        let entry = piece.read(|table| Ok(object::read_object(table, materials)?.0))?;
+        let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
         let entry = self.named(piece, entry)?;
         match ReadyMesh::of_shape(&entry) {
             Some(shape) => self.add_ready(&entry, shape?, warnings),
