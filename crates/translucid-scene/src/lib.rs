@@ -45,8 +45,8 @@ pub use load::{
     parse_ply, parse_profile_table,
 };
 pub use material::{
-    Configuration, Material, NormalMap, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt,
+    Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, WordValue,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use preset::{Preset, preset, presets};

@@ -116,8 +116,17 @@ impl Light {
         }
     }
 
+    /// Checks every field of the light that messages know by this number.
+    ///
+    /// # Errors
+    /// A number is out of its range, a direction has another length than 1, or the edges of a rectangle are not
+    /// perpendicular.
+    pub fn validate(&self, index: usize) -> Result<(), SceneError> {
+        self.check().map_err(|error| error.within(format_args!("light {index} ({})", self.kind())))
+    }
+
     /// Checks every field: ranges, unit vectors, and that the edges of a rectangle are perpendicular.
-    pub(crate) fn check(&self) -> Result<(), SceneError> {
+    fn check(&self) -> Result<(), SceneError> {
         let point = |field, value: Vec3| Interval::PLACE.check_all(field, value.to_array());
         let color = |field, value: Vec3| Interval::LIGHT.check_all(field, value.to_array());
         let radius = |value| Interval::REACH.check("radius", value);

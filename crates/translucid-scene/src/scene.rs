@@ -195,8 +195,7 @@ impl Scene {
     /// # Errors
     /// There is no such light, or it is broken.
     pub fn validate_light(&self, index: usize) -> Result<(), SceneError> {
-        let light = get(&self.lights, index, "light")?;
-        light.check().map_err(|error| error.within(format_args!("light {index} ({})", light.kind())))
+        get(&self.lights, index, "light")?.validate(index)
     }
 
     /// Checks the environment, if there is one.

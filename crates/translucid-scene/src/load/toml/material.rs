@@ -1,13 +1,13 @@
 //! `[[material]]`: a surface with the parameter names of OpenPBR.
 
-use super::document::{Item, Setting, Table};
+use super::document::{Item, Table};
 use super::input::{FileList, read_color, read_normal_map, read_scalar};
 use super::text::word_of;
 use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
     Configuration, Material, SceneError, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, Unit,
+    SubsurfaceTextureAt, Unit, WordValue,
 };
 
 /// Every key.
@@ -32,24 +32,50 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
-/// A parameter that is one of several words.
+/// A parameter whose value is a word.
+pub(super) struct WordParameter {
+    pub(super) key: &'static str,
+    words: fn() -> Vec<&'static str>,
+    read: fn(&Item<'_>, &mut Material) -> Result<(), SceneError>,
+    pub(super) word: fn(&Material) -> &'static str,
+}
+
 macro_rules! word {
     ($name:ident of $words:ident) => {
-        Setting {
+        WordParameter {
             key: stringify!($name),
+            words: || $words.iter().map(|(word, _)| *word).collect(),
             read: |item, material| item.word(&$words).map(|word| material.$name = word),
-            write: |material| word_of(&$words, material.$name),
+            word: |material| word_of(&$words, material.$name),
         }
     };
 }
 
-/// Parameters that are words.
-pub(super) const WORDS: [Setting<Material>; 4] = [
+/// Parameters whose values are words, but for the model, which may be a table.
+pub(super) const WORDS: [WordParameter; 4] = [
     word!(subsurface_parameter of PARAMETERIZATIONS),
     word!(subsurface_configuration of CONFIGURATIONS),
     word!(subsurface_texture_at of TEXTURE_AT),
     word!(subsurface_normalization of NORMALIZATIONS),
 ];
+
+impl Material {
+    /// Every parameter whose value is a word, in the order of the fields.
+    #[must_use]
+    pub fn words(&self) -> Vec<WordValue> {
+        let mut values = vec![WordValue {
+            name: "subsurface_model",
+            word: self.subsurface_model.name(),
+            words: SubsurfaceModel::ALL.iter().map(|model| model.name()).collect(),
+        }];
+        values.extend(WORDS.iter().map(|parameter| WordValue {
+            name: parameter.key,
+            word: (parameter.word)(self),
+            words: (parameter.words)(),
+        }));
+        values
+    }
+}
 
 /// Reads a material; what it does not say comes from its preset, else from `base`.
 pub(super) fn read_material(
@@ -79,7 +105,7 @@ pub(super) fn read_material(
         material.subsurface_model = default_model(&material);
     }
     read_model(table, &mut material, images)?;
-    for Setting { key, read, .. } in &WORDS {
+    for WordParameter { key, read, .. } in &WORDS {
         table.get(key).map_or(Ok(()), |item| read(&item, &mut material))?;
     }
     let map = material.geometry_normal;

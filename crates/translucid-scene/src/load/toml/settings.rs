@@ -32,7 +32,7 @@ pub(super) const FILM: &[Setting<Film>] = &[
             }
             Ok(())
         },
-        write: |film| word_of(&FILTERS, film.filter),
+        write: |film| quoted(word_of(&FILTERS, film.filter)),
     },
     Setting {
         key: "filter_radius",
@@ -47,7 +47,7 @@ pub(super) const FILM: &[Setting<Film>] = &[
     Setting {
         key: "tone_mapping",
         read: |item, film| item.word(&ToneMapping::WORDS).map(|word| film.tone_mapping = word),
-        write: |film| word_of(&ToneMapping::WORDS, film.tone_mapping),
+        write: |film| quoted(word_of(&ToneMapping::WORDS, film.tone_mapping)),
     },
 ];
 

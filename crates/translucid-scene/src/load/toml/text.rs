@@ -42,6 +42,6 @@ pub(super) fn quoted(text: &str) -> String {
 }
 
 /// The word of a list that has this meaning.
-pub(super) fn word_of<T: Copy + PartialEq>(words: &[(&str, T)], meaning: T) -> String {
-    quoted(words.iter().find(|(_, other)| *other == meaning).map_or("", |(word, _)| word))
+pub(super) fn word_of<T: Copy + PartialEq>(words: &[(&'static str, T)], meaning: T) -> &'static str {
+    words.iter().find(|(_, other)| *other == meaning).map_or("", |(word, _)| word)
 }

@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 use super::SceneFile;
 use super::document::{DocumentText, Setting};
 use super::extend::Base;
-use super::material::WORDS;
+use super::material::{WORDS, WordParameter};
 use super::settings::{FILM, INTEGRATOR};
 use super::text::{color, number, numbers, quoted, vector};
 use crate::material::{PARAMETERS, Slot};
@@ -153,7 +153,9 @@ fn material(from: &Material, to: &Material) -> Result<String, SceneError> {
         }
     }
     lines += &model(from, to)?;
-    lines += &settings(&WORDS, from, to);
+    for WordParameter { key, word, .. } in WORDS.iter().filter(|one| (one.word)(from) != (one.word)(to)) {
+        lines += &format!("{key} = {}\n", quoted(word(to)));
+    }
     match (&from.geometry_normal, &to.geometry_normal) {
         (Some(_), None) => lines += "geometry_normal = \"none\"\n",
         (Some(old), Some(new)) if number(old.scale) != number(new.scale) => {

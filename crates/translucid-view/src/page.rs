@@ -1,0 +1,56 @@
+//! The page's files, part of the program.
+
+/// A file of the page: its path below the page's address, its media type, its bytes.
+pub(crate) struct PageFile {
+    pub(crate) path: &'static str,
+    pub(crate) media_type: &'static str,
+    pub(crate) bytes: &'static [u8],
+}
+
+macro_rules! page_files {
+    ($($path:literal: $media_type:expr,)*) => {
+        /// Every file of the page.
+        pub(crate) const PAGE_FILES: &[PageFile] = &[$(PageFile {
+            path: $path,
+            media_type: $media_type,
+            bytes: include_bytes!(concat!("../page/", $path)),
+        }),*];
+    };
+}
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+const STYLE: &str = "text/css; charset=utf-8";
+
+page_files! {
+    "index.html": "text/html; charset=utf-8",
+    "style.css": STYLE,
+    "main.js": SCRIPT,
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs;
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn page_has_every_file_of_its_folder_but_licenses() {
+        fn visit(folder: &Path, below: &str, found: &mut Vec<String>) {
+            for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+                let name = format!("{below}{}", entry.file_name().to_str().unwrap());
+                if entry.path().is_dir() {
+                    visit(&entry.path(), &format!("{name}/"), found);
+                } else if !name.contains("LICENSE") {
+                    found.push(name);
+                }
+            }
+        }
+        let mut found = Vec::new();
+        visit(&Path::new(env!("CARGO_MANIFEST_DIR")).join("page"), "", &mut found);
+        let mut listed: Vec<&str> = PAGE_FILES.iter().map(|file| file.path).collect();
+        found.sort_unstable();
+        listed.sort_unstable();
+        assert_eq!(found, listed);
+    }
+}
