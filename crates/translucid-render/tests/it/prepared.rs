@@ -85,6 +85,7 @@ fn apply(scene: &mut Scene, edit: Edit) {
         Edit::Object(index, object) => scene.objects[index] = *object,
         Edit::Lights(lights) => scene.lights = lights,
         Edit::Environment(environment) => scene.environment = environment,
+        Edit::AddImage(image) => scene.images.push(image.as_ref().clone()),
         Edit::Integrator(integrator) => scene.integrator = integrator,
     }
 }
