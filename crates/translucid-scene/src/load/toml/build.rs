@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
@@ -39,7 +40,8 @@ impl SceneFile {
     ) -> Result<Scene, SceneError> {
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
-        let images = load_files(&self.images, |image| load_image(&image.path, image.kind, warnings))?;
+        let images =
+            load_files(&self.images, |image| load_image(&image.path, image.kind, warnings).map(Arc::new))?;
         scene.images.extend(images);
         let mut builder =
             SceneBuilder { grouping: self.grouping, camera: self.camera, ..SceneBuilder::of(scene) };
@@ -265,7 +267,7 @@ impl SceneBuilder {
         if entry.material.is_none() && !loaded.model.materials.is_empty() && loaded.first_material.is_none() {
             loaded.first_material = Some(self.scene.materials.len());
             let shift = self.scene.images.len();
-            self.scene.images.append(&mut loaded.model.images);
+            self.scene.images.extend(loaded.model.images.drain(..).map(Arc::new));
             for material in &mut loaded.model.materials {
                 material.for_each_texture(|texture| texture.image += shift);
             }

@@ -1,7 +1,7 @@
 //! The writer of scene files: what of a scene differs from another, as a file that extends that one.
 
 use std::fmt::Debug;
-use std::path::PathBuf;
+use std::sync::Arc;
 
 use glam::{Mat3, Vec3};
 
@@ -12,10 +12,7 @@ use super::material::{WORDS, WordParameter};
 use super::settings::{FILM, INTEGRATOR};
 use super::text::{color, number, numbers, quoted, vector};
 use crate::material::{PARAMETERS, Slot};
-use crate::{
-    Camera, ColorInput, ColorSpace, Image, Light, Material, Mesh, Object, Pixels, ProfileTable, Scene,
-    SceneError, SubsurfaceModel, Unit,
-};
+use crate::{Camera, ColorInput, Light, Material, Mesh, Object, Scene, SceneError, SubsurfaceModel, Unit};
 
 /// What a written scene file extends: its keys `extends`, `preset` and `unit`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -33,10 +30,9 @@ impl ExtendedBase {
     ///
     /// `from` is what [`load_scene`](crate::load_scene) makes of the base without further options.
     /// The file says what is different and nothing else, and every number so that it reads back to the same bits.
-    /// Meshes and the pixels of images are not looked at, so the scenes may be without them; the lists of objects,
-    /// materials and images must be there.
-    /// `environment_file` is the path of an environment's image that `from` does not have: its index in `to` is not
-    /// less than the number of images of `from`.
+    /// Meshes are not looked at, so the objects may be without.
+    /// An image of `to` is one of `from` if both share it, wherever it is in their lists.
+    /// `environment_file` is the path of an environment's image that `from` does not have.
     ///
     /// # Errors
     /// Something changed that a scene file cannot say: there are more or fewer objects or materials, another name, or
@@ -58,6 +54,7 @@ impl ExtendedBase {
         to: &Scene,
         environment_file: Option<&str>,
     ) -> Result<String, SceneError> {
+        let to = &with_numbers_of(from, to);
         let mut text = format!("extends = {}\n", quoted(&self.extends));
         if let Some(preset) = &self.preset {
             text += &format!("preset = {}\n", quoted(preset));
@@ -328,13 +325,51 @@ fn unsaid(what: &str) -> SceneError {
     SceneError::new(format!("{what} cannot be written in a scene file that extends another"))
 }
 
+/// The scene without meshes, its images numbered as in `from`; those that are not there come behind.
+fn with_numbers_of(from: &Scene, to: &Scene) -> Scene {
+    let mut images = from.images.clone();
+    let mut numbers = Vec::new();
+    for image in &to.images {
+        let known = images.iter().position(|other| Arc::ptr_eq(other, image));
+        numbers.push(known.unwrap_or(images.len()));
+        if known.is_none() {
+            images.push(Arc::clone(image));
+        }
+    }
+    let mut scene = without_meshes(to);
+    // A number that no image has stays wrong
+    scene.for_each_image(|number| *number = numbers.get(*number).copied().unwrap_or(usize::MAX));
+    Scene { images, ..scene }
+}
+
+fn without_meshes(scene: &Scene) -> Scene {
+    let object = |&Object { ref name, material, subsurface_group, .. }: &Object| Object {
+        name: name.clone(),
+        mesh: Mesh::default(),
+        material,
+        subsurface_group,
+    };
+    Scene {
+        unit: scene.unit,
+        camera: scene.camera,
+        film: scene.film,
+        integrator: scene.integrator,
+        objects: scene.objects.iter().map(object).collect(),
+        materials: scene.materials.clone(),
+        images: scene.images.clone(),
+        profile_tables: scene.profile_tables.clone(),
+        lights: scene.lights.clone(),
+        environment: scene.environment,
+    }
+}
+
 /// Reads the text back, as changes of the base: it must give what was to be written.
 fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
     let source = DocumentText::of_part("the scene to be written", text);
-    let read = SceneFile::of(&source, Base::Known(Box::new(without_bulk(from))))?;
+    let read = SceneFile::of(&source, Base::Known(Box::new(without_meshes(from))))?;
     let mut environment = to.environment;
     if let Some(image) = environment.as_mut().and_then(|environment| environment.image.as_mut()) {
-        // The only new image, wherever it is in the scene
+        // The only new image that is written
         *image = (*image).min(from.images.len());
     }
     let scene = &read.scene;
@@ -359,30 +394,5 @@ fn require_same<T: Debug>(what: &str, read: &T, wanted: &T) -> Result<(), SceneE
         Ok(())
     } else {
         Err(unsaid(&format!("the change of {what}")))
-    }
-}
-
-/// The scene with the numbers of its meshes, images and tables, but nothing in them.
-fn without_bulk(scene: &Scene) -> Scene {
-    let object = |&Object { ref name, material, subsurface_group, .. }: &Object| Object {
-        name: name.clone(),
-        mesh: Mesh::default(),
-        material,
-        subsurface_group,
-    };
-    let (color_space, pixels) = (ColorSpace::Linear, Pixels::Byte(Vec::new()));
-    let image = Image { name: String::new(), path: None, width: 0, height: 0, color_space, pixels };
-    let table = ProfileTable { path: PathBuf::new(), rows: Vec::new() };
-    Scene {
-        unit: scene.unit,
-        camera: scene.camera,
-        film: scene.film,
-        integrator: scene.integrator,
-        objects: scene.objects.iter().map(object).collect(),
-        materials: scene.materials.clone(),
-        images: vec![image; scene.images.len()],
-        profile_tables: vec![table; scene.profile_tables.len()],
-        lights: scene.lights.clone(),
-        environment: scene.environment,
     }
 }

@@ -1,6 +1,7 @@
 //! Written scene files: whatever was edited reads back to the same bits.
 
 use std::fs;
+use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -95,8 +96,9 @@ impl Editing {
         Self::of("parts.gltf", &textured_gltf(), None, None)
     }
 
-    fn sky(&self) -> Image {
-        load_image(&self.folder.path().join("sky.png"), crate::ColorSpace::Srgb, &mut Vec::new()).unwrap()
+    fn sky(&self) -> Arc<Image> {
+        let path = self.folder.path().join("sky.png");
+        Arc::new(load_image(&path, crate::ColorSpace::Srgb, &mut Vec::new()).unwrap())
     }
 
     fn text(&self, edited: &Scene) -> Result<String, SceneError> {
@@ -113,7 +115,10 @@ impl Editing {
     }
 
     fn check(&self, edited: &Scene) {
-        let (text, scene) = self.read_back(edited);
+        let (text, mut scene) = self.read_back(edited);
+        // Whichever images are no longer used, the others have the same numbers then
+        let edited = &mut edited.clone();
+        [&mut scene, edited].into_iter().for_each(Scene::drop_unused_images);
         // Their text tells 0 from -0, too.
         let shown = |scene: &Scene| {
             let objects = scene.objects.iter().map(|o| (&o.name, o.material, o.subsurface_group));
@@ -241,7 +246,7 @@ impl Random {
         drop(material.clamp());
     }
 
-    fn edit_environment(&mut self, scene: &mut Scene, sky: &Image) {
+    fn edit_environment(&mut self, scene: &mut Scene, sky: &Arc<Image>) {
         match self.below(5) {
             0 => scene.environment = None,
             1 => {
@@ -275,6 +280,9 @@ impl Random {
             if self.chance(2) {
                 self.edit_material(material);
             }
+        }
+        if self.chance(3) {
+            scene.drop_unused_images();
         }
         if self.chance(3) {
             scene.lights = (0..self.below(4)).map(|_| self.light()).collect();
@@ -432,7 +440,7 @@ fn what_cannot_be_said_is_refused() {
     };
     let message = |what: &str| format!("{what} cannot be written in a scene file that extends another");
     let uses_sky = |scene: &mut Scene| {
-        scene.images.push(scene.images[0].clone());
+        scene.images.push(Arc::new(Image::clone(&scene.images[0])));
         scene.environment =
             Some(Environment { image: Some(scene.images.len() - 1), ..Environment::default() });
     };
