@@ -18,8 +18,6 @@ macro_rules! page_files {
     };
 }
 
-const HTML: &str = "text/html; charset=utf-8";
-const PICTURE: &str = "image/svg+xml";
 const PAGE: &str = "text/html; charset=utf-8";
 const STYLE: &str = "text/css; charset=utf-8";
 const SCRIPT: &str = "text/javascript; charset=utf-8";
