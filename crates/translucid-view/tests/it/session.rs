@@ -95,12 +95,13 @@ fn page_that_shows_nothing_gets_no_queue_of_pictures() {
     let served = Served::new(small_still_life());
     let mut client = served.connect();
     client.paints = false;
+    let mut version = 0;
     for i in 0..40 {
         let radius = 0.1 + 0.01 * f64::from(i);
-        client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":radius}}));
+        version = client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":radius}}));
         std::thread::sleep(std::time::Duration::from_millis(5));
     }
-    let version = client.apply(json!({"type":"pause","on":true}));
+    client.apply(json!({"type":"pause","on":true}));
     assert!(client.frames.len() <= 1, "{}", client.frames.len());
     // When it has shown that one it gets the newest, and few of those between
     client.paints = true;
