@@ -86,7 +86,7 @@ impl Studio {
             unit: scene.unit,
             image_count: scene.images.len(),
             table_count: scene.profile_tables.len(),
-            image_facts: scene.images.iter().map(json::image).collect(),
+            image_facts: scene.images.iter().map(|image| json::image(image)).collect(),
             images: Vec::new(),
             origin: setup.clone(),
             setup,
@@ -293,7 +293,7 @@ impl Studio {
         require("material", index, look.materials.len())?;
         let old = &look.materials[index];
         let piece = named_piece(format!("material {}", old.name), set)?;
-        let new = piece.material(old.clone(), self.unit)?;
+        let new = piece.material(old, self.unit)?;
         new.validate(self.image_count + self.images.len(), self.table_count)?;
         Ok(new)
     }
@@ -445,7 +445,7 @@ mod tests {
             (r#"{"type":"material","index":2,"set":{"geometry_normal":"/etc/passwd"}}"#, "no further images"),
             (
                 r#"{"type":"material","index":2,"set":{"subsurface_table":"/etc/passwd"}}"#,
-                "no further images",
+                "no further tables",
             ),
             (r#"{"type":"film","set":{"size":[16384,16384]}}"#, "but a page shows at most"),
             (r#"{"type":"film","set":{"exposure":99}}"#, "must be in [-32, 32]"),

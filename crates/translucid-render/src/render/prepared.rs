@@ -43,6 +43,9 @@ pub enum Edit {
     Integrator(Integrator),
     /// Another image, behind those that the scene has, for edits that refer to it.
     AddImage(Arc<Image>),
+    /// Without the images that nothing refers to: those behind them move up, and have the numbers of
+    /// [`PreparedScene::scene`] then.
+    DropUnusedImages,
 }
 
 /// Everything that was prepared anew.
@@ -131,7 +134,11 @@ impl PreparedScene {
             }
             Edit::AddImage(image) => {
                 image.validate()?;
-                self.world.scene.images.push(image.as_ref().clone());
+                self.world.scene.images.push(image);
+                return Ok(Renewed::default());
+            }
+            Edit::DropUnusedImages => {
+                self.world.scene.drop_unused_images();
                 return Ok(Renewed::default());
             }
             Edit::Integrator(integrator) => {
