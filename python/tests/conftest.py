@@ -4,9 +4,13 @@ import csv
 import io
 import os
 import pathlib
+import signal
 import subprocess
 
 import pytest
+
+# A job in the background inherits that Ctrl-C is ignored, and hands it on to the programs that tests start
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 

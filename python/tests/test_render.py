@@ -136,14 +136,54 @@ def test_edits_render_what_a_new_scene_does():
     assert session.picture(["alpha"])["alpha"].min() == 0
 
 
+def test_edits_take_images(tmp_path):
+    random = np.random.default_rng(2)
+    color, other = (random.integers(0, 255, (4, 8, 3), dtype=np.uint8) for _ in range(2))
+    rough, sky = random.random((3, 5)), random.random((4, 8, 3), dtype=np.float32)
+    file = tmp_path / "sky.exr"
+    translucid.write_exr(file, 2 * sky)
+
+    def new(material, environment):
+        scene = Scene(environment=environment)
+        scene.add_material("wax", **material)
+        scene.add_object("ball", shape="sphere", material="wax")
+        return render(scene, size=(24, 16), spp=2)["radiance"]
+
+    session = Session(ball(), size=(24, 16))
+    wax = {"subsurface_weight": 1, "subsurface_color": [0.9, 0.7, 0.4], "subsurface_radius": 0.4}
+    gray = {"radiance": 0.7}
+    pictures = []
+    for material, environment in [
+        ({"subsurface_color": color}, None),
+        ({}, {"file": sky}),
+        ({"subsurface_color": {"image": other, "uv_scale": 2, "color_space": "linear"}, "specular_roughness": rough}, None),
+        ({"subsurface_color": 0.5}, {"file": str(file), "rotation": 30}),
+        ({}, {"file": sky, "radiance": 0.5}),
+    ]:
+        wax, gray = wax | material, environment or gray
+        if material:
+            session.edit_material("wax", **material)
+        if environment:
+            session.set_environment(**environment)
+        session.run(2)
+        assert np.array_equal(bits(session.snapshot()), bits(new(wax, gray)))
+        pictures.append(session.snapshot().tobytes())
+    assert len(set(pictures)) == 5
+
+
 @pytest.mark.parametrize(
     "edit, message",
     [
         (lambda s: s.edit_material("vax", base_color=1), 'there is no material "vax" .there are wax'),
         (lambda s: s.edit_material("wax", base_colr=1), "material wax: it has no key base_colr"),
         (lambda s: s.edit_material("wax", base_color=3), r"base_color is 3, but must be in \[0, 1\]"),
-        (lambda s: s.edit_material("wax", base_color=np.ones((2, 2))), "takes no images"),
-        (lambda s: s.edit_material("wax", base_color={"file": "a.png"}), "no further images"),
+        (lambda s: s.edit_material("wax", base_color=np.full((2, 2), np.nan)), r"base_color\[0, 0\] is NaN"),
+        (lambda s: s.edit_material("wax", base_color={"image": np.ones((2, 2)), "factor": -1}), "factor is -1"),
+        (lambda s: s.edit_material("wax", base_color={"file": "no.png"}), "material wax: the file no.png does not exist"),
+        (lambda s: s.edit_material("wax", subsurface_table="a.csv"), "this scene takes no further tables"),
+        (lambda s: s.set_environment(file=np.ones((2, 2, 5))), "environment: file has the shape"),
+        (lambda s: s.set_environment(file="no.exr"), "environment: the file no.exr does not exist"),
+        (lambda s: s.set_camera(position=[0, 0, 0], target=np.ones((2, 2))), "camera takes no images"),
         (lambda s: s.set_camera(position=[0, 0, 0]), "camera: it needs the key target"),
         (lambda s: s.set_camera(position=[0, 0, 0], target=[0, 0, np.nan]), "camera: target.* is nan"),
         (lambda s: s.set_lights([{"type": "point"}]), "light 0: it needs the key position"),

@@ -20,6 +20,7 @@ mod reference;
 mod render;
 mod sample;
 mod table;
+mod view;
 
 use std::ffi::OsString;
 
@@ -46,12 +47,14 @@ enum Verb {
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
+    View(view::ViewArguments),
 }
 
 const EXAMPLES: &str = "\
 Examples:
   translucid
   translucid render bust.glb --preset marble --size 800x800 --spp 128
+  translucid view bust.glb --preset marble
   translucid profile --surface-albedo 0.8 --mfp 1 --points 100 --max 10
   translucid reference --method exact --surface-albedo 0.8 --points 100 --max 10
   translucid fit --configuration searchlight --parameter mfp --family burley
@@ -100,5 +103,6 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Fit(arguments)) => fit::run(&arguments),
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
+        Some(Verb::View(arguments)) => view::run(&arguments),
     }
 }

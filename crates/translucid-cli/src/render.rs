@@ -26,7 +26,7 @@ use picture::Task;
 use presets::print_presets;
 
 /// Most samples per pixel, as the scene's settings have it.
-const MAX_SAMPLES: u32 = 1 << 24;
+pub(crate) const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Time between two checkpoints where none is asked for.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
@@ -63,27 +63,27 @@ Examples:
 pub(crate) struct Arguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply)
     #[arg(value_name = "SCENE|MESH")]
-    scene: Option<PathBuf>,
+    pub(crate) scene: Option<PathBuf>,
     /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]; with several
     /// models a directory [default: the scene's name and -side-by-side]
     #[arg(short, long, value_name = "FILE|DIR")]
     output: Option<PathBuf>,
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
-    size: Option<[u32; 2]>,
+    pub(crate) size: Option<[u32; 2]>,
     /// Render these pixels only, from (X0, Y0) at the top left to just before (X1, Y1): they are those of the whole
     /// picture, bit for bit, and the file has their size
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_region)]
     region: Option<[u32; 4]>,
     /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
-    spp: Option<u32>,
+    pub(crate) spp: Option<u32>,
     /// Render for this long; with --spp until whichever comes first
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
     /// Seed of the random numbers [default: the scene's]
     #[arg(long, value_name = "S")]
-    seed: Option<u64>,
+    pub(crate) seed: Option<u64>,
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -110,13 +110,13 @@ pub(crate) struct Arguments {
     points: Option<PathBuf>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME")]
-    preset: Option<String>,
+    pub(crate) preset: Option<String>,
     /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
     #[arg(long)]
-    unit: Option<UnitName>,
+    pub(crate) unit: Option<UnitName>,
     /// Mesh file in place of that of the scene's object NAME, or of its only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh)]
-    mesh: Vec<(Option<String>, PathBuf)>,
+    pub(crate) mesh: Vec<(Option<String>, PathBuf)>,
     /// Denoise the picture at the end by Intel Open Image Denoise, which must be installed
     #[arg(long)]
     denoise: bool,
@@ -190,7 +190,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.
-fn scene(arguments: &Arguments, model: Option<SubsurfaceModel>) -> Result<(Scene, Vec<Warning>), Failure> {
+pub(crate) fn scene(
+    arguments: &Arguments,
+    model: Option<SubsurfaceModel>,
+) -> Result<(Scene, Vec<Warning>), Failure> {
     let options = load_options(arguments, model);
     let mut warnings = Vec::new();
     let mut scene = match &arguments.scene {
@@ -268,7 +271,7 @@ fn stem(arguments: &Arguments) -> &OsStr {
     arguments.scene.as_deref().map_or(Path::new("still-life"), Path::new).file_stem().unwrap_or_default()
 }
 
-fn parse_size(text: &str) -> Result<[u32; 2], String> {
+pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let wrong = || String::from("a size is WIDTHxHEIGHT, each in [1, 16384], like 960x540");
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(wrong)?;
     let edge =
@@ -299,7 +302,7 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| String::from("a time is a number of seconds in (0, 1e9]"))
 }
 
-fn parse_mesh(text: &str) -> Result<(Option<String>, PathBuf), String> {
+pub(crate) fn parse_mesh(text: &str) -> Result<(Option<String>, PathBuf), String> {
     match text.split_once('=') {
         // A path may itself contain the sign.
         Some((name, path)) if !Path::new(text).exists() => {

@@ -1,6 +1,7 @@
 //! Keyword arguments as keys and values of a scene file, arrays among them as its images.
 
 use std::fmt::Write;
+use std::sync::Arc;
 
 use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;
@@ -217,14 +218,14 @@ impl<'a> Keys<'a> {
         let (width, height) = (width as u32, height as u32);
         let name = image_name.clone();
         // The key that names it says which color space bytes have
-        self.piece.images.push(Image {
+        self.piece.images.push(Arc::new(Image {
             name,
             path: None,
             width,
             height,
             color_space: ColorSpace::Linear,
             pixels,
-        });
+        }));
         Ok(image_name)
     }
 
@@ -269,10 +270,14 @@ fn quoted(text: &str) -> String {
     quoted
 }
 
-/// Reads keyword arguments that bring no images.
+/// Reads keyword arguments.
 pub(crate) fn piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
-    let mut count = 0;
-    let piece = Keys::new(title, &mut count).arguments(keys)?.piece();
+    Ok(Keys::new(title, &mut 0).arguments(keys)?.piece())
+}
+
+/// Reads keyword arguments that bring no images.
+pub(crate) fn plain_piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
+    let piece = piece_of(title, keys)?;
     if piece.images.is_empty() {
         return Ok(piece);
     }

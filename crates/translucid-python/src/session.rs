@@ -13,9 +13,9 @@ use translucid_render::{
     Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, SessionError, View,
     available_memory,
 };
-use translucid_scene::{Environment, Light, Mesh, SceneError, repair_mesh};
+use translucid_scene::{Image, Light, Mesh, SceneError, Warning, repair_mesh};
 
-use crate::keys::piece_of;
+use crate::keys::{piece_of, plain_piece_of};
 use crate::long_work;
 use crate::names;
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
@@ -314,7 +314,7 @@ impl Session {
     /// name : str
     ///     Its name.
     /// **keys
-    ///     As in `Scene.add_material`, without further images.
+    ///     As in `Scene.add_material`, arrays and files of images among them, but for ``subsurface_table``.
     ///
     /// Raises
     /// ------
@@ -323,12 +323,13 @@ impl Session {
     #[pyo3(signature = (name, **keys))]
     fn edit_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of(&format!("material {name}"), keys)?;
-        self.edit(py, |session| {
+        self.edit_with_files(py, |session, warnings| {
             let scene = session.prepared().scene();
             let names = scene.materials.iter().map(|material| material.name.as_str());
             let index = index_of("material", name, names)?;
-            let material = piece.material(scene.materials[index].clone(), scene.unit)?;
-            session.edit(Edit::Material(index, Box::new(material))).map(drop)
+            let old = &scene.materials[index];
+            let (material, images) = piece.material_with_images(scene, old, warnings)?;
+            Ok((images, Edit::Material(index, Box::new(material))))
         })
     }
 
@@ -387,7 +388,7 @@ impl Session {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let camera = piece_of("camera", keys)?.camera().map_err(scene_error)?;
+        let camera = plain_piece_of("camera", keys)?.camera().map_err(scene_error)?;
         self.edit(py, |session| {
             session.set_view(session.view().with_camera(camera)?);
             Ok(())
@@ -411,18 +412,18 @@ impl Session {
             let keys = light.cast::<PyDict>().map_err(|_| {
                 PyTypeError::new_err(format!("lights must be dictionaries, but one is {light}"))
             })?;
-            piece_of(&format!("light {i}"), Some(keys))?.light().map_err(scene_error)
+            plain_piece_of(&format!("light {i}"), Some(keys))?.light().map_err(scene_error)
         };
         let lights: Vec<Light> = lights.try_iter()?.enumerate().map(read).collect::<PyResult<_>>()?;
         self.edit(py, |session| session.edit(Edit::Lights(lights)).map(drop))
     }
 
-    /// Takes another environment, without an image.
+    /// Takes another environment.
     ///
     /// Parameters
     /// ----------
     /// **keys
-    ///     As in `Scene.set_environment`; without any there is none.
+    ///     As in `Scene.set_environment`, ``file`` (an image, or an array) among them; without any there is none.
     ///
     /// Raises
     /// ------
@@ -430,13 +431,15 @@ impl Session {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let environment: Option<Environment> = match keys {
-            Some(keys) if !keys.is_empty() => {
-                Some(piece_of("environment", Some(keys))?.environment().map_err(scene_error)?)
-            }
-            _ => None,
+        let Some(keys) = keys.filter(|keys| !keys.is_empty()) else {
+            return self.edit(py, |session| session.edit(Edit::Environment(None)).map(drop));
         };
-        self.edit(py, |session| session.edit(Edit::Environment(environment)).map(drop))
+        let piece = piece_of("environment", Some(keys))?;
+        self.edit_with_files(py, |session, warnings| {
+            let scene = session.prepared().scene();
+            let (environment, images) = piece.environment_with_images(scene, warnings)?;
+            Ok((images, Edit::Environment(Some(environment))))
+        })
     }
 
     /// Changes how paths are traced.
@@ -452,7 +455,7 @@ impl Session {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let piece = piece_of("integrator", keys)?;
+        let piece = plain_piece_of("integrator", keys)?;
         self.edit(py, |session| {
             let integrator = piece.integrator(session.prepared().scene().integrator)?;
             session.edit(Edit::Integrator(integrator))?;
@@ -632,6 +635,28 @@ impl Session {
             *self.facts() = Facts::of(session);
             Ok(())
         })
+    }
+
+    /// Makes an edit that may read files, and warns of what was repaired in them.
+    fn edit_with_files(
+        &self,
+        py: Python<'_>,
+        make: impl FnOnce(
+            &translucid_render::Session,
+            &mut Vec<Warning>,
+        ) -> Result<(Vec<Arc<Image>>, Edit), SceneError>
+        + Send,
+    ) -> PyResult<()> {
+        let mut warnings = Vec::new();
+        self.edit(py, |session| {
+            let (images, edit) = make(session, &mut warnings)?;
+            for image in images {
+                session.edit(Edit::AddImage(image))?;
+            }
+            session.edit(edit)?;
+            session.edit(Edit::DropUnusedImages).map(drop)
+        })?;
+        warn(py, &warnings)
     }
 
     /// The radiance denoised.

@@ -78,8 +78,8 @@ mod world;
 
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
-    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, PreparedScene,
-    Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
+    CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, Picked, Picker,
+    PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
 };
 pub use session::{
     CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError, available_memory,

@@ -7,7 +7,7 @@ use crate::SceneError;
 /// An interval of numbers; its ends are finite, so nothing infinite is in it, and no NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Interval {
-    low: f64,
+    pub(crate) low: f64,
     pub(crate) high: f64,
     /// Whether the low and the high end belong to it.
     closed: [bool; 2],

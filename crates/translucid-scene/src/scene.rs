@@ -1,5 +1,7 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use crate::interval::check_index;
@@ -93,8 +95,8 @@ pub struct Scene {
     pub objects: Vec<Object>,
     /// Materials that [`Object::material`] refers to.
     pub materials: Vec<Material>,
-    /// Images that texture references and the environment refer to.
-    pub images: Vec<Image>,
+    /// Images that texture references and the environment refer to; scenes may share them.
+    pub images: Vec<Arc<Image>>,
     /// Profiles that [`SubsurfaceModel::Tabulated`](crate::SubsurfaceModel::Tabulated) refers to.
     pub profile_tables: Vec<ProfileTable>,
     /// Lights other than emissive objects and the environment.
@@ -128,7 +130,7 @@ impl Scene {
         first_error(self.materials.len(), |i| self.validate_material(i))?;
         first_error(self.lights.len(), |i| self.validate_light(i))?;
         self.validate_objects()?;
-        let image = |i| check_one("image", &self.images, i, |image| &image.name, Image::check);
+        let image = |i| check_one("image", &self.images, i, |image| &image.name, |image| image.check());
         first_error(self.images.len(), image)?;
         first_error(self.profile_tables.len(), |i| self.profile_tables[i].validate())
     }
@@ -192,8 +194,7 @@ impl Scene {
     /// # Errors
     /// There is no such light, or it is broken.
     pub fn validate_light(&self, index: usize) -> Result<(), SceneError> {
-        let light = get(&self.lights, index, "light")?;
-        light.check().map_err(|error| error.within(format_args!("light {index} ({})", light.kind())))
+        get(&self.lights, index, "light")?.validate(index)
     }
 
     /// Checks the environment, if there is one.
@@ -202,6 +203,25 @@ impl Scene {
     /// It is broken.
     pub fn validate_environment(&self) -> Result<(), SceneError> {
         self.environment.as_ref().map_or(Ok(()), |environment| environment.validate(self.images.len()))
+    }
+}
+
+impl Scene {
+    /// Drops the images that nothing refers to; those behind move up.
+    pub fn drop_unused_images(&mut self) {
+        let mut is_used = vec![false; self.images.len()];
+        self.for_each_image(|number| is_used.get_mut(*number).into_iter().for_each(|used| *used = true));
+        self.for_each_image(|number| *number = is_used.iter().take(*number).filter(|used| **used).count());
+        let mut is_used = is_used.into_iter();
+        self.images.retain(|_| is_used.next() == Some(true));
+    }
+
+    /// Every reference to an image.
+    pub(crate) fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
+        self.materials
+            .iter_mut()
+            .for_each(|material| material.for_each_texture(|texture| visit(&mut texture.image)));
+        self.environment.iter_mut().filter_map(|environment| environment.image.as_mut()).for_each(visit);
     }
 }
 

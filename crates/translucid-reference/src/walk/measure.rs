@@ -1,6 +1,7 @@
 //! The kernel alone, with nothing behind it, for benches.
 
 use std::ops::Range;
+use std::sync::atomic::AtomicBool;
 
 use fearless_simd::Level;
 
@@ -31,8 +32,9 @@ impl Walker {
         albedo: f64,
         photons: Range<u64>,
     ) -> Option<(u64, u64)> {
-        let seed = 1;
-        let kernel = |level| trace_at_level(level, problem, albedo, seed, photons.clone(), &mut |_| {});
+        let (seed, never) = (1, AtomicBool::new(false));
+        let kernel =
+            |level| trace_at_level(level, &never, problem, albedo, seed, photons.clone(), &mut |_| {});
         let counts: PhotonCounts = match self {
             Self::Kernel => kernel(Level::new()),
             Self::Avx2 => kernel(avx2()?),

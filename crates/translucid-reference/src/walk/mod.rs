@@ -43,7 +43,9 @@ pub use problem::{Parameters, PhaseFunction, Problem};
 pub use run::Control;
 pub use run_until::{Forecast, Goal};
 pub use table_error::TableError;
+#[cfg(test)]
 pub(crate) use trace::trace;
+use trace::trace_until;
 pub use white_table::WhiteTable;
 
 #[cfg(test)]

@@ -9,14 +9,14 @@ use super::orders::Cell;
 use super::photon_exit::{PhotonCounts, PhotonExit};
 use super::photon_ranges::{PhotonRange, PhotonRanges};
 use super::table_error::TableError;
-use super::trace;
+use super::trace_until;
 use super::white_table::WhiteTable;
 
 /// Means by which the world outside takes part in a run.
 #[derive(Clone, Copy)]
 pub struct Control<'a> {
-    /// Set to true, from any thread, it ends the run within a fraction of a second; the table then holds the
-    /// photons that were done.
+    /// Set to true, from any thread, it ends the run once the photons under way have ended, within some hundredths of a
+    /// second; the table then holds the photons that were done.
     pub stop: &'a AtomicBool,
     /// Called with the number of photons done since the run started, from any of its threads, some times a second.
     pub progress: &'a (dyn Fn(u64) + Sync),
@@ -97,7 +97,7 @@ impl WhiteTable {
     }
 }
 
-/// Time that a piece of work is to take: the longest that a stop is waited for.
+/// Time that a piece of work is to take: the longest that a deadline is waited for. A stop is seen within a piece.
 ///
 /// At its end the kernel waits for a last photon with most lanes empty. That is nothing at albedos up to 0.999,
 /// where 2¹⁴ photons cost as much per collision as 2²⁰; at 0.99999 they cost half as much again as 2¹⁷, which take
@@ -129,18 +129,21 @@ impl Run<'_> {
         let mut pending = Vec::with_capacity(2 * PENDING);
         let mut size = SMALLEST_PIECE;
         while !self.control.stops() {
-            let Some(piece) = lock(&self.pieces).take(size, self.threads) else { break };
+            let Some(mut piece) = lock(&self.pieces).take(size, self.threads) else { break };
             let start = Instant::now();
             let (problem, albedo) = (self.table.problem(), self.table.reference_albedo());
-            let counts = trace(problem, albedo, self.seed, piece.clone(), &mut |exits: &[PhotonExit]| {
+            let tally_exits = &mut |exits: &[PhotonExit]| {
                 pending.extend(exits.iter().map(|exit| (self.table.cell_index(exit), exit.order)));
                 if pending.len() >= PENDING {
                     self.flush(&mut pending, tally);
                 }
-            });
+            };
+            let stop = self.control.stop;
+            let counts = trace_until(stop, problem, albedo, self.seed, piece.clone(), tally_exits);
             self.flush(&mut pending, tally);
 
-            let photons = piece.end - piece.start;
+            let photons = counts.launched;
+            piece.end = piece.start + photons;
             lock(&self.done).push((piece, counts));
             let done = self.photons_done.fetch_add(photons, Ordering::Relaxed) + photons;
             (self.control.progress)(done);
@@ -200,6 +203,7 @@ fn into_inner<T>(mutex: Mutex<T>) -> T {
 
 #[cfg(test)]
 mod tests {
+    use super::super::trace;
     use super::super::{Layout, OrderBins, Parameters, PhotonRange, Problem, Region, Side};
     use super::*;
 
@@ -321,6 +325,31 @@ mod tests {
                 assert!(taken >= wait && taken < wait + Duration::from_secs(3), "{taken:?}");
                 assert!(table.photons() > 0);
             }
+        }
+    }
+
+    /// Whoever waits for a stop waits for the photons under way alone, not for a piece of work.
+    #[test]
+    fn stop_is_seen_within_a_piece() {
+        for albedo in [0.5, 0.99, 0.99999] {
+            let attempt = |seed| {
+                let stop = AtomicBool::new(false);
+                let mut table = empty(albedo);
+                std::thread::scope(|scope| {
+                    let stopped = scope.spawn(|| {
+                        std::thread::sleep(2 * PIECE_TIME);
+                        stop.store(true, Ordering::Relaxed);
+                        Instant::now()
+                    });
+                    let control = Control { stop: &stop, ..Control::default() };
+                    table.run(seed, u64::MAX / 2, &control).unwrap();
+                    let end = Instant::now();
+                    end - stopped.join().unwrap()
+                })
+            };
+            // The least of some, on a machine that may be busy
+            let least = (0..3).map(attempt).min().unwrap();
+            assert!(least < PIECE_TIME / 4, "albedo {albedo}: {least:?}");
         }
     }
 

@@ -42,6 +42,7 @@
 //! | with sfc32 and SSE2, refills one photon at a time | 24 | 12.8 | 5.1 |
 
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, mask32x16};
@@ -57,12 +58,26 @@ use super::problem::{PhaseFunction, Problem};
 use super::random::{Key, LANES, Stream};
 use super::scatter::{Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
 
-/// Walks the photons of a range.
+/// Walks the photons of a range; once `stop` is true, it launches no more and ends with the last of those under way.
 ///
 /// Every random number is a function of (seed, photon index): any partition of the range gives the same exits,
 /// in another order. `reference_albedo` is the probability of surviving a collision, in [0, 1]; at 1 in a half
 /// space the mean number of collisions is infinite. Each photon ends as one exit or as absorbed; one that
-/// survives 2³² − 1 collisions counts as absorbed.
+/// survives 2³² − 1 collisions counts as absorbed. Of a walk that was stopped, the photons launched are the first of
+/// the range.
+pub(crate) fn trace_until(
+    stop: &AtomicBool,
+    problem: &Problem,
+    reference_albedo: f64,
+    seed: u64,
+    photons: Range<u64>,
+    exits: &mut impl FnMut(&[PhotonExit]),
+) -> PhotonCounts {
+    trace_at_level(Level::new(), stop, problem, reference_albedo, seed, photons, exits)
+}
+
+/// [`trace_until`] the end.
+#[cfg(test)]
 pub(crate) fn trace(
     problem: &Problem,
     reference_albedo: f64,
@@ -70,12 +85,13 @@ pub(crate) fn trace(
     photons: Range<u64>,
     exits: &mut impl FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
-    trace_at_level(Level::new(), problem, reference_albedo, seed, photons, exits)
+    trace_until(&AtomicBool::new(false), problem, reference_albedo, seed, photons, exits)
 }
 
-/// [`trace`] with a choice of instruction set.
+/// [`trace_until`] with a choice of instruction set.
 pub(crate) fn trace_at_level(
     level: Level,
+    stop: &AtomicBool,
     problem: &Problem,
     reference_albedo: f64,
     seed: u64,
@@ -89,9 +105,11 @@ pub(crate) fn trace_at_level(
         collisions_per_unit: mean_per_unit(reference_albedo),
     };
     match problem.parameters().phase_function {
-        PhaseFunction::HenyeyGreenstein { g: 0.0 } => walk(level, Isotropic, setup, photons, exits),
-        PhaseFunction::HenyeyGreenstein { g } => walk(level, HenyeyGreenstein::new(g), setup, photons, exits),
-        PhaseFunction::Rayleigh => walk(level, Rayleigh, setup, photons, exits),
+        PhaseFunction::HenyeyGreenstein { g: 0.0 } => walk(level, Isotropic, setup, stop, photons, exits),
+        PhaseFunction::HenyeyGreenstein { g } => {
+            walk(level, HenyeyGreenstein::new(g), setup, stop, photons, exits)
+        }
+        PhaseFunction::Rayleigh => walk(level, Rayleigh, setup, stop, photons, exits),
     }
 }
 
@@ -101,13 +119,14 @@ fn walk<P: Scatter>(
     level: Level,
     scatter: P,
     setup: Setup,
+    stop: &AtomicBool,
     photons: Range<u64>,
     exits: &mut dyn FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
     if setup.boundary.matched {
-        dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, photons, exits).run())
+        dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, stop, photons, exits).run())
     } else {
-        dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, photons, exits).run())
+        dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, stop, photons, exits).run())
     }
 }
 
@@ -133,6 +152,8 @@ struct Walk<'a, S: Simd, P: Scatter, const MATCHED: bool> {
     simd: S,
     scatter: P,
     setup: Setup,
+    /// Set to true, it has no more photons launched.
+    stop: &'a AtomicBool,
     /// Photons not launched yet.
     waiting: Range<u64>,
     /// Launched photons that wait for a place.
@@ -150,6 +171,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         simd: S,
         scatter: P,
         setup: Setup,
+        stop: &'a AtomicBool,
         waiting: Range<u64>,
         exits: &'a mut dyn FnMut(&[PhotonExit]),
     ) -> Self {
@@ -157,6 +179,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             simd,
             scatter,
             setup,
+            stop,
             waiting,
             pool: Photons::none(),
             block: Photons::none(),
@@ -168,7 +191,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
 
     #[inline(always)]
     fn run(mut self) -> PhotonCounts {
-        let launched = self.waiting.end.saturating_sub(self.waiting.start);
+        let first = self.waiting.start;
         self.fill_block();
         while self.block.count > 0 {
             let mut first = 0;
@@ -178,6 +201,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             }
         }
         self.exits.flush();
+        let launched = self.waiting.start - first;
         debug_assert_eq!(launched, self.exits.total + self.absorbed);
         PhotonCounts { launched, absorbed: self.absorbed, collisions: self.scattered + self.absorbed }
     }
@@ -370,7 +394,11 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         simd.vectorize(
             #[inline(always)]
             || {
-                while self.pool.count <= BLOCK - LANES && !self.waiting.is_empty() {
+                // At low albedos the pool stays empty: a walk is stopped here or not at all
+                while self.pool.count <= BLOCK - LANES
+                    && !self.waiting.is_empty()
+                    && !self.stop.load(Ordering::Relaxed)
+                {
                     self.launch_group();
                 }
             },

@@ -4,6 +4,7 @@
 //! 6e-5 a comparison, below 1 % over all comparisons of this file) plus a relative 2e-5 for single precision.
 
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Quat};
 use translucid_scene::{
@@ -20,7 +21,7 @@ const RADIANCE: Vec3 = Vec3::new(3.0, 2.0, 1.0);
 fn light_set(
     lights: Vec<Light>,
     emissive: Vec<EmissiveTriangle>,
-    sky: Option<(SceneEnvironment, Vec<Image>)>,
+    sky: Option<(SceneEnvironment, Vec<Arc<Image>>)>,
 ) -> LightSet {
     let (environment, images) = sky.map_or((None, Vec::new()), |(e, images)| (Some(e), images));
     let scene = Scene {
@@ -61,7 +62,7 @@ fn triangle(primitive: u32, vertices: [Vec3; 3]) -> EmissiveTriangle {
     EmissiveTriangle { vertices, radiance: RADIANCE, primitive }
 }
 
-fn constant_sky() -> (SceneEnvironment, Vec<Image>) {
+fn constant_sky() -> (SceneEnvironment, Vec<Arc<Image>>) {
     let environment = SceneEnvironment {
         radiance: RADIANCE,
         image: None,
@@ -72,7 +73,11 @@ fn constant_sky() -> (SceneEnvironment, Vec<Image>) {
 }
 
 /// A sky with an image, turned in an arbitrary way.
-fn image_sky(width: u32, height: u32, color: impl Fn(u32, u32) -> Vec3) -> (SceneEnvironment, Vec<Image>) {
+fn image_sky(
+    width: u32,
+    height: u32,
+    color: impl Fn(u32, u32) -> Vec3,
+) -> (SceneEnvironment, Vec<Arc<Image>>) {
     let data = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let pixels = Pixels::Float(data.map(|(x, y)| color(x, y).extend(1.0).to_array()).collect());
     let image =
@@ -81,11 +86,11 @@ fn image_sky(width: u32, height: u32, color: impl Fn(u32, u32) -> Vec3) -> (Scen
     let (environment, _) = constant_sky();
     let environment =
         SceneEnvironment { image: Some(0), radiance: Vec3::ONE, world_from_environment: turn, ..environment };
-    (environment, vec![image])
+    (environment, vec![Arc::new(image)])
 }
 
 /// A gradient with a small sun, black in one corner.
-fn sunny(width: u32, height: u32) -> (SceneEnvironment, Vec<Image>) {
+fn sunny(width: u32, height: u32) -> (SceneEnvironment, Vec<Arc<Image>>) {
     image_sky(width, height, |x, y| {
         let (u, v) = (x as f32 / width as f32, y as f32 / height as f32);
         let sun = (u - 0.7).abs() < 0.04 && (v - 0.3).abs() < 0.04;

@@ -74,6 +74,12 @@ impl FilmLayer {
         }
     }
 
+    /// The layer's channels of a pixel with these mean values.
+    #[must_use]
+    pub fn values_of(self, mean: &[f64; layer::COUNT]) -> Vec<f32> {
+        self.values(mean)[..self.channels()].iter().map(|value| *value as f32).collect()
+    }
+
     /// A pixel's values; of a layer with one channel the first.
     fn values(self, mean: &[f64; layer::COUNT]) -> [f64; 3] {
         let color = |range: Range<usize>| std::array::from_fn(|c| mean[range.start + c]);

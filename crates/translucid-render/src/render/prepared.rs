@@ -1,13 +1,15 @@
 //! A scene made ready: what is prepared once, and again only as far as an edit reaches.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_scene::{
-    Environment, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
+    Environment, Image, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
 };
 
 use super::fingerprint::{fingerprint, fingerprint_of_points};
+use super::picker::Picker;
 use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
@@ -39,6 +41,11 @@ pub enum Edit {
     Object(usize, Box<Object>),
     /// Other limits of paths, or another way of finding light under surfaces.
     Integrator(Integrator),
+    /// Another image, behind those that the scene has, for edits that refer to it.
+    AddImage(Arc<Image>),
+    /// Without the images that nothing refers to: those behind them move up, and have the numbers of
+    /// [`PreparedScene::scene`] then.
+    DropUnusedImages,
 }
 
 /// Everything that was prepared anew.
@@ -67,6 +74,7 @@ impl PreparedScene {
             || (SurfaceTables::new(&scene.materials, &scene.integrator), SubsurfaceSet::new(&scene)),
         );
         let lights = light_set(&scene, &geometry);
+        let geometry = Arc::new(geometry);
         let mut new = Self { world: World { scene, geometry, surfaces, lights }, subsurface };
         new.subsurface.normalize(&new.world);
         Ok(new)
@@ -83,6 +91,12 @@ impl PreparedScene {
     /// None: the scene was found valid.
     pub fn view(&self) -> Result<View, SceneError> {
         View::of(&self.world.scene)
+    }
+
+    /// Finds what the pixels of a view show, from any thread and whatever happens to the scene meanwhile.
+    #[must_use]
+    pub fn picker(&self) -> Picker {
+        Picker::new(Arc::clone(&self.world.geometry))
     }
 
     /// Everything that is not rendered as the scene asks for.
@@ -114,6 +128,15 @@ impl PreparedScene {
             Edit::Environment(environment) => {
                 self.swap_checked(environment, |scene| &mut scene.environment, Scene::validate_environment)?;
                 Renewed { lights: true, ..Renewed::default() }
+            }
+            Edit::AddImage(image) => {
+                image.validate()?;
+                self.world.scene.images.push(image);
+                return Ok(Renewed::default());
+            }
+            Edit::DropUnusedImages => {
+                self.world.scene.drop_unused_images();
+                return Ok(Renewed::default());
             }
             Edit::Integrator(integrator) => {
                 self.swap_checked(
@@ -179,7 +202,7 @@ impl PreparedScene {
             |scene| scene.validate_object(index).and_then(|()| scene.validate_triangle_count()),
         )?;
         let scene = &self.world.scene;
-        self.world.geometry = Geometry::new(&scene.objects);
+        self.world.geometry = Arc::new(Geometry::new(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         for material in [old.material, scene.objects[index].material] {
             self.subsurface.update(scene, material);

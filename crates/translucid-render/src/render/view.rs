@@ -208,6 +208,14 @@ impl View {
         Ray::new(origin, self.frame.to_world(direction).normalize())
     }
 
+    /// The ray from the middle of the lens through a point of the film, in pixels of the film from its upper left.
+    pub(crate) fn ray_through(&self, [x, y]: [f32; 2]) -> Ray {
+        let [width, height] = self.size;
+        let [px, py] = [x / width, y / height].map(|share| share * 2.0 - 1.0);
+        let local = Vec3::new(px * self.half_width, py * self.half_height, 1.0);
+        Ray::new(self.camera.position, self.frame.to_world(local).normalize())
+    }
+
     fn filter_offset(&self, u: f32) -> f32 {
         let place = u * FILTER_TABLE as f32;
         let index = (place as usize).min(FILTER_TABLE - 1);

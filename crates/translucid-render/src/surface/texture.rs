@@ -1,5 +1,7 @@
 //! Colors and numbers at a point: factors, textures and vertex colors multiplied.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use translucid_scene::{ColorInput, Image, ScalarInput, Scene, TextureRef};
 
@@ -21,7 +23,7 @@ pub(super) fn scalar(scene: &Scene, input: &ScalarInput, point: &SurfacePoint) -
     }
 }
 
-pub(super) fn texel(images: &[Image], texture: &TextureRef, point: &SurfacePoint) -> [f32; 4] {
+pub(super) fn texel(images: &[Arc<Image>], texture: &TextureRef, point: &SurfacePoint) -> [f32; 4] {
     let uv = texture.coordinates(point.uv);
     images[texture.image].bilinear(uv.x, uv.y, texture.wrap)
 }

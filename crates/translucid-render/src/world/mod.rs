@@ -5,6 +5,8 @@ mod path_state;
 mod pixel_sample;
 mod shadow;
 
+use std::sync::Arc;
+
 use translucid_scene::{Material, Scene};
 
 use crate::light::LightSet;
@@ -19,7 +21,8 @@ pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_tran
 /// A scene with its hierarchy, the tables of its surfaces and its lights, shared by all threads.
 pub(crate) struct World {
     pub(crate) scene: Scene,
-    pub(crate) geometry: Geometry,
+    /// Shared with those who look at the scene from other threads.
+    pub(crate) geometry: Arc<Geometry>,
     pub(crate) surfaces: SurfaceTables,
     pub(crate) lights: LightSet,
 }

@@ -2,6 +2,8 @@
 //!
 //! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in 2,700 comparisons).
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use translucid_profile::{
     Appearance, Configuration, DirectionalDipole, Model, ObliqueDiffusion, Parameterization,
@@ -38,14 +40,14 @@ fn material(model: SubsurfaceModel) -> Material {
 
 /// Replaces a scene's color by an image of it, so that the renderer has to expect any.
 fn textured(mut scene: Scene) -> Scene {
-    scene.images.push(Image {
+    scene.images.push(Arc::new(Image {
         name: "color".into(),
         path: None,
         width: 1,
         height: 1,
         color_space: ColorSpace::Linear,
         pixels: Pixels::Float(vec![[ALBEDO.x, ALBEDO.y, ALBEDO.z, 1.0]]),
-    });
+    }));
     let texture = Some(TextureRef::new(0));
     scene.materials[0].subsurface_color = ColorInput { texture, ..ColorInput::constant(Vec3::ONE) };
     scene
@@ -109,7 +111,7 @@ fn white_with_a_dmfp_is_no_noisier_than_nearly_white() {
             scene.environment = uniform_environment(Vec3::ONE);
             if texture {
                 scene = textured(scene);
-                scene.images[0].pixels = Pixels::Float(vec![[a, a, a, 1.0]]);
+                Arc::make_mut(&mut scene.images[0]).pixels = Pixels::Float(vec![[a, a, a, 1.0]]);
             }
             let point = Vec3::new(3.3, 1.1, 0.0);
             let (mean, error) = measure(&prepare(scene), point + Vec3::Z, Vec3::NEG_Z, 1 << 14);

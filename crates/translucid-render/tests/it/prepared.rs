@@ -1,10 +1,12 @@
 //! Edits of a prepared scene: it renders what a scene that is prepared anew renders, and prepares nothing else.
 
+use std::sync::Arc;
+
 use glam::Vec3;
 use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
 use translucid_scene::{
-    Camera, ColorInput, Environment, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    Camera, ColorInput, ColorSpace, Environment, Image, Integrator, Light, Material, Mesh, Object, Pixels,
+    ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, TextureRef,
 };
 
 use crate::common::{matte, quad, render, scene, sphere, uniform_environment};
@@ -43,6 +45,24 @@ fn light(height: f32) -> Light {
     }
 }
 
+/// Two pixels beside each other.
+fn image(name: &str, [left, right]: [Vec3; 2]) -> Arc<Image> {
+    Arc::new(Image {
+        name: name.into(),
+        path: None,
+        width: 2,
+        height: 1,
+        color_space: ColorSpace::Linear,
+        pixels: Pixels::Float([left, right].map(|color| color.extend(1.0).to_array()).into()),
+    })
+}
+
+/// Wax whose surface albedo is the image of a number.
+fn painted(number: usize) -> Material {
+    let color = ColorInput { texture: Some(TextureRef::new(number)), ..ColorInput::constant(Vec3::ONE) };
+    Material { subsurface_color: color, ..wax(0.3) }
+}
+
 fn picture(prepared: &PreparedScene) -> FilmSums {
     let mut film = FilmSums::new(16, 16);
     render(prepared, &mut film, 2);
@@ -64,7 +84,18 @@ fn edits() -> Vec<(&'static str, Edit, Renewed)> {
     let bright = Environment { radiance: Vec3::ONE, ..uniform_environment(Vec3::ONE).expect("a sky") };
     let point_based = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..still().integrator };
     let clear = Integrator { caustics: true, subsurface_sharing: false, ..still().integrator };
+    let colors = image("colors", [Vec3::new(0.9, 0.2, 0.1), Vec3::new(0.1, 0.8, 0.3)]);
+    let sky = image("sky", [Vec3::new(0.0, 0.5, 2.0), Vec3::new(1.0, 0.1, 0.0)]);
+    let others = image("others", [Vec3::splat(0.2), Vec3::new(0.7, 0.9, 0.1)]);
+    let under_sky = Environment { image: Some(1), ..uniform_environment(Vec3::ONE).expect("a sky") };
     vec![
+        ("image of colors", Edit::AddImage(colors), none),
+        ("colors", Edit::Material(0, Box::new(painted(0))), material),
+        ("image of a sky", Edit::AddImage(sky), none),
+        ("sky", Edit::Environment(Some(under_sky)), Renewed { lights: true, ..none }),
+        ("image of other colors", Edit::AddImage(others), none),
+        ("other colors", Edit::Material(0, Box::new(painted(2))), material),
+        ("without the first", Edit::DropUnusedImages, none),
         ("length", Edit::Material(0, Box::new(wax(0.7))), material),
         ("walk", Edit::Material(0, Box::new(walk)), material),
         ("normalization", Edit::Material(0, Box::new(normalized)), material),
@@ -86,6 +117,8 @@ fn apply(scene: &mut Scene, edit: Edit) {
         Edit::Lights(lights) => scene.lights = lights,
         Edit::Environment(environment) => scene.environment = environment,
         Edit::Integrator(integrator) => scene.integrator = integrator,
+        Edit::AddImage(image) => scene.images.push(image),
+        Edit::DropUnusedImages => {}
     }
 }
 
@@ -106,6 +139,10 @@ fn edited_scene_renders_as_one_that_is_prepared_anew() {
             prepared.edit(edit.clone()).expect("a valid material");
             apply(&mut fresh, edit);
         }
+        if name == "without the first" {
+            let names: Vec<&str> = prepared.scene().images.iter().map(|image| image.name.as_str()).collect();
+            assert_eq!(names, ["sky", "others"], "nothing refers to the first colors any more");
+        }
     }
 }
 
@@ -117,6 +154,8 @@ fn edit_that_is_not_valid_changes_nothing() {
     let dangling = Object { material: 7, ..still().objects.remove(0) };
     let dark = Light::Sphere { center: Vec3::ZERO, radius: -1.0, radiance: Vec3::ONE, visible: true };
     for edit in [
+        Edit::AddImage(image("broken", [Vec3::NAN; 2])),
+        Edit::Material(0, Box::new(painted(0))),
         Edit::Material(0, Box::new(nan)),
         Edit::Material(9, Box::new(wax(0.2))),
         Edit::Object(0, Box::new(dangling)),
@@ -131,6 +170,7 @@ fn edit_that_is_not_valid_changes_nothing() {
         let error = prepared.edit(edit.clone()).expect_err("not valid");
         assert!(!error.to_string().is_empty(), "{edit:?}");
         assert!(picture(&prepared) == before, "{edit:?}: {error}");
+        assert!(prepared.scene().images.is_empty(), "{edit:?}");
     }
 }
 

@@ -4,6 +4,7 @@
 //! comparisons).
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 use translucid_profile::{Appearance, Configuration, Model, Parameterization};
@@ -56,15 +57,15 @@ fn halves() -> Mesh {
     mesh
 }
 
-fn image(pixels: &[Vec3]) -> Image {
-    Image {
+fn image(pixels: &[Vec3]) -> Arc<Image> {
+    Arc::new(Image {
         name: "image".into(),
         path: None,
         width: pixels.len() as u32,
         height: 1,
         color_space: ColorSpace::Linear,
         pixels: Pixels::Float(pixels.iter().map(|p| [p.x, p.y, p.z, 1.0]).collect()),
-    }
+    })
 }
 
 fn textured(mut material: Material, meshes: Vec<Mesh>, albedo: &[Vec3], length: &[Vec3]) -> Scene {

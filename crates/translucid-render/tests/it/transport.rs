@@ -3,6 +3,8 @@
 //! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in
 //! 2,700 comparisons).
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec3};
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Mesh, NormalMap, Object, Pixels, ScalarInput, TextureRef,
@@ -154,14 +156,14 @@ fn normal_map_tilts_the_shading_normal() {
     let mut mesh: Mesh = quad(Vec3::ZERO, Vec3::X * 10.0, Vec3::Y * 10.0);
     mesh.uvs = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let mut scene = scene(vec![mesh], matte(Vec3::ONE));
-    scene.images.push(Image {
+    scene.images.push(Arc::new(Image {
         name: "tilt".into(),
         path: None,
         width: 1,
         height: 1,
         color_space: ColorSpace::Linear,
         pixels: Pixels::Byte(vec![[byte(tilt.sin()), byte(0.0), byte(tilt.cos()), 255]]),
-    });
+    }));
     scene.materials[0].geometry_normal = Some(NormalMap { texture: TextureRef::new(0), scale: 1.0 });
     scene.lights.push(distant(Vec3::new(tilt.sin(), 0.0, tilt.cos())));
     let (mean, _) = measure(&prepare(scene), Vec3::Z, Vec3::NEG_Z, 64);

@@ -1,5 +1,7 @@
 //! A small valid scene with a bit of everything.
 
+use std::sync::Arc;
+
 use glam::{Affine2, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
 
@@ -37,7 +39,7 @@ pub fn scene_of_everything() -> Scene {
                 ..material("wandering", SubsurfaceModel::RandomWalk)
             },
         ],
-        images: vec![bytes(), floats()],
+        images: vec![Arc::new(bytes()), Arc::new(floats())],
         profile_tables: vec![profile_table()],
         lights: lights(),
         environment: Some(Environment {

@@ -4,6 +4,8 @@
 
 mod everything;
 
+use std::sync::Arc;
+
 use glam::{Affine2, Vec3};
 
 use crate::material::{self, PARAMETERS};
@@ -150,7 +152,7 @@ fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
     v("materials", Slot::List(materials));
     materials.iter_mut().for_each(|material| visit_material(material, v));
     v("images", Slot::List(images));
-    images.iter_mut().for_each(|image| visit_image(image, v));
+    images.iter_mut().for_each(|image| visit_image(Arc::make_mut(image), v));
     v("profile_tables", Slot::List(profile_tables));
     profile_tables.iter_mut().for_each(|table| visit_table(table, v));
     v("lights", Slot::List(lights));

@@ -1,6 +1,7 @@
 //! A mesh file alone, as a scene: with a preset's material, camera, lights and backdrop.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::mesh_file::MeshFile;
 use super::{LoadOptions, is_gltf, load_model};
@@ -85,7 +86,7 @@ fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Scene {
         film,
         objects: model.objects,
         materials: model.materials,
-        images: model.images,
+        images: model.images.into_iter().map(Arc::new).collect(),
         lights: model.lights,
         environment: dark.then(|| frame.environment()),
         ..Scene::default()

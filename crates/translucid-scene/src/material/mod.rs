@@ -9,6 +9,7 @@ pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParame
 use crate::{ColorInput, ScalarInput, TextureRef};
 
 pub(crate) use parameters::{PARAMETERS, Slot};
+pub use parameters::{ParameterValue, WordValue};
 
 /// How light under the surface is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -108,6 +108,32 @@ impl Parameter {
     }
 }
 
+/// A parameter of a material with its value, for those who show or list them all.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterValue {
+    /// Its name, which is the key in scene files, too.
+    pub name: &'static str,
+    /// Least and greatest value of each channel where there is no image; either may itself be excluded.
+    pub range: [f64; 2],
+    /// The number, or the three channels of a color; with an image or vertex colors the factor on these.
+    pub numbers: Vec<f32>,
+    /// Whether an image has a part in it.
+    pub has_image: bool,
+    /// Whether the mesh's vertex colors have.
+    pub has_vertex_color: bool,
+}
+
+/// A parameter of a material whose value is a word.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct WordValue {
+    /// Its name, which is the key in scene files, too.
+    pub name: &'static str,
+    /// Its value.
+    pub word: &'static str,
+    /// Every value that it may have.
+    pub words: Vec<&'static str>,
+}
+
 impl NormalMap {
     /// Range of `scale`.
     pub(crate) const SCALE: Interval = Interval::closed(-100.0, 100.0);
@@ -150,6 +176,23 @@ impl Material {
             texture.check("geometry_normal", images)?;
         }
         Ok(())
+    }
+
+    /// Every parameter that is a number or a color, in the order of the fields.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<ParameterValue> {
+        let mut copy = self.clone();
+        let value = |parameter: &Parameter| {
+            let mut slot = parameter.slot(&mut copy);
+            ParameterValue {
+                name: parameter.name,
+                range: [parameter.range.low, parameter.range.high],
+                numbers: slot.numbers().to_vec(),
+                has_image: slot.texture().is_some(),
+                has_vertex_color: matches!(&slot, Slot::Color(input) if input.vertex_color),
+            }
+        };
+        PARAMETERS.iter().map(value).collect()
     }
 
     /// Every reference to an image.

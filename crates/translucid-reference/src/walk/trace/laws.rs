@@ -52,6 +52,25 @@ fn exits_do_not_depend_on_the_partition() {
     }
 }
 
+/// A walk that is stopped has launched the first photons of its range, and all of them have ended.
+#[test]
+fn stopped_walk_is_that_of_fewer_photons() {
+    for problem in problems() {
+        for albedo in [0.3, 0.9, 0.9999] {
+            let stop = AtomicBool::new(false);
+            let mut found = 0;
+            let counts = trace_until(&stop, &problem, albedo, 11, 5..u64::MAX, &mut |exits| {
+                found += exits.len();
+                stop.store(found > 5000, Ordering::Relaxed);
+            });
+            let fewer = 5..5 + counts.launched;
+            assert!(counts.launched >= 5000, "{counts:?}");
+            let (exits, counts_of_fewer) = exits(&problem, albedo, 11, std::slice::from_ref(&fewer));
+            assert_eq!((exits.len(), counts_of_fewer), (found, counts));
+        }
+    }
+}
+
 #[test]
 fn every_photon_ends_as_exit_or_absorbed() {
     for problem in problems() {
@@ -129,7 +148,8 @@ fn instruction_sets_agree() {
     for problem in problems() {
         let run = |level: Level| {
             let mut exits = Vec::new();
-            let counts = trace_at_level(level, &problem, 0.9, 4, 0..20_000, &mut |batch| {
+            let never = AtomicBool::new(false);
+            let counts = trace_at_level(level, &never, &problem, 0.9, 4, 0..20_000, &mut |batch| {
                 exits.extend_from_slice(batch);
             });
             exits.sort_by_key(|exit| (exit.order, exit.x.to_bits(), exit.y.to_bits()));

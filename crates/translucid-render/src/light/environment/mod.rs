@@ -5,7 +5,7 @@ mod map;
 use std::f32::consts::PI;
 
 use glam::Vec3;
-use translucid_scene::{Image, Scene};
+use translucid_scene::Scene;
 
 use super::directions::{cosine_hemisphere, uniform_sphere};
 use super::receiver::{Receiver, luminance};
@@ -25,7 +25,7 @@ impl Environment {
     pub(crate) fn new(scene: &Scene) -> Option<Self> {
         let environment = scene.environment.as_ref()?;
         let factor = finite_color(environment.radiance);
-        let image: Option<&Image> = environment.image.and_then(|index| scene.images.get(index));
+        let image = environment.image.and_then(|index| scene.images.get(index));
         match image {
             Some(image) => EnvironmentMap::new(image, factor, environment.world_from_environment)
                 .map(|map| Self::Map(Box::new(map))),

@@ -1,6 +1,7 @@
 //! Scenes in code: each thing by the keys of a scene file's table.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use super::build::{ReadyMesh, SceneBuilder, check_present, staged};
 use super::document::{DocumentText, Table};
@@ -9,7 +10,7 @@ use super::object::ObjectEntry;
 use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
 use crate::load::{LoadOptions, load_image, load_profile_table};
 use crate::{
-    Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Place, Scene,
+    Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
     SceneError, SubsurfaceModel, Unit, Warning,
 };
 
@@ -23,7 +24,7 @@ pub struct Piece {
     /// Lines `key = value` in TOML.
     pub text: String,
     /// Images at hand, which the key `file` names by their [`Image::name`].
-    pub images: Vec<Image>,
+    pub images: Vec<Arc<Image>>,
 }
 
 impl Piece {
@@ -79,38 +80,76 @@ impl Piece {
     ///
     /// # Errors
     /// A key is unknown, a value out of its range, or a file is named.
-    pub fn material(&self, material: Material, unit: Unit) -> Result<Material, SceneError> {
+    pub fn material(&self, material: &Material, unit: Unit) -> Result<Material, SceneError> {
         let mut files = FileList::default();
-        let name = material.name.clone();
-        let changed = self.read(|table| {
-            let table = table.allow(&material::keys())?;
-            material::read_material(&table, material, unit, &mut files)
-        })?;
-        self.refuse_files(&files)?;
-        Ok(Material { name, ..changed })
+        let changed = self.changed_material(material, unit, &mut files)?;
+        match files.images.first() {
+            Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
+                .with_help("make a scene that has it")),
+            None => Ok(changed),
+        }
     }
 
-    /// The environment of an `[environment]` without a file.
+    /// A material of a scene with the changes of a `[[material]]`, and the images that they bring: their numbers go on
+    /// from those of the scene's images.
     ///
     /// # Errors
-    /// A key is unknown or missing, a value out of its range, or a file is named.
-    pub fn environment(&self) -> Result<Environment, SceneError> {
-        let mut files = FileList::default();
+    /// A key is unknown, a value out of its range, an image cannot be used, or a table of profiles is named.
+    pub fn material_with_images(
+        &self,
+        scene: &Scene,
+        material: &Material,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
+        let mut files = FileList::after(scene);
+        let changed = self.changed_material(material, scene.unit, &mut files)?;
+        Ok((changed, self.all_images(&files, warnings)?))
+    }
+
+    fn changed_material(
+        &self,
+        material: &Material,
+        unit: Unit,
+        files: &mut FileList,
+    ) -> Result<Material, SceneError> {
+        let changed = self.read(|table| {
+            let table = table.allow(&material::keys())?;
+            material::read_material(&table, material.clone(), unit, files)
+        })?;
+        match files.tables.first() {
+            Some(table) => {
+                Err(SceneError::at(table.place.clone(), "this scene takes no further tables of profiles")
+                    .with_help("make a scene that has it"))
+            }
+            None => Ok(Material { name: material.name.clone(), ..changed }),
+        }
+    }
+
+    /// The environment of an `[environment]`, and the image that it brings: its number goes on from those of the scene's
+    /// images.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, or an image cannot be used.
+    pub fn environment_with_images(
+        &self,
+        scene: &Scene,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
+        let mut files = FileList::after(scene);
         let environment = self.read_environment(&mut files)?;
-        self.refuse_files(&files)?;
-        Ok(environment)
+        Ok((environment, self.all_images(&files, warnings)?))
     }
 
     fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
-        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, files))
+        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
     }
 
-    fn refuse_files(&self, files: &FileList) -> Result<(), SceneError> {
-        if files.images.is_empty() && files.tables.is_empty() {
-            return Ok(());
-        }
-        let message = "a scene that is prepared takes no further images and tables";
-        Err(SceneError::at(self.place(), message).with_help("make a scene that has them"))
+    fn all_images(
+        &self,
+        files: &FileList,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<Arc<Image>>, SceneError> {
+        files.images.iter().map(|request| self.image(request, warnings)).collect()
     }
 
     /// The image at hand or in a file.
@@ -118,13 +157,17 @@ impl Piece {
         &self,
         request: &FileRequest<ColorSpace>,
         warnings: &mut Vec<Warning>,
-    ) -> Result<Image, SceneError> {
+    ) -> Result<Arc<Image>, SceneError> {
         let at_hand = self.images.iter().find(|image| Path::new(&image.name) == request.path);
+        // Floating-point values are linear in any case
+        let is_as_asked =
+            |image: &Image| image.color_space == request.kind || matches!(image.pixels, Pixels::Float(_));
         match at_hand {
-            Some(image) => Ok(Image { color_space: request.kind, ..image.clone() }),
+            Some(image) if is_as_asked(image) => Ok(Arc::clone(image)),
+            Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
             None => {
                 check_present(&request.path, &request.place)?;
-                load_image(&request.path, request.kind, warnings)
+                load_image(&request.path, request.kind, warnings).map(Arc::new)
             }
         }
     }
@@ -181,7 +224,7 @@ impl SceneBuilder {
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let materials = &self.scene.materials;
-        let entry = piece.read(|table| Ok(object::read_object(table, materials)?.0))?;
+        let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
         let entry = self.named(piece, entry)?;
         match ReadyMesh::of_shape(&entry) {
             Some(shape) => self.add_ready(&entry, shape?, warnings),
@@ -347,7 +390,7 @@ impl From<Scene> for SceneBuilder {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Pixels, SceneFile};
+    use crate::SceneFile;
 
     fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
         let mut warnings = Vec::new();
@@ -443,7 +486,7 @@ mod tests {
             pixels,
         };
         let text = "name = 'a'\nbase_color = {file = 'array 0'}\nspecular_roughness = {file = 'array 0'}";
-        let piece = Piece { images: vec![image], ..Piece::new("material a", text) };
+        let piece = Piece { images: vec![Arc::new(image)], ..Piece::new("material a", text) };
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         builder.add_material(&piece, &mut Vec::new()).unwrap();
         let scene = builder.scene();
@@ -459,12 +502,54 @@ mod tests {
         pieces(&mut builder).unwrap();
         let wax = builder.scene().materials[0].clone();
         let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_scatter_anisotropy = 0");
-        let edited = edit.material(wax.clone(), Unit::Millimeter).unwrap();
+        let edited = edit.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
         // The medium had decided on the model, and does so again.
         assert_eq!(edited.subsurface_model, SubsurfaceModel::default());
         assert_ne!(edited.subsurface_model, wax.subsurface_model);
-        let file = Piece::new("material wax", "base_color = {file = 'a.png'}");
-        assert!(file.material(wax, Unit::Millimeter).unwrap_err().message.contains("no further images"));
+        for (text, message, with_images) in [
+            (
+                "base_color = {file = 'a.png'}",
+                "this scene takes no further images",
+                "the file a.png does not exist",
+            ),
+            (
+                "subsurface_table = 'a.csv'",
+                "this scene takes no further tables of profiles",
+                "this scene takes no further tables of profiles",
+            ),
+        ] {
+            let file = Piece::new("material wax", text);
+            let error = file.material(&wax, Unit::Millimeter).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("material wax: {message}")), "{error}");
+            let error = file.material_with_images(builder.scene(), &wax, &mut Vec::new()).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("material wax: {with_images}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn images_of_an_edit_are_numbered_behind_those_of_the_scene() {
+        let image = |name: &str| {
+            let pixels = Pixels::Float(vec![[0.25; 4]]);
+            let color_space = ColorSpace::Linear;
+            Arc::new(Image { name: name.into(), path: None, width: 1, height: 1, color_space, pixels })
+        };
+        let piece = |title: &str, text: &str, name: &str| Piece {
+            images: vec![image(name)],
+            ..Piece::new(title, text)
+        };
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        let first = piece("material a", "name = 'a'\nspecular_roughness = {file = 'first'}", "first");
+        builder.add_material(&first, &mut Vec::new()).unwrap();
+        let scene = builder.scene();
+        let second = piece("material a", "base_color = {file = 'second', color_space = 'linear'}", "second");
+        let (edited, images) =
+            second.material_with_images(scene, &scene.materials[0], &mut Vec::new()).unwrap();
+        assert_eq!(images, [image("second")]);
+        assert_eq!(edited.base_color.texture.unwrap().image, 1);
+        assert_eq!(edited.specular_roughness.texture.unwrap().0.image, 0);
+        let sky = piece("environment", "file = 'sky'", "sky");
+        let (environment, images) = sky.environment_with_images(scene, &mut Vec::new()).unwrap();
+        assert_eq!((environment.image, images), (Some(1), vec![image("sky")]));
     }
 }

@@ -1,5 +1,7 @@
 //! Damaged files by the thousand: whatever happens to the bytes, the loader returns.
 
+use std::sync::Arc;
+
 use serde_json::json;
 use translucid_scene::{Material, MeshFile, Scene, Unit};
 use translucid_testing::power;
@@ -113,6 +115,7 @@ fn scene_of(file: MeshFile) -> Scene {
     if materials.is_empty() {
         materials.push(Material::default());
     }
+    let images = images.into_iter().map(Arc::new).collect();
     Scene { objects, materials, images, lights, camera: camera.unwrap_or_default(), ..Scene::default() }
 }
 

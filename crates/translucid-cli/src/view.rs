@@ -1,0 +1,145 @@
+//! `translucid view`: the look-dev page.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+
+use clap::Args;
+use translucid_scene::{ExtendedBase, LoadOptions, Unit, load_scene, still_life};
+use translucid_view::{Page, Settings, ViewError};
+
+use crate::failure::Failure;
+use crate::model::{ModelName, UnitName};
+use crate::render;
+use crate::{command_line, interrupt, machine, messages};
+
+const EXAMPLES: &str = "\
+The page is served on this machine only, at an address with a random token, which is printed to stdout.
+All pages that are open show the same scene and picture. Ctrl-C ends it.
+
+Examples:
+  translucid view
+  translucid view bust.glb --preset marble
+  translucid view scenes/head.toml --size 960x540
+  translucid view scene.toml --no-open --port 8080";
+
+/// Opens a page in the browser that renders a scene live while its materials and lights are edited
+#[derive(Args, Debug)]
+#[command(after_help = EXAMPLES)]
+pub(crate) struct ViewArguments {
+    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply) [default: the built-in still life]
+    #[arg(value_name = "SCENE|MESH")]
+    scene: Option<PathBuf>,
+    /// Port of the page's address; 0 takes one that is free
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    port: u16,
+    /// Print the address only, without opening a browser
+    #[arg(long)]
+    no_open: bool,
+    /// Width and height in pixels [default: the scene's]
+    #[arg(long, value_name = "WxH", value_parser = render::parse_size)]
+    size: Option<[u32; 2]>,
+    /// Samples per pixel to go for [default: the scene's]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(render::MAX_SAMPLES)))]
+    spp: Option<u32>,
+    /// Seed of the random numbers [default: the scene's]
+    #[arg(long, value_name = "S")]
+    seed: Option<u64>,
+    /// Threads to render with [default: one per processor]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Model of the transport under all surfaces, in place of the scene's
+    #[arg(long, value_name = "MODEL")]
+    subsurface: Option<ModelName>,
+    /// Material of a bare mesh; `translucid render --preset list` shows all
+    #[arg(long, value_name = "NAME")]
+    preset: Option<String>,
+    /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
+    #[arg(long)]
+    unit: Option<UnitName>,
+    /// Mesh file in place of that of the scene's object NAME, or of its only one
+    #[arg(long, value_name = "[NAME=]PATH", value_parser = render::parse_mesh)]
+    mesh: Vec<(Option<String>, PathBuf)>,
+}
+
+/// Runs the verb.
+pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
+    let page = Page::serve(arguments.port).map_err(|error| {
+        Failure::work(format!("cannot serve at port {}: {error}", arguments.port))
+            .with_help("--port 0 takes one that is free")
+    })?;
+    let settings = settings(arguments)?;
+    print_address(&page)?;
+    interrupt::catch("\nclosing")?;
+    let model = arguments.subsurface.map(ModelName::model);
+    let (scene, warnings) = render::scene(&arguments.of_render(), model)?;
+    messages::print_warnings(&warnings);
+    // Only now: a scene that cannot be loaded needs no browser, and what is prepared next takes as long as one to start
+    if !arguments.no_open
+        && let Err(error) = page.open()
+    {
+        messages::print_note(&format!("no browser could be opened ({error}): open the address above"));
+    }
+    machine::threads(arguments.threads)?.install(|| page.show(scene, settings, &interrupt::STOP)).map_err(
+        |error| match error {
+            ViewError::Scene(error) => Failure::from(error),
+            ViewError::Io(error) => Failure::work(error.to_string()),
+        },
+    )
+}
+
+/// Says where the page is, to people and scripts.
+fn print_address(page: &Page) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    let told = writeln!(stdout, "{}", page.address()).and_then(|()| stdout.flush());
+    told.map_err(|error| Failure::work(format!("cannot print the address: {error}")))
+}
+
+fn settings(arguments: &ViewArguments) -> Result<Settings, Failure> {
+    let (name, extends) = match &arguments.scene {
+        None => (String::from("still life"), String::from("still-life")),
+        Some(path) => {
+            // A saved scene lies in another folder
+            let absolute = std::path::absolute(path)
+                .map_err(|error| Failure::input(format!("{} has no place: {error}", path.display())))?;
+            (path.display().to_string(), absolute.display().to_string())
+        }
+    };
+    let unit = arguments.unit.map(Unit::from);
+    let options = LoadOptions {
+        preset: arguments.preset.clone(),
+        unit,
+        mesh_overrides: arguments.mesh.clone(),
+        ..LoadOptions::default()
+    };
+    let scene = arguments.scene.clone();
+    let load_base = move || match &scene {
+        Some(path) => load_scene(path, &options, &mut Vec::new()),
+        None => still_life(&options),
+    };
+    let mesh = |(name, path): &(Option<String>, PathBuf)| match name {
+        Some(name) => format!("--mesh '{name}={}'", path.display()),
+        None => format!("--mesh '{}'", path.display()),
+    };
+    Ok(Settings {
+        name,
+        base: ExtendedBase { extends, preset: arguments.preset.clone(), unit },
+        load_base: Box::new(load_base),
+        command: command_line::shown(),
+        options: arguments.mesh.iter().map(mesh).collect::<Vec<_>>().join(" "),
+    })
+}
+
+impl ViewArguments {
+    /// What loads the scene for a picture loads it for a page.
+    fn of_render(&self) -> render::Arguments {
+        let mut arguments = render::Arguments::default();
+        arguments.scene.clone_from(&self.scene);
+        arguments.size = self.size;
+        arguments.spp = self.spp;
+        arguments.seed = self.seed;
+        arguments.preset.clone_from(&self.preset);
+        arguments.unit = self.unit;
+        arguments.mesh.clone_from(&self.mesh);
+        arguments
+    }
+}

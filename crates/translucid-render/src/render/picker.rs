@@ -1,0 +1,85 @@
+//! What a pixel shows.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::view::View;
+use crate::ray::Geometry;
+
+/// Finds what the pixels of a view show, while the scene that it was made of is rendered and edited elsewhere.
+#[derive(Clone)]
+pub struct Picker {
+    geometry: Arc<Geometry>,
+}
+
+/// The first surface behind a point of the film.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Picked {
+    /// Index of the object.
+    pub object: usize,
+    /// Point on its surface, in world space \[L\].
+    pub position: Vec3,
+    /// Distance from the camera \[L\].
+    pub distance: f32,
+}
+
+impl Picker {
+    pub(super) fn new(geometry: Arc<Geometry>) -> Self {
+        Self { geometry }
+    }
+
+    /// The first surface behind a point of the film, in pixels of the whole film from its upper left; `None` where there is
+    /// none, or a coordinate is not finite.
+    ///
+    /// It is the surface in focus through the middle of the lens; how opaque it is does not matter.
+    #[must_use]
+    pub fn pick(&self, view: &View, point: [f32; 2]) -> Option<Picked> {
+        if !point.iter().all(|x| x.is_finite()) {
+            return None;
+        }
+        let ray = view.ray_through(point);
+        let hit = self.geometry.closest(&ray)?;
+        let position = ray.origin + ray.direction * hit.t;
+        Some(Picked { object: self.geometry.object(&hit) as usize, position, distance: hit.t })
+    }
+
+    /// Corners of the box around everything.
+    #[must_use]
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        self.geometry.bounds()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_scene::{LoadOptions, still_life};
+
+    use crate::PreparedScene;
+
+    #[test]
+    fn picked_points_are_where_their_pixels_are() {
+        let prepared = PreparedScene::new(still_life(&LoadOptions::default()).unwrap()).unwrap();
+        let view = prepared.view().unwrap();
+        let picker = prepared.picker();
+        let mut names = Vec::new();
+        for point in [[480.0, 270.0], [250.5, 320.25], [630.0, 150.0], [20.0, 530.0]] {
+            let picked = picker.pick(&view, point).unwrap();
+            let camera = *view.camera();
+            assert!((picked.position.distance(camera.position) / picked.distance - 1.0).abs() < 1e-5);
+
+            // Back into the picture by the definition of the field of view
+            let forward = (camera.target - camera.position).normalize();
+            let right = forward.cross(camera.up).normalize();
+            let offset = picked.position - camera.position;
+            let scale = 480.0 / (0.5 * camera.horizontal_fov).to_radians().tan() / offset.dot(forward);
+            let [x, y] = [offset.dot(right), -offset.dot(right.cross(forward))].map(|at| at * scale);
+            assert!((x + 480.0 - point[0]).abs() < 0.05 && (y + 270.0 - point[1]).abs() < 0.05, "{x} {y}");
+            names.push(prepared.scene().objects[picked.object].name.clone());
+        }
+        assert!(names.contains(&String::from("table")), "{names:?}");
+        for odd in [[f32::NAN, 0.0], [f32::INFINITY, 1.0]] {
+            assert_eq!(picker.pick(&view, odd), None);
+        }
+    }
+}

@@ -1,0 +1,558 @@
+//! The renderer's thread: always at work on what the pages want to see next.
+//!
+//! ```text
+//! loop:
+//!     take what is wanted; edit the prepared scene by what differs, and no more
+//!     while something moves: one sample a pixel, at the fraction of the resolution that is soon enough
+//!     else: samples, side by side in turns where two are compared
+//!     show what there is
+//! ```
+//!
+//! Anything that a page changes interrupts it within the time of a path. Both sides share one prepared scene, which is
+//! edited back and forth: their materials cost less than a millisecond, another hierarchy would cost its memory.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+use axum::body::Bytes;
+use serde_json::{Value, json};
+use translucid_laboratory::picture as laboratory;
+use translucid_render::{
+    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, Outcome, PointCloud, PreparedScene, View,
+};
+use translucid_scene::{Film, SubsurfaceMethod};
+
+use crate::look::Look;
+use crate::message::Side;
+use crate::shared::{Frame, Shared, SideFilm};
+use crate::studio::Wanted;
+use crate::view::{Shown, comparable, comparison_codes, layer_codes};
+
+/// Time for a picture while something moves \[s\].
+const MOTION_BUDGET: f64 = 0.03;
+/// Time for a finer picture once nothing new has come \[s\].
+const PAUSE_BUDGET: f64 = 0.15;
+/// Something moves until so long after the page's last word.
+const MOTION_ENDS: Duration = Duration::from_millis(150);
+/// A first look at a quarter of the resolution comes before samples that take longer than this \[s\].
+const SLOW_SAMPLE: f64 = 0.4;
+/// Samples between two pictures take about so long at most \[s\].
+const SLICE: f64 = 1.0;
+/// Part of the time that pictures for the page may come after.
+const SHARE_BETWEEN_FRAMES: f64 = 0.04;
+/// Time of a path before anything is known \[s\].
+const FIRST_GUESS: f64 = 3e-6;
+/// How often a waiting renderer looks whether the program ends.
+const NAP: Duration = Duration::from_millis(100);
+
+/// What is known and done of one side.
+struct SideWork {
+    look: Arc<Look>,
+    view: View,
+    film: Arc<LiveFilm>,
+    /// Time of its samples \[s\].
+    seconds: f64,
+    /// One sample a pixel at a fraction of the resolution, until the film has samples.
+    preview: Option<(Fraction, FilmSums)>,
+    /// The film as it was at about half of its samples, for an estimate of its noise.
+    half: Option<(laboratory::Picture, u32)>,
+    noise: Option<f64>,
+    points: Option<PointCloud>,
+    /// Time of a path \[s\].
+    cost: f64,
+    /// When it was shown last, and at which of its seconds.
+    shown: Option<(Instant, f64)>,
+}
+
+/// The next thing to do.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Work {
+    Preview(usize, Fraction),
+    Points(usize),
+    Samples(usize),
+    Wait(Duration),
+    /// Until something changes; in a word.
+    Rest(&'static str),
+}
+
+pub(crate) struct Engine<'a> {
+    shared: &'a Shared,
+    prepared: PreparedScene,
+    /// The look that the prepared scene has now.
+    look: Arc<Look>,
+    images: usize,
+    wanted: Wanted,
+    sides: [Option<SideWork>; 2],
+    difference: Value,
+    frame_number: u32,
+    rested: Option<u32>,
+    quit: &'a AtomicBool,
+}
+
+impl<'a> Engine<'a> {
+    pub(crate) fn new(shared: &'a Shared, prepared: PreparedScene, quit: &'a AtomicBool) -> Self {
+        let look = Arc::new(Look::of(prepared.scene()));
+        let wanted = shared.take_wanted();
+        let mut engine = Self {
+            shared,
+            prepared,
+            look,
+            images: 0,
+            wanted: wanted.clone(),
+            sides: [None, None],
+            difference: Value::Null,
+            frame_number: 0,
+            rested: None,
+            quit,
+        };
+        engine.renew(wanted);
+        engine
+    }
+
+    /// Renders on the current rayon pool until the program is to end.
+    pub(crate) fn run(&mut self) {
+        while !self.quit.load(Ordering::Relaxed) {
+            if self.shared.stop.load(Ordering::Relaxed) {
+                let wanted = self.shared.take_wanted();
+                self.renew(wanted);
+            }
+            match self.next_work() {
+                Work::Preview(side, fraction) => self.preview(side, fraction),
+                Work::Points(side) => self.make_points(side),
+                Work::Samples(side) => self.sample(side),
+                Work::Wait(time) => self.shared.wait(self.wanted.version, time.min(NAP)),
+                Work::Rest(phase) => {
+                    if self.rested != Some(self.wanted.version) {
+                        self.rested = Some(self.wanted.version);
+                        self.measure();
+                        self.report(phase, "");
+                    }
+                    self.shared.wait(self.wanted.version, NAP);
+                }
+            }
+        }
+    }
+
+    /// Takes over what is wanted: films that show something else begin anew.
+    fn renew(&mut self, wanted: Wanted) {
+        let before = std::mem::replace(&mut self.wanted, wanted);
+        let same_display = before.film == self.wanted.film && before.shown == self.wanted.shown;
+        self.bring_images();
+        for side in 0..2 {
+            let Some(look) = self.wanted.looks[side].clone() else {
+                self.sides[side] = None;
+                continue;
+            };
+            let old = self.sides[side].take();
+            let is_same = old.as_ref().is_some_and(|old| self.goes_on(old, &look));
+            self.sides[side] = match old {
+                Some(old) if is_same => Some(SideWork { look, ..old }),
+                old => self.begin(old, look),
+            };
+        }
+        self.share_films();
+        let are_whole = self.sides.iter().flatten().all(|side| side.shown.is_some());
+        if !same_display && are_whole || before.looks[1].is_some() != self.wanted.looks[1].is_some() {
+            self.measure();
+            self.show_all();
+        }
+    }
+
+    /// Whether a side's film is still one of what is wanted.
+    fn goes_on(&self, old: &SideWork, look: &Look) -> bool {
+        !old.look.differs(look)
+            && *old.view.camera() == self.wanted.camera
+            && same_pixels(old.view.film(), &self.wanted.film)
+    }
+
+    /// A side without samples. It knows what a path costs, and its points, from the one before.
+    fn begin(&self, old: Option<SideWork>, look: Arc<Look>) -> Option<SideWork> {
+        let Wanted { camera, film, .. } = self.wanted;
+        let seed = look.integrator.seed;
+        let reusable = old.as_ref().map(|old| &old.view);
+        let reusable = reusable.filter(|view| view.seed() == seed && same_pixels(view.film(), &film));
+        let view = match reusable {
+            Some(view) => view.with_camera(camera),
+            None => View::new(camera, film, seed),
+        };
+        // The studio has checked camera and film
+        let view = view.ok()?;
+        let region = view.region();
+        let other_cost = self.sides.iter().flatten().map(|side| side.cost).next();
+        let cost = old.as_ref().map(|old| old.cost).or(other_cost).unwrap_or(FIRST_GUESS);
+        let points = old.filter(|old| !old.look.differs(&look)).and_then(|old| old.points);
+        Some(SideWork {
+            look,
+            view,
+            film: Arc::new(LiveFilm::new(FilmSums::new(region.width, region.height))),
+            seconds: 0.0,
+            preview: None,
+            half: None,
+            noise: None,
+            points,
+            cost,
+            shown: None,
+        })
+    }
+
+    /// Gives the prepared scene the images that pages have brought since.
+    fn bring_images(&mut self) {
+        let new: Vec<_> = self.wanted.images.iter().skip(self.images).map(Arc::clone).collect();
+        self.images += new.len();
+        new.into_iter().for_each(|image| self.edit(Edit::AddImage(image)));
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        if let Err(error) = self.prepared.edit(edit) {
+            // The studio has checked it: a defect, which must not pass in silence
+            self.shared.set_notes(vec![format!("a defect: an edit was refused: {error}")]);
+        }
+    }
+
+    /// Gives the prepared scene the look and the points of a side.
+    fn prepare(&mut self, side: usize) {
+        let Some(work) = &self.sides[side] else { return };
+        let look = Arc::clone(&work.look);
+        let edits = self.look.edits_to(&look);
+        if !edits.is_empty() {
+            edits.into_iter().for_each(|edit| self.edit(edit));
+            self.shared.set_notes(self.prepared.notes().iter().map(ToString::to_string).collect());
+        }
+        self.look = look;
+        if self.prepared.wants_points()
+            && let Some(points) = self.sides[side].as_ref().and_then(|side| side.points.as_ref())
+        {
+            self.prepared.set_points(points);
+        }
+    }
+
+    fn next_work(&self) -> Work {
+        let order = if self.wanted.active == Side::A { [0, 1] } else { [1, 0] };
+        let sides =
+            || order.into_iter().filter_map(|index| self.sides[index].as_ref().map(|side| (index, side)));
+
+        // Everything is shown at once, however coarse
+        if let Some((index, _)) = sides().find(|(_, side)| side.shown.is_none()) {
+            return match self.fraction_within(MOTION_BUDGET) {
+                Fraction::Whole => Work::Samples(index),
+                fraction => Work::Preview(index, fraction),
+            };
+        }
+        if self.wanted.is_paused {
+            return Work::Rest("paused");
+        }
+
+        // What moves waits for more to come, and becomes finer meanwhile
+        let coarse = || sides().filter_map(|(index, side)| Some((index, side.preview.as_ref()?.0)));
+        let still_moving = self.wanted.moving.and_then(|last| MOTION_ENDS.checked_sub(last.elapsed()));
+        if let Some(left) = still_moving {
+            let best = self.fraction_within(PAUSE_BUDGET);
+            let finer = coarse().find(|(_, fraction)| best.divisor() < fraction.divisor());
+            return match finer {
+                Some((index, _)) if best != Fraction::Whole => Work::Preview(index, best),
+                _ => Work::Wait(left),
+            };
+        }
+
+        // Where a sample takes long, a better look comes first: a sixteenth of its time
+        let slow = self.seconds_of(Fraction::Whole) > SLOW_SAMPLE;
+        if let Some((index, _)) = coarse().find(|(_, fraction)| slow && *fraction == Fraction::Eighth) {
+            return Work::Preview(index, Fraction::Quarter);
+        }
+        let unfinished = sides().filter(|(_, side)| side.film.samples() < side.goal());
+        match unfinished.min_by_key(|(_, side)| side.film.samples()) {
+            Some((index, side)) if side.wants_points() => Work::Points(index),
+            Some((index, _)) => Work::Samples(index),
+            None => Work::Rest("done"),
+        }
+    }
+
+    /// Time that one sample of each pixel takes on all sides together \[s\].
+    fn seconds_of(&self, fraction: Fraction) -> f64 {
+        let sides = self.sides.iter().flatten();
+        let seconds = sides.map(|side| side.cost * side.view.at(fraction).region().area() as f64);
+        seconds.sum()
+    }
+
+    /// The finest resolution at which one sample of each pixel is there within a time.
+    fn fraction_within(&self, seconds: f64) -> Fraction {
+        let finest = [Fraction::Whole, Fraction::Half, Fraction::Quarter];
+        let soon = finest.into_iter().find(|fraction| self.seconds_of(*fraction) <= seconds);
+        soon.unwrap_or(Fraction::Eighth)
+    }
+
+    /// Renders into a film until each pixel has so many samples; the time that a path took, if it came to an end.
+    fn render(&self, view: &View, film: &LiveFilm, samples: u32) -> (Outcome, f64) {
+        let before = film.sums().paths();
+        let start = Instant::now();
+        let watch = |_| {
+            if self.quit.load(Ordering::Relaxed) {
+                self.shared.stop.store(true, Ordering::Relaxed);
+            }
+        };
+        let goal = Goal { samples, deadline: None };
+        let outcome = self.prepared.render(view, film, goal, &watch, &self.shared.stop);
+        let paths = film.sums().paths() - before;
+        (outcome, start.elapsed().as_secs_f64() / paths.max(1) as f64)
+    }
+
+    fn preview(&mut self, side: usize, fraction: Fraction) {
+        self.prepare(side);
+        let Some(work) = &self.sides[side] else { return };
+        let view = work.view.at(fraction);
+        let region = view.region();
+        let film = LiveFilm::new(FilmSums::new(region.width, region.height));
+        let (outcome, cost) = self.render(&view, &film, 1);
+        let Some(work) = &mut self.sides[side] else { return };
+        if outcome == Outcome::Finished {
+            work.cost = cost;
+            work.preview = Some((fraction, film.into_sums()));
+            self.show(side);
+            self.report("preview", "");
+        }
+    }
+
+    fn make_points(&mut self, side: usize) {
+        self.prepare(side);
+        let memory = u64::from(self.look.integrator.point_memory) << 20;
+        self.report("points", "light at points all over the surface");
+        let watch = |_| {
+            if self.quit.load(Ordering::Relaxed) {
+                self.shared.stop.store(true, Ordering::Relaxed);
+            }
+        };
+        match self.prepared.make_points(memory, &watch, &self.shared.stop) {
+            Ok(Some(points)) => {
+                if let Some(work) = &mut self.sides[side] {
+                    work.points = Some(points);
+                }
+            }
+            Ok(None) => {}
+            Err(error) => {
+                // Probes find the light then, as the note says
+                self.shared.set_notes(vec![error.to_string()]);
+                if let Some(work) = &mut self.sides[side] {
+                    let mut look = (*work.look).clone();
+                    look.integrator.subsurface_method = SubsurfaceMethod::RayTraced;
+                    work.look = Arc::new(look);
+                }
+            }
+        }
+    }
+
+    fn sample(&mut self, side: usize) {
+        self.prepare(side);
+        let Some(work) = &self.sides[side] else { return };
+        let (view, film) = (work.view.clone(), Arc::clone(&work.film));
+        let before = film.samples();
+        let start = Instant::now();
+        let (outcome, cost) = self.render(&view, &film, work.next_samples());
+        let Some(work) = &mut self.sides[side] else { return };
+        work.seconds += start.elapsed().as_secs_f64();
+        let samples = film.samples();
+        if samples > before {
+            work.cost = cost;
+            work.preview = None;
+        }
+        self.share_films();
+        let Some(work) = &mut self.sides[side] else { return };
+        if samples == before || outcome == Outcome::Interrupted && samples < work.goal() {
+            return;
+        }
+        if samples.is_power_of_two() && samples < work.goal() {
+            work.half = Some((comparable(&film.sums(), view.film()), samples));
+        }
+        let due = work.shown.is_none_or(|(at, seconds)| {
+            seconds == 0.0 || at.elapsed().as_secs_f64() > (SHARE_BETWEEN_FRAMES * work.seconds).max(0.1)
+        });
+        if due || samples >= work.goal() {
+            self.measure();
+            self.show(side);
+        }
+        self.report("rendering", "");
+    }
+
+    /// Estimates noise and difference.
+    fn measure(&mut self) {
+        let display = self.wanted.film;
+        for work in self.sides.iter_mut().flatten() {
+            let samples = work.film.samples();
+            if let Some((half, count)) = work.half.as_ref().filter(|(_, count)| *count < samples) {
+                let picture = comparable(&work.film.sums(), &display);
+                let noise = laboratory::relative_noise([&picture, half], [*count, samples], &picture);
+                work.noise = noise.is_finite().then_some(noise);
+            }
+        }
+        self.difference = Value::Null;
+        if let [Some(a), Some(b)] = &self.sides
+            && a.film.samples().min(b.film.samples()) > 0
+        {
+            let [picture, reference] = [a, b].map(|side| comparable(&side.film.sums(), &display));
+            let noise = [a, b].map(|side| side.noise);
+            self.difference = json!({
+                "relative_mse": laboratory::relative_mse(&picture, &reference),
+                "noise": noise[0].zip(noise[1]).map(|(a, b)| a + b),
+                "mean_flip": null,
+            });
+        }
+    }
+
+    /// Sends what there is of a side, and the map of the comparison if that is looked at.
+    fn show(&mut self, side: usize) {
+        let shown = self.wanted.shown;
+        let Some(work) = &mut self.sides[side] else { return };
+        let layer = if let Shown::Layer(layer) = shown { layer } else { FilmLayer::Radiance };
+        let whole = work.film.sums();
+        let (fraction, sums) = match &work.preview {
+            Some((fraction, sums)) => (*fraction, sums),
+            None => (Fraction::Whole, &*whole),
+        };
+        let codes = layer_codes(sums, layer, &self.wanted.film);
+        let is_last = whole.samples() >= work.goal();
+        let header = Header {
+            kind: side as u8,
+            divisor: fraction.divisor() as u8,
+            is_last,
+            number: self.frame_number + 1,
+            version: self.wanted.version,
+            size: [sums.width, sums.height],
+            samples: sums.samples(),
+            seconds: work.seconds as f32,
+        };
+        drop(whole);
+        work.shown = Some((Instant::now(), work.seconds));
+        self.frame_number += 1;
+        let frame = Frame { number: header.number, bytes: header.before(&codes) };
+        self.shared.frames[side].send_replace(Some(frame));
+        if shown.compares() {
+            self.show_comparison(shown);
+        }
+    }
+
+    fn show_comparison(&mut self, shown: Shown) {
+        let [Some(a), Some(b)] = &self.sides else { return };
+        let sums = |side: &SideWork| match &side.preview {
+            Some((fraction, sums)) => (*fraction, comparable(sums, &self.wanted.film)),
+            None => (Fraction::Whole, comparable(&side.film.sums(), &self.wanted.film)),
+        };
+        let [(fraction, picture), (other, reference)] = [a, b].map(sums);
+        if fraction != other {
+            return;
+        }
+        let Some((codes, mean)) = comparison_codes(shown, [&picture, &reference]) else { return };
+        if let (Some(mean), Some(object)) = (mean, self.difference.as_object_mut()) {
+            object.insert("mean_flip".to_owned(), json!(mean));
+        }
+        self.frame_number += 1;
+        let header = Header {
+            kind: 2,
+            divisor: fraction.divisor() as u8,
+            is_last: [a, b].iter().all(|side| side.film.samples() >= side.goal()),
+            number: self.frame_number,
+            version: self.wanted.version,
+            size: [picture.width() as u32, picture.height() as u32],
+            samples: a.film.samples().min(b.film.samples()),
+            seconds: (a.seconds + b.seconds) as f32,
+        };
+        let frame = Frame { number: header.number, bytes: header.before(&codes) };
+        self.shared.frames[2].send_replace(Some(frame));
+    }
+
+    fn show_all(&mut self) {
+        (0..2).for_each(|side| self.show(side));
+        for (side, work) in self.sides.iter().enumerate() {
+            if work.is_none() {
+                self.shared.frames[side].send_replace(None);
+            }
+        }
+        if !self.wanted.shown.compares() {
+            self.shared.frames[2].send_replace(None);
+        }
+    }
+
+    fn share_films(&self) {
+        let film = |work: &SideWork| SideFilm {
+            view: work.view.clone(),
+            film: Arc::clone(&work.film),
+            seconds: work.seconds,
+        };
+        self.shared.set_films([0, 1].map(|side| self.sides[side].as_ref().map(film)));
+    }
+
+    fn report(&self, phase: &str, detail: &str) {
+        let side = |index: usize| {
+            let work = self.sides[index].as_ref()?;
+            Some(json!({
+                "samples": work.film.samples(),
+                "goal": work.goal(),
+                "seconds": work.seconds,
+                "samples_per_second": 1.0 / work.cost,
+                "noise": work.noise,
+            }))
+        };
+        let status = json!({
+            "type": "status",
+            "phase": phase,
+            "detail": detail,
+            "sides": { "a": side(0), "b": side(1) },
+            "difference": self.difference,
+        });
+        self.shared.status.send_replace(status.to_string().into());
+    }
+}
+
+impl SideWork {
+    /// Samples that each pixel shall have.
+    fn goal(&self) -> u32 {
+        self.look.integrator.samples_per_pixel
+    }
+
+    fn wants_points(&self) -> bool {
+        self.look.integrator.subsurface_method == SubsurfaceMethod::PointBased && self.points.is_none()
+    }
+
+    /// Samples that each pixel shall have when the next picture is due: at most half as many more, so that there is always
+    /// something new to see.
+    fn next_samples(&self) -> u32 {
+        let samples = self.film.samples();
+        let soon = SLICE / (self.cost * self.view.region().area() as f64);
+        let more = (soon as u32).clamp(1, (samples / 2).clamp(1, 16));
+        // Every power of two is met, for the estimate of noise
+        samples.saturating_add(more).min((samples + 1).next_power_of_two()).min(self.goal())
+    }
+}
+
+/// Whether films have the same pixels, however they are displayed.
+fn same_pixels(a: &Film, b: &Film) -> bool {
+    let pixels = |film: &Film| (film.width, film.height, film.filter, film.filter_radius);
+    pixels(a) == pixels(b)
+}
+
+/// The header of a frame, as `PROTOCOL.md` says.
+struct Header {
+    kind: u8,
+    divisor: u8,
+    is_last: bool,
+    number: u32,
+    version: u32,
+    size: [u32; 2],
+    samples: u32,
+    seconds: f32,
+}
+
+impl Header {
+    /// The bytes of a frame with these codes.
+    fn before(&self, codes: &[u8]) -> Bytes {
+        let mut bytes = Vec::with_capacity(24 + codes.len());
+        bytes.extend([84, self.kind, self.divisor, u8::from(self.is_last)]);
+        bytes.extend(self.number.to_le_bytes());
+        bytes.extend(self.version.to_le_bytes());
+        // An edge of a film has at most 16384 pixels
+        self.size.iter().for_each(|edge| bytes.extend((*edge as u16).to_le_bytes()));
+        bytes.extend(self.samples.to_le_bytes());
+        bytes.extend(self.seconds.to_le_bytes());
+        bytes.extend(codes);
+        bytes.into()
+    }
+}

@@ -1,0 +1,289 @@
+//! The messages of pages: JSON to values that are checked later against the scene.
+
+use glam::{Mat3, Vec3};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use translucid_scene::{Camera, Environment, Light};
+
+/// A message of a page; `PROTOCOL.md` says what each means.
+#[derive(Debug, Deserialize)]
+#[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
+pub(crate) enum Message {
+    Material {
+        index: usize,
+        set: Map<String, Value>,
+        gesture: Option<u64>,
+    },
+    Light {
+        index: usize,
+        light: LightMessage,
+        gesture: Option<u64>,
+    },
+    Environment {
+        environment: Option<EnvironmentMessage>,
+        gesture: Option<u64>,
+    },
+    Integrator {
+        set: Map<String, Value>,
+        gesture: Option<u64>,
+    },
+    Film {
+        set: Map<String, Value>,
+        gesture: Option<u64>,
+    },
+    Camera {
+        camera: CameraMessage,
+        #[serde(default)]
+        moving: bool,
+        #[serde(rename = "gesture")]
+        _gesture: Option<u64>,
+    },
+    Frame {},
+    Settled {},
+    Undo {},
+    Redo {},
+    Reset {},
+    Compare {
+        on: bool,
+    },
+    Side {
+        side: Side,
+    },
+    Swap {},
+    Show {
+        view: String,
+    },
+    Pause {
+        on: bool,
+    },
+    Pick {
+        x: f32,
+        y: f32,
+    },
+    Profile {
+        index: usize,
+    },
+    Numbers {
+        index: usize,
+    },
+    Painted {
+        frame: u32,
+    },
+}
+
+/// One of the two settings that are compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Side {
+    #[default]
+    A,
+    B,
+}
+
+impl Side {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::A => "a",
+            Self::B => "b",
+        }
+    }
+}
+
+/// A message, and the number that the page knows its answer by.
+pub(crate) struct Numbered {
+    pub(crate) id: Option<u32>,
+    /// The message, or why it is none, in words.
+    pub(crate) message: Result<Message, String>,
+}
+
+impl Numbered {
+    /// Reads a text frame.
+    pub(crate) fn parse(text: &str) -> Self {
+        let mut value: Value = match serde_json::from_str(text) {
+            Ok(value) => value,
+            Err(error) => {
+                return Self { id: None, message: Err(format!("the message is not JSON: {error}")) };
+            }
+        };
+        let Some(fields) = value.as_object_mut() else {
+            return Self { id: None, message: Err("a message must be a JSON object".to_owned()) };
+        };
+        let id = fields.remove("id").and_then(|id| id.as_u64()).and_then(|id| u32::try_from(id).ok());
+        Self { id, message: serde_json::from_value(value).map_err(|error| error.to_string()) }
+    }
+}
+
+/// A camera; angles in degrees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct CameraMessage {
+    position: [f32; 3],
+    target: [f32; 3],
+    up: [f32; 3],
+    fov: f32,
+    lens_radius: f32,
+    focus_distance: f32,
+}
+
+impl From<CameraMessage> for Camera {
+    fn from(message: CameraMessage) -> Self {
+        Self {
+            position: message.position.into(),
+            target: message.target.into(),
+            up: message.up.into(),
+            horizontal_fov: message.fov,
+            lens_radius: message.lens_radius,
+            focus_distance: message.focus_distance,
+        }
+    }
+}
+
+/// A light, field by field as [`Light`].
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+pub(crate) enum LightMessage {
+    Rectangle { center: [f32; 3], edge_x: [f32; 3], edge_y: [f32; 3], radiance: [f32; 3], visible: bool },
+    Sphere { center: [f32; 3], radius: f32, radiance: [f32; 3], visible: bool },
+    Distant { direction: [f32; 3], angular_radius: f32, irradiance: [f32; 3] },
+    Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], inner_angle: f32, outer_angle: f32 },
+    Beam { origin: [f32; 3], direction: [f32; 3], radius: f32, power: [f32; 3] },
+}
+
+impl From<LightMessage> for Light {
+    fn from(message: LightMessage) -> Self {
+        match message {
+            LightMessage::Rectangle { center, edge_x, edge_y, radiance, visible } => Self::Rectangle {
+                center: center.into(),
+                edge_x: edge_x.into(),
+                edge_y: edge_y.into(),
+                radiance: radiance.into(),
+                visible,
+            },
+            LightMessage::Sphere { center, radius, radiance, visible } => {
+                Self::Sphere { center: center.into(), radius, radiance: radiance.into(), visible }
+            }
+            LightMessage::Distant { direction, angular_radius, irradiance } => {
+                Self::Distant { direction: unit(direction), angular_radius, irradiance: irradiance.into() }
+            }
+            LightMessage::Spot { position, direction, intensity, inner_angle, outer_angle } => Self::Spot {
+                position: position.into(),
+                direction: unit(direction),
+                intensity: intensity.into(),
+                inner_angle,
+                outer_angle,
+            },
+            LightMessage::Beam { origin, direction, radius, power } => {
+                Self::Beam { origin: origin.into(), direction: unit(direction), radius, power: power.into() }
+            }
+        }
+    }
+}
+
+/// A direction of length 1; as it is where it has none, which a light refuses.
+fn unit(direction: [f32; 3]) -> Vec3 {
+    let direction = Vec3::from(direction);
+    direction.as_dvec3().try_normalize().map_or(direction, |unit| unit.as_vec3())
+}
+
+/// An environment; its image by its number among the scene's, its rotation about y in degrees.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct EnvironmentMessage {
+    radiance: [f32; 3],
+    image: Option<usize>,
+    rotation: f32,
+    visible: bool,
+}
+
+impl From<EnvironmentMessage> for Environment {
+    fn from(message: EnvironmentMessage) -> Self {
+        Self {
+            radiance: message.radiance.into(),
+            image: message.image,
+            world_from_environment: Mat3::from_rotation_y(message.rotation.to_radians()),
+            visible: message.visible,
+        }
+    }
+}
+
+/// Keys and values as the lines of a scene file's table.
+///
+/// # Errors
+/// A value is neither a number, a word, a truth nor a list of numbers: in words.
+pub(crate) fn table_of(set: &Map<String, Value>) -> Result<String, String> {
+    let mut text = String::new();
+    for (key, value) in set {
+        let is_bare = |c: char| c.is_ascii_alphanumeric() || c == '_';
+        if key.is_empty() || !key.chars().all(is_bare) {
+            return Err(format!("{key:?} is no key"));
+        }
+        let value = match value {
+            Value::Bool(value) => value.to_string(),
+            Value::Number(number) => number.to_string(),
+            Value::String(word) => quoted(word)?,
+            Value::Array(numbers) if numbers.iter().all(Value::is_number) && numbers.len() <= 16 => {
+                value.to_string()
+            }
+            _ => return Err(format!("{key} must be a number, a word, true, false or a list of numbers")),
+        };
+        text += &format!("{key} = {value}\n");
+    }
+    Ok(text)
+}
+
+/// A word as TOML writes it.
+fn quoted(word: &str) -> Result<String, String> {
+    if word.chars().any(char::is_control) {
+        return Err(String::from("a word must not have control characters"));
+    }
+    Ok(format!("\"{}\"", word.replace('\\', "\\\\").replace('"', "\\\"")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parse(text: &str) -> Result<Message, String> {
+        Numbered::parse(text).message
+    }
+
+    #[test]
+    fn messages_are_read_with_their_numbers() {
+        let numbered = Numbered::parse(r#"{"type":"pick","x":1.5,"y":2,"id":7}"#);
+        assert_eq!(numbered.id, Some(7));
+        assert!(matches!(numbered.message, Ok(Message::Pick { x: 1.5, y: 2.0 })));
+        let text = r#"{"type":"light","index":0,"light":{"kind":"distant","direction":[0,3,4],"angular_radius":1,"irradiance":[1,1,1]}}"#;
+        let Ok(Message::Light { light, .. }) = parse(text) else { panic!() };
+        let Light::Distant { direction, .. } = light.into() else { panic!() };
+        assert_eq!(direction, Vec3::new(0.0, 0.6, 0.8));
+    }
+
+    #[test]
+    fn what_is_no_message_is_refused_in_words() {
+        for (text, words) in [
+            ("", "not JSON"),
+            ("[]", "must be a JSON object"),
+            ("{}", "missing field `type`"),
+            (r#"{"type":"destroy"}"#, "unknown variant `destroy`"),
+            (r#"{"type":"pick","x":1}"#, "missing field `y`"),
+            (r#"{"type":"pick","x":1,"y":"2"}"#, "invalid type"),
+            (r#"{"type":"undo","all":true}"#, "unknown field `all`"),
+            (r#"{"type":"side","side":"c"}"#, "unknown variant `c`"),
+        ] {
+            let error = parse(text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
+
+    #[test]
+    fn tables_hold_values_and_nothing_else() {
+        let table = |text: &str| table_of(serde_json::from_str::<Value>(text).unwrap().as_object().unwrap());
+        assert_eq!(table(r#"{"a":[1,2.5e-7,3]}"#).unwrap(), "a = [1,2.5e-7,3]\n");
+        assert_eq!(table(r#"{"a":"x\"\\y"}"#).unwrap(), "a = \"x\\\"\\\\y\"\n");
+        for odd in
+            [r#"{"a":{"file":"x"}}"#, r#"{"a b":1}"#, r#"{"a":"\n"}"#, r#"{"a":null}"#, r#"{"a":["x"]}"#]
+        {
+            assert!(table(odd).is_err(), "{odd}");
+        }
+    }
+}

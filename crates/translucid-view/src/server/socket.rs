@@ -1,0 +1,274 @@
+//! The conversation with a page.
+//!
+//! Nothing queues up: states, reports and pictures are the latest ones, whatever was in between, and a page gets the next
+//! picture only when it has shown the last.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
+use std::time::{Duration, Instant};
+
+use axum::extract::State;
+use axum::extract::ws::{Message as Packet, WebSocket, WebSocketUpgrade};
+use axum::http::StatusCode;
+use axum::response::{IntoResponse, Response};
+use glam::Vec3;
+use serde_json::{Value, json};
+use tokio::sync::{Semaphore, mpsc, watch};
+use translucid_scene::{Camera, SceneError};
+
+use super::Context;
+use crate::message::{Message, Numbered};
+use crate::shared::{Frame, Shared};
+use crate::{numbers, profile_panel};
+
+/// Most bytes of a message.
+const LONGEST_MESSAGE: usize = 64 << 10;
+/// Messages a second that are read, and those that may come at once.
+const MESSAGES_PER_SECOND: f64 = 500.0;
+const MOST_AT_ONCE: f64 = 500.0;
+/// Answers that wait to be sent.
+const MOST_ANSWERS: usize = 256;
+
+/// Opens a page's socket.
+pub(super) async fn upgrade(State(context): State<Context>, upgrade: WebSocketUpgrade) -> Response {
+    let Ok(place) = Arc::clone(&context.pages).try_acquire_owned() else {
+        let message = "too many pages are open: close one";
+        return (StatusCode::SERVICE_UNAVAILABLE, message).into_response();
+    };
+    upgrade.max_message_size(LONGEST_MESSAGE).max_frame_size(LONGEST_MESSAGE).on_upgrade(
+        async move |socket| {
+            if let Some(shared) = context.scene().await {
+                Conversation::new(shared, socket).run().await;
+            }
+            drop(place);
+        },
+    )
+}
+
+/// The page is gone.
+struct Gone;
+
+struct Conversation {
+    shared: Arc<Shared>,
+    socket: WebSocket,
+    state: watch::Receiver<Arc<str>>,
+    status: watch::Receiver<Arc<str>>,
+    frames: [watch::Receiver<Option<Frame>>; 3],
+    /// Numbers of pictures that were sent and are not shown yet.
+    on_their_way: [Option<u32>; 3],
+    answers: (mpsc::Sender<String>, mpsc::Receiver<String>),
+    /// What is computed in the background, one after another; of several that wait only the last.
+    turn: Arc<Semaphore>,
+    newest: [Arc<AtomicU32>; 2],
+    allowance: Allowance,
+}
+
+impl Conversation {
+    fn new(shared: Arc<Shared>, socket: WebSocket) -> Self {
+        let newest = || Arc::new(AtomicU32::new(0));
+        Self {
+            state: shared.state.subscribe(),
+            status: shared.status.subscribe(),
+            frames: std::array::from_fn(|kind| shared.frames[kind].subscribe()),
+            on_their_way: [None; 3],
+            answers: mpsc::channel(MOST_ANSWERS),
+            turn: Arc::new(Semaphore::new(1)),
+            newest: [newest(), newest()],
+            allowance: Allowance { left: MOST_AT_ONCE, counted: Instant::now() },
+            shared,
+            socket,
+        }
+    }
+
+    async fn run(mut self) {
+        // An error is a page that has gone, which needs no answer
+        let _ = self.talk().await;
+    }
+
+    async fn talk(&mut self) -> Result<(), Gone> {
+        let hello = self.shared.hello.clone();
+        self.send(hello).await?;
+        self.state.mark_changed();
+        self.status.mark_changed();
+        self.frames.iter_mut().for_each(watch::Receiver::mark_changed);
+        loop {
+            let [a, b, both] = &mut self.frames;
+            let [a_free, b_free, both_free] = self.on_their_way.map(|number| number.is_none());
+            let kind = tokio::select! {
+                packet = self.socket.recv() => {
+                    let Some(Ok(packet)) = packet else { return Err(Gone) };
+                    if let Packet::Text(text) = packet {
+                        self.hear(text.as_str()).await?;
+                    }
+                    continue;
+                }
+                Some(answer) = self.answers.1.recv() => {
+                    self.send(answer).await?;
+                    continue;
+                }
+                changed = self.state.changed() => {
+                    changed.map_err(|_| Gone)?;
+                    let text = self.state.borrow_and_update().to_string();
+                    self.send(text).await?;
+                    continue;
+                }
+                changed = self.status.changed() => {
+                    changed.map_err(|_| Gone)?;
+                    let text = self.status.borrow_and_update().to_string();
+                    self.send(text).await?;
+                    continue;
+                }
+                changed = a.changed(), if a_free => changed.map(|()| 0),
+                changed = b.changed(), if b_free => changed.map(|()| 1),
+                changed = both.changed(), if both_free => changed.map(|()| 2),
+            };
+            let kind = kind.map_err(|_| Gone)?;
+            let frame = self.frames[kind].borrow_and_update().clone();
+            if let Some(frame) = frame {
+                self.on_their_way[kind] = Some(frame.number);
+                self.socket.send(Packet::Binary(frame.bytes)).await.map_err(|_| Gone)?;
+            }
+        }
+    }
+
+    async fn send(&mut self, text: String) -> Result<(), Gone> {
+        self.socket.send(Packet::Text(text.into())).await.map_err(|_| Gone)
+    }
+
+    /// Does what a message asks for, and answers.
+    async fn hear(&mut self, text: &str) -> Result<(), Gone> {
+        if let Some(pause) = self.allowance.take() {
+            tokio::time::sleep(pause).await;
+        }
+        let Numbered { id, message } = Numbered::parse(text);
+        let message = match message {
+            Ok(message) => message,
+            Err(words) => return self.send(error(id, &SceneError::new(words))).await,
+        };
+        match message {
+            Message::Painted { frame } => {
+                for number in &mut self.on_their_way {
+                    number.take_if(|number| *number == frame);
+                }
+                Ok(())
+            }
+            Message::Pick { x, y } => {
+                let answer = self.shared.picked(id, [x, y]).to_string();
+                self.send(answer).await
+            }
+            Message::Profile { index } => self.ask(0, id, index),
+            Message::Numbers { index } => self.ask(1, id, index),
+            message => {
+                let changed = self.shared.change(|studio| {
+                    if let Message::Frame {} = message {
+                        let camera = framed(studio.camera(), studio.film(), self.shared.bounds);
+                        studio.set_camera(camera);
+                        return Ok(());
+                    }
+                    studio.apply(message)
+                });
+                let answer = match changed {
+                    Ok(version) => json!({ "type": "applied", "id": id, "version": version }).to_string(),
+                    Err(refused) => error(id, &refused),
+                };
+                self.send(answer).await
+            }
+        }
+    }
+
+    /// Computes something about a material in the background.
+    fn ask(&self, what: usize, id: Option<u32>, index: usize) -> Result<(), Gone> {
+        let shared = Arc::clone(&self.shared);
+        let (turn, newest, answers) =
+            (Arc::clone(&self.turn), Arc::clone(&self.newest[what]), self.answers.0.clone());
+        let number = newest.fetch_add(1, Ordering::Relaxed) + 1;
+        tokio::spawn(async move {
+            let Ok(_turn) = turn.acquire().await else { return };
+            if newest.load(Ordering::Relaxed) != number {
+                return;
+            }
+            let answer = tokio::task::spawn_blocking(move || about_material(&shared, what, id, index)).await;
+            // A page that does not read its answers gets no more of them
+            let _ = answers
+                .try_send(answer.unwrap_or_else(|_| error(id, &SceneError::new("this failed: a defect"))));
+        });
+        Ok(())
+    }
+}
+
+fn about_material(shared: &Shared, what: usize, id: Option<u32>, index: usize) -> String {
+    let Some(material) = shared.studio(|studio| studio.active_look().materials.get(index).cloned()) else {
+        return error(id, &SceneError::new(format!("material {index} is not there")));
+    };
+    let unit = shared.origin.unit;
+    let mut answer = match what {
+        0 => profile_panel::profile(&material, &shared.origin.profile_tables, unit),
+        _ => numbers::numbers(&material, unit),
+    };
+    answer["id"] = json!(id);
+    answer["index"] = json!(index);
+    answer.to_string()
+}
+
+fn error(id: Option<u32>, error: &SceneError) -> String {
+    let place = error.place.as_ref().map_or_else(String::new, |place| format!("{place}: "));
+    let answer: Value = json!({ "type": "error", "id": id, "message": format!("{place}{}", error.message), "help": error.help });
+    answer.to_string()
+}
+
+/// The camera moved back along its direction until a sphere is in the picture.
+fn framed(camera: &Camera, film: &translucid_scene::Film, (center, radius): (Vec3, f32)) -> Camera {
+    let backward = (camera.position - camera.target).as_dvec3().normalize_or(glam::DVec3::Z);
+    let across = (0.5 * f64::from(camera.horizontal_fov)).to_radians().tan();
+    let upright = across * f64::from(film.height) / f64::from(film.width);
+    let distance = 1.05 * f64::from(radius).max(1e-6) / across.min(upright).atan().sin();
+    let position = (center.as_dvec3() + backward * distance).as_vec3();
+    let moved = Camera { position, target: center, focus_distance: distance as f32, ..*camera };
+    if moved.validate().is_ok() { moved } else { *camera }
+}
+
+/// Messages that may still be read.
+struct Allowance {
+    left: f64,
+    counted: Instant,
+}
+
+impl Allowance {
+    /// Takes one; how long to wait before it is due.
+    fn take(&mut self) -> Option<Duration> {
+        let earned = self.counted.elapsed().as_secs_f64() * MESSAGES_PER_SECOND;
+        self.counted = Instant::now();
+        self.left = (self.left + earned).min(MOST_AT_ONCE) - 1.0;
+        (self.left < 0.0).then(|| Duration::from_secs_f64(-self.left / MESSAGES_PER_SECOND))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_scene::Film;
+
+    use super::*;
+
+    #[test]
+    fn framed_camera_keeps_its_direction_and_sees_the_sphere() {
+        let camera = Camera { position: Vec3::new(3.0, 4.0, 5.0), target: Vec3::ONE, ..Camera::default() };
+        let sphere = (Vec3::new(-2.0, 0.0, 7.0), 3.0);
+        let film = Film { width: 100, height: 300, ..Film::default() };
+        let moved = framed(&camera, &film, sphere);
+        let direction = |camera: &Camera| (camera.target - camera.position).normalize();
+        assert!(direction(&moved).distance(direction(&camera)) < 1e-5 && moved.target == sphere.0);
+        // Seen under less than the field of view, which is the narrower here
+        let half_angle = (sphere.1 / moved.position.distance(sphere.0)).asin();
+        assert!(
+            half_angle < (0.5 * camera.horizontal_fov).to_radians()
+                && half_angle > 0.9 * (0.5 * camera.horizontal_fov).to_radians()
+        );
+    }
+
+    #[test]
+    fn allowance_slows_down_those_who_say_too_much() {
+        let mut allowance = Allowance { left: MOST_AT_ONCE, counted: Instant::now() };
+        let waits = (0..2000).filter_map(|_| allowance.take()).count();
+        assert!((1400..=1500).contains(&waits), "{waits}");
+    }
+}
