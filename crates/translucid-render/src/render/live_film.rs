@@ -75,7 +75,6 @@ impl FilmLayer {
     }
 
     /// The layer's channels of a pixel with these mean values.
-    #[must_use]
     pub fn values_of(self, mean: &[f64; layer::COUNT]) -> Vec<f32> {
         self.values(mean)[..self.channels()].iter().map(|value| *value as f32).collect()
     }

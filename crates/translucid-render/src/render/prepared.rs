@@ -94,7 +94,6 @@ impl PreparedScene {
     }
 
     /// Finds what the pixels of a view show, from any thread and whatever happens to the scene meanwhile.
-    #[must_use]
     pub fn picker(&self) -> Picker {
         Picker::new(Arc::clone(&self.world.geometry))
     }

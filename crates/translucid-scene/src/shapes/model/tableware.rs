@@ -11,7 +11,7 @@ const GLASS_HEIGHT: ShapeParameter = ShapeParameter::length("height", 11.0);
 const BOTTOM_RADIUS: ShapeParameter = ShapeParameter::length("bottom_radius", 2.9);
 const TOP_RADIUS: ShapeParameter = ShapeParameter::length("top_radius", 3.7);
 const WALL: ShapeParameter = ShapeParameter::length("wall", 0.22);
-const BASE: ShapeParameter = ShapeParameter::length("base", 0.9);
+const BASE: ShapeParameter = ShapeParameter::length("base", 0.9); // Thickness of the bottom
 
 /// Pieces of each rounded edge.
 const ARC: usize = 10;
@@ -72,8 +72,8 @@ pub(in crate::shapes) const DRINK: &[ShapeParameter] = &[
     TOP_RADIUS,
     WALL,
     BASE,
-    ShapeParameter::ratio("fill", 0.75, 0.05, 0.98),
-    ShapeParameter::length_or_zero("overlap", 0.02),
+    ShapeParameter::ratio("fill", 0.75, 0.05, 0.98), // Filled share of the glass
+    ShapeParameter::length_or_zero("overlap", 0.02), // How far the drink reaches into the glass
     SEGMENTS,
 ];
 

@@ -107,7 +107,7 @@ pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
 }
 
 pub(in crate::shapes) const TORUS: &[ShapeParameter] = &[
-    ShapeParameter::length("radius", 1.0),
+    ShapeParameter::length("radius", 1.0), // Of the middle line of the tube
     ShapeParameter::length("tube_radius", 0.3),
     SEGMENTS,
     ShapeParameter::count("tube_segments", 48.0, 3.0, 4096.0),
