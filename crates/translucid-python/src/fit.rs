@@ -196,7 +196,7 @@ impl Fit {
     /// The fitted sum, to evaluate and to sample.
     #[getter]
     fn profile(&self, py: Python<'_>) -> PyResult<Profile> {
-        Profile::of_fit(py, self.family, Arc::clone(&self.profile), &self.terms)
+        Profile::of_fit(py, self.family, Arc::clone(&self.profile), self.terms.clone())
     }
 
     fn __repr__(&self) -> String {

@@ -305,7 +305,7 @@ impl Profile {
                 Err(names::unknown("family", family, &["normalized-diffusion", "exponentials", "gaussians"]))
             }
         };
-        Self::of_fit(class.py(), family, profile?, &terms)
+        Self::of_fit(class.py(), family, profile?, terms)
     }
 
     /// The call that makes it again, for pickles.
@@ -682,10 +682,10 @@ impl Profile {
         py: Python<'_>,
         family: &str,
         profile: SharedProfile,
-        terms: &[(f64, f64)],
+        terms: Vec<(f64, f64)>,
     ) -> PyResult<Self> {
         let function = py.get_type::<Self>().getattr("_from_fit")?;
-        let arguments = (function, family, profile.surface_albedo(), terms.to_vec());
+        let arguments = (function, family, profile.surface_albedo(), terms);
         let call = py.import("functools")?.getattr("partial")?.call1(arguments)?;
         Ok(Self::of_one(format!("fit of {family}"), profile, Origin::Call(call.unbind())))
     }
