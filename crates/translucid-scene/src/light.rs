@@ -163,14 +163,16 @@ impl Light {
     }
 }
 
-fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
+/// Refuses a direction whose length is not 1.
+pub(crate) fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
     if (direction.as_dvec3().length_squared() - 1.0).abs() <= UNIT {
         return Ok(());
     }
     Err(refusal(field, direction, "a vector of length 1"))
 }
 
-fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
+/// Refuses edges of a rectangle that are zero or not perpendicular to each other.
+pub(crate) fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
     for (field, edge) in [("edge_x", x), ("edge_y", y)] {
         Interval::PLACE.check_all(field, edge.to_array())?;
         if edge == Vec3::ZERO {
@@ -200,12 +202,17 @@ impl Environment {
         if let Some(image) = self.image {
             check_index("image", image, images, "images")?;
         }
-        let matrix = self.world_from_environment.as_dmat3();
-        let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
-        let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
-        if turns && matrix.determinant() > 0.0 {
+        if is_rotation(self.world_from_environment) {
             return Ok(());
         }
         Err(refusal("world_from_environment", self.world_from_environment, "a rotation"))
     }
+}
+
+/// Tells whether a matrix turns without stretching or mirroring.
+pub(crate) fn is_rotation(matrix: Mat3) -> bool {
+    let matrix = matrix.as_dmat3();
+    let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
+    let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
+    turns && matrix.determinant() > 0.0
 }

@@ -220,7 +220,7 @@ impl Scene {
     }
 
     /// Every reference to an image.
-    fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
+    pub(crate) fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
         self.materials
             .iter_mut()
             .for_each(|material| material.for_each_texture(|texture| visit(&mut texture.image)));

@@ -1,11 +1,6 @@
 //! The scene that is rendered when none is given.
 
-use std::path::Path;
-
 use crate::{LoadOptions, Scene, SceneError, SceneFile};
-
-/// The scene file, part of the program.
-const TEXT: &str = include_str!("../../../scenes/still-life.toml");
 
 /// The built-in still life: a marble bust, fruit, milk in a glass, a candle and toys by a window.
 ///
@@ -21,7 +16,7 @@ const TEXT: &str = include_str!("../../../scenes/still-life.toml");
 /// # Ok::<(), translucid_scene::SceneError>(())
 /// ```
 pub fn still_life(options: &LoadOptions) -> Result<Scene, SceneError> {
-    SceneFile::parse(TEXT, Path::new("scenes/still-life.toml"))?.load(options, &mut Vec::new())
+    SceneFile::still_life()?.load(options, &mut Vec::new())
 }
 
 #[cfg(test)]
@@ -38,7 +33,7 @@ mod tests {
 
     #[test]
     fn still_life_loads_without_warning() {
-        let file = SceneFile::parse(TEXT, Path::new("still-life.toml")).expect("valid");
+        let file = SceneFile::still_life().expect("valid");
         let mut warnings = Vec::new();
         let scene = file.load(&LoadOptions::default(), &mut warnings).expect("valid");
         assert_eq!(warnings, []);

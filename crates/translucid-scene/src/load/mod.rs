@@ -5,8 +5,8 @@ mod gltf;
 mod image;
 mod mesh_file;
 mod mtl;
-#[cfg(test)]
-mod mutants;
+#[cfg(any(test, feature = "testing"))]
+pub mod mutants;
 mod number;
 mod obj;
 mod ply;
@@ -24,7 +24,7 @@ pub use mesh_file::MeshFile;
 pub use obj::{load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
-pub use toml::{Piece, SceneBuilder, SceneFile};
+pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
 
 use crate::{Film, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
@@ -75,13 +75,15 @@ pub fn load_scene(
     if extension(path) != "toml" {
         return bare_mesh::load_bare_mesh(path, options, warnings);
     }
-    refuse_mesh_options(path, options)?;
-    SceneFile::read(path)?.load(options, warnings)
+    let file = SceneFile::read(path)?;
+    refuse_mesh_options(path, &file, options)?;
+    file.load(options, warnings)
 }
 
 /// A scene file states its own materials and unit.
-fn refuse_mesh_options(path: &Path, options: &LoadOptions) -> Result<(), SceneError> {
+fn refuse_mesh_options(path: &Path, file: &SceneFile, options: &LoadOptions) -> Result<(), SceneError> {
     let (what, key) = match (&options.preset, options.unit) {
+        (Some(_), _) if file.is_on_mesh() => ("a preset", "preset at the top"),
         (Some(_), _) => ("a preset", "preset in a [[material]]"),
         (None, Some(_)) => ("a unit", "unit at the top"),
         (None, None) => return Ok(()),

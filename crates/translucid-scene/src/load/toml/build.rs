@@ -10,7 +10,6 @@ use rayon::prelude::*;
 use super::input::{FileRequest, KnownFiles};
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
-use crate::error::nearest;
 use crate::interval::Interval;
 use crate::load::mesh_file::{MeshFile, scale_lengths};
 use crate::load::stage::Stage;
@@ -33,16 +32,18 @@ impl SceneFile {
         Self::parse(&read_text(path)?, path)
     }
 
-    /// Opens the meshes and images and makes the scene.
-    ///
-    /// # Errors
-    /// A file is missing or cannot be used; an option does not fit the scene.
-    pub fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
-        let overrides = resolve_overrides(&self.objects, &options.mesh_overrides)?;
+    /// Opens the meshes and images and makes the scene, with other meshes for some of the objects.
+    pub(super) fn assemble(
+        self,
+        overrides: &HashMap<usize, &Path>,
+        options: &LoadOptions,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Scene, SceneError> {
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
-        scene.images =
+        let images =
             load_files(&self.images, |image| load_image(&image.path, image.kind, warnings).map(Arc::new))?;
+        scene.images.extend(images);
         let mut builder =
             SceneBuilder { grouping: self.grouping, camera: self.camera, ..SceneBuilder::of(scene) };
         for (chunk, entries) in self.objects.chunks(SHAPES_AT_ONCE).enumerate() {
@@ -55,10 +56,22 @@ impl SceneFile {
                 }
             }
         }
-        let mut scene = staged(builder.scene, builder.camera);
-        scene.profile_tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
+        let mut scene = match (self.extends, builder.camera) {
+            // Whatever is missing was chosen for the base
+            (Some(_), Some(camera)) => Scene { camera, ..builder.scene },
+            (_, camera) => staged(builder.scene, camera),
+        };
+        let tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
+        scene.profile_tables.extend(tables);
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
-        options.finish(scene).map_err(|error| error.or_at(&self.path))
+        options.finish(scene).map_err(|error| error.or_at(self.source.path()))
+    }
+
+    /// Numbers and names of the objects whose mesh is in a file.
+    pub(super) fn mesh_files(&self) -> impl Iterator<Item = (usize, &str)> {
+        let is_file = |object: &ObjectEntry| matches!(object.geometry, GeometryOrigin::File { .. });
+        let objects = self.objects.iter().enumerate();
+        objects.filter(move |(_, object)| is_file(object)).map(|(i, object)| (i, object.name.as_str()))
     }
 }
 
@@ -73,40 +86,6 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
         let place = Place::part(path, format!("byte {}", error.utf8_error().valid_up_to()));
         SceneError::at(place, "a scene file must be UTF-8 text, but this is not")
     })
-}
-
-/// The mesh path of each object that has an override.
-fn resolve_overrides<'a>(
-    objects: &[ObjectEntry],
-    overrides: &'a [(Option<String>, PathBuf)],
-) -> Result<HashMap<usize, &'a PathBuf>, SceneError> {
-    let is_file = |object: &ObjectEntry| matches!(object.geometry, GeometryOrigin::File { .. });
-    let files: Vec<usize> = (0..objects.len()).filter(|&i| is_file(&objects[i])).collect();
-    let names = || files.iter().map(|&i| objects[i].name.as_str());
-    let list = || names().collect::<Vec<_>>().join(", ");
-    let mut resolved = HashMap::new();
-    for (name, path) in overrides {
-        let index = match name {
-            Some(name) => files.iter().copied().find(|&i| objects[i].name == *name).ok_or_else(|| {
-                let error = SceneError::new(format!("there is no object \"{name}\" with a mesh file"));
-                match nearest(name, names()) {
-                    Some(near) => error.with_help(format!("did you mean \"{near}\"?")),
-                    None => error.with_help(format!("the objects with a mesh file are {}", list())),
-                }
-            })?,
-            None => match files[..] {
-                [only] => only,
-                [] => return Err(SceneError::new("the scene has no object with a mesh file to replace")),
-                _ => {
-                    let message = format!("the scene has {} objects with a mesh file", files.len());
-                    let help = format!("say which one to replace as NAME=PATH; they are {}", list());
-                    return Err(SceneError::new(message).with_help(help));
-                }
-            },
-        };
-        resolved.insert(index, path);
-    }
-    Ok(resolved)
 }
 
 /// Loads the files that are asked for.
@@ -276,7 +255,7 @@ impl SceneBuilder {
     pub(super) fn add_file(
         &mut self,
         entry: &ObjectEntry,
-        replacement: Option<&PathBuf>,
+        replacement: Option<&Path>,
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
@@ -285,7 +264,7 @@ impl SceneBuilder {
             error.with_help(format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name))
         })?;
         let unit = unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { self.scene.unit });
-        let key = (path.clone(), unit.name());
+        let key = (path.to_owned(), unit.name());
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = match self.models.remove(&key) {
             Some(loaded) => loaded,

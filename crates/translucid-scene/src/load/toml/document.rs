@@ -13,7 +13,7 @@ use crate::interval::{Interval, WholeInterval};
 use crate::{Place, SceneError};
 
 /// The file that errors point into.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct DocumentText {
     path: PathBuf,
     text: Arc<str>,
@@ -29,6 +29,10 @@ impl DocumentText {
     /// A text that is in no file: errors name the part of the scene that it is about.
     pub(super) fn of_part(part: &str, text: &str) -> Self {
         Self { path: PathBuf::new(), text: Arc::from(text), part: Some(part.to_owned()) }
+    }
+
+    pub(super) fn path(&self) -> &Path {
+        &self.path
     }
 
     pub(super) fn text(&self) -> &str {
@@ -61,8 +65,12 @@ impl DocumentText {
     }
 }
 
-/// A key of a table of settings, and how its value gets there.
-pub(super) type Key<T> = (&'static str, fn(&Item<'_>, &mut T) -> Result<(), SceneError>);
+/// A key of a table of settings, how its value gets there, and as what it is written.
+pub(super) struct Setting<T> {
+    pub(super) key: &'static str,
+    pub(super) read: fn(&Item<'_>, &mut T) -> Result<(), SceneError>,
+    pub(super) write: fn(&T) -> String,
+}
 
 /// A table of the document: entries by key, each read with its place.
 pub(super) struct Table<'a> {
@@ -143,17 +151,20 @@ impl<'a> Table<'a> {
         self.get(key).map_or(Ok(()), |item| read(&item).map(|read| *value = read))
     }
 
-    /// A table of a key, each of whose values is optional.
-    pub(super) fn settings<T: Default>(&self, key: &'static str, keys: &[Key<T>]) -> Result<T, SceneError> {
-        self.get(key).map_or(Ok(T::default()), |item| item.table()?.changed(T::default(), keys))
+    /// Settings with the changes of a key's table, if it is there.
+    pub(super) fn settings<T>(&self, key: &'static str, to: T, keys: &[Setting<T>]) -> Result<T, SceneError> {
+        match self.get(key) {
+            Some(item) => item.table()?.changed(to, keys),
+            None => Ok(to),
+        }
     }
 
     /// Settings with the changes of this table.
-    pub(super) fn changed<T>(self, mut settings: T, keys: &[Key<T>]) -> Result<T, SceneError> {
-        let names: Vec<_> = keys.iter().map(|&(name, _)| name).collect();
+    pub(super) fn changed<T>(self, mut settings: T, keys: &[Setting<T>]) -> Result<T, SceneError> {
+        let names: Vec<_> = keys.iter().map(|setting| setting.key).collect();
         let table = self.allow(&names)?;
-        for (name, read) in keys {
-            table.get(name).map_or(Ok(()), |item| read(&item, &mut settings))?;
+        for Setting { key, read, .. } in keys {
+            table.get(key).map_or(Ok(()), |item| read(&item, &mut settings))?;
         }
         Ok(settings)
     }
@@ -241,6 +252,11 @@ impl<'a> Item<'a> {
             "" => Err(self.refuse("a name that is not empty")),
             name => Ok(name.to_owned()),
         }
+    }
+
+    /// Whether it is the word that takes away what the base of an extending file has.
+    pub(super) fn is_none(&self) -> bool {
+        self.value().as_str() == Some("none")
     }
 
     /// A path relative to the scene file.

@@ -8,7 +8,9 @@ use glam::{Affine2, Vec2, Vec3};
 use super::document::{Item, Table};
 use crate::interval::Interval;
 use crate::texture::{MAPPING, TEXTURED_COLOR, TEXTURED_SCALAR};
-use crate::{Channel, ColorInput, ColorSpace, NormalMap, Place, ScalarInput, SceneError, TextureRef, Wrap};
+use crate::{
+    Channel, ColorInput, ColorSpace, NormalMap, Place, ScalarInput, Scene, SceneError, TextureRef, Wrap,
+};
 
 const COLOR_SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
 const CHANNELS: [(&str, Channel); 4] =
@@ -30,13 +32,13 @@ pub(super) struct FileRequest<K> {
     pub(super) place: Place,
 }
 
-/// The scene's further images and profile tables: the index of a request is the index in the scene.
+/// Images and profile tables that a scene is to have after those that it has.
 #[derive(Clone, Debug, Default)]
 pub(super) struct FileList {
-    /// Number of images that the scene has already.
-    pub(super) images_before: usize,
     pub(super) images: Vec<FileRequest<ColorSpace>>,
     pub(super) tables: Vec<FileRequest<()>>,
+    /// Number of images and of tables that the scene has: the index of a request is its index there.
+    before: [usize; 2],
 }
 
 /// Files that things of a scene name, each with its index there.
@@ -47,17 +49,23 @@ pub(super) struct KnownFiles {
 }
 
 impl FileList {
+    /// Nothing after what is in a scene.
+    pub(super) fn after(scene: &Scene) -> Self {
+        Self { before: [scene.images.len(), scene.profile_tables.len()], ..Self::default() }
+    }
+
     /// Index of the image in a file; the same file in the same color space is loaded once.
     pub(super) fn image(&mut self, file: &Item<'_>, color_space: ColorSpace) -> Result<usize, SceneError> {
-        Ok(self.images_before + request(&mut self.images, file, color_space)?)
+        Ok(self.before[0] + request(&mut self.images, file, color_space)?)
     }
 
     /// Index of the table of profiles in a file.
     pub(super) fn table(&mut self, file: &Item<'_>) -> Result<usize, SceneError> {
-        request(&mut self.tables, file, ())
+        Ok(self.before[1] + request(&mut self.tables, file, ())?)
     }
 }
 
+/// The place of a request in its list.
 fn request<K: PartialEq>(
     requests: &mut Vec<FileRequest<K>>,
     file: &Item<'_>,
@@ -72,14 +80,17 @@ fn request<K: PartialEq>(
 }
 
 /// A color: a number, three numbers, `"#rrggbb"`, `"vertex"`, or a table with an image.
+///
+/// A table without a file changes `base`, where that has an image or vertex colors; the file "none" takes the image away.
 pub(super) fn read_color(
     item: &Item<'_>,
+    base: ColorInput,
     range: Interval,
     images: &mut FileList,
 ) -> Result<ColorInput, SceneError> {
     match item.value() {
         DeValue::String(word) if word.as_ref() == "vertex" => Ok(ColorInput::vertex()),
-        DeValue::Table(_) => read_color_image(&item.table()?.allow(COLOR_KEYS)?, images),
+        DeValue::Table(_) => read_color_table(item.table()?, base, range, images),
         DeValue::String(word) if !word.starts_with('#') => {
             Err(item.refuse("three numbers, \"#rrggbb\", \"vertex\" or a table with an image file"))
         }
@@ -102,53 +113,97 @@ pub(super) fn read_constant_color(item: &Item<'_>, range: Interval) -> Result<Ve
     }
 }
 
-fn read_color_image(table: &Table<'_>, images: &mut FileList) -> Result<ColorInput, SceneError> {
+fn read_color_table(
+    table: Table<'_>,
+    base: ColorInput,
+    range: Interval,
+    images: &mut FileList,
+) -> Result<ColorInput, SceneError> {
+    let file = table.get("file");
+    let is_removed = base.texture.is_some() && file.as_ref().is_some_and(Item::is_none);
+    let texture = base.texture.filter(|_| !is_removed);
+    let is_kept = texture.is_some() || base.vertex_color || table.get("vertex_color").is_some();
+    if is_removed || (file.is_none() && is_kept) {
+        let table = table.allow(&["file", "factor", "vertex_color"])?;
+        let vertex_color = table.read("vertex_color", base.vertex_color, Item::boolean)?;
+        let range = if texture.is_some() || vertex_color { TEXTURED_COLOR } else { range };
+        let factor = table.read("factor", base.factor, |item| read_constant_color(item, range))?;
+        return Ok(ColorInput { factor, texture, vertex_color });
+    }
+    let table = table.allow(COLOR_KEYS)?;
     let color_space = table.read("color_space", ColorSpace::Srgb, |item| item.word(&COLOR_SPACES))?;
     Ok(ColorInput {
         factor: table.read("factor", Vec3::ONE, |item| read_constant_color(item, TEXTURED_COLOR))?,
-        texture: Some(read_texture(table, color_space, images)?),
+        texture: Some(read_texture(&table, color_space, images)?),
         vertex_color: table.read("vertex_color", false, Item::boolean)?,
     })
 }
 
-/// A scalar: a number or a table with an image.
+/// A scalar: a number or a table with an image. A table without a file changes `base`, where that has an image.
 pub(super) fn read_scalar(
     item: &Item<'_>,
+    base: ScalarInput,
     range: Interval,
     images: &mut FileList,
 ) -> Result<ScalarInput, SceneError> {
     match item.value() {
-        DeValue::Table(_) => read_scalar_image(&item.table()?.allow(SCALAR_KEYS)?, images),
+        DeValue::Table(_) => read_scalar_table(item.table()?, base, images),
         DeValue::Integer(_) | DeValue::Float(_) => item.number(range).map(ScalarInput::constant),
         _ => Err(item.mismatch(&format!("a number in {range} or a table with an image file"))),
     }
 }
 
-fn read_scalar_image(table: &Table<'_>, images: &mut FileList) -> Result<ScalarInput, SceneError> {
+fn read_scalar_table(
+    table: Table<'_>,
+    base: ScalarInput,
+    images: &mut FileList,
+) -> Result<ScalarInput, SceneError> {
+    if table.get("file").is_none() && base.texture.is_some() {
+        let table = table.allow(&["file", "factor"])?;
+        let factor = table.read("factor", base.factor, |item| item.number(TEXTURED_SCALAR))?;
+        return Ok(ScalarInput { factor, ..base });
+    }
+    let table = table.allow(SCALAR_KEYS)?;
     let color_space = table.read("color_space", ColorSpace::Linear, |item| item.word(&COLOR_SPACES))?;
     let channel = table.read("channel", Channel::Red, |item| item.word(&CHANNELS))?;
     Ok(ScalarInput {
         factor: table.read("factor", 1.0, |item| item.number(TEXTURED_SCALAR))?,
-        texture: Some((read_texture(table, color_space, images)?, channel)),
+        texture: Some((read_texture(&table, color_space, images)?, channel)),
     })
 }
 
 /// A normal map: the image's path, or a table.
-pub(super) fn read_normal_map(item: &Item<'_>, images: &mut FileList) -> Result<NormalMap, SceneError> {
-    match item.value() {
-        DeValue::String(_) => {
+///
+/// A table without a file changes `base`, where there is one, and "none" takes it away.
+pub(super) fn read_normal_map(
+    item: &Item<'_>,
+    base: Option<NormalMap>,
+    images: &mut FileList,
+) -> Result<Option<NormalMap>, SceneError> {
+    match (item.value(), base) {
+        (DeValue::String(_), Some(_)) if item.is_none() => Ok(None),
+        (DeValue::String(_), _) => {
             let image = images.image(item, ColorSpace::Linear)?;
-            Ok(NormalMap { texture: TextureRef::new(image), scale: 1.0 })
+            Ok(Some(NormalMap { texture: TextureRef::new(image), scale: 1.0 }))
         }
-        DeValue::Table(_) => {
-            let table = item.table()?.allow(NORMAL_KEYS)?;
-            Ok(NormalMap {
-                texture: read_texture(&table, ColorSpace::Linear, images)?,
-                scale: table.read("scale", 1.0, |item| item.number(NormalMap::SCALE))?,
-            })
-        }
+        (DeValue::Table(_), base) => read_normal_table(item.table()?, base, images).map(Some),
         _ => Err(item.mismatch("the path of an image or a table with an image file")),
     }
+}
+
+fn read_normal_table(
+    table: Table<'_>,
+    base: Option<NormalMap>,
+    images: &mut FileList,
+) -> Result<NormalMap, SceneError> {
+    let base = base.filter(|_| table.get("file").is_none());
+    let table = table.allow(if base.is_some() { &["file", "scale"] } else { NORMAL_KEYS })?;
+    let texture = match base {
+        Some(base) => base.texture,
+        None => read_texture(&table, ColorSpace::Linear, images)?,
+    };
+    let scale = base.map_or(1.0, |base| base.scale);
+    Ok(NormalMap { texture, scale: table.read("scale", scale, |item| item.number(NormalMap::SCALE))? })
 }
 
 fn read_texture(

@@ -2,6 +2,7 @@
 
 use super::document::{Item, Table};
 use super::input::{FileList, read_color, read_normal_map, read_scalar};
+use super::text::word_of;
 use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
@@ -13,15 +14,9 @@ use crate::{
 pub(super) fn keys() -> Vec<&'static str> {
     let mut keys = vec!["name", "preset"];
     keys.extend(PARAMETERS.iter().map(|parameter| parameter.name));
-    keys.extend([
-        "subsurface_model",
-        "subsurface_table",
-        "subsurface_parameter",
-        "subsurface_configuration",
-        "subsurface_texture_at",
-        "subsurface_normalization",
-        "geometry_normal",
-    ]);
+    keys.extend(["subsurface_model", "subsurface_table"]);
+    keys.extend(WORDS.iter().map(|setting| setting.key));
+    keys.push("geometry_normal");
     keys
 }
 
@@ -37,27 +32,48 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
+/// A parameter whose value is a word.
+pub(super) struct WordParameter {
+    pub(super) key: &'static str,
+    words: fn() -> Vec<&'static str>,
+    read: fn(&Item<'_>, &mut Material) -> Result<(), SceneError>,
+    pub(super) word: fn(&Material) -> &'static str,
+}
+
+macro_rules! word {
+    ($name:ident of $words:ident) => {
+        WordParameter {
+            key: stringify!($name),
+            words: || $words.iter().map(|(word, _)| *word).collect(),
+            read: |item, material| item.word(&$words).map(|word| material.$name = word),
+            word: |material| word_of(&$words, material.$name),
+        }
+    };
+}
+
+/// Parameters whose values are words, but for the model, which may be a table.
+pub(super) const WORDS: [WordParameter; 4] = [
+    word!(subsurface_parameter of PARAMETERIZATIONS),
+    word!(subsurface_configuration of CONFIGURATIONS),
+    word!(subsurface_texture_at of TEXTURE_AT),
+    word!(subsurface_normalization of NORMALIZATIONS),
+];
+
 impl Material {
     /// Every parameter whose value is a word, in the order of the fields.
     #[must_use]
     pub fn words(&self) -> Vec<WordValue> {
-        fn value<T: Copy + PartialEq>(
-            name: &'static str,
-            value: T,
-            words: &[(&'static str, T)],
-        ) -> WordValue {
-            let word = words.iter().find(|(_, meaning)| *meaning == value).map_or("", |(word, _)| word);
-            WordValue { name, word, words: words.iter().map(|(word, _)| *word).collect() }
-        }
-        let models = SubsurfaceModel::ALL.map(|model| (model.name(), model));
-        let model = value("subsurface_model", self.subsurface_model, &models);
-        vec![
-            WordValue { word: self.subsurface_model.name(), ..model },
-            value("subsurface_parameter", self.subsurface_parameter, &PARAMETERIZATIONS),
-            value("subsurface_configuration", self.subsurface_configuration, &CONFIGURATIONS),
-            value("subsurface_texture_at", self.subsurface_texture_at, &TEXTURE_AT),
-            value("subsurface_normalization", self.subsurface_normalization, &NORMALIZATIONS),
-        ]
+        let mut values = vec![WordValue {
+            name: "subsurface_model",
+            word: self.subsurface_model.name(),
+            words: SubsurfaceModel::ALL.iter().map(|model| model.name()).collect(),
+        }];
+        values.extend(WORDS.iter().map(|parameter| WordValue {
+            name: parameter.key,
+            word: (parameter.word)(self),
+            words: (parameter.words)(),
+        }));
+        values
     }
 }
 
@@ -75,26 +91,26 @@ pub(super) fn read_material(
         let (name, range) = (parameter.name, parameter.range);
         match parameter.slot(&mut material) {
             Slot::Number(number) => table.update(name, number, |item| item.number(range))?,
-            Slot::Scalar(input) => table.update(name, input, |item| read_scalar(item, range, images))?,
-            Slot::Color(input) => table.update(name, input, |item| read_color(item, range, images))?,
+            Slot::Scalar(input) => {
+                let base = *input;
+                table.update(name, input, |item| read_scalar(item, base, range, images))?;
+            }
+            Slot::Color(input) => {
+                let base = *input;
+                table.update(name, input, |item| read_color(item, base, range, images))?;
+            }
         }
     }
     if is_default || table.get("preset").is_some() {
         material.subsurface_model = default_model(&material);
     }
     read_model(table, &mut material, images)?;
-    table.update("subsurface_parameter", &mut material.subsurface_parameter, |item| {
-        item.word(&PARAMETERIZATIONS)
-    })?;
-    table.update("subsurface_configuration", &mut material.subsurface_configuration, |item| {
-        item.word(&CONFIGURATIONS)
-    })?;
-    let texture_at = &mut material.subsurface_texture_at;
-    table.update("subsurface_texture_at", texture_at, |item| item.word(&TEXTURE_AT))?;
-    let normalization = &mut material.subsurface_normalization;
-    table.update("subsurface_normalization", normalization, |item| item.word(&NORMALIZATIONS))?;
+    for WordParameter { key, read, .. } in &WORDS {
+        table.get(key).map_or(Ok(()), |item| read(&item, &mut material))?;
+    }
+    let map = material.geometry_normal;
     table.update("geometry_normal", &mut material.geometry_normal, |item| {
-        read_normal_map(item, images).map(Some)
+        read_normal_map(item, map, images)
     })?;
     Ok(material)
 }

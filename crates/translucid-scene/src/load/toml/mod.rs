@@ -3,6 +3,7 @@
 mod build;
 mod camera;
 mod document;
+mod extend;
 mod input;
 mod light;
 mod material;
@@ -11,19 +12,23 @@ mod piece;
 mod settings;
 #[cfg(test)]
 mod tests;
+mod text;
+mod write;
 
 use std::collections::HashSet;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use document::{DocumentText, Item, Table};
+use extend::{Base, Extends};
 use input::{FileList, FileRequest};
 use object::{GeometryOrigin, ObjectEntry};
 
 pub use build::SceneBuilder;
 pub use piece::Piece;
+pub use write::ExtendedBase;
 
 use super::stem;
-use crate::{Camera, ColorSpace, Material, Scene, SceneError, Unit};
+use crate::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit};
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -32,6 +37,7 @@ pub(super) const LARGEST_FILE: u64 = 16 << 20;
 const MOST_ENTRIES: usize = 65_536;
 
 const KEYS: &[&str] = &[
+    "extends",
     "unit",
     "subsurface_grouping",
     "camera",
@@ -58,12 +64,14 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 /// A scene file that has been read and checked, without the meshes and images that it names.
 ///
 /// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
+/// Of a file that extends another, `parse` checks what can be known without that one, and `load` the rest.
 /// The format is described in `docs/guide/scene-files.md`.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// The file that messages name.
-    path: PathBuf,
-    /// All but the camera and what is in files.
+    source: DocumentText,
+    /// What the file extends, if anything.
+    extends: Option<Extends>,
+    /// All but the camera and what is in files; that of the base with the changes, where it is known.
     scene: Scene,
     grouping: Grouping,
     camera: Option<Camera>,
@@ -90,37 +98,44 @@ impl SceneFile {
     /// assert_eq!(error.place.unwrap().line, Some(3));
     /// ```
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        let source = DocumentText::new(path, text);
+        Self::of(&DocumentText::new(path, text), Base::Unknown)
+    }
+
+    /// Reads a text; one that extends a scene changes the base, or is checked as far as it can be without.
+    fn of(source: &DocumentText, base: Base) -> Result<Self, SceneError> {
         let document = source.parse()?;
-        let root = Table::root(&source, document.get_ref()).allow(KEYS)?;
-        let unit = root.require("unit")?.word(&Unit::WORDS)?;
-        let mut files = FileList::default();
-        let materials = read_materials(&root, unit, &mut files)?;
-        let environment = match open(&root, "environment", light::ENVIRONMENT_KEYS)? {
-            Some(table) => Some(light::read_environment(&table, &mut files)?),
-            None => None,
+        let root = Table::root(source, document.get_ref());
+        let is_extending = root.get("extends").is_some();
+        let root = root.allow(if is_extending { extend::KEYS } else { KEYS })?;
+        let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
+        let (mut scene, is_known) = match base {
+            Base::Known(scene) => (*scene, true),
+            Base::Unknown if is_extending => (extend::any_base(), false),
+            Base::Unknown => {
+                (Scene { unit: root.require("unit")?.word(&Unit::WORDS)?, ..Scene::default() }, true)
+            }
         };
+        let mut files = FileList::after(&scene);
+        if is_known {
+            read_materials(&root, is_extending, &mut scene, &mut files)?;
+        }
+        scene.environment = read_environment(&root, is_extending, scene.environment, &mut files)?;
         let camera = open(&root, "camera", camera::KEYS)?;
-        let lights = root.tables("light", MOST_ENTRIES)?;
-        let scene = Scene {
-            unit,
-            film: root.settings("film", settings::FILM)?,
-            integrator: root.settings("integrator", settings::INTEGRATOR)?,
-            materials,
-            lights: lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?,
-            environment,
-            ..Scene::default()
+        if root.get("light").is_some() {
+            let lights = root.tables("light", MOST_ENTRIES)?;
+            scene.lights = lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?;
+        }
+        scene.film = root.settings("film", scene.film, settings::FILM)?;
+        scene.integrator = root.settings("integrator", scene.integrator, settings::INTEGRATOR)?;
+        let objects = read_objects(&root, is_extending, is_known, &mut scene)?;
+        let grouping = match is_extending {
+            true => Grouping::Object,
+            false => root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
         };
-        let objects = read_objects(&root, &scene.materials)?;
-        Ok(Self {
-            path: path.to_owned(),
-            scene,
-            grouping: root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
-            camera: camera.map(|table| camera::read_camera(&table)).transpose()?,
-            objects,
-            images: files.images,
-            profile_tables: files.tables,
-        })
+        let camera = camera.map(|table| camera::read_camera(&table)).transpose()?;
+        let camera = camera.or(is_extending.then_some(scene.camera));
+        let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
+        Ok(Self { source, extends, scene, grouping, camera, objects, images, profile_tables })
     }
 }
 
@@ -133,22 +148,68 @@ fn open<'a>(
     root.get(key).map(|item| item.table()?.allow(keys)).transpose()
 }
 
-fn read_materials(root: &Table<'_>, unit: Unit, files: &mut FileList) -> Result<Vec<Material>, SceneError> {
-    let (mut names, keys) = (HashSet::new(), material::keys());
-    let mut materials = Vec::new();
+/// Adds materials, or changes those of the base.
+fn read_materials(
+    root: &Table<'_>,
+    is_extending: bool,
+    scene: &mut Scene,
+    files: &mut FileList,
+) -> Result<(), SceneError> {
+    let mut keys = material::keys();
+    keys.extend(is_extending.then_some("index"));
+    let base = scene.materials.len();
+    let (mut names, mut changed) = (HashSet::new(), HashSet::new());
     for table in root.tables("material", MOST_ENTRIES)? {
         let table = table.allow(&keys)?;
-        table.require("name")?;
-        let material = material::read_material(&table, Material::default(), unit, files)?;
-        claim_name(&table, &material.name, &mut names)?;
-        materials.push(material);
+        let chosen = if is_extending {
+            extend::choose(&table, scene.materials[..base].iter().map(|material| &material.name))?
+        } else {
+            table.require("name")?;
+            None
+        };
+        let Some(index) = chosen else {
+            let material = material::read_material(&table, Material::default(), scene.unit, files)?;
+            claim_name(&table, &material.name, &mut names)?;
+            scene.materials.push(material);
+            continue;
+        };
+        if !changed.insert(index) {
+            return Err(table.error("another table of the list changes this material, too"));
+        }
+        let old = scene.materials[index].clone();
+        let name = old.name.clone();
+        let new = material::read_material(&table, old, scene.unit, files)?;
+        // A preset brings a name of its own
+        scene.materials[index] = Material { name, ..new };
     }
-    Ok(materials)
+    Ok(())
 }
 
-fn read_objects(root: &Table<'_>, materials: &[Material]) -> Result<Vec<ObjectEntry>, SceneError> {
+fn read_environment(
+    root: &Table<'_>,
+    is_extending: bool,
+    base: Option<Environment>,
+    files: &mut FileList,
+) -> Result<Option<Environment>, SceneError> {
+    match root.get("environment") {
+        None => Ok(base),
+        Some(item) if is_extending && item.is_none() => Ok(None),
+        Some(item) => {
+            let table = item.table()?.allow(light::ENVIRONMENT_KEYS)?;
+            light::read_environment(&table, base, files).map(Some)
+        }
+    }
+}
+
+/// Reads new objects, and changes those of the base.
+fn read_objects(
+    root: &Table<'_>,
+    is_extending: bool,
+    is_known: bool,
+    scene: &mut Scene,
+) -> Result<Vec<ObjectEntry>, SceneError> {
     let tables = root.tables("object", MOST_ENTRIES)?;
-    if tables.is_empty() {
+    if tables.is_empty() && !is_extending {
         return Err(root
             .error("the scene has no [[object]]")
             .with_help("add one with the key file or shape"));
@@ -156,12 +217,19 @@ fn read_objects(root: &Table<'_>, materials: &[Material]) -> Result<Vec<ObjectEn
     let mut names = HashSet::new();
     let mut objects = Vec::new();
     for table in tables {
+        if is_extending && table.get("file").is_none() && table.get("shape").is_none() {
+            extend::change_object(table, is_known, scene)?;
+            continue;
+        }
+        let materials = is_known.then_some(&*scene.materials);
         let (object, table) = object::read_object(table, materials)?;
         if !object.name.is_empty() {
+            extend::refuse_known_name(&table, scene)?;
             claim_name(&table, &object.name, &mut names)?;
         }
         objects.push(object);
     }
+    names.extend(scene.objects.iter().map(|object| object.name.clone()));
     name_objects(&mut objects, names);
     Ok(objects)
 }

@@ -56,9 +56,11 @@ pub(super) struct ObjectEntry {
 }
 
 /// Reads an object and hands its table back, for messages about its name.
+///
+/// Where the materials are not known yet, that of the object is not looked up.
 pub(super) fn read_object<'a>(
     table: Table<'a>,
-    materials: &[Material],
+    materials: Option<&[Material]>,
 ) -> Result<(ObjectEntry, Table<'a>), SceneError> {
     let shape = table.get("shape").map(|item| read_shape_name(&item)).transpose()?;
     let names = shape.iter().flat_map(|(_, list)| list.iter().map(|parameter| parameter.name));
@@ -73,21 +75,25 @@ pub(super) fn read_mesh_object(
     place: Place,
     materials: &[Material],
 ) -> Result<ObjectEntry, SceneError> {
-    read_entry(&table.allow(MESH_KEYS)?, GeometryOrigin::Given, place, materials)
+    read_entry(&table.allow(MESH_KEYS)?, GeometryOrigin::Given, place, Some(materials))
 }
 
 fn read_entry(
     table: &Table<'_>,
     geometry: GeometryOrigin,
     place: Place,
-    materials: &[Material],
+    materials: Option<&[Material]>,
 ) -> Result<ObjectEntry, SceneError> {
     Ok(ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
         place,
         world_from_object: read_transform(table)?,
-        material: table.get("material").map(|item| read_material_name(&item, materials)).transpose()?,
+        material: match (table.get("material"), materials) {
+            (Some(item), Some(materials)) => Some(read_material_name(&item, materials)?),
+            (Some(item), None) => item.string().map(|_| None)?,
+            (None, _) => None,
+        },
         subsurface_group: table.get("subsurface_group").map(|item| item.name()).transpose()?,
     })
 }
@@ -141,7 +147,8 @@ fn read_shape_parameters(table: &Table<'_>, list: ShapeList) -> Result<ShapePara
     Ok(parameters)
 }
 
-fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize, SceneError> {
+/// Index of the material of a name.
+pub(super) fn read_material_name(item: &Item<'_>, materials: &[Material]) -> Result<usize, SceneError> {
     let name = item.string()?;
     materials.iter().position(|material| material.name == name).ok_or_else(|| {
         let names = || materials.iter().map(|material| material.name.as_str());

@@ -102,7 +102,7 @@ impl Piece {
         material: &Material,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
-        let mut files = FileList { images_before: scene.images.len(), ..FileList::default() };
+        let mut files = FileList::after(scene);
         let changed = self.changed_material(material, scene.unit, &mut files)?;
         Ok((changed, self.all_images(&files, warnings)?))
     }
@@ -136,13 +136,13 @@ impl Piece {
         scene: &Scene,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
-        let mut files = FileList { images_before: scene.images.len(), ..FileList::default() };
+        let mut files = FileList::after(scene);
         let environment = self.read_environment(&mut files)?;
         Ok((environment, self.all_images(&files, warnings)?))
     }
 
     fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
-        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, files))
+        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
     }
 
     fn all_images(
@@ -227,7 +227,7 @@ impl SceneBuilder {
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let materials = &self.scene.materials;
-        let entry = piece.read(|table| Ok(object::read_object(table, materials)?.0))?;
+        let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
         let entry = self.named(piece, entry)?;
         match ReadyMesh::of_shape(&entry) {
             Some(shape) => self.add_ready(&entry, shape?, warnings),

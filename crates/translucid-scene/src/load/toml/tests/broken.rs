@@ -43,8 +43,7 @@ fn broken_toml_is_a_syntax_error() {
     refuse_file("unit = \"mm\"\nunit = \"m\"\n", "this is not valid TOML: duplicate key", "unit", "");
 }
 
-const ROOT_KEYS: &str =
-    "the keys are unit, subsurface_grouping, camera, film, integrator, material, object, light, environment";
+const ROOT_KEYS: &str = "the keys are extends, unit, subsurface_grouping, camera, film, integrator, material, object, light, environment";
 
 #[test]
 fn broken_top_level_is_refused() {
@@ -351,11 +350,40 @@ fn broken_light_is_refused() {
 }
 
 #[test]
+fn broken_exact_placement_of_lights_is_refused() {
+    let rectangle = "[[light]]\ntype = \"rectangle\"\ncenter = [1, 2, 3]\nradiance = 1\n";
+    let one = "edge_x = [1, 0, 0]";
+    refuse(&format!("{rectangle}{one}"), "light[0] needs the key edge_y", "[[light]]", "");
+    let message = "light[0], edge_y = [0.5, 1, 0]: must be perpendicular to edge_x";
+    refuse(&format!("{rectangle}{one}\nedge_y = [0.5, 1, 0]"), message, "[0.5, 1, 0]", "");
+    let message = "light[0], edge_y = [0, 0, 0]: must be a vector that is not zero";
+    refuse(&format!("{rectangle}{one}\nedge_y = [0, 0, 0]"), message, "[0, 0, 0]", "");
+    let message = "light[0] has edge_x and light[0].size, but must have one of them";
+    refuse(&format!("{rectangle}{one}\nedge_y = [0, 1, 0]\nsize = [1, 1]"), message, "[1, 1]", "");
+    let distant = "[[light]]\ntype = \"distant\"\nirradiance = 1\n";
+    let message = "light[0].unit_direction is [0, 2, 0], but must be a vector of length 1";
+    refuse(&format!("{distant}unit_direction = [0, 2, 0]"), message, "[0, 2, 0]", "");
+    let message = "light[0].unit_direction and light[0].direction are given, but only one of them must be";
+    let both = "unit_direction = [0, 1, 0]\ndirection = [1, 0, 0]";
+    refuse(&format!("{distant}{both}"), message, "[1, 0, 0]", "");
+    let point = "[[light]]\ntype = \"beam\"\norigin = [0, 0, 0]\nradius = 1\npower = 1\n";
+    let message = "light[0].unit_direction and light[0].target are given, but only one of them must be";
+    let both = "unit_direction = [0, 1, 0]\ntarget = [1, 0, 0]";
+    refuse(&format!("{point}{both}"), message, "[1, 0, 0]", "");
+}
+
+#[test]
 fn broken_environment_is_refused() {
+    let mirror = "[1, 0, 0, 0, 1, 0, 0, 0, -1]";
+    let message = format!("environment.matrix is {mirror}, but must be a rotation, row by row");
+    refuse(&format!("[environment]\nradiance = 1\nmatrix = {mirror}"), &message, mirror, "");
+    let message = "environment has both rotation and matrix, but must have one";
+    let turn = "[1, 0, 0, 0, 1, 0, 0, 0, 1]";
+    refuse(&format!("[environment]\nradiance = 1\nrotation = 5\nmatrix = {turn}"), message, turn, "");
     refuse("[environment]", "environment needs the key radiance", "[environment]", "");
     let message = "environment.visible is a string, but must be true or false";
     refuse("[environment]\nradiance = 1\nvisible = \"no\"", message, "\"no\"", "");
-    let help = "did you mean rotation? the keys are radiance, file, rotation, visible";
+    let help = "did you mean rotation? the keys are radiance, file, rotation, matrix, visible";
     refuse("[environment]\nrotaton = 1", "environment has no key rotaton", "rotaton", help);
 }
 
@@ -371,9 +399,12 @@ fn broken_object_names_must_be_unique() {
 fn every_allowed_key_is_read() {
     // A date fits nowhere: a key that is listed but never read would let it pass.
     use super::super::{camera, input, light, material, object, settings};
-    let film: Vec<&str> = settings::FILM.iter().map(|(key, _)| *key).collect();
-    let integrator: Vec<&str> = settings::INTEGRATOR.iter().map(|(key, _)| *key).collect();
+    let film: Vec<&str> = settings::FILM.iter().map(|setting| setting.key).collect();
+    let integrator: Vec<&str> = settings::INTEGRATOR.iter().map(|setting| setting.key).collect();
     let material = material::keys();
+    // Edges stand in place of some of the others
+    let (edges, rectangle): (Vec<&str>, Vec<&str>) =
+        light::RECTANGLE_KEYS.iter().partition(|key| key.starts_with("edge"));
     let sections: Vec<(&str, String, &[&str])> = vec![
         ("camera", String::from("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n"), camera::KEYS),
         ("film", String::from("[film]\n"), &film),
@@ -386,7 +417,14 @@ fn every_allowed_key_is_read() {
             String::from(
                 "[[light]]\ntype = \"rectangle\"\ncenter = [0, 0, 0]\ntarget = [0, 1, 0]\nsize = [1, 1]\nradiance = 1\n",
             ),
-            light::RECTANGLE_KEYS,
+            &rectangle,
+        ),
+        (
+            "light",
+            String::from(
+                "[[light]]\ntype = \"rectangle\"\ncenter = [0, 0, 0]\nedge_x = [1, 0, 0]\nedge_y = [0, 1, 0]\nradiance = 1\n",
+            ),
+            &edges,
         ),
         (
             "light",
@@ -432,8 +470,10 @@ fn every_allowed_key_is_read() {
         parse(&complete).unwrap_or_else(|error| panic!("{error}\n{complete}"));
         for key in keys {
             // A light has a target or a direction, not both.
+            let is_direction = ["direction", "unit_direction"].contains(key);
             let replaced = |line: &&str| {
-                line.starts_with(&format!("{key} ")) || (*key == "direction" && line.starts_with("target "))
+                line.starts_with(&format!("{key} "))
+                    || (is_direction && ["target ", "direction "].iter().any(|other| line.starts_with(other)))
             };
             let kept = text.lines().filter(|line| !replaced(line));
             let lines: Vec<&str> = kept.collect();

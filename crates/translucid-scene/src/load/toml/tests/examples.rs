@@ -45,6 +45,10 @@ fn example_of_the_format_description_is_a_valid_scene() {
     let file = file.unwrap_or_else(|error| panic!("{error}"));
     let scene = file.load(&LoadOptions::default(), &mut Vec::new()).unwrap_or_else(|error| panic!("{error}"));
     assert!(scene.objects.len() >= 2);
+    let extending: Vec<&&str> = examples.iter().filter(|text| text.contains("extends =")).collect();
+    assert_eq!(extending.len(), 1, "the page has one file that extends another");
+    let file = SceneFile::parse(extending[0], Path::new("docs/guide/scene-files.md"));
+    file.unwrap_or_else(|error| panic!("{error}"));
 }
 
 #[test]
@@ -53,6 +57,8 @@ fn format_description_names_every_key() {
     let page = std::fs::read_to_string(workspace().join("docs/guide/scene-files.md")).unwrap();
     let lists = [
         super::super::KEYS,
+        super::super::extend::KEYS,
+        &["index"],
         camera::KEYS,
         &material::keys(),
         object::KEYS,
@@ -67,8 +73,8 @@ fn format_description_names_every_key() {
         light::BEAM_KEYS,
         light::ENVIRONMENT_KEYS,
     ];
-    let film = settings::FILM.iter().map(|(key, _)| key);
-    let settings = film.chain(settings::INTEGRATOR.iter().map(|(key, _)| key));
+    let film = settings::FILM.iter().map(|setting| &setting.key);
+    let settings = film.chain(settings::INTEGRATOR.iter().map(|setting| &setting.key));
     for key in lists.into_iter().flatten().chain(settings) {
         assert!(page.contains(&format!("`{key}`")), "docs/guide/scene-files.md does not describe {key}");
     }

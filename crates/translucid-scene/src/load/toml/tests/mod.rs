@@ -2,9 +2,11 @@
 
 mod broken;
 mod examples;
+mod extending;
 mod mutation;
 mod parity;
 mod valid;
+mod written;
 
 use std::path::Path;
 

@@ -1,0 +1,137 @@
+// Two settings, A and B: the line between them, and which one the panels edit.
+
+import { byId, setText } from "./dom.js";
+import { nextGesture } from "./gesture.js";
+import { format } from "./numbers.js";
+
+const SIDES = ["a", "b", "both"];
+
+export class Compare {
+    #session;
+    #picture;
+    #wipe = byId("wipe");
+    #at = 0.5;
+
+    constructor(session, picture) {
+        this.#session = session;
+        this.#picture = picture;
+        byId("compare").addEventListener("click", () => this.toggle());
+        byId("truth").addEventListener("click", () => this.withRandomWalk());
+        byId("swap").addEventListener("click", () => session.command({ type: "swap" }));
+        for (const side of SIDES) {
+            byId(`side-${side}`).addEventListener("change", () => session.command({ type: "side", side }));
+        }
+        for (const view of ["difference", "flip"]) {
+            byId(`show-${view}`).addEventListener("click", () => {
+                const other = session.state.view === view ? "radiance" : view;
+                session.command({ type: "show", view: other });
+            });
+        }
+        session.on("hello", ({ sides }) => {
+            byId("side-both").parentElement.hidden = !sides?.includes("both");
+        });
+        session.on("state", (state) => this.#show(state));
+        session.on("status", (status) => this.#measure(status));
+        this.#listen();
+        this.#place(this.#at);
+    }
+
+    toggle() {
+        if (this.#session.state) this.#session.command({ type: "compare", on: !this.#session.state.compare });
+    }
+
+    /** B becomes a random walk through the same materials. */
+    async withRandomWalk() {
+        const session = this.#session;
+        if (!session.state) return;
+        if (!session.state.compare && !(await session.command({ type: "compare", on: true }))) return;
+        if (!(await session.command({ type: "side", side: "b" }))) return;
+        const gesture = nextGesture();
+        const set = { subsurface_model: "random-walk" };
+        const { materials } = session.state.sides.b ?? session.state.sides.a;
+        const scatters = ({ value, image, vertex }) => value > 0 || image || vertex;
+        const edits = materials.flatMap(({ parameters }, index) =>
+            scatters(parameters.subsurface_weight) ? [session.command({ type: "material", index, set, gesture })] : []);
+        await Promise.all(edits);
+        const hasBoth = session.hello.sides?.includes("both");
+        await session.command({ type: "side", side: hasBoth ? "both" : "a" });
+        session.settle();
+    }
+
+    #show({ compare, active, view, sides }) {
+        document.documentElement.dataset.side = compare ? active : "";
+        byId("compare").setAttribute("aria-pressed", String(compare));
+        byId("compare-bar").hidden = !compare;
+        const isMap = this.#picture.isMap(view);
+        this.#wipe.hidden = !compare || isMap;
+        byId("label-a").hidden = byId("label-b").hidden = !compare || isMap;
+        for (const side of SIDES) byId(`side-${side}`).checked = active === side;
+        for (const name of ["difference", "flip"]) {
+            byId(`show-${name}`).setAttribute("aria-pressed", String(view === name));
+        }
+        const chip = byId("panel-side");
+        chip.hidden = !compare;
+        setText(chip, active === "both" ? "A + B" : active.toUpperCase());
+        if (compare) {
+            setText(byId("label-a"), `A  ${modelsOf(sides.a)}`);
+            setText(byId("label-b"), `B  ${modelsOf(sides.b)}`);
+        }
+    }
+
+    #measure({ difference }) {
+        const text = difference
+            ? `relMSE ${format(difference.relative_mse, 3)}, of which noise ${format(difference.noise, 2)}; \ua7fbLIP ${format(difference.mean_flip, 3)}`
+            : "";
+        setText(byId("difference"), text);
+    }
+
+    // The line
+
+    #place(at) {
+        this.#at = Math.min(1, Math.max(0, at));
+        const percent = `${(this.#at * 100).toFixed(2)}%`;
+        this.#wipe.style.left = percent;
+        byId("picture-b").style.clipPath = `inset(0 0 0 ${percent})`;
+        const whole = Math.round(this.#at * 100);
+        this.#wipe.setAttribute("aria-valuenow", String(whole));
+        this.#wipe.setAttribute("aria-valuetext", `A ${whole}\u2009%, B ${100 - whole}\u2009%`);
+    }
+
+    #listen() {
+        const wipe = this.#wipe;
+        wipe.addEventListener("pointerdown", (event) => {
+            if (event.button !== 0) return;
+            event.stopPropagation();
+            wipe.setPointerCapture(event.pointerId);
+        });
+        wipe.addEventListener("pointermove", (event) => {
+            if (!wipe.hasPointerCapture(event.pointerId)) return;
+            const { left, width } = this.#picture.rect;
+            this.#place((event.clientX - left) / width);
+        });
+        wipe.addEventListener("dblclick", (event) => {
+            event.stopPropagation();
+            this.#place(0.5);
+        });
+        wipe.addEventListener("keydown", (event) => {
+            const step = { ArrowLeft: -0.02, ArrowDown: -0.02, ArrowRight: 0.02, ArrowUp: 0.02, Home: -1, End: 1 }[event.key];
+            if (!step) return;
+            event.preventDefault();
+            event.stopPropagation();
+            this.#place(this.#at + step);
+        });
+    }
+
+    /** The side under a place in the window. */
+    sideAt(clientX) {
+        const { left, width } = this.#picture.rect;
+        return this.#session.state.compare && (clientX - left) / width >= this.#at ? "b" : "a";
+    }
+}
+
+/** The models of a side's translucent materials, each once. */
+function modelsOf({ materials }) {
+    const translucent = materials.filter(({ parameters: { subsurface_weight: { value, image } } }) => value > 0 || image);
+    const models = [...new Set(translucent.map(({ subsurface_model }) => subsurface_model))];
+    return models.length > 2 ? `${models.length} models` : models.join(", ");
+}

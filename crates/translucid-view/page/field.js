@@ -1,0 +1,126 @@
+// A field for a number: typed with Enter, stepped with arrow keys, dragged at its label.
+
+import { make } from "./dom.js";
+import { nextGesture } from "./gesture.js";
+import { format, parse } from "./numbers.js";
+
+/** Pixels of CSS that a label is dragged for a step. */
+const DRAG = 4;
+
+/**
+ * `change(value, gesture, isFinal)` gets what was typed; `gesture` is null where only the end of a gesture is new.
+ * `scale` says how far a step goes. `refused(message)` is called for what is no number, `accepted()` when that is over.
+ */
+export class NumberField {
+    #value = null;
+    #change;
+    #scale;
+    #gesture = 0;
+
+    constructor({ id, label, labelledby, scale, change, handle }) {
+        this.#change = change;
+        this.#scale = scale;
+        this.input = make("input", {
+            id,
+            type: "text",
+            className: "number",
+            inputMode: "decimal",
+            autocomplete: "off",
+            spellcheck: false,
+            "aria-label": label,
+            "aria-labelledby": labelledby,
+        });
+        this.input.addEventListener("change", () => this.#commit());
+        this.input.addEventListener("focus", () => this.input.select());
+        this.input.addEventListener("blur", () => {
+            this.#endGesture();
+            if (!this.isRefused) this.show(this.#value, true);
+        });
+        this.input.addEventListener("keydown", (event) => this.#key(event));
+        this.input.addEventListener("keyup", (event) => event.key.startsWith("Arrow") && this.#endGesture());
+        if (handle) this.#drag(handle);
+    }
+
+    get isRefused() {
+        return this.input.getAttribute("aria-invalid") === "true";
+    }
+
+    /** Shows a value, unless somebody types. */
+    show(value, force = false) {
+        this.#value = value;
+        if (!force && (this.isRefused || (document.activeElement === this.input && this.#isTyping))) return;
+        const text = value === null ? "" : format(value);
+        if (this.input.value !== text) this.input.value = text;
+    }
+
+    get #isTyping() {
+        return this.#value !== null && this.input.value !== format(this.#value) && this.#gesture === 0;
+    }
+
+    #commit() {
+        const text = this.input.value;
+        if (this.#value !== null && text === format(this.#value)) return;
+        const value = parse(text, this.#value ?? 0);
+        if (value === null) return this.refused?.(`\u201c${text}\u201d is not a number`);
+        this.#value = value;
+        this.input.value = format(value);
+        this.#change(value, nextGesture(), true);
+    }
+
+    #key(event) {
+        const isUndo = (event.ctrlKey || event.metaKey) && event.key === "z";
+        if (event.key === "Escape" || (isUndo && this.#isTyping)) {
+            event.preventDefault();
+            this.accepted?.();
+            this.show(this.#value, true);
+            this.input.select();
+            event.stopPropagation();
+        } else if (event.key === "Enter") {
+            // A text that was refused is tried again, although it did not change.
+            this.#commit();
+            this.input.select();
+        } else if (event.key === "ArrowUp" || event.key === "ArrowDown") {
+            event.preventDefault();
+            const size = (event.key === "ArrowUp" ? 1 : -1) * (event.shiftKey ? 10 : event.altKey ? 0.1 : 1);
+            this.#step(parse(this.input.value, this.#value ?? 0) ?? this.#value ?? 0, size);
+        }
+    }
+
+    #step(from, size) {
+        this.#gesture ||= nextGesture();
+        const value = Number(this.#clamp(this.#scale.step(from, size)).toPrecision(6));
+        if (value === this.#value) return;
+        this.accepted?.();
+        this.show(value, true);
+        this.#change(value, this.#gesture, false);
+    }
+
+    #clamp(value) {
+        const { least = -Infinity, most = Infinity } = this.#scale;
+        return Math.min(most, Math.max(least, value));
+    }
+
+    #endGesture() {
+        if (this.#gesture === 0) return;
+        this.#gesture = 0;
+        this.#change(this.#value, null, true);
+    }
+
+    #drag(handle) {
+        let [at, from, taken] = [0, 0, 0];
+        handle.classList.add("scrub");
+        handle.addEventListener("pointerdown", (event) => {
+            if (event.button !== 0 || this.#value === null || this.input.disabled) return;
+            handle.setPointerCapture(event.pointerId);
+            [at, from, taken] = [event.clientX, this.#value, 0];
+        });
+        handle.addEventListener("pointermove", (event) => {
+            if (!handle.hasPointerCapture(event.pointerId)) return;
+            const steps = Math.trunc((event.clientX - at) / DRAG);
+            if (steps === taken) return;
+            taken = steps;
+            this.#step(from, steps * (event.shiftKey ? 10 : 1));
+        });
+        handle.addEventListener("lostpointercapture", () => this.#endGesture());
+    }
+}
