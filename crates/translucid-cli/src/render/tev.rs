@@ -24,9 +24,9 @@ pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
 
 /// Least time between two states of a picture.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// Pauses of the looking thread over the time that it reads the film: sending takes as long, and the other threads of the
-/// rendering have the rest.
-const PAUSES: u32 = 200;
+/// Least pause over the time in which a state is read by one of the threads, for all of them together to lose one percent.
+/// Sending is not counted; but the reader shares the processors with the others, so that it takes longer than it computes.
+const PAUSES: u32 = 100;
 /// Edge of the blocks that a picture is sent in, as tev's own client has it.
 const BLOCK: u32 = 128;
 /// A tile of the film lies in one block.
