@@ -68,6 +68,14 @@ impl FilmSums {
         radiance(&self.mean(x, y))
     }
 
+    /// Linear radiance of a pixel, then its coverage, in the precision of files and displays.
+    #[must_use]
+    pub fn rgba(&self, x: u32, y: u32) -> [f32; 4] {
+        let mean = self.mean(x, y);
+        let [red, green, blue] = radiance(&mean);
+        [red, green, blue, mean[layer::ALPHA]].map(|value| value as f32)
+    }
+
     /// Camera paths in all pixels together.
     #[must_use]
     pub fn paths(&self) -> u64 {
