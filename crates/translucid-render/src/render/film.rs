@@ -64,6 +64,14 @@ impl FilmSums {
         radiance(&self.mean(x, y))
     }
 
+    /// Linear radiance of a pixel, then its coverage, in the precision of files and displays.
+    #[must_use]
+    pub fn rgba(&self, x: u32, y: u32) -> [f32; 4] {
+        let mean = self.mean(x, y);
+        let [red, green, blue] = radiance(&mean);
+        [red, green, blue, mean[layer::ALPHA]].map(|value| value as f32)
+    }
+
     /// Camera paths in all pixels together.
     pub fn paths(&self) -> u64 {
         self.tiles.iter().map(|tile| u64::from(tile.samples) * tile.pixels.len() as u64).sum()
