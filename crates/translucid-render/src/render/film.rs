@@ -65,7 +65,6 @@ impl FilmSums {
     }
 
     /// Linear radiance of a pixel, then its coverage, in the precision of files and displays.
-    #[must_use]
     pub fn rgba(&self, x: u32, y: u32) -> [f32; 4] {
         let mean = self.mean(x, y);
         let [red, green, blue] = radiance(&mean);
