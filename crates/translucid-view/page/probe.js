@@ -45,6 +45,9 @@ export function startProbe(session, picture) {
             get state() {
                 return structuredClone(session.state);
             },
+            get hello() {
+                return structuredClone(session.hello);
+            },
             get status() {
                 return structuredClone(session.status);
             },
