@@ -4,7 +4,7 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_scene::Unit;
+use translucid_scene::{ExtendedBase, LoadOptions, Unit, load_scene, still_life};
 use translucid_view::{Page, Settings, ViewError};
 
 use crate::failure::Failure;
@@ -103,12 +103,28 @@ fn settings(arguments: &ViewArguments) -> Result<Settings, Failure> {
             (path.display().to_string(), absolute.display().to_string())
         }
     };
+    let unit = arguments.unit.map(Unit::from);
+    let options = LoadOptions {
+        preset: arguments.preset.clone(),
+        unit,
+        mesh_overrides: arguments.mesh.clone(),
+        ..LoadOptions::default()
+    };
+    let scene = arguments.scene.clone();
+    let load_base = move || match &scene {
+        Some(path) => load_scene(path, &options, &mut Vec::new()),
+        None => still_life(&options),
+    };
+    let mesh = |(name, path): &(Option<String>, PathBuf)| match name {
+        Some(name) => format!("--mesh '{name}={}'", path.display()),
+        None => format!("--mesh '{}'", path.display()),
+    };
     Ok(Settings {
         name,
-        extends,
-        preset: arguments.preset.clone(),
-        unit: arguments.unit.map(Unit::from),
+        base: ExtendedBase { extends, preset: arguments.preset.clone(), unit },
+        load_base: Box::new(load_base),
         command: command_line::shown(),
+        options: arguments.mesh.iter().map(mesh).collect::<Vec<_>>().join(" "),
     })
 }
 

@@ -4,6 +4,7 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use ::png::{BitDepth, ColorType, Encoder, PixelDimensions, SrgbRenderingIntent, Unit};
+use rayon::prelude::*;
 
 use crate::picture::invalid;
 use crate::{OutputError, Picture, ToneMapping, display_from_linear, write_atomically};
@@ -65,16 +66,26 @@ impl Picture<'_> {
         let exposure = f64::from(display.exposure).exp2();
         let [width, height] = self.size();
         let bytes = width.checked_mul(height).and_then(|count| count.checked_mul(4));
-        let mut codes = Vec::with_capacity(bytes.ok_or_else(|| invalid("the picture is too large"))?);
-        let mut row = self.new_row();
-        for y in self.region.rows() {
-            self.read_row(y, &mut row);
-            for (x, pixel) in self.region.columns().zip(row.chunks_exact(self.channels.len())) {
-                let radiance = color.map(|index| pixel[index]);
-                let alpha = alpha.map_or(1.0, |index| pixel[index]);
-                codes.extend(display_pixel(radiance, alpha, exposure, display.tone_mapping, [x, y]));
-            }
-        }
+        let mut codes = vec![0; bytes.ok_or_else(|| invalid("the picture is too large"))?];
+        let rows = codes.par_chunks_mut(4 * width).zip(self.region.rows());
+        rows.for_each_init(
+            || self.new_row(),
+            |row, (codes, y)| {
+                self.read_row(y, row);
+                let pixels = self.region.columns().zip(row.chunks_exact(self.channels.len()));
+                for (code, (x, pixel)) in codes.chunks_exact_mut(4).zip(pixels) {
+                    let radiance = color.map(|index| pixel[index]);
+                    let alpha = alpha.map_or(1.0, |index| pixel[index]);
+                    code.copy_from_slice(&display_pixel(
+                        radiance,
+                        alpha,
+                        exposure,
+                        display.tone_mapping,
+                        [x, y],
+                    ));
+                }
+            },
+        );
         Ok(codes)
     }
 }

@@ -473,7 +473,6 @@ impl<'a> Engine<'a> {
 
     fn share_films(&self) {
         let film = |work: &SideWork| SideFilm {
-            look: Arc::clone(&work.look),
             view: work.view.clone(),
             film: Arc::clone(&work.film),
             seconds: work.seconds,

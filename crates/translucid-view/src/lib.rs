@@ -33,25 +33,24 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use translucid_render::PreparedScene;
-use translucid_scene::{Scene, SceneError};
+use translucid_scene::{ExtendedBase, Scene, SceneError};
 
 use engine::Engine;
 use server::Server;
 use shared::Shared;
 
 /// What pages and saved files say of the scene's origin.
-#[derive(Clone, Debug, Default)]
 pub struct Settings {
     /// The scene's name for people.
     pub name: String,
-    /// Name that a saved scene extends, as scene files write it: an absolute path, or "still-life".
-    pub extends: String,
-    /// Preset and unit of a bare mesh, if they were chosen.
-    pub preset: Option<String>,
-    /// See `preset`.
-    pub unit: Option<translucid_scene::Unit>,
+    /// What a saved scene extends.
+    pub base: ExtendedBase,
+    /// Loads that base, to tell what has changed.
+    pub load_base: Box<dyn Fn() -> Result<Scene, SceneError> + Send + Sync>,
     /// The command that was given, as pictures state it.
     pub command: String,
+    /// Options that a command needs besides a saved scene.
+    pub options: String,
 }
 
 impl Settings {
@@ -69,7 +68,8 @@ impl Settings {
 
     /// The command that renders a saved scene.
     fn render_command(&self) -> String {
-        format!("translucid render {}", self.scene_file())
+        let separator = if self.options.is_empty() { "" } else { " " };
+        format!("translucid render {}{separator}{}", self.scene_file(), self.options)
     }
 }
 

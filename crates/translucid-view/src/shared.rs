@@ -13,7 +13,6 @@ use translucid_scene::{Scene, SceneError};
 
 use crate::Settings;
 use crate::json;
-use crate::look::Look;
 use crate::message::Side;
 use crate::studio::{Studio, Wanted};
 
@@ -28,7 +27,6 @@ pub(crate) struct Frame {
 /// One side as it is rendered now.
 #[derive(Clone)]
 pub(crate) struct SideFilm {
-    pub(crate) look: Arc<Look>,
     pub(crate) view: View,
     pub(crate) film: Arc<LiveFilm>,
     pub(crate) seconds: f64,
@@ -147,8 +145,16 @@ impl Shared {
     }
 
     /// The scene with the edits of the active side, as a scene file.
-    pub(crate) fn scene_text(&self) -> String {
-        String::new()
+    ///
+    /// # Errors
+    /// The base is not there any more, or is another scene now.
+    pub(crate) fn scene_text(&self) -> Result<String, SceneError> {
+        let from = (self.settings.load_base)()?;
+        let to = self.studio(|studio| studio.edited(&from));
+        let image = to.environment.and_then(|environment| environment.image);
+        let brought =
+            image.filter(|image| *image >= from.images.len()).and_then(|image| to.images.get(image));
+        self.settings.base.write(&from, &to, brought.map(|image| image.name.as_str()))
     }
 
     pub(crate) fn side(&self, side: Side) -> Option<SideFilm> {

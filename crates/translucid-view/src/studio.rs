@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use serde_json::{Map, Value, json};
-use translucid_scene::{Camera, Environment, Film, Image, Light, Material, Piece, Scene, SceneError, Unit};
+use translucid_scene::{
+    Camera, Environment, Film, Image, Light, Material, Mesh, Object, Piece, Scene, SceneError, Unit,
+};
 
 use crate::json;
 use crate::look::Look;
@@ -134,14 +136,22 @@ impl Studio {
         &self.setup.looks[self.active as usize]
     }
 
-    /// The images that pages have brought.
-    pub(crate) fn images(&self) -> &[Arc<Image>] {
-        &self.images
-    }
-
-    /// Images of the scene itself.
-    pub(crate) fn image_count(&self) -> usize {
-        self.image_count
+    /// A scene with the edits of the active side and without meshes, for one that differs in nothing else.
+    pub(crate) fn edited(&self, from: &Scene) -> Scene {
+        let look = self.active_look();
+        let names = from.objects.iter().map(|object| Object { mesh: Mesh::default(), ..object.clone() });
+        Scene {
+            unit: from.unit,
+            camera: self.camera,
+            film: self.setup.film,
+            integrator: look.integrator,
+            objects: names.collect(),
+            materials: look.materials.clone(),
+            images: from.images.iter().chain(&self.images).map(Arc::clone).collect(),
+            profile_tables: from.profile_tables.clone(),
+            lights: look.lights.clone(),
+            environment: look.environment,
+        }
     }
 
     /// The message `state` for pages, with what else they shall know.
@@ -497,5 +507,54 @@ mod tests {
             studio.add_environment(image()).unwrap();
         }
         assert!(studio.add_environment(image()).is_err());
+    }
+
+    /// A page's messages, to be broken.
+    const MESSAGES: [&str; 10] = [
+        r#"{"type":"material","index":3,"set":{"subsurface_radius":0.5,"subsurface_color":[0.5,0.4,0.3]},"gesture":1}"#,
+        r#"{"type":"material","index":4,"set":{"preset":"jade","subsurface_model":"dipole"}}"#,
+        r#"{"type":"light","index":0,"light":{"kind":"sphere","center":[0,30,9],"radius":3,"radiance":[9,9,9],"visible":true}}"#,
+        r#"{"type":"environment","environment":{"radiance":[1,1,1],"image":null,"rotation":30,"visible":false}}"#,
+        r#"{"type":"integrator","set":{"samples_per_pixel":2,"subsurface_sharing":false,"seed":7}}"#,
+        r#"{"type":"film","set":{"exposure":1.5,"tone_mapping":"agx","size":[24,16]}}"#,
+        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"fov":40,"lens_radius":0,"focus_distance":60}}"#,
+        r#"{"type":"compare","on":true}"#,
+        r#"{"type":"side","side":"b"}"#,
+        r#"{"type":"undo"}"#,
+    ];
+
+    /// More than 100,000 are read, most of them refused; whatever is not leaves a state that is valid.
+    #[test]
+    fn mutated_messages_are_refused_or_valid() {
+        let mut scene = still_life(&LoadOptions::default()).unwrap();
+        let mut studio = Studio::new(&scene).unwrap();
+        let (mut read, mut applied) = (0, 0);
+        for text in MESSAGES {
+            for bytes in translucid_scene::mutants::mutants(text.as_bytes(), 10_500) {
+                read += 1;
+                let message = Numbered::parse(&String::from_utf8_lossy(&bytes)).message;
+                if message.is_ok_and(|message| studio.apply(message).is_ok()) {
+                    applied += 1;
+                    scene.camera = studio.camera;
+                    scene.film = studio.setup.film;
+                    let look = studio.active_look();
+                    scene.materials.clone_from(&look.materials);
+                    scene.lights.clone_from(&look.lights);
+                    scene.environment = look.environment;
+                    scene.integrator = look.integrator;
+                    let parts = [scene.camera.validate(), scene.film.validate(), scene.integrator.validate()];
+                    let materials = (0..scene.materials.len()).map(|i| scene.validate_material(i));
+                    let lights = (0..scene.lights.len()).map(|i| scene.validate_light(i));
+                    let all = parts
+                        .into_iter()
+                        .chain(materials)
+                        .chain(lights)
+                        .chain([scene.validate_environment()]);
+                    all.for_each(|result| result.unwrap());
+                }
+            }
+        }
+        assert!(read > 100_000 && applied > 100 && applied < read / 2, "{applied} of {read}");
+        assert!(studio.done.len() <= MOST_STEPS);
     }
 }

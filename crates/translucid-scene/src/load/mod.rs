@@ -5,8 +5,8 @@ mod gltf;
 mod image;
 mod mesh_file;
 mod mtl;
-#[cfg(test)]
-mod mutants;
+#[cfg(any(test, feature = "testing"))]
+pub mod mutants;
 mod number;
 mod obj;
 mod ply;

@@ -10,7 +10,7 @@ use translucid_image::DisplayTransform;
 use translucid_render::{FilmSums, ImageInfo};
 use translucid_scene::Film;
 
-use super::Context;
+use super::{Context, refusal};
 use crate::message::Side;
 
 #[derive(Deserialize)]
@@ -22,8 +22,12 @@ pub(super) struct SideQuery {
 /// The scene with the edits of the active side.
 pub(super) async fn scene(State(context): State<Context>) -> Response {
     let Some(shared) = context.scene().await else { return StatusCode::SERVICE_UNAVAILABLE.into_response() };
-    let text = shared.scene_text();
-    attachment(&shared.settings.scene_file(), "application/toml", text.into_bytes())
+    let name = shared.settings.scene_file();
+    match tokio::task::spawn_blocking(move || shared.scene_text()).await {
+        Ok(Ok(text)) => attachment(&name, "application/toml", text.into_bytes()),
+        Ok(Err(error)) => refusal(StatusCode::CONFLICT, &error),
+        Err(_) => StatusCode::INTERNAL_SERVER_ERROR.into_response(),
+    }
 }
 
 /// The picture with its layers.

@@ -127,7 +127,8 @@ fn page_file(path: &str) -> Response {
 
 /// An answer in words that the page shows.
 fn refusal(status: StatusCode, error: &SceneError) -> Response {
-    let body = json!({ "message": error.message, "help": error.help });
+    let place = error.place.as_ref().map_or_else(String::new, |place| format!("{place}: "));
+    let body = json!({ "message": format!("{place}{}", error.message), "help": error.help });
     (status, [(header::CONTENT_TYPE, "application/json")], body.to_string()).into_response()
 }
 

@@ -1,0 +1,136 @@
+//! What pages and server say to each other.
+
+use serde_json::json;
+
+use crate::client::{Served, small_still_life};
+
+/// Index of the first material with light under its surface.
+const MARBLE: usize = 3;
+
+#[test]
+fn picture_of_the_page_is_that_of_the_command() {
+    let scene = small_still_life();
+    let served = Served::new(scene.clone());
+    let mut client = served.connect();
+    assert_eq!(client.state["sides"]["a"]["materials"][MARBLE]["name"], "marble");
+    let frame = client.finished(0, 1);
+    assert_eq!((frame.samples, frame.divisor, frame.codes.len()), (3, 1, 32 * 18 * 4));
+
+    let expected = |scene: &translucid_scene::Scene| {
+        let prepared = translucid_render::PreparedScene::new(scene.clone()).unwrap();
+        let view = prepared.view().unwrap();
+        let mut session = translucid_render::Session::new(prepared, view);
+        let plan = translucid_render::Plan::samples(scene.integrator.samples_per_pixel);
+        session.run(&plan, &|_| {}, &std::sync::atomic::AtomicBool::new(false)).unwrap();
+        let display = translucid_image::DisplayTransform {
+            exposure: scene.film.exposure,
+            tone_mapping: scene.film.tone_mapping,
+        };
+        session.film().sums().display_picture(&Default::default()).display_codes(display).unwrap()
+    };
+    assert!(frame.codes == expected(&scene), "the page's picture differs from the command's");
+
+    // After edits of everything, and back
+    let mut edited = scene.clone();
+    edited.materials[MARBLE].subsurface_radius.factor = 0.4;
+    edited.film.exposure = 1.0;
+    edited.camera.position.x += 5.0;
+    edited.integrator.seed = 5;
+    client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":0.4}}));
+    client.apply(json!({"type":"film","set":{"exposure":1.0}}));
+    client.apply(json!({"type":"integrator","set":{"seed":5}}));
+    let mut camera = client.state["camera"].clone();
+    camera["position"][0] = json!(edited.camera.position.x);
+    let version = client.apply(json!({"type":"camera","camera":camera,"moving":true}));
+    assert!(client.finished(0, version).codes == expected(&edited), "after edits it differs");
+    client.apply(json!({"type":"undo"}));
+    client.apply(json!({"type":"undo"}));
+    let version = client.apply(json!({"type":"undo"}));
+    let frame = client.finished(0, version);
+    edited = small_still_life();
+    edited.camera.position.x += 5.0;
+    assert!(frame.codes == expected(&edited), "after undo it differs");
+}
+
+#[test]
+fn sides_are_rendered_beside_each_other() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    client.apply(json!({"type":"compare","on":true}));
+    client.apply(json!({"type":"side","side":"b"}));
+    client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"none"}}));
+    let version = client.apply(json!({"type":"show","view":"difference"}));
+    let map = client.finished(2, version);
+    let [a, b] = [0, 1].map(|kind| client.finished(kind, 1));
+    assert!(a.codes != b.codes && map.codes.len() == a.codes.len());
+    while client.status["phase"] != "done" {
+        client.hear();
+    }
+    assert!(client.status["difference"]["relative_mse"].as_f64().unwrap() > 0.0, "{}", client.status);
+    client.apply(json!({"type":"swap"}));
+    let version = client.apply(json!({"type":"compare","on":false}));
+    assert!(client.finished(0, version).codes == b.codes, "A is what B was");
+}
+
+#[test]
+fn pages_share_one_session_and_come_back_to_it() {
+    let served = Served::new(small_still_life());
+    let mut first = served.connect();
+    let mut second = served.connect();
+    first.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":0.9}}));
+    let radius = |client: &crate::client::Client| {
+        client.state["sides"]["a"]["materials"][MARBLE]["parameters"]["subsurface_radius"]["value"].as_f64()
+    };
+    while radius(&second).is_none_or(|value| (value - 0.9).abs() > 1e-6) {
+        second.hear();
+    }
+    drop((first, second));
+    let mut third = served.connect();
+    assert!((radius(&third).unwrap() - 0.9).abs() < 1e-6);
+    assert!(!third.finished(0, 1).codes.is_empty());
+}
+
+#[test]
+fn page_that_shows_nothing_gets_no_queue_of_pictures() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    client.paints = false;
+    let mut version = 0;
+    for i in 0..40 {
+        let radius = 0.1 + 0.01 * f64::from(i);
+        version = client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":radius}}));
+        std::thread::sleep(std::time::Duration::from_millis(5));
+    }
+    client.apply(json!({"type":"pause","on":true}));
+    assert!(client.frames.len() <= 1, "{}", client.frames.len());
+    // When it has shown that one it gets the newest, and few of those between
+    client.paints = true;
+    let shown = client.frames.first().map_or(0, |frame| frame.number);
+    client.say(&json!({"type":"painted","frame":shown}));
+    while client.frames.last().is_none_or(|frame| frame.version < version) {
+        client.hear();
+    }
+    assert!(client.frames.len() <= 5, "{} of 40", client.frames.len());
+}
+
+#[test]
+fn questions_are_answered() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    client.finished(0, 1);
+    let picked = client.ask(json!({"type":"pick","x":20.5,"y":8.5}));
+    assert!(picked["object"].is_string() && picked["position"][2].is_number(), "{picked}");
+    assert!(picked["sides"]["a"]["radiance"][0].as_f64().unwrap() > 0.0, "{picked}");
+    assert!(client.ask(json!({"type":"pick","x":-500,"y":1e30}))["sides"]["a"].is_null());
+    let profile = client.ask(json!({"type":"profile","index":MARBLE}));
+    assert_eq!((profile["type"].as_str(), profile["index"].as_u64()), (Some("profile"), Some(MARBLE as u64)));
+    assert!(profile["channels"][0]["error_percent"].as_f64().unwrap() < 3.0, "{profile}");
+    assert!(!client.ask(json!({"type":"numbers","index":MARBLE}))["rows"].as_array().unwrap().is_empty());
+    assert_eq!(client.ask(json!({"type":"numbers","index":999}))["type"], "error");
+    for (file, start) in [("picture.png", "\u{fffd}PNG"), ("picture.exr", "v/1"), ("scene.toml", "extends")] {
+        let (status, answer) = served.get(file);
+        assert!(status == 200 && answer.contains("content-disposition: attachment"), "{file}: {answer}");
+        let body = answer.split("\r\n\r\n").nth(1).unwrap();
+        assert!(body.trim_start_matches('#').contains(start), "{file}: {}", &body[..40.min(body.len())]);
+    }
+}
