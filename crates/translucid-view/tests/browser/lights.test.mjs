@@ -1,6 +1,8 @@
 // Lights and the environment.
 
 import assert from "node:assert/strict";
+import { writeFile } from "node:fs/promises";
+import { join } from "node:path";
 import { test } from "node:test";
 
 import { difference, start } from "./view.mjs";
@@ -124,6 +126,8 @@ test("an image from the computer becomes the environment, and is turned", async 
     await view.reset();
     before = await view.pixels();
     await changes("image", async () => {
+        // A saved scene names the file, which its owner has beside it.
+        await writeFile(join(view.folder, "studio.hdr"), radiancePicture());
         await view.page.setInputFiles("#environment-file", { name: "studio.hdr", mimeType: "image/vnd.radiance", buffer: radiancePicture() });
         await view.page.waitForFunction(() => window.translucidView.state.sides.a.environment?.image !== null);
     });
@@ -148,6 +152,7 @@ test("a file that is no image is refused in words, and changes nothing", async (
 
 test("a file is dropped on the page", async () => {
     await view.reset();
+    await writeFile(join(view.folder, "dropped.hdr"), radiancePicture());
     const bytes = [...radiancePicture()];
     await view.page.evaluate((bytes) => {
         const files = new DataTransfer();

@@ -39,7 +39,6 @@ const NUMBERS = [
     ["coat_roughness", 0.3],
     ["coat_ior", 1.8],
     ["transmission_weight", 0.3],
-    ["transmission_depth", 2],
     ["emission_luminance", 0.25],
     ["geometry_opacity", 0.9],
 ];
@@ -65,6 +64,12 @@ for (const key of ["base_color", "specular_color", "coat_color", "transmission_c
         });
     });
 }
+
+test("transmission_depth counts with a color", () => changes("transmission_depth", async () => {
+    await view.type("material-transmission_depth", 2);
+    await view.done();
+    near(await value("transmission_depth"), 2);
+}));
 
 test("surface albedo: fields, sliders and the swatch", async () => {
     await changes("a field", () => view.type("material-subsurface_color-red", 0.9));

@@ -95,18 +95,24 @@ export class View {
         return this.page.evaluate(() => window.translucidView.state);
     }
 
-    /** Waits until all that was asked for is on the screen and finished. */
-    async done() {
-        await this.page.waitForFunction(() => {
+    /** Version of the state after everything that this page has asked for. */
+    version() {
+        return this.page.evaluate(() => Math.max(0, ...window.translucidView.sent.map(({ version }) => version ?? 0)));
+    }
+
+    /** Waits until all that was asked for, by this page or up to a version, is on the screen and finished. */
+    async done(version = 0) {
+        await this.page.waitForFunction((version) => {
             const { sent, painted, state, connected } = window.translucidView;
-            if (!connected || !state || sent.some(({ version }) => version === null)) return false;
-            const asked = Math.max(state.version, ...sent.map(({ version }) => version));
+            if (!connected || !state || sent.some(({ isAnswered }) => !isAnswered)) return false;
+            const asked = Math.max(version, ...sent.map(({ version }) => version ?? 0));
+            if (state.version < asked) return false;
             const sides = !state.compare ? ["a"] : ["difference", "flip"].includes(state.view) ? ["map"] : ["a", "b"];
             return sides.every((side) => {
                 const frame = painted.findLast((frame) => frame.side === side);
                 return frame?.isLast && frame.edge === 1 && frame.version >= asked;
             });
-        });
+        }, version);
     }
 
     /** The codes on a canvas. */
@@ -169,19 +175,18 @@ export class View {
         await this.page.locator(`#${id}`).click();
     }
 
-    /** Clicks a button that is a step of the history, and waits until it is done. */
+    /** Clicks a button that sends a message, and waits until the page shows the state of its answer. */
     async history(step) {
-        const { version } = await this.state();
+        const before = await this.page.evaluate(() => window.translucidView.sent.at(-1)?.id ?? 0);
         await this.click(step);
-        await this.page.waitForFunction((version) => window.translucidView.state.version > version, version);
+        await this.page.waitForFunction((before) => {
+            const { sent, state } = window.translucidView;
+            return sent.at(-1)?.id > before && sent.every(({ isAnswered, version }) => isAnswered && state.version >= (version ?? 0));
+        }, before);
     }
 
     /** Everything as the scene was loaded. */
     async reset() {
-        if ((await this.state()).compare) {
-            await this.click("compare");
-            await this.page.waitForFunction(() => !window.translucidView.state.compare);
-        }
         await this.history("reset");
         await this.done();
     }
@@ -196,11 +201,17 @@ async function reveal(locator) {
     });
 }
 
-/** Number of pixels that differ. */
+/**
+ * Number of pixels that differ. A canvas keeps colors times alpha, so where something shows through they are compared
+ * as such, to one code.
+ */
 export function difference(a, b) {
     let count = 0;
     for (let i = 0; i < a.length; i += 4) {
-        if (a[i] !== b[i] || a[i + 1] !== b[i + 1] || a[i + 2] !== b[i + 2] || a[i + 3] !== b[i + 3]) count++;
+        const alpha = a[i + 3];
+        const most = alpha === 255 ? 0 : 255;
+        const isSame = (c) => Math.abs(a[i + c] - b[i + c]) * alpha <= most;
+        if (alpha !== b[i + 3] || !(isSame(0) && isSame(1) && isSame(2))) count++;
     }
     return count;
 }
