@@ -6,6 +6,8 @@ import os
 import pathlib
 import signal
 import subprocess
+import threading
+import time
 
 import pytest
 
@@ -13,6 +15,28 @@ import pytest
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+def time_to_interrupt(work, delay=0.5):
+    """Seconds from Ctrl-C to its exception: the best of three attempts, as tests share their machine."""
+
+    def attempt():
+        begun = []
+
+        def interrupt():
+            time.sleep(delay)
+            begun.append(time.perf_counter())
+            os.kill(os.getpid(), signal.SIGINT)
+
+        thread = threading.Thread(target=interrupt)
+        thread.start()
+        with pytest.raises(KeyboardInterrupt):
+            work()
+        seconds = time.perf_counter() - begun[0]
+        thread.join()
+        return seconds
+
+    return min(attempt() for _ in range(3))
 
 
 @pytest.fixture(scope="session")

@@ -31,10 +31,9 @@ def test_everything_public_is_documented():
         text = inspect.getdoc(thing)
         assert text and text[0].isupper() or text.startswith(("dict", "(")), name
         is_function = callable(thing) and not inspect.isclass(thing)
-        # Methods whose arguments are those of the function that they stand for say so in a sentence
-        is_read_at_a_glance = len(text.splitlines()) < 8 or getattr(thing, "__module__", "") == "translucid._render"
-        if is_function and not is_read_at_a_glance and inspect.signature(thing).parameters.keys() - {"self", "cls", "line", "arguments", "keys"}:
+        if is_function and inspect.signature(thing).parameters.keys() - {"self", "cls"}:
             assert "Parameters" in text, name
+        if is_function and len(text.splitlines()) >= 8:
             assert "Returns\n-------" in text or "Raises" in text, name
 
 
@@ -57,6 +56,6 @@ def test_examples_hold(test):
 
 
 def test_signatures_can_be_read():
-    assert str(inspect.signature(translucid.Profile.eval)) == "(self, /, r)"
+    assert str(inspect.signature(translucid.Profile.eval)) == "(self, /, r, *, out=None)"
     assert "surface_albedo" in inspect.signature(translucid.Profile).parameters
     assert "photons" in inspect.signature(_translucid.walk).parameters

@@ -1,6 +1,9 @@
 """Profiles: known values, laws that all models keep, arrays of every kind."""
 
+import concurrent.futures
+import copy
 import gc
+import multiprocessing
 import pickle
 import sys
 import weakref
@@ -233,5 +236,216 @@ def test_plot_says_what_is_missing(monkeypatch):
 def test_repr_says_what_it_is():
     text = repr(Profile("dipole", surface_albedo=[0.1, 0.2], mfp=1.0))
     assert "dipole" in text and "[2]" in text
-    with pytest.raises(TypeError):
-        pickle.dumps(of("dipole"))
+
+
+METHODS = ["eval", "pdf", "pdf_area", "cdf", "enclosed", "beyond", "quantile", "sample"]
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_results_go_into_memory_that_is_given(method):
+    u = np.random.default_rng(4).random((6, 5))
+    many = Profile(surface_albedo=[[0.3]] * 6, mfp=[1.0, 2.0, 3.0, 4.0, 5.0])
+    for profile in (of("normalized-diffusion"), many):
+        f = getattr(profile, method)
+        expected = f(u)
+        # In C order, in Fortran's, strided, backwards, and not aligned
+        odd = np.zeros(8 * 30 + 1, dtype=np.uint8)[1:].view(np.float64).reshape(6, 5)
+        for out in (np.empty((6, 5)), np.empty((5, 6)).T, np.empty((12, 15))[::2, ::3], np.empty((6, 5))[::-1], odd):
+            for numbers in (u, np.asfortranarray(u), u[::-1][::-1]):
+                out[...] = np.nan
+                assert f(numbers, out=out) is out
+                assert (out == expected).all()
+        single = np.empty((6, 5), dtype=np.float32)
+        assert f(u.astype(np.float32), out=single) is single
+        assert (single == f(u.astype(np.float32))).all()
+    image = np.empty((2, 3))
+    assert getattr(Profile(surface_albedo=[[0.2], [0.5]], mfp=1.0), method)([0.1, 0.5, 0.9], out=image) is image
+    scalar = np.empty(())
+    assert getattr(of("dipole"), method)(0.5, out=scalar) is scalar
+    assert scalar == getattr(of("dipole"), method)(0.5)
+
+
+def test_out_may_be_what_is_read():
+    profile, r = of("normalized-diffusion-refined"), np.linspace(0.1, 9.0, 100_003)
+    expected = profile.eval(r)
+    same = r.copy()
+    assert profile.eval(same, out=same) is same and (same == expected).all()
+    # Shifted by some elements, backwards, and in turns
+    for take, put in [
+        (np.s_[:-7], np.s_[7:]),
+        (np.s_[7:], np.s_[:-7]),
+        (np.s_[:], np.s_[::-1]),
+        (np.s_[:-3:2], np.s_[1:-2:2]),
+    ]:
+        memory = r.copy()
+        out = memory[put]
+        assert profile.eval(memory[take], out=out) is out and (out == expected[take]).all()
+    several = Profile(surface_albedo=np.full(100_003, 0.5), mfp=1.0)
+    assert (several.eval(r, out=r[::-1])[::-1] == expected[::-1]).all()
+
+
+@pytest.mark.parametrize(
+    "out, error, message",
+    [
+        (np.empty(4), ValueError, r"out has the shape \[4\], but must have that of the result, \[3\]"),
+        (np.empty((1, 3)), ValueError, r"out has the shape \[1, 3\]"),
+        (np.empty(3, dtype=np.float32), TypeError, "out is of dtype float32, but must be .* float64"),
+        (np.empty(3, dtype=">f8"), TypeError, "out is of dtype >f8"),
+        (np.empty(3, dtype=int), TypeError, "out is of dtype int64"),
+        ([0.0, 0.0, 0.0], TypeError, "out is of type list"),
+        (np.broadcast_to(0.0, 3), ValueError, "out is read-only"),
+    ],
+)
+def test_out_that_does_not_fit_is_refused(out, error, message):
+    with pytest.raises(error, match=message):
+        of("dipole").eval(np.array([1.0, 2.0, 3.0]), out=out)
+    with pytest.raises(error):
+        Profile("dipole", surface_albedo=[0.4, 0.5, 0.6], mfp=1.0).eval(1.0, out=out)
+
+
+def test_results_for_out_take_no_memory():
+    import tracemalloc
+
+    profile, r = of("normalized-diffusion"), np.linspace(0.1, 9.0, 2_000_000)
+    image = Profile("normalized-diffusion", surface_albedo=[[0.2], [0.5]], mfp=1.0)
+    out, both = np.empty_like(r), np.empty((2, len(r)))
+    for work in (lambda: profile.sample(r / 9.0, out=out), lambda: profile.eval(r, out=out), lambda: image.eval(r, out=both)):
+        work()
+        tracemalloc.start()
+        work()
+        _, peak = tracemalloc.get_traced_memory()
+        tracemalloc.stop()
+        assert peak < r.nbytes + 100_000  # r / 9.0
+
+
+def pickled():
+    """Profiles of every origin."""
+    r = np.geomspace(0.01, 30.0, 40)
+    truth = of("exact", surface_albedo=0.8)
+    albedos = np.array([0.2, 0.5, 0.8])
+    rows = Profile(surface_albedo=albedos[:, None], mfp=1.0).eval(r)
+    walk = translucid.reference.walk(20_000, single_scattering_albedo=0.9, radii=np.geomspace(0.1, 5.0, 9))
+    return {
+        "model": of("dipole", g=0.3, eta=1.4, configuration="searchlight"),
+        "dmfp": Profile(surface_albedo=0.7, dmfp=2.0),
+        "image": Profile(surface_albedo=np.random.default_rng(6).random((4, 5, 3)), mfp=[1.0, 2.0, 3.0]),
+        "equal elements": Profile(surface_albedo=np.full((4, 5), 0.25), mfp=1 / 3),
+        "lengths": Profile(surface_albedo=0.5, mfp=np.float32([[0.1], [0.2]])),
+        "none": Profile(surface_albedo=np.empty((0, 3)), mfp=1.0),
+        "medium": Profile.from_medium([0.1, 0.2], 0.9, g=[[0.0], [0.5]]),
+        "samples": Profile.from_table(r, truth.eval(r)),
+        "energies": Profile.from_table(r, truth.eval(r), enclosed=truth.enclosed(r)),
+        "shape": Profile.from_table(r, truth.eval(r), surface_albedo=0.4, dmfp=[1.0, 2.0]),
+        "table": Profile.from_table(r, rows, surface_albedos=albedos, surface_albedo=[[0.3], [0.6]], mfp=[1.0, 0.1]),
+        "tabulated": of("dipole").tabulated(),
+        "twice": Profile("dipole", surface_albedo=[0.2, 0.4], mfp=1.0).tabulated().tabulated(),
+        "fit": translucid.fit(truth, terms=3, family="gaussians").profile,
+        "fit of samples": translucid.fit(r, truth.eval(r)).profile,
+        "walk": walk.profile(single_scattering_albedo=0.9),
+    }
+
+
+@pytest.fixture(scope="module")
+def profiles():
+    return pickled()
+
+
+def same_profile(a, b, u=0.37):
+    numbers = [getattr(a, name) for name in ("total", "surface_albedo", "mfp", "dmfp", "g", "eta")]
+    others = [getattr(b, name) for name in ("total", "surface_albedo", "mfp", "dmfp", "g", "eta")]
+    assert (repr(a), a.shape, a.model, a.configuration) == (repr(b), b.shape, b.model, b.configuration)
+    assert all(np.array_equal(x, y) for x, y in zip(numbers, others))
+    for method in METHODS:
+        assert np.array_equal(getattr(a, method)(u), getattr(b, method)(u)), method
+
+
+@pytest.mark.parametrize("protocol", range(2, pickle.HIGHEST_PROTOCOL + 1))
+def test_pickles_come_back(profiles, protocol):
+    for profile in profiles.values():
+        again = pickle.loads(pickle.dumps(profile, protocol))
+        same_profile(profile, again)
+        same_profile(profile, pickle.loads(pickle.dumps(again)))
+
+
+def test_table_of_a_file_with_radii_of_their_own_comes_back(tmp_path):
+    path = tmp_path / "table.csv"
+    lines = ["surface_albedo,r,reflectance"]
+    for albedo, radii in [(0.2, [0.1, 0.5, 1.0, 2.0]), (0.6, [0.2, 0.4, 1.5, 3.0, 4.0])]:
+        of_albedo = Profile(surface_albedo=albedo, mfp=1.0)
+        lines += [f"{albedo},{r},{of_albedo.eval(r)!r}" for r in radii]
+    path.write_text("\n".join(lines) + "\n")
+    profile = Profile.from_table(path, surface_albedo=0.4, mfp=2.0)
+    text = pickle.dumps(profile)
+    path.unlink()
+    same_profile(profile, pickle.loads(text))
+
+
+def test_copies_are_the_same(profiles):
+    for profile in profiles.values():
+        same_profile(profile, copy.copy(profile))
+        same_profile(profile, copy.deepcopy({"a": [profile]})["a"][0])
+
+
+def test_pickle_of_an_image_is_as_large_as_its_albedos():
+    image = Profile(surface_albedo=np.random.default_rng(8).random((100, 100)), mfp=1.0)
+    assert len(pickle.dumps(image)) < 8 * 10_000 + 1000
+
+
+def test_profiles_go_to_other_processes():
+    profile, r = Profile("better-dipole", surface_albedo=[0.2, 0.5], mfp=1.0), [0.1, 1.0, 3.0]
+    context = multiprocessing.get_context("spawn")
+    with concurrent.futures.ProcessPoolExecutor(2, mp_context=context) as pool:
+        assert [x.tolist() for x in pool.map(profile.eval, r)] == [profile.eval(x).tolist() for x in r]
+
+
+def test_damaged_pickles_are_exceptions(profiles):
+    random = np.random.default_rng(9)
+    # Names that a change makes are not to be imported: nothing of a pickle but what profiles need
+    import io
+
+    class Unpickler(pickle.Unpickler):
+        def find_class(self, module, name):
+            if module.split(".")[0] not in ("translucid", "numpy", "functools") and (module, name) != ("builtins", "getattr"):
+                raise pickle.UnpicklingError(f"{module}.{name}")
+            return super().find_class(module, name)
+
+    refused = 0
+    for profile in profiles.values():
+        whole = pickle.dumps(profile)
+        assert isinstance(Unpickler(io.BytesIO(whole)).load(), Profile)
+        for _ in range(60):
+            bytes_ = bytearray(whole)
+            for _ in range(random.integers(1, 4)):
+                bytes_[random.integers(len(bytes_))] = random.integers(256)
+            if random.random() < 0.2:
+                del bytes_[random.integers(len(bytes_)) :]
+            try:
+                again = Unpickler(io.BytesIO(bytes_)).load()
+            except Exception as error:
+                assert not type(error).__name__ == "PanicException"
+                refused += 1
+                continue
+            if isinstance(again, Profile):
+                assert np.isfinite(again.eval(0.5)).all() and np.isfinite(again.total).all()
+    assert refused > 100
+
+
+@pytest.mark.parametrize(
+    "make, message",
+    [
+        (lambda: Profile._from_rows([]), r"rows.len\(\)"),
+        (lambda: Profile._from_rows([(0.5, [1.0, 2.0], [1.0], [])]), r"radii.len\(\)"),
+        (lambda: Profile._from_rows([(None, [1.0, 2.0, 3.0, 4.0], [1.0, 0.5, np.nan, 0.1], [])]), "NaN"),
+        (lambda: Profile._from_rows([(2.0, [1.0, 2.0, 3.0, 4.0], [1.0, 0.5, 0.2, 0.1], [])]), "surface_albedo"),
+        (lambda: Profile._from_rows(3), "rows"),
+        (lambda: Profile._from_rows([("a", [], [], [])]), "rows"),
+        (lambda: Profile._from_fit("cubes", 0.5, [(1.0, 1.0)]), "family"),
+        (lambda: Profile._from_fit("gaussians", -1.0, [(1.0, 1.0)]), "total"),
+        (lambda: Profile._from_fit("gaussians", 0.5, []), "weights"),
+        (lambda: Profile._from_fit("exponentials", 0.5, [(np.nan, 1.0)]), "weight"),
+        (lambda: Profile._from_fit("exponentials", 0.5, [(1.0, 0.0)]), "scale"),
+    ],
+)
+def test_calls_of_pickles_check_their_arguments(make, message):
+    with pytest.raises((ValueError, TypeError), match=message):
+        make()

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from translucid import reference
+from conftest import time_to_interrupt
 from translucid.reference import WhiteTable, exact, exact_beyond, exact_enclosed, exact_total, walk
 
 # Exact values: alpha, totals for both configurations, R(0.1) and R(1) of the searchlight, R(1) of diffuse light
@@ -225,7 +226,7 @@ def test_progress_may_raise():
 
 
 @pytest.mark.skipif(not hasattr(signal, "pthread_kill"), reason="no signals to threads")
-@pytest.mark.parametrize("work", ["walk", "exact", "eval"])
+@pytest.mark.parametrize("work", ["walk", "white walk", "exact", "eval"])
 def test_interrupt_is_answered(work):
     from translucid import Profile
 
@@ -233,23 +234,12 @@ def test_interrupt_is_answered(work):
     slow = Profile("quantized-diffusion", surface_albedo=0.5, mfp=1.0)
     works = {
         "walk": lambda: held.run(10**10),
+        "white walk": lambda: walk(10**10, reference_albedo=0.99999),
         "exact": lambda: exact(np.linspace(0.1, 9.0, 10**5), surface_albedo=0.5, eta=1.4),
         "eval": lambda: slow.quantile(np.full(10**6, 0.4)),
     }
-    begun = []
 
-    def interrupt():
-        time.sleep(0.5)
-        begun.append(time.perf_counter())
-        os.kill(os.getpid(), signal.SIGINT)
-
-    thread = threading.Thread(target=interrupt)
-    thread.start()
-    with pytest.raises(KeyboardInterrupt):
-        works[work]()
-    # 0.2 s on an idle machine; tests share theirs
-    assert time.perf_counter() - begun[0] < 1.0
-    thread.join()
+    assert time_to_interrupt(works[work]) <= 0.2
     assert work != "walk" or held.photons > 0
 
 

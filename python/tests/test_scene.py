@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import translucid
+from conftest import time_to_interrupt
 from translucid import Scene, SceneError
 
 TETRAHEDRON = np.array([[0.0, 9, 0], [6, 0, 0], [-3, 0, -5.2], [-3, 0, 5.2]])
@@ -365,6 +366,30 @@ def test_names_are_given_once():
     scene.add_object(shape="sphere")
     scene.add_object(shape="sphere")
     assert len(set(scene.objects)) == 3
+
+
+@pytest.fixture(scope="module")
+def large_mesh(tmp_path_factory):
+    """A file of three million triangles."""
+    path, side = tmp_path_factory.mktemp("mesh") / "large.ply", 1200
+    grid = np.arange(side * side, dtype=np.int32).reshape(side, side)
+    vertices = np.zeros((side, side, 3), dtype="<f4")
+    vertices[..., 0], vertices[..., 2] = np.meshgrid(np.arange(side), np.arange(side))
+    a, b, c, d = grid[:-1, :-1], grid[:-1, 1:], grid[1:, :-1], grid[1:, 1:]
+    corners = np.stack([np.stack([a, c, b], -1), np.stack([b, c, d], -1)]).reshape(-1, 3)
+    faces = np.empty(len(corners), dtype=[("count", "u1"), ("corners", "<i4", 3)])
+    faces["count"], faces["corners"] = 3, corners
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {side * side}\nproperty float x\nproperty float y\n"
+    header += f"property float z\nelement face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
+    path.write_bytes(header.encode() + vertices.tobytes() + faces.tobytes())
+    return path
+
+
+def test_interrupted_load_of_a_mesh_leaves_the_scene_as_it_was(large_mesh):
+    scene = wax()
+    assert time_to_interrupt(lambda: scene.add_object("large", file=str(large_mesh)), delay=0.1) <= 0.2
+    scene.add_object("ball", shape="sphere", material="wax")
+    assert scene.objects == ["ball"]
 
 
 def test_error_of_a_file_says_file_and_line(tmp_path):

@@ -5,6 +5,7 @@ mod picture;
 mod points;
 mod presets;
 mod side_by_side;
+mod tev;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,7 @@ use crate::model::{ModelName, UnitName};
 use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
+use tev::Tev;
 
 /// Most samples per pixel, as the scene's settings have it.
 pub(crate) const MAX_SAMPLES: u32 = 1 << 24;
@@ -35,6 +37,8 @@ const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
 Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then.
 --resume goes on from there; the result is the same as if nothing had happened.
+--tev[=HOST:PORT] shows the picture under the name of its file in tev (https://github.com/Tom94/tev), twice a second, or less
+often where that would take more than a hundredth of the time. A tev that goes or reads too slowly stops nothing.
 --denoise looks for the library by the system's means, or where the variable TRANSLUCID_OIDN says. FILE.exr keeps
 all its layers and gets another, denoised.RGB; FILE.png shows that.
 
@@ -53,6 +57,7 @@ Examples:
   translucid render bust.glb --preset marble --unit mm -o bust.exr
   translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
   translucid render scene.toml --time 60
+  translucid render scene.toml --tev
   translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
   translucid render scene.toml --subsurface-method point-based --points scene.points
   translucid render --preset list";
@@ -117,6 +122,10 @@ pub(crate) struct Arguments {
     /// Mesh file in place of that of the scene's object NAME, or of its only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh)]
     pub(crate) mesh: Vec<(Option<String>, PathBuf)>,
+    /// Show the picture as it grows in a tev that is running, the image viewer [default: 127.0.0.1:14158]
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+        default_missing_value = tev::DEFAULT_ADDRESS, value_parser = parse_address)]
+    tev: Option<String>,
     /// Denoise the picture at the end by Intel Open Image Denoise, which must be installed
     #[arg(long)]
     denoise: bool,
@@ -132,6 +141,11 @@ impl Arguments {
     /// Time between two checkpoints: what a power cut may cost.
     fn checkpoint_interval(&self) -> Duration {
         self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
+    }
+
+    /// The tev that is to show the picture, if one is.
+    fn connect_to_tev(&self) -> Result<Option<Tev>, Failure> {
+        self.tev.as_deref().map(Tev::connect).transpose()
     }
 }
 
@@ -168,6 +182,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         outputs.spare_others()?;
     }
     let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
+    let tev = arguments.connect_to_tev()?;
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
@@ -186,7 +201,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         PixelRect::whole([scene.film.width, scene.film.height]),
         Session::BYTES_PER_PIXEL,
     )?;
-    picture::render(scene, &Task { arguments, outputs, denoiser, part: None }).map(drop)
+    picture::render(scene, &Task { arguments, outputs, denoiser, tev: tev.as_ref(), part: None }).map(drop)
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.
@@ -302,6 +317,14 @@ fn parse_seconds(text: &str) -> Result<Duration, String> {
         .ok_or_else(|| String::from("a time is a number of seconds in (0, 1e9]"))
 }
 
+fn parse_address(text: &str) -> Result<String, String> {
+    let port = text.rsplit_once(':').filter(|(host, _)| !host.is_empty()).map(|(_, port)| port.parse());
+    match port {
+        Some(Ok(1..=u16::MAX)) => Ok(text.to_owned()),
+        _ => Err(String::from("an address is HOST:PORT, like 127.0.0.1:14158")),
+    }
+}
+
 pub(crate) fn parse_mesh(text: &str) -> Result<(Option<String>, PathBuf), String> {
     match text.split_once('=') {
         // A path may itself contain the sign.
@@ -342,6 +365,16 @@ mod tests {
         assert_eq!(parse_seconds("1.5"), Ok(Duration::from_millis(1500)));
         for wrong in ["", "0", "-1", "nan", "inf", "1e10", "1s"] {
             assert!(parse_seconds(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn address_has_a_host_and_a_port() {
+        for right in ["127.0.0.1:14158", "localhost:1", "[::1]:65535"] {
+            assert_eq!(parse_address(right).as_deref(), Ok(right));
+        }
+        for wrong in ["", "localhost", ":14158", "localhost:", "localhost:0", "localhost:65536", "a:b"] {
+            assert!(parse_address(wrong).is_err(), "{wrong}");
         }
     }
 

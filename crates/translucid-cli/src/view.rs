@@ -69,15 +69,16 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
     })?;
     let settings = settings(arguments)?;
     print_address(&page)?;
+    interrupt::catch("\nclosing")?;
+    let model = arguments.subsurface.map(ModelName::model);
+    let (scene, warnings) = render::scene(&arguments.of_render(), model)?;
+    messages::print_warnings(&warnings);
+    // Only now: a scene that cannot be loaded needs no browser, and what is prepared next takes as long as one to start
     if !arguments.no_open
         && let Err(error) = page.open()
     {
         messages::print_note(&format!("no browser could be opened ({error}): open the address above"));
     }
-    interrupt::catch("\nclosing")?;
-    let (scene, warnings) =
-        render::scene(&arguments.of_render(), arguments.subsurface.map(ModelName::model))?;
-    messages::print_warnings(&warnings);
     machine::threads(arguments.threads)?.install(|| page.show(scene, settings, &interrupt::STOP)).map_err(
         |error| match error {
             ViewError::Scene(error) => Failure::from(error),

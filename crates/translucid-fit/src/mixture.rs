@@ -16,7 +16,8 @@ pub struct Mixture<F> {
 }
 
 impl<F: Family> Mixture<F> {
-    /// Makes the mixture of terms (weight, scale \[L\]) with the energy `total`. The weights are divided by their sum.
+    /// Makes the mixture of terms (weight, scale \[L\]) with the energy `total`. The weights are divided by their sum, unless
+    /// it is 1 but for rounding: what a mixture says of itself makes the same one, bit for bit.
     ///
     /// # Errors
     /// There are no terms, a weight is negative, all are 0, a scale is not greater than 0, or `total` is not finite and
@@ -29,13 +30,21 @@ impl<F: Family> Mixture<F> {
         }
         let sum: f64 = terms.iter().map(|term| term.0).sum();
         require(sum > 0.0 && sum.is_finite(), "sum of weights", sum, "finite and greater than 0")?;
+        let is_one = (sum - 1.0).abs() <= terms.len() as f64 * f64::EPSILON;
+        if is_one && terms.is_sorted_by(|a, b| a.1 <= b.1) {
+            return Ok(Self::divided(total, terms, 1.0));
+        }
         Ok(Self::sorted(total, terms.to_vec()))
     }
 
     /// Makes the mixture without a check.
     pub(crate) fn sorted(total: f64, mut terms: Vec<(f64, f64)>) -> Self {
         terms.sort_by(|a, b| a.1.total_cmp(&b.1));
-        let sum: f64 = terms.iter().map(|term| term.0).sum();
+        let sum = terms.iter().map(|term| term.0).sum();
+        Self::divided(total, &terms, sum)
+    }
+
+    fn divided(total: f64, terms: &[(f64, f64)], sum: f64) -> Self {
         let weights = terms.iter().map(|term| term.0 / sum).collect();
         let scales = terms.iter().map(|term| term.1).collect();
         Self { total, weights, scales, family: PhantomData }

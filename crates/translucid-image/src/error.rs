@@ -16,13 +16,11 @@ pub struct OutputError {
 
 impl OutputError {
     /// An error about a file.
-    #[must_use]
     pub fn new(path: &Path, message: impl Into<String>) -> Self {
         Self { path: Some(path.to_owned()), message: message.into(), help: None }
     }
 
     /// An error about no file.
-    #[must_use]
     pub fn without_file(message: impl Into<String>) -> Self {
         Self { path: None, message: message.into(), help: None }
     }
@@ -35,7 +33,6 @@ impl OutputError {
     }
 
     /// The message behind the path of its file.
-    #[must_use]
     pub fn located_message(&self) -> String {
         let path = self.path.as_ref().map(|path| format!("{}: ", path.display()));
         path.unwrap_or_default() + &self.message

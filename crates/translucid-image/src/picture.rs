@@ -44,7 +44,6 @@ impl<'a> Picture<'a> {
     ///
     /// `fill_row` is given the number of a row and the place for its values, pixel after pixel, those of a pixel in the
     /// order of `channels`. They may be anything, NaN included.
-    #[must_use]
     pub fn new(
         size: [u32; 2],
         channels: Vec<PictureChannel>,
@@ -75,7 +74,6 @@ impl<'a> Picture<'a> {
     }
 
     /// Width and height of the region in pixels.
-    #[must_use]
     pub fn size(&self) -> [usize; 2] {
         [self.region.width as usize, self.region.height as usize]
     }
@@ -154,13 +152,11 @@ pub struct PictureChannel {
 
 impl PictureChannel {
     /// A channel of 32-bit numbers.
-    #[must_use]
     pub fn single(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Single }
     }
 
     /// A channel of 16-bit numbers.
-    #[must_use]
     pub fn half(name: &str) -> Self {
         Self { name: name.to_owned(), precision: Precision::Half }
     }

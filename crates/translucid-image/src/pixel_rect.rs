@@ -17,37 +17,31 @@ pub struct PixelRect {
 
 impl PixelRect {
     /// The rectangle that is all of a picture of this width and height.
-    #[must_use]
     pub fn whole([width, height]: [u32; 2]) -> Self {
         Self { left: 0, top: 0, width, height }
     }
 
     /// Numbers of the columns.
-    #[must_use]
     pub fn columns(&self) -> Range<u32> {
         self.left..self.left.saturating_add(self.width)
     }
 
     /// Numbers of the rows.
-    #[must_use]
     pub fn rows(&self) -> Range<u32> {
         self.top..self.top.saturating_add(self.height)
     }
 
     /// Number of pixels.
-    #[must_use]
     pub fn area(&self) -> u64 {
         u64::from(self.width) * u64::from(self.height)
     }
 
     /// Tells whether there are pixels and all of them are those of a picture of this width and height.
-    #[must_use]
     pub fn is_within(&self, [width, height]: [u32; 2]) -> bool {
         self.area() > 0 && self.columns().end <= width && self.rows().end <= height
     }
 
     /// The pixels that both rectangles have, if any.
-    #[must_use]
     pub fn intersection(&self, other: &Self) -> Option<Self> {
         let common = |a: Range<u32>, b: Range<u32>| a.start.max(b.start)..a.end.min(b.end);
         let columns = common(self.columns(), other.columns());

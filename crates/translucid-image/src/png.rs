@@ -159,7 +159,6 @@ pub struct CodedPicture<'a> {
 
 impl<'a> CodedPicture<'a> {
     /// An opaque picture of three codes a pixel, without texts.
-    #[must_use]
     pub fn rgb(size: [usize; 2], codes: &'a [u8]) -> Self {
         Self { size, has_alpha: false, codes, texts: Vec::new(), pixels_per_meter: None }
     }

@@ -17,13 +17,11 @@ impl ToneMapping {
         [("srgb", Self::Srgb), ("neutral", Self::Neutral), ("agx", Self::Agx)];
 
     /// The curve's name.
-    #[must_use]
     pub fn name(self) -> &'static str {
         Self::WORDS[self as usize].0
     }
 
     /// The curve of a name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, curve)| curve)
     }
@@ -45,7 +43,6 @@ const OUTSET: [[f32; 3]; 3] = [
 /// Display values in [0, 1] (sRGB-encoded, ready to be quantized) of a linear Rec. 709 color.
 ///
 /// Values that are negative or NaN count as 0, infinite ones as the greatest finite number.
-#[must_use]
 pub fn display_from_linear(tone_mapping: ToneMapping, color: [f32; 3]) -> [f32; 3] {
     // `max` turns NaN into 0. The bound keeps sums and products of three channels finite.
     let color = color.map(|value| value.max(0.0).min(1e30));

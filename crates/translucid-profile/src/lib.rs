@@ -86,11 +86,11 @@ pub use medium::fresnel::{
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,
 };
 pub use medium::half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
-pub use medium::inversion::{Appearance, Found};
+pub use medium::inversion::Appearance;
 pub use medium::media::Medium;
 pub use medium::scaling::{
-    Configuration, Parameterization, d_from_surface_albedo, d_from_surface_albedo_f32, scaling, scaling_f32,
-    scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
+    Configuration, Parameterization, d_from_surface_albedo, scaling, scaling_from_dmfp_searchlight,
+    scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
 };
 pub use medium::similarity::Similarity;
 pub use model::Model;

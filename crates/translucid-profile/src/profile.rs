@@ -59,12 +59,6 @@ pub trait Profile: Send + Sync {
     /// A length near which much of the energy leaves, greater than 0 \[L\]: where a table starts to look.
     fn scale(&self) -> f64;
 
-    /// Cost of making this profile: how many times its kernel (one exponential of depth or radius, one trial of an
-    /// inversion) was evaluated. 0 where there is nothing to do but to store the parameters.
-    fn evaluations_to_build(&self) -> u32 {
-        0
-    }
-
     /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\].
     fn pdf(&self, r: f64) -> f64 {
         share_of(self.surface_albedo(), 2.0 * PI * self.eval_times_r(r)).unwrap_or(0.0)

@@ -182,11 +182,12 @@ impl<'py> Numbers<'py> {
     }
 
     /// Applies a function of slices to numbers that keep a rule: a number gives a number, an array an array of its shape
-    /// and precision.
+    /// and precision, which may be that of an argument `out`.
     pub(crate) fn map(
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
+        out: Option<&Bound<'py, PyAny>>,
         f: impl Fn(&[f64], &mut [f64]) + Send + Sync,
     ) -> PyResult<Bound<'py, PyAny>> {
         match self {
@@ -194,16 +195,21 @@ impl<'py> Numbers<'py> {
                 self.require(rule)?;
                 let mut y = [0.0];
                 f(&[*x], &mut y);
-                Ok(PyFloat::new(py, y[0]).into_any())
+                if out.is_none() {
+                    return Ok(PyFloat::new(py, y[0]).into_any());
+                }
+                let memory = Memory::new(py, &[], Order::C, out, &[])?;
+                memory.write(|to| {
+                    to.copy_from_slice(&y);
+                    Ok(())
+                })
             }
             Self::Double(array) => {
-                let Ok(from) = array.as_slice() else { return self.map_with(py, rule, array, &f) };
-                // In the order of Fortran if the numbers are
-                let out = PyArrayDyn::<f64>::zeros(py, array.shape(), !array.is_c_contiguous());
+                let Ok(from) = array.as_slice() else { return self.map_with(py, rule, out, array, &f) };
+                let order = if array.is_c_contiguous() { Order::C } else { Order::Fortran };
+                let memory = Memory::new(py, array.shape(), order, out, &[array.as_any()])?;
                 let mut is_good = true;
-                {
-                    let mut out = out.readwrite();
-                    let out = out.as_slice_mut().expect("zeros are contiguous");
+                memory.write(|out| {
                     in_blocks(py, from.len(), |block| {
                         let chunks = from[block.clone()].chunks(CHUNK).zip(out[block].chunks_mut(CHUNK));
                         for (from, out) in chunks {
@@ -212,13 +218,10 @@ impl<'py> Numbers<'py> {
                             f(from, out);
                         }
                     })?;
-                }
-                if !is_good {
-                    self.require(rule)?;
-                }
-                scalar_if_0d(out)
+                    if is_good { Ok(()) } else { self.require(rule) }
+                })
             }
-            Self::Single(array) => self.map_with(py, rule, array, &f),
+            Self::Single(array) => self.map_with(py, rule, out, array, &f),
         }
     }
 
@@ -226,24 +229,26 @@ impl<'py> Numbers<'py> {
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
+        out: Option<&Bound<'py, PyAny>>,
         array: &PyReadonlyArrayDyn<'py, T>,
         f: &(impl Fn(&[f64], &mut [f64]) + Send + Sync),
     ) -> PyResult<Bound<'py, PyAny>> {
         let view = array.as_array();
+        let memory = Memory::<T>::new(py, view.shape(), Order::C, out, &[array.as_any()])?;
         let mut chunks = Chunks::new(&view, rule);
-        let found = fill::<T, _>(py, view.shape(), &mut chunks, |chunks, n, to| f(chunks.next(n), to));
-        if !chunks.is_good {
-            self.require(rule)?;
-        }
-        found
+        memory.write(|out| {
+            fill(py, out, &mut chunks, |chunks, n, to| f(chunks.next(n), to))?;
+            if chunks.is_good { Ok(()) } else { self.require(rule) }
+        })
     }
 
     /// Applies a function of an index and slices to numbers that keep a rule, the indices and the numbers broadcast to a
-    /// shape.
+    /// shape; the result may be in the memory of an argument `out`.
     pub(crate) fn map_indexed(
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
+        out: Option<&Bound<'py, PyAny>>,
         shape: &[usize],
         indices: &ArrayViewD<'_, u32>,
         f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
@@ -254,6 +259,7 @@ impl<'py> Numbers<'py> {
         fn all<'py, T: Real>(
             py: Python<'py>,
             view: &ArrayViewD<'_, T>,
+            memory: Memory<'py, T>,
             shape: &[usize],
             indices: &ArrayViewD<'_, u32>,
             f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
@@ -261,22 +267,33 @@ impl<'py> Numbers<'py> {
             let view = view.broadcast(IxDyn(shape)).expect("`broadcast_shape` has found that it can be");
             // Known to be good, and as often as it is repeated
             let anything = Rule::new("", "", f64::NEG_INFINITY, f64::INFINITY);
-            let state = (Chunks::new(&view, &anything), Elements::new(indices), [0; CHUNK]);
-            fill::<T, _>(py, shape, state, |(chunks, indices, wanted), n, to| {
-                let from = chunks.next(n);
-                indices.read(&mut wanted[..n], |index| index);
-                let mut start = 0;
-                for run in wanted[..n].chunk_by(|a, b| a == b) {
-                    let end = start + run.len();
-                    f(run[0], &from[start..end], &mut to[start..end]);
-                    start = end;
-                }
+            let mut state = (Chunks::new(&view, &anything), Elements::new(indices), [0; CHUNK]);
+            memory.write(|out| {
+                fill(py, out, &mut state, |(chunks, indices, wanted), n, to| {
+                    let from = chunks.next(n);
+                    indices.read(&mut wanted[..n], |index| index);
+                    let mut start = 0;
+                    for run in wanted[..n].chunk_by(|a, b| a == b) {
+                        let end = start + run.len();
+                        f(run[0], &from[start..end], &mut to[start..end]);
+                        start = end;
+                    }
+                })
             })
         }
         match self {
-            Self::One(x) => all::<f64>(py, &numpy::ndarray::arr0(*x).into_dyn().view(), shape, &indices, f),
-            Self::Double(array) => all(py, &array.as_array(), shape, &indices, f),
-            Self::Single(array) => all(py, &array.as_array(), shape, &indices, f),
+            Self::One(x) => {
+                let memory = Memory::new(py, shape, Order::C, out, &[])?;
+                all(py, &numpy::ndarray::arr0(*x).into_dyn().view(), memory, shape, &indices, f)
+            }
+            Self::Double(array) => {
+                let memory = Memory::new(py, shape, Order::C, out, &[array.as_any()])?;
+                all(py, &array.as_array(), memory, shape, &indices, f)
+            }
+            Self::Single(array) => {
+                let memory = Memory::new(py, shape, Order::C, out, &[array.as_any()])?;
+                all(py, &array.as_array(), memory, shape, &indices, f)
+            }
         }
     }
 }
@@ -360,26 +377,98 @@ impl<'a, T: Real> Chunks<'a, T> {
     }
 }
 
-/// An array that is computed in C order, at most [`CHUNK`] elements at a time.
-fn fill<'py, T: Real, S: Send>(
-    py: Python<'py>,
-    shape: &[usize],
-    mut state: S,
-    next: impl Fn(&mut S, usize, &mut [f64]) + Send + Sync,
-) -> PyResult<Bound<'py, PyAny>> {
-    let out = PyArrayDyn::<T>::zeros(py, shape, false);
-    {
-        let mut out = out.readwrite();
-        let out = out.as_slice_mut().expect("zeros are contiguous");
-        let mut to = [0.0; CHUNK];
-        in_blocks(py, out.len(), |block| {
-            for out in out[block].chunks_mut(CHUNK) {
-                next(&mut state, out.len(), &mut to[..out.len()]);
-                out.iter_mut().zip(&to).for_each(|(out, y)| *out = T::from_f64(*y));
-            }
-        })?;
+/// Order of the elements of an array that lie one behind the other.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Order {
+    C,
+    Fortran,
+}
+
+/// Memory of a result: a new array, or what the caller has given as `out`.
+struct Memory<'py, T: Element> {
+    /// Elements one behind the other, and none of them of an argument that the result is made of.
+    array: Bound<'py, PyArrayDyn<T>>,
+    /// The argument `out`; results are copied there where it is another array.
+    out: Option<Bound<'py, PyArrayDyn<T>>>,
+}
+
+impl<'py, T: Real> Memory<'py, T> {
+    /// Memory for a result that is made of the elements of some arrays.
+    ///
+    /// # Errors
+    /// `out` is no array of the result's shape and precision, or read-only.
+    fn new(
+        py: Python<'py>,
+        shape: &[usize],
+        order: Order,
+        out: Option<&Bound<'py, PyAny>>,
+        sources: &[&Bound<'py, PyAny>],
+    ) -> PyResult<Self> {
+        let fresh = || PyArrayDyn::zeros(py, shape, order == Order::Fortran);
+        let Some(given) = out else { return Ok(Self { array: fresh(), out: None }) };
+        let Ok(out) = given.cast::<PyArrayDyn<T>>() else {
+            let found = match given.getattr("dtype") {
+                Ok(dtype) => format!("dtype {dtype}"),
+                Err(_) => format!("type {}", given.get_type().name()?),
+            };
+            let must_be = T::get_dtype(py);
+            return Err(PyTypeError::new_err(format!(
+                "out is of {found}, but must be an array of the result's dtype, {must_be}"
+            )));
+        };
+        if out.shape() != shape {
+            let found = out.shape();
+            return Err(PyValueError::new_err(format!(
+                "out has the shape {found:?}, but must have that of the result, {shape:?}"
+            )));
+        }
+        if !out.getattr("flags")?.getattr("writeable")?.is_truthy()? {
+            return Err(PyValueError::new_err("out is read-only"));
+        }
+        let numpy = py.import("numpy")?;
+        let overlaps =
+            |source: &&Bound<'py, PyAny>| numpy.call_method1("may_share_memory", (out, *source))?.is_truthy();
+        let is_in_order = match order {
+            Order::C => out.is_c_contiguous(),
+            Order::Fortran => out.is_fortran_contiguous(),
+        };
+        let mut is_apart = is_in_order && is_aligned(out);
+        for source in sources {
+            is_apart = is_apart && !overlaps(source)?;
+        }
+        let array = if is_apart { out.clone() } else { fresh() };
+        Ok(Self { array, out: Some(out.clone()) })
     }
-    scalar_if_0d(out)
+
+    /// Has the elements written, and returns the array; without dimensions a scalar, as NumPy's own functions do.
+    fn write(self, work: impl FnOnce(&mut [T]) -> PyResult<()>) -> PyResult<Bound<'py, PyAny>> {
+        {
+            let in_use = |_| PyValueError::new_err("out is in use by another call");
+            let mut array = self.array.try_readwrite().map_err(in_use)?;
+            work(array.as_slice_mut()?)?;
+        }
+        let Some(out) = self.out else { return scalar_if_0d(self.array) };
+        if !out.is(&self.array) {
+            self.array.copy_to(&out)?;
+        }
+        Ok(out.into_any())
+    }
+}
+
+/// Computes elements in order, at most [`CHUNK`] at a time.
+fn fill<T: Real, S: Send>(
+    py: Python<'_>,
+    out: &mut [T],
+    state: &mut S,
+    next: impl Fn(&mut S, usize, &mut [f64]) + Send + Sync,
+) -> PyResult<()> {
+    let mut to = [0.0; CHUNK];
+    in_blocks(py, out.len(), |block| {
+        for out in out[block].chunks_mut(CHUNK) {
+            next(state, out.len(), &mut to[..out.len()]);
+            out.iter_mut().zip(&to).for_each(|(out, y)| *out = T::from_f64(*y));
+        }
+    })
 }
 
 /// Works through elements in order, with the interpreter detached where there are many, and looks after signals.

@@ -12,7 +12,8 @@ use translucid_fit::{
 use translucid_profile::{ParameterError, Parameterization};
 
 use crate::arrays::{Numbers, Rule, array_like};
-use crate::profile::{Profile, SharedProfile};
+use crate::profile::Profile;
+use crate::profiles::SharedProfile;
 use crate::{long_work, names};
 
 /// Least error of a sample.
@@ -36,6 +37,8 @@ pub(crate) struct Fit {
     /// χ², degrees of freedom and residuals of samples; of a profile its L1 distance.
     quality: Quality,
     profile: SharedProfile,
+    /// Weights and scales of the profile.
+    terms: Vec<(f64, f64)>,
 }
 
 enum Quality {
@@ -60,6 +63,7 @@ impl Fit {
                 residuals: fit.residuals(samples),
             },
             profile: Arc::new(fit.mixture().clone()),
+            terms: fit.mixture().terms().collect(),
         }
     }
 
@@ -76,6 +80,7 @@ impl Fit {
             weights: certain(mixture.weights()),
             scales: certain(mixture.scales()),
             quality: Quality::Profile { l1_error: l1_error(&mixture, profile, f64::INFINITY) },
+            terms: mixture.terms().collect(),
             profile: Arc::new(mixture),
         })
     }
@@ -190,8 +195,8 @@ impl Fit {
 
     /// The fitted sum, to evaluate and to sample.
     #[getter]
-    fn profile(&self) -> Profile {
-        Profile::of_one(format!("fit of {}", self.family), Arc::clone(&self.profile))
+    fn profile(&self, py: Python<'_>) -> PyResult<Profile> {
+        Profile::of_fit(py, self.family, Arc::clone(&self.profile), self.terms.clone())
     }
 
     fn __repr__(&self) -> String {

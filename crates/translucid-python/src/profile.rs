@@ -1,24 +1,23 @@
 //! `Profile`: reflectance profiles of one material, or of as many as arrays of parameters describe.
 
-use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::Ordering;
 
-use pyo3::exceptions::{PyTypeError, PyValueError};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple, PyType};
+use translucid_fit::{Burley, Exponential, Family, Gaussian, Mixture};
 use translucid_profile::{
     AlbedoTable, Appearance, Configuration, Medium, Model, ParameterError, Parameterization, Quantity,
     SampledProfile, TableProfile, TabulatedProfile,
 };
-use translucid_scene::ProfileRow;
+use translucid_scene::{ProfileRow, ProfileTable};
 
 use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
+use crate::profile_pickle::{Origin, Row, table_of_rows};
 use crate::profile_table::profile_table;
+use crate::profiles::{Profiles, SharedProfile};
 use crate::{long_work, names};
-
-pub(crate) type SharedProfile = Arc<dyn translucid_profile::Profile>;
 
 /// Reflectance profiles R(r) of translucent materials.
 ///
@@ -82,87 +81,15 @@ pub(crate) struct Profile {
     description: String,
     model: Option<Model>,
     configuration: Option<Configuration>,
-    /// Names and values of what the profiles were made from.
-    parameters: Vec<(&'static str, Vec<f64>)>,
-    shape: Vec<usize>,
-    /// Each element's place among the different profiles, in C order.
-    elements: Vec<u32>,
-    profiles: Vec<SharedProfile>,
+    profiles: Profiles,
+    /// What a pickle holds.
+    origin: Origin,
 }
 
 /// The rule of radii.
 const RADII: Rule<'_> = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
 /// The rule of random numbers and shares.
 const SHARES: Rule<'_> = Rule::new("u", "in [0, 1]", 0.0, 1.0);
-/// Elements whose profiles are made on a thread of their own, for Ctrl-C.
-const MANY: usize = 64;
-
-/// Profiles of many elements, of equal elements one.
-struct Many {
-    elements: Vec<u32>,
-    profiles: Vec<SharedProfile>,
-    /// Element that each profile was made for.
-    firsts: Vec<usize>,
-}
-
-/// Makes the profiles of all elements.
-fn make<const N: usize>(
-    py: Python<'_>,
-    description: String,
-    arguments: [(&'static str, &Numbers<'_>); N],
-    make_one: impl Fn([f64; N]) -> Result<SharedProfile, ParameterError> + Send + Sync,
-) -> PyResult<Profile> {
-    let shape = broadcast_shape(&arguments.map(|(name, numbers)| (name, numbers.shape())))?;
-    let columns = arguments.map(|(_, numbers)| numbers.broadcast(&shape));
-    let count: usize = shape.iter().product();
-    let row = |element: usize| -> [f64; N] { std::array::from_fn(|i| columns[i][element]) };
-    let make_all = |stop: &AtomicBool| {
-        let mut many = Many { elements: Vec::with_capacity(count), profiles: Vec::new(), firsts: Vec::new() };
-        let mut known = HashMap::new();
-        for element in 0..count {
-            if stop.load(Ordering::Relaxed) {
-                break;
-            }
-            let number = match known.entry(row(element).map(f64::to_bits)) {
-                Entry::Occupied(entry) => *entry.get(),
-                Entry::Vacant(entry) => {
-                    many.profiles.push(make_one(row(element)).map_err(|error| (error, element))?);
-                    many.firsts.push(element);
-                    *entry.insert(many.profiles.len() as u32 - 1)
-                }
-            };
-            many.elements.push(number);
-        }
-        Ok(many)
-    };
-    if u32::try_from(count).is_err() {
-        return Err(PyValueError::new_err(format!("shape {shape:?} has more than 4 billion elements")));
-    }
-    let made = if count < MANY {
-        make_all(&AtomicBool::new(false))
-    } else {
-        long_work::run(py, make_all, |_| Ok(()))?
-    };
-    let Many { elements, profiles, firsts } =
-        made.map_err(|(error, element)| names::parameter_error(&error, &index_of(element, &shape)))?;
-    let parameters = arguments.iter().enumerate();
-    let parameters =
-        parameters.map(|(i, (name, _))| (*name, firsts.iter().map(|&e| columns[i][e]).collect()));
-    let parameters = parameters.collect();
-    Ok(Profile { description, model: None, configuration: None, parameters, shape, elements, profiles })
-}
-
-/// The index of an element in C order.
-pub(crate) fn index_of(mut element: usize, shape: &[usize]) -> Vec<usize> {
-    let mut index: Vec<usize> = Vec::with_capacity(shape.len());
-    for &n in shape.iter().rev() {
-        index.push(element % n);
-        element /= n;
-    }
-    index.reverse();
-    index
-}
-
 /// A length of one of two kinds.
 fn length<'py>(
     mfp: Option<&Bound<'py, PyAny>>,
@@ -202,14 +129,14 @@ impl Profile {
             names::of_configuration(configuration)
         );
         let arguments = [("surface_albedo", &surface_albedo), (name, &length), ("g", &g), ("eta", &eta)];
-        let made = make(py, description, arguments, |[surface_albedo, length, g, eta]| {
+        let profiles = Profiles::new(py, arguments, |[surface_albedo, length, g, eta]| {
             let appearance = Appearance { surface_albedo, length, parameterization, g };
             model.profile(&appearance, configuration, eta).map(SharedProfile::from).map_err(|error| {
                 let is_length = matches!(error.parameter, "length" | "transport_mfp");
                 ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
             })
         })?;
-        Ok(Self { model: Some(model), configuration: Some(configuration), ..made })
+        Ok(Self::of_model(description, model, configuration, profiles))
     }
 
     /// Profiles of media, given by their coefficients.
@@ -267,22 +194,21 @@ impl Profile {
             names::of_configuration(configuration)
         );
         let arguments = [("sigma_a", &sigma_a), ("sigma_s", &sigma_s), ("g", &g), ("eta", &eta)];
-        let made = make(class.py(), description, arguments, |[sigma_a, sigma_s, g, eta]| {
+        let mut profiles = Profiles::new(class.py(), arguments, |[sigma_a, sigma_s, g, eta]| {
             let medium = Medium::new(sigma_a, sigma_s, g)?;
             model.profile_of_medium(&medium, configuration, eta).map(SharedProfile::from)
         })?;
 
         // What the media amount to
-        let mut parameters = made.parameters;
-        let [sigma_a, sigma_s, g] = [0, 1, 2].map(|i| parameters[i].1.iter().copied());
+        let [sigma_a, sigma_s, g] = [0, 1, 2].map(|i| profiles.parameters[i].1.iter().copied());
         let mut derived: [Vec<f64>; 3] = Default::default();
         for ((sigma_a, sigma_s), g) in sigma_a.zip(sigma_s).zip(g) {
             let medium = Medium::new(sigma_a, sigma_s, g).map_err(names::value_error)?;
             let values = [medium.surface_albedo(configuration), medium.mfp(), medium.dmfp()];
             derived.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
         }
-        parameters.extend(["surface_albedo", "mfp", "dmfp"].into_iter().zip(derived));
-        Ok(Self { model: Some(model), configuration: Some(configuration), parameters, ..made })
+        profiles.parameters.extend(["surface_albedo", "mfp", "dmfp"].into_iter().zip(derived));
+        Ok(Self::of_model(description, model, configuration, profiles))
     }
 
     /// Profiles through samples that somebody measured or simulated.
@@ -344,38 +270,57 @@ impl Profile {
         dmfp: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let table = profile_table(r, reflectance, enclosed, surface_albedos)?;
-        if surface_albedo.is_none()
-            && mfp.is_none()
-            && dmfp.is_none()
-            && let [row] = &table.rows[..]
-        {
-            return Self::of_samples(row);
+        Self::of_table(class.py(), table, surface_albedo, mfp, dmfp)
+    }
+
+    /// As `from_table`, of the rows of a pickle.
+    #[classmethod]
+    #[pyo3(signature = (rows, *, surface_albedo=None, mfp=None, dmfp=None))]
+    fn _from_rows(
+        class: &Bound<'_, PyType>,
+        rows: Vec<Row<'_>>,
+        surface_albedo: Option<&Bound<'_, PyAny>>,
+        mfp: Option<&Bound<'_, PyAny>>,
+        dmfp: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        Self::of_table(class.py(), table_of_rows(rows)?, surface_albedo, mfp, dmfp)
+    }
+
+    /// The profile of a fit, of a pickle: the energy, weights and scales of its terms.
+    #[classmethod]
+    fn _from_fit(
+        class: &Bound<'_, PyType>,
+        family: &str,
+        total: f64,
+        terms: Vec<(f64, f64)>,
+    ) -> PyResult<Self> {
+        fn shared<F: Family + 'static>(total: f64, terms: &[(f64, f64)]) -> PyResult<SharedProfile> {
+            Ok(Arc::new(Mixture::<F>::new(total, terms).map_err(names::value_error)?))
         }
-        let Some(surface_albedo) = surface_albedo else {
-            return Err(PyTypeError::new_err("surface_albedo is missing: of a table only the shape counts"));
+        let profile = match family {
+            "exponentials" => shared::<Exponential>(total, &terms),
+            "gaussians" => shared::<Gaussian>(total, &terms),
+            "normalized-diffusion" => shared::<Burley>(total, &terms),
+            _ => {
+                Err(names::unknown("family", family, &["normalized-diffusion", "exponentials", "gaussians"]))
+            }
         };
-        let surface_albedo = Numbers::extract("surface_albedo", surface_albedo)?;
-        let (name, length) = match (mfp, dmfp) {
-            (None, None) => ("mfp", Numbers::One(1.0)),
-            _ => length(mfp, dmfp).map(|(name, length, _)| (name, length))?,
-        };
-        let rows = table.rows.len();
-        let table = Arc::new(table.table().map_err(names::value_error)?);
-        let description = format!("Profile.from_table(<{rows} rows>, {name}=…)");
-        let arguments = [("surface_albedo", &surface_albedo), (name, &length)];
-        make(class.py(), description, arguments, |[surface_albedo, length]| {
-            // Normalized diffusion takes what a table takes: any albedo in [0, 1], and any length
-            let appearance =
-                Appearance { surface_albedo, length, parameterization: Parameterization::Mfp, g: 0.0 };
-            Model::NormalizedDiffusion.profile(&appearance, Configuration::default(), 1.0).map_err(
-                |error| {
-                    let is_length = error.parameter != "surface_albedo";
-                    ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
-                },
-            )?;
-            let profile: TableProfile = AlbedoTable::profile_of_shared(&table, surface_albedo, length);
-            Ok(Arc::new(profile))
-        })
+        Self::of_fit(class.py(), family, profile?, terms)
+    }
+
+    /// The call that makes it again, for pickles.
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+        let this = slf.get();
+        Ok((this.origin.call(&slf.get_type(), &this.profiles)?, PyTuple::empty(slf.py())))
+    }
+
+    fn __copy__(slf: Py<Self>) -> Py<Self> {
+        slf
+    }
+
+    /// Itself: nothing of it ever changes.
+    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        slf
     }
 
     /// The profiles as tables, whose `cdf`, `quantile` and `sample` take some ten nanoseconds for every model.
@@ -390,9 +335,10 @@ impl Profile {
     /// >>> dipole = translucid.Profile("dipole", surface_albedo=0.5, mfp=1.0)
     /// >>> abs(dipole.tabulated().cdf(2.0) - dipole.cdf(2.0)) < 1e-5
     /// True
-    fn tabulated(&self, py: Python<'_>) -> PyResult<Self> {
-        let profiles = self.profiles.clone();
-        let profiles = long_work::run_or_abandon(
+    fn tabulated(slf: &Bound<'_, Self>) -> PyResult<Self> {
+        let (py, this) = (slf.py(), slf.get());
+        let profiles = this.profiles.different.clone();
+        let tables = long_work::run_or_abandon(
             py,
             move |stop| {
                 let wanted = profiles.iter().take_while(|_| !stop.load(Ordering::Relaxed));
@@ -400,9 +346,12 @@ impl Profile {
             },
             |_| Ok(()),
         )?;
-        let description = format!("{}.tabulated()", self.description);
-        let (shape, elements) = (self.shape.clone(), self.elements.clone());
-        Ok(Self { description, shape, elements, profiles, parameters: self.parameters.clone(), ..*self })
+        Ok(Self {
+            description: format!("{}.tabulated()", this.description),
+            profiles: Profiles { different: tables, ..this.profiles.clone() },
+            origin: Origin::Call(slf.getattr("tabulated")?.unbind()),
+            ..*this
+        })
     }
 
     /// Reflectance profile R(r), the light that leaves per area.
@@ -411,6 +360,8 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0, in the unit of the lengths.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
@@ -427,8 +378,14 @@ impl Profile {
     /// >>> profile = translucid.Profile("exact", surface_albedo=0.5, mfp=1.0, configuration="searchlight")
     /// >>> round(profile.eval(1.0), 5)
     /// 0.02472
-    fn eval<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::Eval)
+    #[pyo3(signature = (r, *, out=None))]
+    fn eval<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::Eval)
     }
 
     /// Probability density of the radius at which light leaves, per length: 2 pi r R(r) / A.
@@ -437,13 +394,21 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
     /// float or ndarray
     ///     Density of radii that `sample` draws.
-    fn pdf<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::Pdf)
+    #[pyo3(signature = (r, *, out=None))]
+    fn pdf<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::Pdf)
     }
 
     /// Probability density of the point at which light leaves, per area: R(r) / A.
@@ -452,12 +417,20 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
     /// float or ndarray
-    fn pdf_area<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::PdfArea)
+    #[pyo3(signature = (r, *, out=None))]
+    fn pdf_area<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::PdfArea)
     }
 
     /// Share of the light that leaves within r, in [0, 1].
@@ -466,12 +439,20 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
     /// float or ndarray
-    fn cdf<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::Cdf)
+    #[pyo3(signature = (r, *, out=None))]
+    fn cdf<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::Cdf)
     }
 
     /// Energy that leaves within r, which rises to the `total`.
@@ -480,6 +461,8 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
@@ -491,8 +474,14 @@ impl Profile {
     /// >>> profile = translucid.Profile("exact", surface_albedo=0.5, mfp=1.0, configuration="searchlight")
     /// >>> round(profile.enclosed(1.0), 4)
     /// 0.2533
-    fn enclosed<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::Enclosed)
+    #[pyo3(signature = (r, *, out=None))]
+    fn enclosed<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::Enclosed)
     }
 
     /// Energy that leaves beyond r, `total - enclosed(r)` with the digits of a large r.
@@ -501,12 +490,20 @@ impl Profile {
     /// ----------
     /// r : array_like
     ///     Radii, at least 0.
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
     /// float or ndarray
-    fn beyond<'py>(&self, py: Python<'py>, r: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &RADII, r, Quantity::Beyond)
+    #[pyo3(signature = (r, *, out=None))]
+    fn beyond<'py>(
+        &self,
+        py: Python<'py>,
+        r: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &RADII, r, out, Quantity::Beyond)
     }
 
     /// Radius within which the share u of the light leaves: the inverse of `cdf`.
@@ -515,6 +512,8 @@ impl Profile {
     /// ----------
     /// u : array_like
     ///     Shares, in [0, 1].
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
@@ -525,8 +524,14 @@ impl Profile {
     /// ------
     /// ValueError
     ///     If a share is outside [0, 1] or NaN, or shapes do not broadcast.
-    fn quantile<'py>(&self, py: Python<'py>, u: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &SHARES, u, Quantity::Quantile)
+    #[pyo3(signature = (u, *, out=None))]
+    fn quantile<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &SHARES, u, out, Quantity::Quantile)
     }
 
     /// Radii of density `pdf`, one for each random number.
@@ -535,6 +540,8 @@ impl Profile {
     /// ----------
     /// u : array_like
     ///     Random numbers, uniform on [0, 1).
+    /// out : ndarray, optional
+    ///     Array of the result's shape and dtype to put it into.
     ///
     /// Returns
     /// -------
@@ -556,8 +563,14 @@ impl Profile {
     /// >>> r = profile.sample(np.random.default_rng(7).random(100_000))
     /// >>> bool(abs(np.mean(r < profile.quantile(0.25)) - 0.25) < 0.005)
     /// True
-    fn sample<'py>(&self, py: Python<'py>, u: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.apply(py, &SHARES, u, Quantity::Sample)
+    #[pyo3(signature = (u, *, out=None))]
+    fn sample<'py>(
+        &self,
+        py: Python<'py>,
+        u: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        self.apply(py, &SHARES, u, out, Quantity::Sample)
     }
 
     /// Draws the profiles over the radius, with matplotlib.
@@ -596,8 +609,10 @@ impl Profile {
     /// Energy that leaves altogether, the surface albedo; where a model makes more than there is, greater than 1.
     #[getter]
     fn total<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        let totals = self.elements.iter().map(|&i| self.profiles[i as usize].surface_albedo()).collect();
-        array_like(py, &[&Numbers::One(0.0)], &self.shape, totals)
+        let totals: Vec<f64> =
+            self.profiles.different.iter().map(|profile| profile.surface_albedo()).collect();
+        let totals = self.profiles.of_elements(&totals);
+        array_like(py, &[&Numbers::One(0.0)], &self.profiles.shape, totals)
     }
 
     /// Surface albedo that the profiles were made for; None for samples, which have a `total`.
@@ -645,27 +660,34 @@ impl Profile {
     /// Shape of the arrays of parameters, broadcast against each other.
     #[getter]
     fn shape<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        PyTuple::new(py, &self.shape)
+        PyTuple::new(py, &self.profiles.shape)
     }
 
     fn __repr__(&self) -> String {
-        let shape = if self.shape.is_empty() { String::new() } else { format!(" of shape {:?}", self.shape) };
+        let shape = &self.profiles.shape;
+        let shape = if shape.is_empty() { String::new() } else { format!(" of shape {shape:?}") };
         format!("<{}{shape}>", self.description)
     }
 }
 
 impl Profile {
     /// One profile that somebody else made.
-    pub(crate) fn of_one(description: String, profile: SharedProfile) -> Self {
-        Self {
-            description,
-            model: None,
-            configuration: None,
-            parameters: Vec::new(),
-            shape: Vec::new(),
-            elements: vec![0],
-            profiles: vec![profile],
-        }
+    pub(crate) fn of_one(description: String, profile: SharedProfile, origin: Origin) -> Self {
+        let profiles = Profiles::of_one(profile);
+        Self { description, model: None, configuration: None, profiles, origin }
+    }
+
+    /// The profile of a fit, with the weights and scales of its terms.
+    pub(crate) fn of_fit(
+        py: Python<'_>,
+        family: &str,
+        profile: SharedProfile,
+        terms: Vec<(f64, f64)>,
+    ) -> PyResult<Self> {
+        let function = py.get_type::<Self>().getattr("_from_fit")?;
+        let arguments = (function, family, profile.surface_albedo(), terms);
+        let call = py.import("functools")?.getattr("partial")?.call1(arguments)?;
+        Ok(Self::of_one(format!("fit of {family}"), profile, Origin::Call(call.unbind())))
     }
 
     /// The only profile.
@@ -673,33 +695,62 @@ impl Profile {
     /// # Errors
     /// There are several.
     pub(crate) fn only(&self) -> PyResult<SharedProfile> {
-        match &self.elements[..] {
-            [element] => Ok(Arc::clone(&self.profiles[*element as usize])),
-            _ => {
-                let shape = &self.shape;
-                Err(PyValueError::new_err(format!(
-                    "the profile has the shape {shape:?}, but must be a single one"
-                )))
-            }
-        }
+        self.profiles.only()
     }
 
-    fn of_samples(row: &ProfileRow) -> PyResult<Self> {
-        let profile = if row.enclosed.is_empty() {
-            SampledProfile::new(&row.radii, &row.reflectances)
-        } else {
-            SampledProfile::from_samples_and_enclosed(&row.radii, &row.reflectances, &row.enclosed)
+    fn of_model(description: String, model: Model, configuration: Configuration, profiles: Profiles) -> Self {
+        let origin = Origin::Parameters(model, configuration);
+        Self { description, model: Some(model), configuration: Some(configuration), profiles, origin }
+    }
+
+    /// Profiles of a table: of its parameters if there are any, else the table's own.
+    fn of_table(
+        py: Python<'_>,
+        table: ProfileTable,
+        surface_albedo: Option<&Bound<'_, PyAny>>,
+        mfp: Option<&Bound<'_, PyAny>>,
+        dmfp: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        if surface_albedo.is_none()
+            && mfp.is_none()
+            && dmfp.is_none()
+            && let [row] = &table.rows[..]
+        {
+            let (description, profile) = of_samples(row)?;
+            return Ok(Self::of_one(description, profile, Origin::Table(table)));
+        }
+        let Some(surface_albedo) = surface_albedo else {
+            return Err(PyTypeError::new_err("surface_albedo is missing: of a table only the shape counts"));
         };
-        let description = format!("Profile.from_table(<{} samples>)", row.radii.len());
-        Ok(Self::of_one(description, Arc::new(profile.map_err(names::value_error)?)))
+        let surface_albedo = Numbers::extract("surface_albedo", surface_albedo)?;
+        let (name, length) = match (mfp, dmfp) {
+            (None, None) => ("mfp", Numbers::One(1.0)),
+            _ => length(mfp, dmfp).map(|(name, length, _)| (name, length))?,
+        };
+        let rows = table.rows.len();
+        let shared = Arc::new(table.table().map_err(names::value_error)?);
+        let description = format!("Profile.from_table(<{rows} rows>, {name}=…)");
+        let arguments = [("surface_albedo", &surface_albedo), (name, &length)];
+        let profiles = Profiles::new(py, arguments, |[surface_albedo, length]| {
+            // Normalized diffusion takes what a table takes: any albedo in [0, 1], and any length
+            let appearance =
+                Appearance { surface_albedo, length, parameterization: Parameterization::Mfp, g: 0.0 };
+            Model::NormalizedDiffusion.profile(&appearance, Configuration::default(), 1.0).map_err(
+                |error| {
+                    let is_length = error.parameter != "surface_albedo";
+                    ParameterError { parameter: if is_length { name } else { error.parameter }, ..error }
+                },
+            )?;
+            let profile: TableProfile = AlbedoTable::profile_of_shared(&shared, surface_albedo, length);
+            Ok(Arc::new(profile))
+        })?;
+        Ok(Self { description, model: None, configuration: None, profiles, origin: Origin::Table(table) })
     }
 
     fn parameter<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
-        let Some((_, values)) = self.parameters.iter().find(|(known, _)| *known == name) else {
-            return Ok(None);
-        };
-        let values = self.elements.iter().map(|&i| values[i as usize]).collect();
-        array_like(py, &[&Numbers::One(0.0)], &self.shape, values).map(Some)
+        let Some(values) = self.profiles.parameter(name) else { return Ok(None) };
+        let values = self.profiles.of_elements(values);
+        array_like(py, &[&Numbers::One(0.0)], &self.profiles.shape, values).map(Some)
     }
 
     fn apply<'py>(
@@ -707,20 +758,32 @@ impl Profile {
         py: Python<'py>,
         rule: &Rule<'_>,
         x: &Bound<'py, PyAny>,
+        out: Option<&Bound<'py, PyAny>>,
         quantity: Quantity,
     ) -> PyResult<Bound<'py, PyAny>> {
         let x = Numbers::extract(rule.name, x)?;
-        if self.shape.is_empty() {
-            let profile = &self.profiles[0];
-            return x.map(py, rule, |from, to| profile.apply(quantity, from, to));
+        let Profiles { shape: own, elements, different, .. } = &self.profiles;
+        if own.is_empty() {
+            return x.map(py, rule, out, |from, to| different[0].apply(quantity, from, to));
         }
-        let shape = broadcast_shape(&[("profile", &self.shape), (rule.name, x.shape())])?;
-        let elements = numpy::ndarray::ArrayViewD::from_shape(&self.shape[..], &self.elements);
+        let shape = broadcast_shape(&[("profile", own), (rule.name, x.shape())])?;
+        let elements = numpy::ndarray::ArrayViewD::from_shape(&own[..], elements);
         let elements = elements.map_err(names::value_error)?;
-        x.map_indexed(py, rule, &shape, &elements, |element, from, to| {
-            self.profiles[element as usize].apply(quantity, from, to);
+        x.map_indexed(py, rule, out, &shape, &elements, |element, from, to| {
+            different[element as usize].apply(quantity, from, to);
         })
     }
+}
+
+/// The profile through samples, and how it is described.
+fn of_samples(row: &ProfileRow) -> PyResult<(String, SharedProfile)> {
+    let profile = if row.enclosed.is_empty() {
+        SampledProfile::new(&row.radii, &row.reflectances)
+    } else {
+        SampledProfile::from_samples_and_enclosed(&row.radii, &row.reflectances, &row.enclosed)
+    };
+    let description = format!("Profile.from_table(<{} samples>)", row.radii.len());
+    Ok((description, Arc::new(profile.map_err(names::value_error)?)))
 }
 
 /// The configuration of a name; without one that for which the parameterization was fitted first.

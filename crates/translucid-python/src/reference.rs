@@ -264,7 +264,7 @@ fn ask<'py>(
         Ok(answer)
     })?;
     let estimates = answer.map_err(|(error, element)| {
-        let index = crate::profile::index_of(element, &shape);
+        let index = crate::profiles::index_of(element, &shape);
         names::parameter_error(&error, &index)
     })?;
     let (values, errors) = estimates.iter().map(|estimate| (estimate.value, estimate.error)).unzip();

@@ -1,7 +1,8 @@
 //! `Scene`: loaded from files, or made of arrays by the keys of scene files.
 
 use std::path::PathBuf;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use glam::{Vec2, Vec3};
 use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -75,7 +76,7 @@ struct Making {
 /// <translucid.Scene in mm: 1 object, 4 triangles, 1 material, 0 lights>
 #[pyclass(frozen, module = "translucid", weakref)]
 pub(crate) struct Scene {
-    making: Mutex<Making>,
+    making: Arc<Mutex<Making>>,
 }
 
 #[pymethods]
@@ -95,7 +96,7 @@ impl Scene {
     ) -> PyResult<Self> {
         let unit = unit_of(unit)?;
         let making = Making { builder: SceneBuilder::new(unit), image_count: 0, light_count: 0 };
-        let scene = Self { making: Mutex::new(making) };
+        let scene = Self::of(making);
         if let Some(grouping) = subsurface_grouping {
             scene.change(py, |making| {
                 let keys = Keys::new("scene", &mut making.image_count).text("subsurface_grouping", grouping);
@@ -176,7 +177,7 @@ impl Scene {
             ..picture_options(size, subsurface)?
         };
         let scene = load(class.py(), path, options)?;
-        Ok(Self { making: Mutex::new(Making { builder: scene.into(), image_count: 0, light_count: 0 }) })
+        Ok(Self::of(Making { builder: scene.into(), image_count: 0, light_count: 0 }))
     }
 
     /// Adds a material.
@@ -207,12 +208,12 @@ impl Scene {
     /// translucid.SceneError: material wax: it has no key subsurface_colour (did you mean subsurface_color? ...
     #[pyo3(signature = (name, **keys))]
     fn add_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change(py, |making| {
+        self.change_long(py, |making| {
             let title = format!("material {name}");
             let piece =
                 Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
-                making.builder.add_material(&piece, warnings)
+            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
+                builder.add_material(&piece, warnings)
             })
         })
     }
@@ -260,11 +261,11 @@ impl Scene {
     ) -> PyResult<()> {
         let title = format!("mesh {name}");
         let mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
-        self.change(py, |making| {
+        self.change_long(py, |making| {
             let piece =
                 Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
-                making.builder.add_mesh_object(&piece, mesh, warnings)
+            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
+                builder.add_mesh_object(&piece, mesh, warnings)
             })
         })
     }
@@ -290,15 +291,15 @@ impl Scene {
         name: Option<&str>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        self.change(py, |making| {
+        self.change_long(py, |making| {
             let title = name.map_or_else(|| String::from("object"), |name| format!("object {name}"));
             let mut new = Keys::new(&title, &mut making.image_count);
             if let Some(name) = name {
                 new = new.text("name", name);
             }
             let piece = new.arguments(keys)?.piece();
-            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
-                making.builder.add_object(&piece, warnings)
+            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
+                builder.add_object(&piece, warnings)
             })
         })
     }
@@ -352,10 +353,10 @@ impl Scene {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change(py, |making| {
+        self.change_long(py, |making| {
             let piece = Keys::new("environment", &mut making.image_count).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, warnings: &mut Vec<Warning>| {
-                making.builder.set_environment(&piece, warnings)
+            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
+                builder.set_environment(&piece, warnings)
             })
         })
     }
@@ -467,8 +468,12 @@ impl Scene {
 }
 
 impl Scene {
+    fn of(making: Making) -> Self {
+        Self { making: Arc::new(Mutex::new(making)) }
+    }
+
     fn lock(&self) -> MutexGuard<'_, Making> {
-        self.making.lock().unwrap_or_else(PoisonError::into_inner)
+        lock(&self.making)
     }
 
     /// Changes the scene: `read` makes of Python's values what `apply` does without the interpreter, so that nobody waits
@@ -477,15 +482,7 @@ impl Scene {
     where
         A: FnOnce(&mut Making, &mut Vec<Warning>) -> Result<(), translucid_scene::SceneError> + Send,
     {
-        // Names of images and lights only
-        let mut counts = py.detach(|| {
-            let making = self.lock();
-            Making {
-                builder: SceneBuilder::new(Unit::Millimeter),
-                image_count: making.image_count,
-                light_count: making.light_count,
-            }
-        });
+        let mut counts = self.counts(py);
         let apply = read(&mut counts)?;
         let mut warnings = Vec::new();
         let result = py.detach(|| {
@@ -497,10 +494,48 @@ impl Scene {
         result.map_err(scene_error)
     }
 
+    /// As [`change`](Self::change), where files may be read: Ctrl-C ends the call at once, and nothing is added then.
+    fn change_long<A>(&self, py: Python<'_>, read: impl FnOnce(&mut Making) -> PyResult<A>) -> PyResult<()>
+    where
+        A: FnOnce(&mut SceneBuilder, &mut Vec<Warning>) -> Result<(), translucid_scene::SceneError>
+            + Send
+            + 'static,
+    {
+        let mut counts = self.counts(py);
+        let apply = read(&mut counts)?;
+        let making = Arc::clone(&self.making);
+        let work = move |stop: &AtomicBool| {
+            let mut making = lock(&making);
+            making.image_count = making.image_count.max(counts.image_count);
+            let mut warnings = Vec::new();
+            let result = making.builder.all_or_nothing(stop, |builder| apply(builder, &mut warnings));
+            (result, warnings)
+        };
+        let (result, warnings) = long_work::run_or_abandon(py, work, |_| Ok(()))?;
+        warn(py, &warnings)?;
+        result.map_err(scene_error)
+    }
+
+    /// The numbers of images and lights so far, without the scene.
+    fn counts(&self, py: Python<'_>) -> Making {
+        py.detach(|| {
+            let making = self.lock();
+            Making {
+                builder: SceneBuilder::new(Unit::Millimeter),
+                image_count: making.image_count,
+                light_count: making.light_count,
+            }
+        })
+    }
+
     /// The scene as it is now, with what it does not say chosen.
     pub(crate) fn build(&self, py: Python<'_>, options: &LoadOptions) -> PyResult<translucid_scene::Scene> {
         py.detach(|| self.lock().builder.build(options)).map_err(scene_error)
     }
+}
+
+fn lock(making: &Mutex<Making>) -> MutexGuard<'_, Making> {
+    making.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// The scene of an argument: a `Scene`, or the path of a file.

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError, TryLockError};
 
 use pyo3::exceptions::{PyKeyboardInterrupt, PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::{PyBytes, PyDict, PyRange, PyType};
+use pyo3::types::{IntoPyDict, PyBytes, PyDict, PyRange, PyType};
 use translucid_profile::ParameterError;
 use translucid_reference::walk::{
     AtAlbedo, Control, Layout, Parameters, PhaseFunction, PilotError, Problem, Region, Side, TableError,
@@ -17,6 +17,7 @@ use translucid_reference::{Estimate, Incidence};
 use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
 use crate::photons::Photons;
 use crate::profile::{Profile, number_or};
+use crate::profile_pickle::Origin;
 use crate::reference::{Pair, albedo, incidence, pool, report, with_progress};
 use crate::{long_work, names};
 
@@ -363,7 +364,7 @@ impl WhiteTable {
         for group in order.chunk_by(|&a, &b| albedos[a] == albedos[b]) {
             py.check_signals()?;
             let fail = |error: ParameterError, i: usize| {
-                names::parameter_error(&error, &crate::profile::index_of(i, &shape))
+                names::parameter_error(&error, &crate::profiles::index_of(i, &shape))
             };
             let alpha = alpha(&table, &rule, albedos[group[0]]).map_err(|error| fail(error, group[0]))?;
             let at = table.at_albedo(alpha).map_err(|error| fail(error, group[0]))?;
@@ -595,18 +596,24 @@ impl WhiteTable {
     #[pyo3(signature = (*, surface_albedo=None, single_scattering_albedo=None, side="reflected"))]
     fn profile(
         &self,
+        py: Python<'_>,
         surface_albedo: Option<&Bound<'_, PyAny>>,
         single_scattering_albedo: Option<&Bound<'_, PyAny>>,
         side: &str,
     ) -> PyResult<Profile> {
         let table = self.get();
-        let side = self::side(&table, side)?;
         let (rule, albedo) = albedo(surface_albedo, single_scattering_albedo)?;
         let alpha = alpha(&table, &rule, albedo.single(&rule)?).map_err(names::value_error)?;
         let at = table.at_albedo(alpha).map_err(names::value_error)?;
-        let profile = at.profile(side).map_err(names::value_error)?;
+        let profile = at.profile(self::side(&table, side)?).map_err(names::value_error)?;
         let description = format!("WhiteTable.profile(single_scattering_albedo={alpha})");
-        Ok(Profile::of_one(description, Arc::new(profile)))
+        // Later photons do not change the profile
+        let snapshot = Self { table: Mutex::new(table.clone()), walking: Mutex::default() };
+        let keywords = [("single_scattering_albedo", alpha)].into_py_dict(py)?;
+        keywords.set_item("side", side)?;
+        let method = Bound::new(py, snapshot)?.getattr("profile")?;
+        let call = py.import("functools")?.getattr("partial")?.call((method,), Some(&keywords))?;
+        Ok(Profile::of_one(description, Arc::new(profile), Origin::Call(call.unbind())))
     }
 
     /// Adds the photons of other tables, in place and exactly.

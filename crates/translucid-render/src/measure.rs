@@ -16,7 +16,6 @@ pub use crate::surface::bsdf;
 
 /// Traces one path into the scene: sample `index` of the pixel (0, 0) of the given seed, but along this ray. For measuring
 /// the renderer against exact answers.
-#[must_use]
 pub fn sample_ray(
     prepared: &PreparedScene,
     origin: Vec3,

@@ -47,7 +47,6 @@ impl Image {
     /// Linear red, green, blue, alpha of the pixel in column `x` from the left and row `y` from the top.
     ///
     /// Beyond the edge, the edge's pixel.
-    #[must_use]
     pub fn texel(&self, x: u32, y: u32) -> [f32; 4] {
         let column = x.min(self.width.saturating_sub(1)) as usize;
         let row = y.min(self.height.saturating_sub(1)) as usize;
@@ -75,7 +74,6 @@ impl Image {
     /// The image covers the unit square: the pixel in column i, row j from the top has its center at
     /// u = (i + ½)/width, v = 1 − (j + ½)/height.
     /// A coordinate that is not finite counts as 0.
-    #[must_use]
     pub fn bilinear(&self, u: f32, v: f32, wrap: [Wrap; 2]) -> [f32; 4] {
         let (columns, s) = neighbors(wrapped(u, wrap[0]), self.width, wrap[0]);
         let (rows, t) = neighbors(1.0 - wrapped(v, wrap[1]), self.height, wrap[1]);
@@ -84,7 +82,6 @@ impl Image {
     }
 
     /// Mean of the linear values over all pixels.
-    #[must_use]
     pub fn mean(&self) -> [f32; 4] {
         let mut sum = [0.0_f64; 4];
         for value in (0..self.len()).map(|index| self.at(index)) {
@@ -96,7 +93,6 @@ impl Image {
     }
 
     /// Greatest linear value of each channel over all pixels.
-    #[must_use]
     pub fn greatest(&self) -> [f32; 4] {
         let greater = |m: [f32; 4], p: [f32; 4]| std::array::from_fn(|i| m[i].max(p[i]));
         (0..self.len()).map(|index| self.at(index)).fold([f32::NEG_INFINITY; 4], greater)

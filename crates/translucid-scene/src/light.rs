@@ -105,7 +105,6 @@ impl Light {
     }
 
     /// The light's kind as scene files write it.
-    #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Rectangle { .. } => "rectangle",

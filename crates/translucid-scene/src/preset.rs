@@ -37,7 +37,6 @@ pub struct Preset {
 
 impl Preset {
     /// Surface albedo A for red, green, blue, in [0, 1].
-    #[must_use]
     pub fn surface_albedo(&self) -> DVec3 {
         match self.numbers {
             PresetNumbers::Chosen { surface_albedo, .. } => surface_albedo.into(),
@@ -52,7 +51,6 @@ impl Preset {
     }
 
     /// Mean free path ℓ for red, green, blue \[mm\].
-    #[must_use]
     pub fn mfp_in_millimeters(&self) -> DVec3 {
         match self.numbers {
             PresetNumbers::Chosen { mfp, .. } => mfp.into(),
@@ -63,7 +61,6 @@ impl Preset {
     }
 
     /// The material in a scene of the given unit.
-    #[must_use]
     pub fn material(&self, unit: Unit) -> Material {
         let mfp = self.mfp_in_millimeters() / unit.in_millimeters();
         let radius = mfp.max_element();
@@ -85,7 +82,6 @@ impl Preset {
 }
 
 /// All presets, by source and name.
-#[must_use]
 pub fn presets() -> &'static [Preset] {
     PRESETS
 }

@@ -28,13 +28,11 @@ impl Unit {
         [("mm", Self::Millimeter), ("cm", Self::Centimeter), ("m", Self::Meter)];
 
     /// The unit that scene files and the command line call `name`.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, unit)| unit)
     }
 
     /// Millimeters in one unit.
-    #[must_use]
     pub fn in_millimeters(self) -> f64 {
         match self {
             Self::Millimeter => 1.0,
@@ -44,7 +42,6 @@ impl Unit {
     }
 
     /// The unit's abbreviation as scene files and the command line write it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         Self::WORDS[self as usize].0
     }

@@ -87,13 +87,11 @@ impl SubsurfaceMethod {
         [("ray-traced", Self::RayTraced), ("point-based", Self::PointBased)];
 
     /// The method's name as scene files and the command line write it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         Self::WORDS[self as usize].0
     }
 
     /// The method that scene files and the command line call `name`.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, method)| method)
     }

@@ -51,13 +51,11 @@ pub struct TextureRef {
 
 impl TextureRef {
     /// The image over the unit square, repeated.
-    #[must_use]
     pub fn new(image: usize) -> Self {
         Self { image, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] }
     }
 
     /// Image coordinates of a mesh coordinate, before wrapping.
-    #[must_use]
     pub fn coordinates(&self, uv: Vec2) -> Vec2 {
         self.image_from_uv.transform_point2(uv)
     }
@@ -82,13 +80,11 @@ pub struct ColorInput {
 
 impl ColorInput {
     /// A constant color.
-    #[must_use]
     pub const fn constant(color: Vec3) -> Self {
         Self { factor: color, texture: None, vertex_color: false }
     }
 
     /// The mesh's vertex colors.
-    #[must_use]
     pub const fn vertex() -> Self {
         Self { factor: Vec3::ONE, texture: None, vertex_color: true }
     }
@@ -105,7 +101,6 @@ pub struct ScalarInput {
 
 impl ScalarInput {
     /// A constant.
-    #[must_use]
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None }
     }

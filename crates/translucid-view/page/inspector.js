@@ -31,7 +31,7 @@ export class Inspector {
             this.#clear();
         });
         // What is under a pointer that rests changes with the picture.
-        picture.onPainted(({ isLast }) => isLast && this.#at && this.#ask());
+        picture.onPainted(() => this.#at && this.#ask());
     }
 
     async #ask() {

@@ -173,8 +173,9 @@ impl Shared {
         let values = |side: Side| {
             let film = self.side(side)?.film;
             let sums = film.sums();
+            let is_there = sums.samples() > 0;
             let is_inside = x >= 0.0 && y >= 0.0 && x < sums.width as f32 && y < sums.height as f32;
-            is_inside.then(|| {
+            (is_there && is_inside).then(|| {
                 let mean = sums.mean(x as u32, y as u32);
                 json::layers(|layer| layer.values_of(&mean))
             })

@@ -13,6 +13,7 @@ use translucid_render::{
 use translucid_scene::Scene;
 
 use super::outputs::Outputs;
+use super::tev::{Showing, Tev};
 use super::{Arguments, points, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
@@ -26,6 +27,8 @@ pub(crate) struct Task<'a> {
     pub(crate) outputs: Outputs,
     /// Denoiser of the finished picture, if that is asked for.
     pub(crate) denoiser: Option<Arc<Denoiser>>,
+    /// The tev that shows the picture as it grows, if that is asked for.
+    pub(crate) tev: Option<&'a Tev>,
     /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
 }
@@ -133,6 +136,7 @@ impl<'a> Work<'a> {
         if let Some(part) = &self.task.part {
             meter = meter.named(&part.label);
         }
+        let showing = self.show()?;
         let outcome = self.render_to_the_end(&meter, deadline);
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
@@ -141,6 +145,9 @@ impl<'a> Work<'a> {
         self.require_paths(paths, outcome)?;
         self.write_images()?;
         self.settle_checkpoint(outcome)?;
+        if let Some(showing) = showing {
+            showing.finish();
+        }
         if !self.task.arguments.quiet {
             self.print_summary(cpu_seconds, paths - paths_before);
         }
@@ -156,6 +163,16 @@ impl<'a> Work<'a> {
             film: self.session.film().sums().clone(),
             first_half: self.first_half,
         })
+    }
+
+    /// Begins to show the film in a tev, if that is asked for, by the name of its file.
+    fn show(&self) -> Result<Option<Showing>, Failure> {
+        let Some(tev) = self.task.tev else { return Ok(None) };
+        let (outputs, view) = (&self.task.outputs, self.session.view());
+        let name = outputs.exr.as_ref().unwrap_or(&outputs.png).to_string_lossy();
+        let region = view.region();
+        let place = view.place().unwrap_or((region, [region.width, region.height]));
+        tev.show(&name, self.session.film(), place).map(Some)
     }
 
     /// Refuses to write an empty picture, which must not take the place of one that may be there.

@@ -12,6 +12,7 @@ use translucid_render::{FilmSums, Session, layer};
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::picture::{self, Part, Rendering, Task};
+use super::tev::Tev;
 use super::{Arguments, inputs, scene, scene_name, stem};
 use crate::failure::Failure;
 use crate::files::Directory;
@@ -33,12 +34,13 @@ pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(
     require_distinct(models)?;
     let judge = judge(models, arguments.against)?;
     let path = directory_path(arguments)?;
+    let tev = arguments.connect_to_tev()?;
     let (first, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
     require_size(&first, models.len())?;
     Directory::fill(&path, |directory| {
         files::check(directory, models, inputs(arguments, &first))?;
-        let entries = render_all(arguments, models, first, directory)?;
+        let entries = render_all(arguments, models, first, directory, tev.as_ref())?;
         write(arguments, directory, entries, judge)
     })
 }
@@ -106,6 +108,7 @@ fn render_all(
     models: &[SubsurfaceModel],
     first: Scene,
     directory: &Directory,
+    tev: Option<&Tev>,
 ) -> Result<Vec<Entry>, Failure> {
     let mut loaded = Some(first);
     let mut entries = Vec::new();
@@ -125,7 +128,7 @@ fn render_all(
             first_half: files::first_half(directory, model.name()),
         };
         let outputs = files::outputs(directory, model.name());
-        let task = Task { arguments, outputs, denoiser: None, part: Some(part) };
+        let task = Task { arguments, outputs, denoiser: None, tev, part: Some(part) };
         entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
     }
     Ok(entries)

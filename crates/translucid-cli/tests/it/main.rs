@@ -14,3 +14,4 @@ mod reference;
 mod render;
 mod side_by_side;
 mod tables;
+mod tev;

@@ -209,6 +209,24 @@ fn links_lead_somewhere() {
     assert!(count > 30, "{count} links");
 }
 
+/// A book is read without the repository around it: its pages link to each other and to their pictures.
+#[test]
+fn links_of_the_book_stay_in_it() {
+    let docs = root().join("docs").canonicalize().unwrap();
+    let leaves = |page: &Page, target: &str| {
+        let file = target.split('#').next().unwrap_or_default();
+        let path = page.path.parent().unwrap_or(Path::new("")).join(file);
+        !target.contains("://") && path.canonicalize().is_ok_and(|path| !path.starts_with(&docs))
+    };
+    let mut outside = Vec::new();
+    for page in pages_below(&docs) {
+        let links = page.links().into_iter().filter(|link| leaves(&page, &link.target));
+        outside.extend(links.map(|link| format!("{}:{}: {}", page.path.display(), link.line, link.target)));
+    }
+    assert!(outside.is_empty(), "links out of docs/; name the file in words:\n{}", outside.join("\n"));
+    assert!(leaves(&Page::read(&docs.join("README.md")), "../Cargo.toml"));
+}
+
 /// Every file of the project that a page names, as `crates/…`, is there.
 #[test]
 fn files_that_pages_name_are_there() {
@@ -217,7 +235,8 @@ fn files_that_pages_name_are_there() {
     let mut wrong = Vec::new();
     for page in &pages {
         for (line, span) in page.code_spans() {
-            let is_path = ["crates/", "benches/", "scenes/"].iter().any(|folder| span.starts_with(folder));
+            let is_path =
+                ["crates/", "benches/", "scenes/", "python/"].iter().any(|folder| span.starts_with(folder));
             if is_path && !span.contains([' ', '*']) && !root().join(&span).exists() {
                 wrong.push(format!("{}:{line}: {span}", page.path.display()));
             }

@@ -256,6 +256,24 @@ fn subsurface_option_changes_the_picture() {
 }
 
 #[test]
+fn scene_that_extends_a_mesh_is_the_picture_of_the_mesh_with_its_options() {
+    let (_keep, directory) = directory_with_ball();
+    fs::write(
+        directory.join("a.obj"),
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
+    )
+    .unwrap();
+    let look = "extends = \"a.obj\"\npreset = \"jade\"\nunit = \"cm\"\n[film]\nsize = [48, 32]\n";
+    fs::write(directory.join("look.toml"), look).unwrap();
+    stdout(&directory, "render a.obj --preset jade --unit cm --size 48x32 --spp 2 -q -o mesh.exr");
+    stdout(&directory, "render look.toml --spp 2 -q -o look.exr");
+    assert!(exr_values(&directory.join("mesh.exr")) == exr_values(&directory.join("look.exr")));
+    let output = run(&directory, "render look.toml --preset jade");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("it is the key preset at the top"), "{}", stderr(&output));
+}
+
+#[test]
 fn preset_list_is_a_table() {
     let table = stdout(Path::new("."), "render --preset list");
     for name in ["marble", "skin1", "wholemilk"] {
@@ -287,6 +305,7 @@ fn render_never_writes_over_its_inputs() {
     fs::write(directory.join("bark.mtl"), "newmtl a\nmap_Kd bark.png\n").unwrap();
     #[cfg(unix)]
     std::os::unix::fs::symlink(directory.join("bark.png"), directory.join("link.png")).unwrap();
+    fs::write(directory.join("look.toml"), "extends = \"bark.gltf\"\n").unwrap();
     let before = fs::read(directory.join("bark.png")).unwrap();
     let files_before = files(&directory);
     for words in [
@@ -295,6 +314,7 @@ fn render_never_writes_over_its_inputs() {
         "render bark.toml --spp 2 -o ./bark.png",
         "render bark.gltf --spp 2 --size 8x8",
         "render bark.obj --spp 2 --size 8x8",
+        "render look.toml --spp 2 --size 8x8 -o bark.exr",
         #[cfg(unix)]
         "render bark.toml --spp 2 -o link.png",
     ] {

@@ -181,7 +181,7 @@ fn composed(
             let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, 0.0);
             medium.and_then(|medium| from_medium(&medium)).map_or(0.0, |profile| profile.surface_albedo())
         };
-        from_medium(&appearance(reference.surface_albedo).medium(total)?.medium)
+        from_medium(&appearance(reference.surface_albedo).medium(total)?)
     };
     let (make, from_medium) = (Box::new(make), Some(Box::new(from_medium) as _));
     Contender { name, title, group: Group::Variant, make, from_medium, ..of_model(model) }
@@ -286,10 +286,6 @@ impl Profile for WithSingleScattering {
 
     fn scale(&self) -> f64 {
         self.0.scale()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.0.evaluations_to_build() + self.1.evaluations_to_build()
     }
 }
 

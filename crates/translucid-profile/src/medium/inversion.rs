@@ -22,15 +22,6 @@ pub struct Appearance {
     pub g: f64,
 }
 
-/// A medium and what finding it cost.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Found {
-    /// The medium.
-    pub medium: Medium,
-    /// Number of evaluations of the model's total.
-    pub evaluations: u32,
-}
-
 impl Appearance {
     /// The medium for which a model's `total` is the surface albedo, to 1e-10 and better.
     ///
@@ -40,7 +31,7 @@ impl Appearance {
     /// # Errors
     /// A parameter is out of its range, or no α' ∈ [0, 1] reaches the surface albedo; the error then has the most
     /// that the model reaches as its limit.
-    pub fn medium(&self, total: impl Fn(f64) -> f64) -> Result<Found, ParameterError> {
+    pub fn medium(&self, total: impl Fn(f64) -> f64) -> Result<Medium, ParameterError> {
         let target = require_fraction("surface_albedo", self.surface_albedo)?;
         require_positive("length", self.length)?;
         let most = total(0.0);
@@ -54,11 +45,7 @@ impl Appearance {
                 limit: Some(most),
             });
         }
-        let evaluations = std::cell::Cell::new(1);
-        let excess = |root: f64| {
-            evaluations.set(evaluations.get() + 1);
-            total(root * root) - target
-        };
+        let excess = |root: f64| total(root * root) - target;
         let root = if target == 0.0 {
             1.0
         } else if target >= most {
@@ -66,8 +53,7 @@ impl Appearance {
         } else {
             falling_root(excess, [most - target, -target], |_| 1e-15 + 1e-13 * target)
         };
-        let medium = self.with_absorption(root * root)?;
-        Ok(Found { medium, evaluations: evaluations.get() })
+        self.with_absorption(root * root)
     }
 
     /// The medium of reduced albedo α' = 1 − `absorbed` and the length that is sought.
@@ -88,27 +74,25 @@ impl Appearance {
     }
 }
 
-/// The mean free path \[L\] behind a surface albedo and a length, which is it or the diffuse one, and how many evaluations
-/// of the albedo it took to find.
+/// The mean free path \[L\] behind a surface albedo and a length, which is it or the diffuse one.
 pub(crate) fn half_space_mfp(
     surface_albedo: f64,
     length: f64,
     parameterization: Parameterization,
     configuration: Configuration,
-) -> Result<(f64, u32), ParameterError> {
+) -> Result<f64, ParameterError> {
     require_fraction("surface_albedo", surface_albedo)?;
     require_positive("length", length)?;
-    let (mfp, evaluations) = match parameterization {
-        Parameterization::Mfp => (length, 0),
+    let mfp = match parameterization {
+        Parameterization::Mfp => length,
         Parameterization::Dmfp => {
             require(surface_albedo < 1.0, "surface_albedo", surface_albedo, "less than 1 with a dmfp")?;
-            let (absorbed, evaluations) = half_space_absorption(surface_albedo, configuration);
-            (length * transport_mfp_over_dmfp(absorbed), evaluations)
+            length * transport_mfp_over_dmfp(half_space_absorption(surface_albedo, configuration))
         }
     };
     let allowed = "such that the mean free path is in [1e-150, 1e150]";
     require((1e-150..=1e150).contains(&mfp), "length", length, allowed)?;
-    Ok((mfp, evaluations))
+    Ok(mfp)
 }
 
 #[cfg(test)]
@@ -134,12 +118,12 @@ mod tests {
     fn medium_has_the_surface_albedo_and_the_length() {
         for a in [0.0, 1e-12, 1e-3, 0.3, 0.9, 0.9999, 1.0] {
             for g in [-0.7, 0.0, 0.9] {
-                let m = appearance(a, 2.5, Parameterization::Mfp, g).medium(total).unwrap().medium;
+                let m = appearance(a, 2.5, Parameterization::Mfp, g).medium(total).unwrap();
                 let absorbed = m.sigma_a() / m.sigma_t_prime();
                 assert!((total(absorbed) - a).abs() < 1e-13, "{a} {g}: {}", total(absorbed));
                 assert!((m.mfp() / 2.5 - 1.0).abs() < 1e-14, "{a} {g}: {}", m.mfp());
                 if a < 1.0 {
-                    let m = appearance(a, 2.5, Parameterization::Dmfp, g).medium(total).unwrap().medium;
+                    let m = appearance(a, 2.5, Parameterization::Dmfp, g).medium(total).unwrap();
                     assert!((m.dmfp() / 2.5 - 1.0).abs() < 1e-12, "{a} {g}: {}", m.dmfp());
                 }
             }

@@ -125,29 +125,6 @@ pub fn d_from_surface_albedo(
     length.max(0.0) / scaling(surface_albedo, parameterization, configuration)
 }
 
-/// Twin of [`scaling`] for single precision, correctly rounded: a handful of operations gain nothing from
-/// being done in `f32`.
-#[inline]
-pub fn scaling_f32(
-    surface_albedo: f32,
-    parameterization: Parameterization,
-    configuration: Configuration,
-) -> f32 {
-    scaling(f64::from(surface_albedo), parameterization, configuration) as f32
-}
-
-/// Twin of [`d_from_surface_albedo`] for single precision, correctly rounded.
-#[inline]
-pub fn d_from_surface_albedo_f32(
-    surface_albedo: f32,
-    length: f32,
-    parameterization: Parameterization,
-    configuration: Configuration,
-) -> f32 {
-    d_from_surface_albedo(f64::from(surface_albedo), f64::from(length), parameterization, configuration)
-        as f32
-}
-
 /// ℓ/ℓ_d of the index-matched half space of isotropic scatterers with a surface albedo, with D after Grosjean.
 pub(crate) fn mfp_per_dmfp(surface_albedo: f64, configuration: Configuration) -> f64 {
     (1.0 - surface_albedo) * mfp_per_dmfp_polynomial(surface_albedo, configuration)
@@ -237,24 +214,7 @@ mod tests {
                 assert_eq!(scaling(f64::NAN, p, c), scaling(0.0, p, c));
                 assert_eq!(d_from_surface_albedo(0.5, 0.0, p, c), 0.0);
                 assert_eq!(d_from_surface_albedo(0.5, f64::NAN, p, c), 0.0);
-                assert_eq!(d_from_surface_albedo_f32(f32::NAN, -1.0, p, c), 0.0);
             }
         }
-    }
-
-    #[test]
-    fn scaling_f32_agrees_with_f64() {
-        let mut worst = 0.0f64;
-        for i in 0..=10_000 {
-            let a = i as f32 / 10_000.0;
-            for p in PARAMETERIZATIONS {
-                for c in CONFIGURATIONS {
-                    let twin = f64::from(d_from_surface_albedo_f32(a, 0.7, p, c));
-                    let exact = d_from_surface_albedo(f64::from(a), f64::from(0.7f32), p, c);
-                    worst = worst.max((twin / exact - 1.0).abs());
-                }
-            }
-        }
-        assert!(worst < 6e-8, "{worst:e}");
     }
 }

@@ -75,7 +75,6 @@ pub struct QuantizedDiffusion {
     total: f64,
     /// ℓ* \[L\].
     transport_mfp: f64,
-    evaluations_to_build: u32,
 }
 
 impl QuantizedDiffusion {
@@ -84,7 +83,7 @@ impl QuantizedDiffusion {
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        Ok(Self::of(medium, DiffusionBoundary::new(eta)?, 0))
+        Ok(Self::of(medium, DiffusionBoundary::new(eta)?))
     }
 
     /// Makes the profile whose total is a surface albedo A ∈ [0, 1], for a relative index η ∈ [0.05, 20].
@@ -93,8 +92,8 @@ impl QuantizedDiffusion {
     /// A parameter is outside its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let boundary = DiffusionBoundary::new(eta)?;
-        let found = appearance.medium(|absorbed| Beam::new(absorbed, 1.0 - absorbed, boundary).total())?;
-        Ok(Self::of(&found.medium, boundary, found.evaluations))
+        let total = |absorbed| Beam::new(absorbed, 1.0 - absorbed, boundary).total();
+        Ok(Self::of(&appearance.medium(total)?, boundary))
     }
 
     /// Surface albedo of a medium with 1 − α' = `absorbed` ∈ [0, 1], for η ∈ [0.05, 20].
@@ -112,7 +111,7 @@ impl QuantizedDiffusion {
         Ok(Beam::new(absorbed, 1.0 - absorbed, DiffusionBoundary::new(eta)?).total())
     }
 
-    fn of(medium: &Medium, boundary: DiffusionBoundary, evaluations: u32) -> Self {
+    fn of(medium: &Medium, boundary: DiffusionBoundary) -> Self {
         let absorbed = medium.sigma_a() / medium.sigma_t_prime();
         let beam = Beam::new(absorbed, medium.alpha_prime(), boundary);
         let (variances, mut energies) = beam.gaussians();
@@ -128,7 +127,6 @@ impl QuantizedDiffusion {
             peaks: std::array::from_fn(|i| energies[i] / (2.0 * PI * variances[i])),
             total,
             transport_mfp: medium.transport_mfp(),
-            evaluations_to_build: evaluations + COUNT as u32,
         }
     }
 
@@ -181,10 +179,6 @@ impl Profile for QuantizedDiffusion {
 
     fn scale(&self) -> f64 {
         self.transport_mfp
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations_to_build
     }
 }
 

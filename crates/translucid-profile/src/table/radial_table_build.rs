@@ -4,7 +4,6 @@
 //! shares at both ends and in the middle whatever its density there, so that its density's error tells that of its
 //! shares in between. Halving wastes nothing, as middles become ends.
 
-use std::cell::Cell as Counter;
 use std::f64::consts::PI;
 
 use crate::table::monotone_cell::{Cell, Knot, RadialCell};
@@ -35,8 +34,6 @@ pub(crate) struct Built {
     pub(crate) length: f64,
     /// Worst error of a share over the lesser of the share and its complement.
     pub(crate) error: f64,
-    /// How many numbers the profile was asked for.
-    pub(crate) evaluations: u32,
 }
 
 /// Which of its two energies a profile is asked for.
@@ -52,19 +49,18 @@ struct Source<'a> {
     profile: &'a dyn Profile,
     length: f64,
     inverse_total: f64,
-    evaluations: Counter<u32>,
 }
 
 /// Tabulates a profile. One without energy gets the shape of normalized diffusion, so that it can be sampled.
 pub(crate) fn build(profile: &dyn Profile) -> Built {
     let length = profile.scale();
-    let source = Source { profile, length, inverse_total: 1.0, evaluations: Counter::new(0) };
+    let source = Source { profile, length, inverse_total: 1.0 };
     let total = source.enclosed(1.0) + source.beyond(1.0);
     if total >= f64::MIN_POSITIVE && total.is_finite() {
         return Source { inverse_total: 1.0 / total, ..source }.build();
     }
     let unit = NormalizedDiffusion::from_d(1.0, 1.0).expect("valid parameters");
-    Built { length, evaluations: source.evaluations.get(), ..build(&unit) }
+    Built { length, ..build(&unit) }
 }
 
 impl Source<'_> {
@@ -93,7 +89,7 @@ impl Source<'_> {
         let mut tail = Tail::new(&end);
         make_consistent(&mut cells, &mut tail);
         let table = RadialTable::new(first_exponent, &bits_of_octaves, cells, tail);
-        Built { table, length: self.length, error, evaluations: self.evaluations.get() }
+        Built { table, length: self.length, error }
     }
 
     /// Knots at powers of two, the exponent of the first, and the knot at half of the first.
@@ -180,24 +176,17 @@ impl Source<'_> {
     }
 
     fn density(&self, x: f64) -> f64 {
-        self.count();
         let times_r = self.profile.eval_times_r(x * self.length).max(0.0);
         // The unit of length times 1/L: neither alone may leave the range
         2.0 * PI * self.inverse_total * (times_r * self.length)
     }
 
     fn enclosed(&self, x: f64) -> f64 {
-        self.count();
         self.profile.enclosed(x * self.length).max(0.0) * self.inverse_total
     }
 
     fn beyond(&self, x: f64) -> f64 {
-        self.count();
         self.profile.beyond(x * self.length).max(0.0) * self.inverse_total
-    }
-
-    fn count(&self) {
-        self.evaluations.set(self.evaluations.get() + 1);
     }
 }
 

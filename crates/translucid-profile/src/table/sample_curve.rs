@@ -7,7 +7,7 @@ use crate::math::monotone_cubic::MonotoneCubic;
 use crate::math::quadrature::{integrate, shared_gauss_legendre};
 
 /// Points of the Gauss rule on each half of a cell, on which ln(r R) is a cubic in ln r.
-pub(super) const POINTS: usize = 8;
+const POINTS: usize = 8;
 /// The most that r R of a sample of 0 between others counts as, relative to the greatest.
 const FLOOR: f64 = 1e-12;
 /// Natural logarithm by which radius or r R change over one cell at most.

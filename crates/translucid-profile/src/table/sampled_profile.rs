@@ -11,7 +11,7 @@ use crate::math::monotone_cubic::monotone_slopes;
 use crate::profile::Profile;
 use crate::table::monotone_cell::{Cell, Knot, RadialCell};
 use crate::table::radial_table::Tail;
-use crate::table::sample_curve::{POINTS, SampleCurve, falling_rate};
+use crate::table::sample_curve::{SampleCurve, falling_rate};
 
 /// Fewest points that make a profile.
 const POINTS_MIN: usize = 4;
@@ -50,7 +50,6 @@ pub struct SampledProfile {
     tail: Tail,
     surface_albedo: f64,
     length: f64,
-    evaluations: u32,
 }
 
 /// Energies, not yet normalized: of each interval and its first half, beginning at 0, and of all beyond the last
@@ -69,9 +68,8 @@ impl SampledProfile {
         let curve = SampleCurve::new(radii, reflectances)?;
         let (densities, intervals) = (curve.densities(), curve.energies());
         let tail = densities[densities.len() - 1] / curve.tail_rate;
-        let evaluations = (2 * POINTS * (curve.radii.len() - 1)) as u32;
         let chain = Self::chain(&curve.radii, &densities, &Energies { intervals, tail }, curve.tail_rate)?;
-        Ok(Self { length: curve.length, evaluations, ..chain })
+        Ok(Self { length: curve.length, ..chain })
     }
 
     /// Makes the profile of which the energies within radii are known, E(rᵢ) = ∫₀^rᵢ R 2πr dr: what a tally of rings
@@ -184,7 +182,7 @@ impl SampledProfile {
             within += share(*energy);
         }
         let tail = Tail { start: radii[radii.len() - 1], share: share(energies.tail), rate };
-        Ok(Self { cells, tail, surface_albedo: total, length: 1.0, evaluations: 0 })
+        Ok(Self { cells, tail, surface_albedo: total, length: 1.0 })
     }
 
     fn cell_at(&self, x: f64) -> &Cell {
@@ -228,10 +226,6 @@ impl Profile for SampledProfile {
     fn scale(&self) -> f64 {
         let half = self.cells.iter().find(|cell| cell.beyond < 0.5);
         self.length * half.map_or(self.tail.start, |cell| cell.start + 1.0 / cell.inverse_width)
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations
     }
 }
 

@@ -46,10 +46,6 @@ impl Profile for TableProfile {
         self.view().scale()
     }
 
-    fn evaluations_to_build(&self) -> u32 {
-        self.view().evaluations_to_build()
-    }
-
     fn samples_directly(&self) -> bool {
         true
     }

@@ -45,7 +45,6 @@ pub struct TabulatedProfile {
     length: f64,
     inverse_length: f64,
     cdf_error: f64,
-    evaluations: u32,
 }
 
 impl TabulatedProfile {
@@ -53,14 +52,13 @@ impl TabulatedProfile {
     ///
     /// A black profile gets the shape of normalized diffusion, so that it can be sampled.
     pub fn new(source: &dyn Profile) -> Self {
-        let Built { table, length, error, evaluations } = build(source);
+        let Built { table, length, error } = build(source);
         Self {
             table: Arc::new(table),
             surface_albedo: source.surface_albedo(),
             length,
             inverse_length: 1.0 / length,
             cdf_error: error,
-            evaluations,
         }
     }
 
@@ -112,14 +110,7 @@ impl TabulatedProfile {
     /// A table that is there already; its error against a source is not known here.
     pub(crate) fn from_table(table: RadialTable, length: f64, surface_albedo: f64) -> Self {
         let inverse_length = 1.0 / length;
-        Self {
-            table: Arc::new(table),
-            surface_albedo,
-            length,
-            inverse_length,
-            cdf_error: 0.0,
-            evaluations: 0,
-        }
+        Self { table: Arc::new(table), surface_albedo, length, inverse_length, cdf_error: 0.0 }
     }
 
     /// A profile of this shape with every length multiplied by a factor and another surface albedo; shares the table.
@@ -246,10 +237,6 @@ impl Profile for TabulatedProfile {
 
     fn scale(&self) -> f64 {
         self.length
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations
     }
 
     fn samples_directly(&self) -> bool {

@@ -142,7 +142,7 @@ fn models() -> Vec<Model> {
             name: "BeamMultipleScattering",
             new: |appearance, eta| {
                 let total = |absorbed| multiple_total(absorbed, appearance.g, eta).unwrap_or(1.0);
-                let medium = appearance.medium(total)?.medium;
+                let medium = appearance.medium(total)?;
                 Ok(Box::new(BeamMultipleScattering::from_medium(&medium, eta)?))
             },
             from_medium: Some(|medium, eta| Ok(Box::new(BeamMultipleScattering::from_medium(medium, eta)?))),
@@ -155,7 +155,7 @@ fn models() -> Vec<Model> {
             name: "BeamSingleScattering",
             new: |appearance, eta| {
                 let total = |absorbed| single_total(absorbed, appearance.g, eta).unwrap_or(1.0);
-                let medium = appearance.medium(total)?.medium;
+                let medium = appearance.medium(total)?;
                 Ok(Box::new(BeamSingleScattering::from_medium(&medium, eta)?))
             },
             from_medium: Some(|medium, eta| Ok(Box::new(BeamSingleScattering::from_medium(medium, eta)?))),
@@ -292,7 +292,7 @@ fn new_is_from_medium_of_the_medium_found() {
         for case in cases_of(&model, 1.0) {
             let total = |absorbed| closed(absorbed, case.appearance.g, case.eta).unwrap();
             let found = case.appearance.medium(total).unwrap();
-            let other = from_medium(&found.medium, case.eta).unwrap();
+            let other = from_medium(&found, case.eta).unwrap();
             for r in radii(&*case.profile, 2) {
                 let (a, b) = (case.profile.eval(r), other.eval(r));
                 assert!((a - b).abs() <= 1e-13 * b, "{} at {r}: {a} is not {b}", case.label);

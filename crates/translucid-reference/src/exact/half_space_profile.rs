@@ -63,8 +63,4 @@ impl Profile for HalfSpaceProfile {
     fn scale(&self) -> f64 {
         1.0
     }
-
-    fn evaluations_to_build(&self) -> u32 {
-        1
-    }
 }

@@ -87,7 +87,6 @@ pub struct LightHit {
 impl LightHit {
     /// Solid-angle density with which [`LightSet::sample`] at a point with a normal makes the direction toward
     /// this hit, selection included.
-    #[must_use]
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
         let density = match lights.emitters.sources.get(self.light) {
             Some(PlacedLight::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
@@ -116,7 +115,6 @@ impl LightSet {
     /// The lights of a scene, given its emissive triangles and its bounds (lowest and highest corner) \[L\].
     ///
     /// Lights that are black or have no size are left out.
-    #[must_use]
     pub fn new(scene: &Scene, emissive: Vec<EmissiveTriangle>, scene_bounds: (Vec3, Vec3)) -> Self {
         let emitters = Emitters::new(scene, emissive);
         let cross_section = (scene_bounds.1 - scene_bounds.0).length_squared().max(f32::MIN_POSITIVE);
@@ -143,7 +141,6 @@ impl LightSet {
     }
 
     /// Whether nothing sheds light.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.emitters.len() == 0
     }
@@ -153,7 +150,6 @@ impl LightSet {
     /// `normal` is the unit normal of the hemisphere from which light matters: lights and directions below
     /// its horizon may be left out. The zero vector stands for all directions.
     /// None if no light was found: the estimate is 0.
-    #[must_use]
     pub fn sample(&self, point: Vec3, normal: Vec3, u: f32, v: [f32; 2]) -> Option<LightSample> {
         let receiver = Receiver { point, normal };
         let (light, probability) = self.selection.choose(&self.emitters, &receiver, f64::from(u))?;
@@ -178,20 +174,17 @@ impl LightSet {
     }
 
     /// Nearest rectangle or sphere light that a ray meets, on the side that emits, before `t_max`.
-    #[must_use]
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
         self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |_| true)
     }
 
     /// Finds the nearest hit among the lights that the camera sees: it looks through the others.
-    #[must_use]
     pub fn intersect_visible(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
         self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |is_visible| is_visible)
     }
 
     /// Density with which `sample` at a point with a normal makes the direction toward `hit` on an emissive
     /// triangle with unit normal `hit_normal`, selection included \[1/sr\]; 0 if it does not emit to there.
-    #[must_use]
     pub fn triangle_pdf(
         &self,
         primitive: u32,
@@ -207,7 +200,6 @@ impl LightSet {
 
     /// Radiance that arrives from infinity: environment and discs of distant lights. This is what a path sees
     /// that was scattered.
-    #[must_use]
     pub fn environment_radiance(&self, direction: Vec3) -> Vec3 {
         let radiance = |&index: &usize| match &self.emitters.sources[index] {
             PlacedLight::Environment(light) => light.radiance(direction),
@@ -218,7 +210,6 @@ impl LightSet {
     }
 
     /// Radiance of the environment alone: what the camera sees behind everything.
-    #[must_use]
     pub fn background_radiance(&self, direction: Vec3) -> Vec3 {
         match self.environment.map(|index| &self.emitters.sources[index]) {
             Some(PlacedLight::Environment(light)) => light.radiance(direction),
@@ -228,7 +219,6 @@ impl LightSet {
 
     /// Density with which `sample` at a point with a normal makes a direction to infinity, selection included
     /// \[1/sr\].
-    #[must_use]
     pub fn environment_pdf(&self, point: Vec3, normal: Vec3, direction: Vec3) -> f32 {
         let Some(&first) = self.infinite.first() else { return 0.0 };
         let receiver = Receiver { point, normal };
@@ -236,7 +226,6 @@ impl LightSet {
     }
 
     /// Whether the camera sees the environment.
-    #[must_use]
     pub fn environment_visible(&self) -> bool {
         self.environment_visible
     }

@@ -73,7 +73,6 @@ pub struct Geometry {
 
 impl Geometry {
     /// Builds the tree on the current rayon pool. The result does not depend on the number of threads.
-    #[must_use]
     pub fn new(objects: &[Object]) -> Self {
         let mut first_triangle = vec![0_u32];
         let mut places = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
@@ -86,13 +85,11 @@ impl Geometry {
     }
 
     /// Corners of the box around everything.
-    #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.tree.bounds()
     }
 
     /// Memory that the tree takes, in bytes.
-    #[must_use]
     pub fn memory(&self) -> usize {
         self.tree.memory()
     }
@@ -109,34 +106,29 @@ impl Geometry {
     }
 
     /// The object that a hit belongs to.
-    #[must_use]
     pub fn object(&self, hit: &Hit) -> u32 {
         let (block, lane) = self.tree.leaf(hit.leaf);
         block.object(lane)
     }
 
     /// The object that a hit belongs to, and its triangle's number there: whatever the tree, the same.
-    #[must_use]
     pub fn object_and_triangle_of(&self, hit: &Hit) -> (u32, u32) {
         let Primitive { object, triangle, .. } = self.triangle(hit);
         (object, triangle)
     }
 
     /// The nearest surface along a ray.
-    #[must_use]
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
         let (hit, leaf) = self.tree.closest(ray)?;
         Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
     }
 
     /// Whether anything lies on a segment.
-    #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.tree.occluded(ray)
     }
 
     /// The nearest surface of a subsurface group along a ray.
-    #[must_use]
     pub fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
         let (hit, leaf) = self.tree.closest_in_group(ray, group)?;
         Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
@@ -158,13 +150,11 @@ impl Geometry {
     }
 
     /// Unit geometric normal of a hit, on the outside of its mesh.
-    #[must_use]
     pub fn normal(&self, hit: &Hit) -> Vec3 {
         self.triangle(hit).normal().normalize_or(Vec3::Z)
     }
 
     /// Position of a hit, interpolated from the vertices: exact to their rounding errors.
-    #[must_use]
     pub fn position(&self, hit: &Hit) -> Vec3 {
         self.triangle(hit).point(hit.barycentric)
     }

@@ -41,13 +41,11 @@ impl Shear {
 
 impl Ray {
     /// A ray without end; the direction has unit length.
-    #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self::segment(origin, direction, f32::INFINITY)
     }
 
     /// A ray that ends at distance `t_max` \[L\]; the direction has unit length.
-    #[must_use]
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
         Self { origin, direction, t_max, shear: Shear::new(direction) }
     }

@@ -29,7 +29,6 @@ pub struct FilmSums {
 
 impl FilmSums {
     /// A film without samples.
-    #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         let mut film = Self { width, height, tiles: Vec::new() };
         let count = width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE);
@@ -41,7 +40,6 @@ impl FilmSums {
     }
 
     /// Pixels of a tile.
-    #[must_use]
     pub fn tile_rect(&self, index: usize) -> PixelRect {
         let per_row = self.width.div_ceil(TILE_SIZE);
         let x = index as u32 % per_row * TILE_SIZE;
@@ -51,7 +49,6 @@ impl FilmSums {
     }
 
     /// Mean values of a pixel, layer by layer; zeros where there is no sample.
-    #[must_use]
     pub fn mean(&self, x: u32, y: u32) -> [f64; layer::COUNT] {
         let per_row = self.width.div_ceil(TILE_SIZE);
         let index = (y / TILE_SIZE * per_row + x / TILE_SIZE) as usize;
@@ -63,19 +60,23 @@ impl FilmSums {
     }
 
     /// Linear radiance of a pixel: the sum of the light layers.
-    #[must_use]
     pub fn radiance(&self, x: u32, y: u32) -> [f64; 3] {
         radiance(&self.mean(x, y))
     }
 
+    /// Linear radiance of a pixel, then its coverage, in the precision of files and displays.
+    pub fn rgba(&self, x: u32, y: u32) -> [f32; 4] {
+        let mean = self.mean(x, y);
+        let [red, green, blue] = radiance(&mean);
+        [red, green, blue, mean[layer::ALPHA]].map(|value| value as f32)
+    }
+
     /// Camera paths in all pixels together.
-    #[must_use]
     pub fn paths(&self) -> u64 {
         self.tiles.iter().map(|tile| u64::from(tile.samples) * tile.pixels.len() as u64).sum()
     }
 
     /// Fewest samples that any pixel has.
-    #[must_use]
     pub fn samples(&self) -> u32 {
         self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
     }

@@ -47,7 +47,6 @@ impl FilmLayer {
     ];
 
     /// The layer's name, as files and the Python module write it.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Radiance => "radiance",
@@ -63,13 +62,11 @@ impl FilmLayer {
     }
 
     /// The layer of a name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|layer| layer.name() == name)
     }
 
     /// Number of channels.
-    #[must_use]
     pub fn channels(self) -> usize {
         match self {
             Self::Alpha | Self::Depth => 1,
@@ -78,7 +75,6 @@ impl FilmLayer {
     }
 
     /// The layer's channels of a pixel with these mean values.
-    #[must_use]
     pub fn values_of(self, mean: &[f64; layer::COUNT]) -> Vec<f32> {
         self.values(mean)[..self.channels()].iter().map(|value| *value as f32).collect()
     }
@@ -113,7 +109,6 @@ pub struct LiveFilm {
 
 impl LiveFilm {
     /// A film that goes on from these sums.
-    #[must_use]
     pub fn new(sums: FilmSums) -> Self {
         let changed = RwLock::new(vec![0; sums.tiles.len()]);
         Self { sums: RwLock::new(sums), changed, changes: AtomicU64::new(0) }
@@ -125,13 +120,11 @@ impl LiveFilm {
     }
 
     /// The sums, once nobody else needs the film.
-    #[must_use]
     pub fn into_sums(self) -> FilmSums {
         self.sums.into_inner().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Fewest samples that any pixel has.
-    #[must_use]
     pub fn samples(&self) -> u32 {
         self.sums().samples()
     }
@@ -149,7 +142,6 @@ impl LiveFilm {
     }
 
     /// The mean values of a layer, as [`copy_layer`](Self::copy_layer) orders them.
-    #[must_use]
     pub fn layer(&self, layer: FilmLayer) -> Vec<f32> {
         // One lock at a time: a second one waits for a writer that waits for the first
         let pixels = {
@@ -162,13 +154,11 @@ impl LiveFilm {
     }
 
     /// Number of the last change: it grows when tiles get samples.
-    #[must_use]
     pub fn changes(&self) -> u64 {
         self.changes.load(Ordering::Acquire)
     }
 
     /// Tiles that have changed after the change of this number, in pixels of the film; of 0, all that have samples.
-    #[must_use]
     pub fn tiles_changed_since(&self, change: u64) -> Vec<PixelRect> {
         let sums = self.sums();
         let changed = self.changed.read().unwrap_or_else(PoisonError::into_inner);

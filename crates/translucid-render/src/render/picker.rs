@@ -33,7 +33,6 @@ impl Picker {
     /// none, or a coordinate is not finite.
     ///
     /// It is the surface in focus through the middle of the lens; how opaque it is does not matter.
-    #[must_use]
     pub fn pick(&self, view: &View, point: [f32; 2]) -> Option<Picked> {
         if !point.iter().all(|x| x.is_finite()) {
             return None;
@@ -45,7 +44,6 @@ impl Picker {
     }
 
     /// Corners of the box around everything.
-    #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.geometry.bounds()
     }

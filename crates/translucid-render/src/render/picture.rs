@@ -75,7 +75,6 @@ impl FilmSums {
     /// | `denoised.RGB` | radiance denoised, if it was | 32-bit |
     ///
     /// Colors are linear Rec. 709 and multiplied by coverage; so are albedo and normal.
-    #[must_use]
     pub fn layers_picture<'a>(&'a self, info: &'a ImageInfo) -> Picture<'a> {
         let halves = half_channels();
         let mut channels: Vec<_> = SINGLE_CHANNELS.into_iter().map(PictureChannel::single).collect();
@@ -108,7 +107,6 @@ impl FilmSums {
     /// Radiance, denoised if it was, and coverage as a picture for a display.
     ///
     /// Its notes have no time, so that equal sums give equal files.
-    #[must_use]
     pub fn display_picture<'a>(&'a self, info: &'a ImageInfo) -> Picture<'a> {
         let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
         let fill = move |x, y, pixel: &mut [f64]| {

@@ -81,7 +81,6 @@ impl PreparedScene {
     }
 
     /// The scene as it was given, with all edits.
-    #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.world.scene
     }
@@ -95,19 +94,16 @@ impl PreparedScene {
     }
 
     /// Finds what the pixels of a view show, from any thread and whatever happens to the scene meanwhile.
-    #[must_use]
     pub fn picker(&self) -> Picker {
         Picker::new(Arc::clone(&self.world.geometry))
     }
 
     /// Everything that is not rendered as the scene asks for.
-    #[must_use]
     pub fn notes(&self) -> Vec<Note> {
         self.subsurface.notes(&self.world.scene)
     }
 
     /// A number that differs when the picture of a view would: two runs with the same one may be joined.
-    #[must_use]
     pub fn fingerprint(&self, view: &View) -> u64 {
         fingerprint(&self.world.scene, view)
     }
@@ -214,14 +210,12 @@ impl PreparedScene {
     }
 
     /// Whether the scene asks for points that it does not have yet. Until it has, probes find the light.
-    #[must_use]
     pub fn wants_points(&self) -> bool {
         self.world.scene.integrator.subsurface_method == SubsurfaceMethod::PointBased
             && !self.subsurface.has_points()
     }
 
     /// A number that differs when the points would: clouds with the same one may stand in for each other.
-    #[must_use]
     pub fn points_fingerprint(&self) -> u64 {
         fingerprint_of_points(&self.world.scene)
     }

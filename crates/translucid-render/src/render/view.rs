@@ -31,7 +31,6 @@ pub enum Fraction {
 
 impl Fraction {
     /// Pixels of the film along the edge of one pixel.
-    #[must_use]
     pub fn divisor(self) -> u32 {
         match self {
             Self::Whole => 1,
@@ -135,7 +134,6 @@ impl View {
     }
 
     /// The view at a part of the resolution, its region along with it: as many pixels as cover the same picture.
-    #[must_use]
     pub fn at(&self, fraction: Fraction) -> Self {
         let (from, to) = (self.fraction.divisor(), fraction.divisor());
         let first = |x: u32| x * from / to;
@@ -152,44 +150,37 @@ impl View {
     }
 
     /// The camera.
-    #[must_use]
     pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
     /// The film; at a fraction of the resolution still the whole one.
-    #[must_use]
     pub fn film(&self) -> &Film {
         &self.film
     }
 
     /// Seed of all random numbers.
-    #[must_use]
     pub fn seed(&self) -> u64 {
         self.seed
     }
 
     /// The pixels that are rendered.
-    #[must_use]
     pub fn region(&self) -> PixelRect {
         self.region
     }
 
     /// Width and height in pixels of the whole picture that the region is a part of.
-    #[must_use]
     pub fn whole_size(&self) -> [u32; 2] {
         [self.film.width, self.film.height].map(|edge| edge.div_ceil(self.fraction.divisor()))
     }
 
     /// Where the region lies in the whole picture, and that one's width and height; `None` where it is all of it.
-    #[must_use]
     pub fn place(&self) -> Option<(PixelRect, [u32; 2])> {
         let whole = self.whole_size();
         (self.region != PixelRect::whole(whole)).then_some((self.region, whole))
     }
 
     /// Resolution of the picture.
-    #[must_use]
     pub fn fraction(&self) -> Fraction {
         self.fraction
     }

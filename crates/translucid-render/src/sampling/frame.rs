@@ -16,7 +16,6 @@ pub struct Frame {
 impl Frame {
     /// A frame around a unit normal, continuous except at −z
     /// [Duff et al. 2017, "Building an Orthonormal Basis, Revisited"].
-    #[must_use]
     pub fn from_normal(z: Vec3) -> Self {
         let sign = 1.0_f32.copysign(z.z);
         let a = -1.0 / (sign + z.z);
@@ -27,7 +26,6 @@ impl Frame {
     }
 
     /// One of the three axes by its number: x, y, z.
-    #[must_use]
     pub(crate) fn axis(&self, index: usize) -> Vec3 {
         match index {
             0 => self.x,
@@ -37,13 +35,11 @@ impl Frame {
     }
 
     /// Local coordinates of a world direction.
-    #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.x), v.dot(self.y), v.dot(self.z))
     }
 
     /// World coordinates of a local direction.
-    #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {
         self.x * v.x + self.y * v.y + self.z * v.z
     }

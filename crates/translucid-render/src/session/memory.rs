@@ -9,7 +9,6 @@ use super::Session;
 use crate::world::{PixelSample, layer};
 
 /// Memory that can be had without swapping, in bytes; `None` where the system does not say.
-#[must_use]
 pub fn available_memory() -> Option<u64> {
     let text = fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|line| line.strip_prefix("MemAvailable:"))?;

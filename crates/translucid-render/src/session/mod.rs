@@ -66,7 +66,6 @@ pub struct Plan {
 
 impl Plan {
     /// A number of samples, and nothing else.
-    #[must_use]
     pub fn samples(samples: u32) -> Self {
         Self {
             samples,
@@ -120,31 +119,26 @@ pub struct Session {
 
 impl Session {
     /// A session with an empty film.
-    #[must_use]
     pub fn new(prepared: PreparedScene, view: View) -> Self {
         Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0, denoised: None }
     }
 
     /// The scene.
-    #[must_use]
     pub fn prepared(&self) -> &PreparedScene {
         &self.prepared
     }
 
     /// The view.
-    #[must_use]
     pub fn view(&self) -> &View {
         &self.view
     }
 
     /// The film, which can be read while the session runs. After an edit or another view it is another one.
-    #[must_use]
     pub fn film(&self) -> Arc<LiveFilm> {
         Arc::clone(&self.film)
     }
 
     /// Time spent rendering in all runs, that of a checkpoint included \[s\].
-    #[must_use]
     pub fn seconds(&self) -> f64 {
         self.seconds
     }

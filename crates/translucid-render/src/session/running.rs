@@ -33,13 +33,11 @@ impl RunningSession {
     }
 
     /// The film, to be read at any time.
-    #[must_use]
     pub fn film(&self) -> &LiveFilm {
         &self.film
     }
 
     /// Whether it has come to its end.
-    #[must_use]
     pub fn is_finished(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }

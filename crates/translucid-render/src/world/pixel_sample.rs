@@ -52,13 +52,11 @@ pub struct PixelSample {
 
 impl PixelSample {
     /// All light of the sample.
-    #[must_use]
     pub fn radiance(&self) -> Vec3 {
         self.diffuse + self.specular + self.subsurface + self.emission
     }
 
     /// The sample as values in the order of [`layer`].
-    #[must_use]
     pub fn layers(&self) -> [f32; layer::COUNT] {
         let mut values = [0.0; layer::COUNT];
         for (range, color) in [

@@ -13,7 +13,6 @@ use crate::{
 
 /// A valid scene with every kind of light, of material and of texture, three triangulated tetrahedra and a film of 8 × 8
 /// pixels.
-#[must_use]
 pub fn scene_of_everything() -> Scene {
     let material = |name: &str, subsurface_model| Material {
         name: name.into(),

@@ -5,7 +5,6 @@ use translucid_profile::convention::System;
 use crate::SceneError;
 
 /// Names of all systems that materials are converted between, each once.
-#[must_use]
 pub fn conversion_system_names() -> Vec<&'static str> {
     let mut names: Vec<_> = System::ALL.iter().map(|system| system.name).collect();
     names.dedup();

@@ -24,25 +24,21 @@ pub struct Place {
 
 impl Place {
     /// A whole file.
-    #[must_use]
     pub fn file(path: &Path) -> Self {
         Self { path: path.to_owned(), line: None, excerpt: None, part: None }
     }
 
     /// A line of a text file, from 1.
-    #[must_use]
     pub fn line(path: &Path, line: usize) -> Self {
         Self { line: Some(line), ..Self::file(path) }
     }
 
     /// A named part of a binary file.
-    #[must_use]
     pub fn part(path: &Path, part: impl Into<String>) -> Self {
         Self { part: Some(part.into()), ..Self::file(path) }
     }
 
     /// A byte range of a text whose whole content is at hand; the line follows from it.
-    #[must_use]
     pub fn span(path: &Path, text: &Arc<str>, span: Range<usize>) -> Self {
         let line = 1 + text.as_bytes()[..span.start.min(text.len())].iter().filter(|&&b| b == b'\n').count();
         Self { line: Some(line), excerpt: Some((Arc::clone(text), span)), ..Self::file(path) }
@@ -76,13 +72,11 @@ pub struct SceneError {
 
 impl SceneError {
     /// An error at a place.
-    #[must_use]
     pub fn at(place: Place, message: impl Into<String>) -> Self {
         Self { message: message.into(), place: Some(place), help: None }
     }
 
     /// An error that is in no file.
-    #[must_use]
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), place: None, help: None }
     }

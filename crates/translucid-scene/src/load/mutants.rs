@@ -1,7 +1,6 @@
 //! Broken copies of files.
 
 /// `count` broken copies of a file, the same in every run: bytes changed, cut out, repeated, the end cut off.
-#[must_use]
 pub fn mutants(file: &[u8], count: u64) -> impl Iterator<Item = Vec<u8>> {
     (0..count).map(|seed| {
         let mut random = Random(seed);

@@ -36,7 +36,6 @@ impl SubsurfaceModel {
     /// relative index η.
     ///
     /// Oblique light is solved for isotropic scattering without a boundary only; the refined profile knows the rest.
-    #[must_use]
     pub fn default_of(g: f32, eta: f32) -> Self {
         let plain = g == 0.0 && eta == 1.0;
         Self::Profile(if plain {
@@ -59,7 +58,6 @@ impl SubsurfaceModel {
     };
 
     /// The model's name as scene files and the command line write it.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Profile(model) => model.name(),
@@ -70,7 +68,6 @@ impl SubsurfaceModel {
     }
 
     /// The model of a name.
-    #[must_use]
     pub fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|model| model.name() == name)
     }

@@ -179,7 +179,6 @@ impl Material {
     }
 
     /// Every parameter that is a number or a color, in the order of the fields.
-    #[must_use]
     pub fn parameters(&self) -> Vec<ParameterValue> {
         let mut copy = self.clone();
         let value = |parameter: &Parameter| {

@@ -35,7 +35,6 @@ impl Mesh {
     /// Smallest axis-aligned box that holds every vertex, as (lowest, highest) corner \[L\].
     ///
     /// A mesh without vertices has its box at the origin.
-    #[must_use]
     pub fn bounds(&self) -> (Vec3, Vec3) {
         let Some(&first) = self.positions.first() else { return (Vec3::ZERO, Vec3::ZERO) };
         self.positions.iter().fold((first, first), |(low, high), &p| (low.min(p), high.max(p)))
@@ -81,7 +80,6 @@ impl Mesh {
     ///
     /// Only triangles that share a vertex's index count, so that a seam of doubled vertices stays sharp.
     /// A vertex whose triangles cancel out, or that has none, gets (0, 0, 1).
-    #[must_use]
     pub fn smooth_normals(&self) -> Vec<Vec3> {
         let mut sums = vec![Vec3::ZERO; self.positions.len()];
         for triangle in &self.triangles {

@@ -56,19 +56,16 @@ const SHAPES: &[Shape] = &[
 ];
 
 /// Names of all shapes.
-#[must_use]
 pub fn shape_names() -> Vec<&'static str> {
     SHAPES.iter().map(|shape| shape.name).collect()
 }
 
 /// Description of a shape in a few words; `None` if there is no such shape.
-#[must_use]
 pub fn shape_meaning(name: &str) -> Option<&'static str> {
     SHAPES.iter().find(|shape| shape.name == name).map(|shape| shape.meaning)
 }
 
 /// The parameters that a shape understands; `None` if there is no such shape.
-#[must_use]
 pub fn shape_parameters(name: &str) -> Option<&'static [ShapeParameter]> {
     SHAPES.iter().find(|shape| shape.name == name).map(|shape| shape.parameters)
 }

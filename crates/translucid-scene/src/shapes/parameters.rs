@@ -20,8 +20,6 @@ pub enum ShapeParameterKind {
 pub struct ShapeParameter {
     /// Name as scene files write it.
     pub name: &'static str,
-    /// Meaning in a few words.
-    pub meaning: &'static str,
     /// Kind of number.
     pub kind: ShapeParameterKind,
     /// Value when it is not given.
@@ -39,35 +37,23 @@ const LENGTH_MAX: f64 = 1e6;
 
 impl ShapeParameter {
     /// A positive length.
-    pub(super) const fn length(name: &'static str, meaning: &'static str, default: f64) -> Self {
-        Self { name, meaning, kind: ShapeParameterKind::Length, default, min: LENGTH_MIN, max: LENGTH_MAX }
+    pub(super) const fn length(name: &'static str, default: f64) -> Self {
+        Self { name, kind: ShapeParameterKind::Length, default, min: LENGTH_MIN, max: LENGTH_MAX }
     }
 
     /// A length that may be zero.
-    pub(super) const fn length_or_zero(name: &'static str, meaning: &'static str, default: f64) -> Self {
-        Self { min: 0.0, ..Self::length(name, meaning, default) }
+    pub(super) const fn length_or_zero(name: &'static str, default: f64) -> Self {
+        Self { min: 0.0, ..Self::length(name, default) }
     }
 
     /// A whole number in `[min, max]`.
-    pub(super) const fn count(
-        name: &'static str,
-        meaning: &'static str,
-        default: f64,
-        min: f64,
-        max: f64,
-    ) -> Self {
-        Self { name, meaning, kind: ShapeParameterKind::Count, default, min, max }
+    pub(super) const fn count(name: &'static str, default: f64, min: f64, max: f64) -> Self {
+        Self { name, kind: ShapeParameterKind::Count, default, min, max }
     }
 
     /// A ratio in `[min, max]`.
-    pub(super) const fn ratio(
-        name: &'static str,
-        meaning: &'static str,
-        default: f64,
-        min: f64,
-        max: f64,
-    ) -> Self {
-        Self { name, meaning, kind: ShapeParameterKind::Ratio, default, min, max }
+    pub(super) const fn ratio(name: &'static str, default: f64, min: f64, max: f64) -> Self {
+        Self { name, kind: ShapeParameterKind::Ratio, default, min, max }
     }
 
     /// Checks a value against kind and range.
@@ -94,7 +80,6 @@ pub struct ShapeParameters {
 
 impl ShapeParameters {
     /// All defaults.
-    #[must_use]
     pub fn new() -> Self {
         Self::default()
     }

@@ -1,11 +1,27 @@
 //! What pages and server say to each other.
 
+use std::sync::atomic::AtomicBool;
+
 use serde_json::json;
+use translucid_image::DisplayTransform;
+use translucid_render::{Plan, PreparedScene, Session};
+use translucid_scene::{LoadOptions, Scene, load_scene};
 
 use crate::client::{Served, small_still_life};
 
 /// Index of the first material with light under its surface.
 const MARBLE: usize = 3;
+
+/// The codes of the picture that the command makes of a scene.
+fn expected(scene: &Scene) -> Vec<u8> {
+    let prepared = PreparedScene::new(scene.clone()).unwrap();
+    let view = prepared.view().unwrap();
+    let mut session = Session::new(prepared, view);
+    let plan = Plan::samples(scene.integrator.samples_per_pixel);
+    session.run(&plan, &|_| {}, &AtomicBool::new(false)).unwrap();
+    let display = DisplayTransform { exposure: scene.film.exposure, tone_mapping: scene.film.tone_mapping };
+    session.film().sums().display_picture(&Default::default()).display_codes(display).unwrap()
+}
 
 #[test]
 fn picture_of_the_page_is_that_of_the_command() {
@@ -16,18 +32,6 @@ fn picture_of_the_page_is_that_of_the_command() {
     let frame = client.finished(0, 1);
     assert_eq!((frame.samples, frame.divisor, frame.codes.len()), (3, 1, 32 * 18 * 4));
 
-    let expected = |scene: &translucid_scene::Scene| {
-        let prepared = translucid_render::PreparedScene::new(scene.clone()).unwrap();
-        let view = prepared.view().unwrap();
-        let mut session = translucid_render::Session::new(prepared, view);
-        let plan = translucid_render::Plan::samples(scene.integrator.samples_per_pixel);
-        session.run(&plan, &|_| {}, &std::sync::atomic::AtomicBool::new(false)).unwrap();
-        let display = translucid_image::DisplayTransform {
-            exposure: scene.film.exposure,
-            tone_mapping: scene.film.tone_mapping,
-        };
-        session.film().sums().display_picture(&Default::default()).display_codes(display).unwrap()
-    };
     assert!(frame.codes == expected(&scene), "the page's picture differs from the command's");
 
     // After edits of everything, and back
@@ -50,6 +54,49 @@ fn picture_of_the_page_is_that_of_the_command() {
     edited = small_still_life();
     edited.camera.position.x += 5.0;
     assert!(frame.codes == expected(&edited), "after undo it differs");
+}
+
+#[test]
+fn saved_scene_renders_to_the_pixels_of_the_page() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    // Two pixels of sky, brighter on one side
+    let sky: &[u8] = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x60\x40\x81\x20\x40\x80\x82";
+    let (path, host) = (served.path(), served.host());
+    let head =
+        format!("POST {path}environment?name=my%20sky.hdr HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}");
+    let (status, answer) = served.request(&head, sky);
+    assert_eq!(status, 200, "{answer}");
+    let environment = client.ask(json!({"type":"pick","x":1,"y":1}));
+    assert_eq!(environment["type"], "picked");
+    let number = client.state["sides"]["a"]["environment"]["image"].clone();
+    assert_eq!(number, 0, "{}", client.state["images"]);
+    client.apply(json!({
+        "type": "environment",
+        "environment": { "radiance": [0.7, 0.8, 0.9], "image": number, "rotation": 33.3, "visible": true },
+    }));
+    let mut light = client.state["sides"]["a"]["lights"][0].clone();
+    light["radiance"] = json!([3.1, 4.7, 5.9]);
+    light["center"][1] = json!(31.7);
+    client.apply(json!({"type":"light","index":0,"light":light}));
+    client.apply(json!({"type":"material","index":MARBLE,"set":{"preset":"jade","specular_roughness":0.37}}));
+    client.apply(json!({"type":"film","set":{"exposure":-0.3,"tone_mapping":"agx"}}));
+    client.apply(json!({"type":"integrator","set":{"max_diffuse_depth":2,"seed":11}}));
+    let mut camera = client.state["camera"].clone();
+    camera["position"] = json!([-9.37, 21.3, 61.1]);
+    camera["fov"] = json!(37.7);
+    let version = client.apply(json!({"type":"camera","camera":camera}));
+    let frame = client.finished(0, version);
+
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("my sky.hdr"), sky).unwrap();
+    let (status, answer) = served.get("scene.toml");
+    assert_eq!(status, 200, "{answer}");
+    let (_, text) = answer.split_once("\r\n\r\n").unwrap();
+    let file = folder.path().join("saved.toml");
+    std::fs::write(&file, text).unwrap();
+    let loaded = load_scene(&file, &LoadOptions::default(), &mut Vec::new()).unwrap();
+    assert!(frame.codes == expected(&loaded), "the saved scene renders otherwise:\n{text}");
 }
 
 #[test]

@@ -44,7 +44,6 @@ pub struct BetterDipole {
     sources: SourcePair,
     /// ℓ* \[L\].
     transport_mfp: f64,
-    evaluations_to_build: u32,
 }
 
 impl BetterDipole {
@@ -53,8 +52,7 @@ impl BetterDipole {
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        let boundary = DiffusionBoundary::new(eta)?;
-        Ok(Self::of(medium, &boundary, 1))
+        Ok(Self::of(medium, &DiffusionBoundary::new(eta)?))
     }
 
     /// Makes the dipole whose total is a surface albedo A ∈ [0, 1], for a relative index η ∈ [0.05, 20].
@@ -63,15 +61,14 @@ impl BetterDipole {
     /// A parameter is outside its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let boundary = DiffusionBoundary::new(eta)?;
-        let found = appearance
-            .medium(|absorbed| Self::relative_dipole(&boundary, absorbed, 1.0 - absorbed).surface_albedo())?;
-        Ok(Self::of(&found.medium, &boundary, found.evaluations + 1))
+        let total = |absorbed| Self::relative_dipole(&boundary, absorbed, 1.0 - absorbed).surface_albedo();
+        Ok(Self::of(&appearance.medium(total)?, &boundary))
     }
 
-    fn of(medium: &Medium, boundary: &DiffusionBoundary, evaluations_to_build: u32) -> Self {
+    fn of(medium: &Medium, boundary: &DiffusionBoundary) -> Self {
         let absorbed = medium.sigma_a() / medium.sigma_t_prime();
         let relative = Self::relative_dipole(boundary, absorbed, medium.alpha_prime());
-        Self { transport_mfp: medium.transport_mfp(), evaluations_to_build, ..relative }
+        Self { transport_mfp: medium.transport_mfp(), ..relative }
     }
 
     /// Surface albedo of a medium with 1 − α' = `absorbed` ∈ [0, 1], for η ∈ [0.05, 20].
@@ -100,7 +97,6 @@ impl BetterDipole {
             flux_factor: factor * boundary.flux,
             sources: SourcePair::new(sigma_tr, 1.0, image),
             transport_mfp: 1.0,
-            evaluations_to_build: 0,
         }
     }
 
@@ -137,10 +133,6 @@ impl Profile for BetterDipole {
 
     fn scale(&self) -> f64 {
         self.transport_mfp
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations_to_build
     }
 }
 

@@ -44,7 +44,6 @@ pub struct StandardDipole {
     sources: SourcePair,
     /// ℓ* \[L\].
     transport_mfp: f64,
-    evaluations_to_build: u32,
 }
 
 impl StandardDipole {
@@ -53,7 +52,7 @@ impl StandardDipole {
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        Ok(Self::of(medium, mismatch(eta)?, 1))
+        Ok(Self::of(medium, mismatch(eta)?))
     }
 
     /// Makes the dipole whose total is a surface albedo A ∈ [0, 1], for a relative index η ∈ [0.05, 20].
@@ -62,16 +61,14 @@ impl StandardDipole {
     /// A parameter is outside its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let mismatch = mismatch(eta)?;
-        let found = appearance.medium(|absorbed| total(absorbed, mismatch))?;
-        Ok(Self::of(&found.medium, mismatch, found.evaluations + 1))
+        Ok(Self::of(&appearance.medium(|absorbed| total(absorbed, mismatch))?, mismatch))
     }
 
-    fn of(medium: &Medium, mismatch: f64, evaluations_to_build: u32) -> Self {
+    fn of(medium: &Medium, mismatch: f64) -> Self {
         Self {
             alpha_prime: medium.alpha_prime(),
             sources: sources(medium.sigma_a() / medium.sigma_t_prime(), mismatch),
             transport_mfp: medium.transport_mfp(),
-            evaluations_to_build,
         }
     }
 
@@ -130,10 +127,6 @@ impl Profile for StandardDipole {
 
     fn scale(&self) -> f64 {
         self.transport_mfp
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations_to_build
     }
 }
 

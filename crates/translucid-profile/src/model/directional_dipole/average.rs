@@ -39,7 +39,6 @@ pub struct DirectionalDipoleAverage {
     dipole: DirectionalDipole,
     beam: NormalBeam,
     total: f64,
-    evaluations_to_build: u32,
 }
 
 impl DirectionalDipoleAverage {
@@ -56,17 +55,14 @@ impl DirectionalDipoleAverage {
     /// # Errors
     /// A parameter is out of its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
-        let found = find_medium(appearance, eta)?;
-        let profile = Self::from_medium(&found.medium, eta)?;
-        let evaluations_to_build = profile.evaluations_to_build + found.evaluations;
-        Ok(Self { evaluations_to_build, ..profile })
+        Self::from_medium(&find_medium(appearance, eta)?, eta)
     }
 
     /// The profile of a directional dipole.
     pub fn of(dipole: &DirectionalDipole) -> Self {
         let beam = NormalBeam { kernel: *dipole.kernel() };
         let total = beam.kernel.strength * beam.beyond(0.0);
-        Self { dipole: *dipole, beam, total, evaluations_to_build: beam.evaluations_of_total() }
+        Self { dipole: *dipole, beam, total }
     }
 
     /// Energy that a medium with 1 − α' = `absorbed` ∈ [0, 1] returns of light along the normal, for η ∈ [0.05,
@@ -124,10 +120,6 @@ impl Profile for DirectionalDipoleAverage {
 
     fn scale(&self) -> f64 {
         (1.0 / self.beam.kernel.sigma_t_prime).min(f64::MAX)
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations_to_build
     }
 }
 
@@ -229,11 +221,6 @@ impl NormalBeam {
         let falloff = Falloff::new(sigma, u, exp_negative::<Double>(sigma * u).0);
         let narrow = d_e / (r * r + d_e * d_e).sqrt();
         D * (narrow * narrow * narrow) * (c_phi / D * falloff.e_over_d + c_e * falloff.p)
-    }
-
-    /// How often the exponential is evaluated for the total.
-    pub(crate) fn evaluations_of_total(&self) -> u32 {
-        (self.panels(0.0).count() * POINTS) as u32 + 2
     }
 
     /// Intervals from a radius on, on each of which the correction is smooth.
@@ -388,8 +375,6 @@ mod tests {
                         let appearance = Appearance { surface_albedo: a, length, parameterization, g };
                         let p = DirectionalDipoleAverage::new(&appearance, eta).unwrap();
                         assert!((p.surface_albedo() - a).abs() < 1e-12, "{a} {eta}: {}", p.surface_albedo());
-                        let evaluations = p.evaluations_to_build();
-                        assert!(evaluations > 100 && evaluations < 20_000, "{a} {eta}: {evaluations}");
                     }
                 }
             }

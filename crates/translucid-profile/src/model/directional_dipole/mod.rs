@@ -9,14 +9,12 @@ pub(crate) mod average;
 mod kernel;
 pub(crate) mod single_precision;
 
-use std::cell::Cell;
-
 use crate::error::ParameterError;
 use crate::math::elementary::Double;
 use crate::medium::diffusion_boundary::DiffusionBoundary;
 use crate::model::directional_dipole::average::NormalBeam;
 use crate::model::directional_dipole::kernel::Kernel;
-use crate::{Appearance, Found, Medium};
+use crate::{Appearance, Medium};
 
 /// Directional dipole of a half space: the exitance at one point for light that enters at another in a given
 /// direction.
@@ -113,8 +111,7 @@ impl DirectionalDipole {
     /// # Errors
     /// A parameter is out of its range.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
-        let found = find_medium(appearance, eta)?;
-        Self::from_medium(&found.medium, eta)
+        Self::from_medium(&find_medium(appearance, eta)?, eta)
     }
 
     /// R(x_o − x_i; ω_i) \[L⁻²\], exitance at x_o per unit of flux that entered at x_i, at least 0.
@@ -140,19 +137,16 @@ impl DirectionalDipole {
     }
 }
 
-/// The medium whose model has the surface albedo, and how often its kernel was evaluated to find it.
-pub(crate) fn find_medium(appearance: &Appearance, eta: f64) -> Result<Found, ParameterError> {
+/// The medium whose model has the surface albedo.
+pub(crate) fn find_medium(appearance: &Appearance, eta: f64) -> Result<Medium, ParameterError> {
     let boundary = DiffusionBoundary::new(eta)?;
-    let evaluations = Cell::new(0);
     let total = |absorbed: f64| {
         let alpha_prime = 1.0 - absorbed;
         let beam =
             NormalBeam { kernel: Kernel::new([absorbed, alpha_prime], alpha_prime, 1.0, 1.0, boundary, eta) };
-        evaluations.set(evaluations.get() + beam.evaluations_of_total());
         alpha_prime * beam.beyond(0.0)
     };
-    let Found { medium, .. } = appearance.medium(total)?;
-    Ok(Found { medium, evaluations: evaluations.get() })
+    appearance.medium(total)
 }
 
 #[cfg(test)]

@@ -136,7 +136,7 @@ fn point(surface_albedo: f64, eta: f64) -> Result<[f64; 2], ParameterError> {
     }
     let appearance =
         Appearance { surface_albedo, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
-    let medium = find_medium(&appearance, eta)?.medium;
+    let medium = find_medium(&appearance, eta)?;
     let absorbed = medium.sigma_a() / medium.sigma_t_prime();
     Ok([absorbed.sqrt(), medium.alpha_prime() / surface_albedo])
 }

@@ -36,8 +36,6 @@ use crate::{Configuration, Parameterization, Profile, TabulatedProfile};
 #[derive(Clone, Debug)]
 pub struct ExactProfile {
     table: TabulatedProfile,
-    /// Number of evaluations of the exact surface albedo, for the inversion that a dmfp needs.
-    evaluations: u32,
 }
 
 impl ExactProfile {
@@ -56,9 +54,9 @@ impl ExactProfile {
         parameterization: Parameterization,
         configuration: Configuration,
     ) -> Result<Self, ParameterError> {
-        let (mfp, evaluations) = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
+        let mfp = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
         let table = ExactTable::of(configuration).at(surface_albedo);
-        Ok(Self { table: TabulatedProfile::from_table(table, mfp, surface_albedo), evaluations })
+        Ok(Self { table: TabulatedProfile::from_table(table, mfp, surface_albedo) })
     }
 
     /// Mean free path ℓ \[L\].
@@ -82,10 +80,6 @@ impl Profile for ExactProfile {
 
     fn scale(&self) -> f64 {
         self.mfp()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations
     }
 
     fn samples_directly(&self) -> bool {

@@ -55,7 +55,6 @@ pub struct PhotonBeamDiffusion {
     medium: Medium,
     multiple: BeamMultipleScattering,
     single: BeamSingleScattering,
-    inversion_evaluations: u32,
 }
 
 impl PhotonBeamDiffusion {
@@ -66,8 +65,7 @@ impl PhotonBeamDiffusion {
     /// limit then is.
     pub fn new(appearance: &Appearance, eta: f64) -> Result<Self, ParameterError> {
         let parts = Parts::new(appearance.g, eta)?;
-        let found = appearance.medium(|absorbed| parts.total(absorbed))?;
-        Ok(Self::of(&found.medium, parts, found.evaluations))
+        Ok(Self::of(&appearance.medium(|absorbed| parts.total(absorbed))?, parts))
     }
 
     /// The profile of a medium, under a boundary of relative index η ∈ [0.5, 3].
@@ -75,15 +73,14 @@ impl PhotonBeamDiffusion {
     /// # Errors
     /// η is outside its range.
     pub fn from_medium(medium: &Medium, eta: f64) -> Result<Self, ParameterError> {
-        Ok(Self::of(medium, Parts::new(medium.g(), eta)?, 0))
+        Ok(Self::of(medium, Parts::new(medium.g(), eta)?))
     }
 
-    fn of(medium: &Medium, parts: Parts, inversion_evaluations: u32) -> Self {
+    fn of(medium: &Medium, parts: Parts) -> Self {
         Self {
             medium: *medium,
             multiple: BeamMultipleScattering::of(medium, &parts.boundary),
             single: BeamSingleScattering::of(medium, parts.ways),
-            inversion_evaluations,
         }
     }
 
@@ -139,11 +136,6 @@ impl Profile for PhotonBeamDiffusion {
     /// The transport mean free path.
     fn scale(&self) -> f64 {
         self.multiple.scale()
-    }
-
-    fn evaluations_to_build(&self) -> u32 {
-        let parts = self.multiple.evaluations_to_build() + self.single.evaluations_to_build();
-        parts + self.inversion_evaluations * DipoleBeam::TOTAL_EVALUATIONS
     }
 }
 

@@ -105,10 +105,6 @@ impl Profile for BeamMultipleScattering {
     fn scale(&self) -> f64 {
         self.transport_mfp
     }
-
-    fn evaluations_to_build(&self) -> u32 {
-        DipoleBeam::TOTAL_EVALUATIONS + self.energies.evaluations
-    }
 }
 
 /// A medium and its boundary as the dipoles along a beam see them.
@@ -127,9 +123,6 @@ pub(super) struct DipoleBeam {
 }
 
 impl DipoleBeam {
-    /// How many dipoles [`total`](Self::total) takes.
-    pub(super) const TOTAL_EVALUATIONS: u32 = (KAPPA_POINTS[0] * KAPPA_POINTS[1]) as u32;
-
     /// The beam in a medium of 1 − α' and α', each with its digits.
     pub(super) fn new(absorbed: f64, alpha_prime: f64, boundary: &DiffusionBoundary) -> Self {
         // Grosjean's diffusion coefficient (2σ_a + σ'_s)/(3σ'_t²)
@@ -250,19 +243,15 @@ struct Energies {
     beyond: Vec<f64>,
     /// The factor by which they add up to the total, 1 to 8 digits.
     scale: f64,
-    /// How many dipoles they took.
-    evaluations: u32,
 }
 
 impl Energies {
     fn new(beam: &DipoleBeam, total: f64) -> Self {
-        let mut evaluations = 0;
         let mut panels = Vec::with_capacity(LN_R.len() - 1);
         for ends in LN_R.windows(2) {
             let (center, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             let rings: [f64; POINTS] = LegendrePanel::nodes().map(|x| {
                 let r = (center + half * x).exp();
-                evaluations += points_along_beam((DEPTH / r).asinh()) as u32;
                 half * 2.0 * PI * r * r * beam.reflectance(r)
             });
             panels.push(LegendrePanel::new(&rings));
@@ -280,7 +269,7 @@ impl Energies {
         }));
         beyond.reverse();
         let sum = beyond[0] + within[0];
-        Self { panels, within, beyond, scale: if sum > 0.0 { total / sum } else { 1.0 }, evaluations }
+        Self { panels, within, beyond, scale: if sum > 0.0 { total / sum } else { 1.0 } }
     }
 
     /// Energies within and beyond r, if it lies in a panel.

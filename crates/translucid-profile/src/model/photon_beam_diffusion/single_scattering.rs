@@ -90,10 +90,6 @@ impl Profile for BeamSingleScattering {
     fn scale(&self) -> f64 {
         self.mfp
     }
-
-    fn evaluations_to_build(&self) -> u32 {
-        WAYS as u32
-    }
 }
 
 /// Lengths of ways in units of r, and how much light takes each.

@@ -45,7 +45,6 @@ pub struct SumOfGaussians {
     weights: [f64; Self::MAX_TERMS],
     /// Square roots of the variances: lengths, which leave no range where variances would.
     deviations: [f64; Self::MAX_TERMS],
-    evaluations: u32,
 }
 
 impl SumOfGaussians {
@@ -76,10 +75,10 @@ impl SumOfGaussians {
         terms: usize,
     ) -> Result<Self, ParameterError> {
         require_terms(terms)?;
-        let (mfp, evaluations) = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
+        let mfp = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
         let [weights, ln_deviations] = interpolate(surface_albedo, configuration, terms);
         let deviations = ln_deviations.map(|ln_deviation| mfp * ln_deviation.exp());
-        Ok(Self { total: surface_albedo, terms, weights: normalized(weights), deviations, evaluations })
+        Ok(Self { total: surface_albedo, terms, weights: normalized(weights), deviations })
     }
 
     /// Makes the sum of given Gaussians: up to 6 weights, at least 0 and of sum 1, as many variances \[L²\], and the
@@ -100,13 +99,8 @@ impl SumOfGaussians {
         for variance in variances {
             require((1e-300..=1e300).contains(variance), "variance", *variance, "in [1e-300, 1e300]")?;
         }
-        let mut sum_of_gaussians = Self {
-            total,
-            terms,
-            weights: [0.0; Self::MAX_TERMS],
-            deviations: [1.0; Self::MAX_TERMS],
-            evaluations: 0,
-        };
+        let mut sum_of_gaussians =
+            Self { total, terms, weights: [0.0; Self::MAX_TERMS], deviations: [1.0; Self::MAX_TERMS] };
         sum_of_gaussians.weights[..terms].copy_from_slice(weights);
         sum_of_gaussians.weights = normalized(sum_of_gaussians.weights);
         for (deviation, variance) in sum_of_gaussians.deviations.iter_mut().zip(variances) {
@@ -220,11 +214,6 @@ impl Profile for SumOfGaussians {
     /// Mean radius √(π/2) Σ w_k √v_k \[L\].
     fn scale(&self) -> f64 {
         (0.5 * PI).sqrt() * self.sum(|deviation| deviation)
-    }
-
-    /// Number of evaluations of the exact surface albedo, for the inversion that a dmfp needs.
-    fn evaluations_to_build(&self) -> u32 {
-        self.evaluations
     }
 
     fn samples_directly(&self) -> bool {
@@ -383,8 +372,6 @@ mod tests {
                 for (found, expected) in found.variances().zip(expected.variances()) {
                     assert!((found / expected - 1.0).abs() < 1e-6, "{a}: {found} {expected}");
                 }
-                assert_eq!(found.evaluations_to_build() > 0, a > 0.0);
-                assert_eq!(expected.evaluations_to_build(), 0);
             }
         }
     }
@@ -395,8 +382,7 @@ mod tests {
     fn dmfp_reaches_its_limit_near_white() {
         for complement in [1e-4, 1e-6, 1e-9, 1e-15] {
             let a = 1.0 - complement;
-            let (mfp, _) =
-                half_space_mfp(a, 1.0, Parameterization::Dmfp, Configuration::Searchlight).unwrap();
+            let mfp = half_space_mfp(a, 1.0, Parameterization::Dmfp, Configuration::Searchlight).unwrap();
             let expected = 3f64.sqrt() * (1.0 - a) / 2.9078;
             assert!((mfp / expected - 1.0).abs() < 3e-4, "{complement:e}: {mfp:e} {expected:e}");
         }

@@ -17,7 +17,6 @@ pub struct MetalFresnel {
 
 impl MetalFresnel {
     /// Reflectance `f0` at normal incidence and tint at 82°, both in [0, 1]; tint 1 is Schlick's curve.
-    #[must_use]
     pub fn new(f0: Vec3, tint: Vec3) -> Self {
         let mu = 1.0_f32 / 7.0;
         let schlick = f0 + (Vec3::ONE - f0) * (1.0 - mu).powi(5);
@@ -25,7 +24,6 @@ impl MetalFresnel {
     }
 
     /// Reflectance at the cosine `mu` in [0, 1].
-    #[must_use]
     pub fn eval(&self, mu: f32) -> Vec3 {
         let m = (1.0 - mu).clamp(0.0, 1.0);
         let m2 = m * m;
@@ -35,14 +33,12 @@ impl MetalFresnel {
 
     /// Cosine-weighted mean 2 ∫ F(μ) μ dμ = F₀ + (1 − F₀)/21 − a/126, or 0 where that is negative: [`Self::eval`]
     /// clips the dip of dark metals with a dark tint.
-    #[must_use]
     pub fn average(&self) -> Vec3 {
         (self.f0 + (Vec3::ONE - self.f0) / 21.0 - self.a / 126.0).max(Vec3::ZERO)
     }
 
     /// Reflectance of the light that leaves after several reflections between facets, when
     /// `facet_albedo` of it leaves at each [Kulla & Conty 2017, "Revisiting Physically Based Shading at Imageworks"].
-    #[must_use]
     pub fn multiple_scattering(&self, facet_albedo: f32) -> Vec3 {
         let f = self.average();
         f * f * facet_albedo / (Vec3::ONE - f * (1.0 - facet_albedo))

@@ -6,7 +6,6 @@ use glam::Vec3;
 ///
 /// `cos` ≥ 0 is the cosine on the side where the light is, `eta` the index of the other side over that of
 /// this side. 1 beyond the critical angle, exactly 0 at `eta` = 1 [Born & Wolf, *Principles of Optics*, 1.5.2].
-#[must_use]
 pub fn fresnel_dielectric(cos: f32, eta: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);
     // n² cos²θt = n² − sin²θi, without the cancellation of 1 − cos² near grazing.
@@ -24,7 +23,6 @@ pub fn fresnel_dielectric(cos: f32, eta: f32) -> f32 {
 
 /// Index whose reflectance at normal incidence is `weight` times that of `ior` ≥ 1
 /// [OpenPBR Surface 1.1, "Dielectric base"]; 1 at `weight` = 0.
-#[must_use]
 pub fn scaled_ior(ior: f32, weight: f32) -> f32 {
     let root = (ior - 1.0) / (ior + 1.0) * weight.sqrt();
     (1.0 + root) / (1.0 - root)

@@ -16,20 +16,17 @@ pub struct Ggx {
 
 impl Ggx {
     /// Facets of a perceptual roughness in [0, 1]: α = roughness².
-    #[must_use]
     pub fn from_roughness(roughness: f32) -> Self {
         let alpha = roughness * roughness;
         Self { alpha2: alpha * alpha }
     }
 
     /// Whether the surface is a mirror: α < 0.001.
-    #[must_use]
     pub fn is_smooth(&self) -> bool {
         self.alpha2 < SMOOTH_ALPHA * SMOOTH_ALPHA
     }
 
     /// Density of facet normals D(h), normalized as ∫ D cosθ dω = 1.
-    #[must_use]
     pub fn density(&self, h: Vec3) -> f32 {
         // sin² from x and y keeps its digits where 1 − cos² would lose them.
         let t = self.alpha2 * h.z * h.z + (h.x * h.x + h.y * h.y);
@@ -37,33 +34,28 @@ impl Ggx {
     }
 
     /// Smith's Λ for a direction with cosine `cos` ≠ 0 to the normal, on either side.
-    #[must_use]
     pub fn lambda(&self, cos: f32) -> f32 {
         let cos2 = cos * cos;
         0.5 * ((1.0 + self.alpha2 * (1.0 - cos2).max(0.0) / cos2).sqrt() - 1.0)
     }
 
     /// Part of the visible facets' area that is not masked.
-    #[must_use]
     pub fn masking(&self, cos: f32) -> f32 {
         1.0 / (1.0 + self.lambda(cos))
     }
 
     /// Masking and shadowing together, correlated by height.
-    #[must_use]
     pub fn masking_shadowing(&self, cos_o: f32, cos_i: f32) -> f32 {
         1.0 / (1.0 + self.lambda(cos_o) + self.lambda(cos_i))
     }
 
     /// Density D_v(h) of the normals that `wo` (z > 0) sees, per solid angle of h.
-    #[must_use]
     pub fn visible_density(&self, wo: Vec3, h: Vec3) -> f32 {
         self.masking(wo.z) * wo.dot(h).max(0.0) * self.density(h) / wo.z
     }
 
     /// A facet normal with density [`Ggx::visible_density`]
     /// [Dupuy & Benyoub 2023, "Sampling Visible GGX Normals with Spherical Caps"].
-    #[must_use]
     pub fn sample_visible(&self, wo: Vec3, v: [f32; 2]) -> Vec3 {
         let alpha = self.alpha2.sqrt();
         let stretched = Vec3::new(wo.x * alpha, wo.y * alpha, wo.z).normalize();

@@ -32,20 +32,17 @@ struct Sides {
 
 impl GlassTable {
     /// The table of an index of refraction ≥ 1; it is computed when first asked for.
-    #[must_use]
     pub fn new(eta: f32) -> Self {
         Self { eta, levels: [const { OnceLock::new() }; LEVELS] }
     }
 
     /// The fraction for light seen from outside at cosine `mu`, where the reflectance at normal incidence
     /// is scaled by `weight`; 1 for a mirror.
-    #[must_use]
     pub fn from_outside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
         self.eval(mu, roughness, weight, |sides| &sides.from_outside)
     }
 
     /// … seen from inside.
-    #[must_use]
     pub fn from_inside(&self, mu: f32, roughness: f32, weight: f32) -> f32 {
         self.eval(mu, roughness, weight, |sides| &sides.from_inside)
     }

@@ -23,7 +23,6 @@ pub struct MaterialTables {
 
 impl MaterialTables {
     /// Tables for a dielectric base and a coat with indices in [1, 4] (clamped).
-    #[must_use]
     pub fn new(specular_ior: f32, coat_ior: f32) -> Self {
         let specular = ReflectanceTable::new(valid_ior(specular_ior));
         Self {
@@ -36,13 +35,11 @@ impl MaterialTables {
     }
 
     /// Index of refraction of the base.
-    #[must_use]
     pub fn specular_ior(&self) -> f32 {
         self.specular.eta()
     }
 
     /// Index of refraction of the coat.
-    #[must_use]
     pub fn coat_ior(&self) -> f32 {
         self.coat.eta()
     }
@@ -180,7 +177,6 @@ pub struct EntryBsdf<'a> {
 
 impl<'a> EntryBsdf<'a> {
     /// The factor of a surface point.
-    #[must_use]
     pub fn new(p: &SurfaceParameters, tables: &'a MaterialTables) -> Self {
         let p = p.clamped();
         let layers = Layers::new(&p, tables);
@@ -188,7 +184,6 @@ impl<'a> EntryBsdf<'a> {
     }
 
     /// T(ωi) cosθi / (π T̄) with the tint of one pass through the coat [1/sr]; 0 from below.
-    #[must_use]
     pub fn eval(&self, cos_i: f32) -> Vec3 {
         if cos_i <= 0.0 {
             return Vec3::ZERO;
@@ -197,26 +192,22 @@ impl<'a> EntryBsdf<'a> {
     }
 
     /// Density of [`EntryBsdf::sample`]: cosθ/π [1/sr].
-    #[must_use]
     pub fn pdf(cos_i: f32) -> f32 {
         cos_i.max(0.0) * FRAC_1_PI
     }
 
     /// The tint of one pass through the coat.
-    #[must_use]
     pub(crate) fn tint(&self) -> Vec3 {
         self.tint
     }
 
     /// A direction and its weight `eval / pdf`.
-    #[must_use]
     pub fn sample(&self, v: [f32; 2]) -> (Vec3, Vec3) {
         let wi = sample_cosine(v);
         (wi, self.weight(wi.z))
     }
 
     /// T(ωi)/T̄ with the tint of one pass through the coat: the share of a radiance that enters.
-    #[must_use]
     pub(crate) fn weight(&self, cos_i: f32) -> Vec3 {
         self.tint * (self.layers.transmittance(cos_i.min(1.0)) * self.inverse_average)
     }

@@ -12,6 +12,7 @@ use std::f32::consts::PI;
 use std::sync::LazyLock;
 
 use glam::Vec3;
+use translucid_profile::quadrature;
 
 use super::dielectric::fresnel_dielectric;
 use super::ggx::Ggx;
@@ -153,23 +154,10 @@ pub(super) fn passed_share(ggx: &Ggx, wo: Vec3, cos_i: f32) -> f32 {
     if cos_i <= 0.0 { 0.0 } else { ggx.masking_shadowing(wo.z, cos_i) / ggx.masking(wo.z) }
 }
 
-/// Gauss–Legendre nodes and weights on [0, 1], by Newton's method on the Legendre polynomial.
+/// Gauss–Legendre nodes and weights on [0, 1].
 pub(super) fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
-    std::array::from_fn(|i| {
-        let n = N as f64;
-        let mut x = (std::f64::consts::PI * (i as f64 + 0.75) / (n + 0.5)).cos();
-        let mut slope = 1.0;
-        for _ in 0..8 {
-            let (mut p, mut previous) = (x, 1.0);
-            for k in 2..=N {
-                let k = k as f64;
-                (p, previous) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * previous) / k, p);
-            }
-            slope = n * (x * p - previous) / (x * x - 1.0);
-            x -= p / slope;
-        }
-        ((0.5 * (1.0 + x)) as f32, (1.0 / ((1.0 - x * x) * slope * slope)) as f32)
-    })
+    let rule = quadrature::gauss_legendre(N);
+    std::array::from_fn(|i| ((0.5 * (1.0 + rule[i].0)) as f32, (0.5 * rule[i].1) as f32))
 }
 
 /// Directional albedo E(μ, roughness) of a dielectric's reflection from outside:
@@ -189,7 +177,6 @@ pub struct ReflectanceTable {
 
 impl ReflectanceTable {
     /// The table of an index of refraction ≥ 1.
-    #[must_use]
     pub fn new(eta: f32) -> Self {
         let facets = ReflectionQuadrature::new();
         let excess = Grid::new(|mu, roughness| {
@@ -205,13 +192,11 @@ impl ReflectanceTable {
     }
 
     /// Index of refraction.
-    #[must_use]
     pub fn eta(&self) -> f32 {
         self.eta
     }
 
     /// Fraction of the light to or from a direction with cosine `mu` that is reflected.
-    #[must_use]
     pub fn eval(&self, mu: f32, roughness: f32) -> f32 {
         let fresnel = fresnel_dielectric(mu, self.eta);
         if Ggx::from_roughness(roughness).is_smooth() {
@@ -221,7 +206,6 @@ impl ReflectanceTable {
     }
 
     /// 2 ∫ E(μ) μ dμ.
-    #[must_use]
     pub fn average(&self, roughness: f32) -> f32 {
         let (low, high, r) = average_position(roughness);
         mix(self.average[low], self.average[high], r)
@@ -237,7 +221,6 @@ pub struct MetalTable {
 
 impl MetalTable {
     /// The table; there is one for all metals.
-    #[must_use]
     pub fn shared() -> &'static Self {
         static TABLE: LazyLock<MetalTable> = LazyLock::new(MetalTable::new);
         &TABLE
@@ -256,7 +239,6 @@ impl MetalTable {
     }
 
     /// 1 − E(μ) of a white metal; 0 for a mirror.
-    #[must_use]
     pub fn deficit(&self, mu: f32, roughness: f32) -> f32 {
         if Ggx::from_roughness(roughness).is_smooth() {
             return 0.0;
@@ -265,7 +247,6 @@ impl MetalTable {
     }
 
     /// 2 ∫ (1 − E(μ)) μ dμ.
-    #[must_use]
     pub fn average_deficit(&self, roughness: f32) -> f32 {
         let (low, high, r) = average_position(roughness);
         mix(self.average[low], self.average[high], r)

@@ -147,7 +147,6 @@ impl<'a> Bsdf<'a> {
     ///
     /// `tables` hold the indices of refraction. An opaque surface seen from inside looks as from outside;
     /// of one that is partly clear, the opaque part is bare from inside, and the coat only tints.
-    #[must_use]
     pub fn new(p: &SurfaceParameters, tables: &'a MaterialTables, wo: Vec3) -> Self {
         let p = p.clamped();
         let glass_weight = (1.0 - p.metalness) * p.transmission_weight;
@@ -312,7 +311,6 @@ impl<'a> Bsdf<'a> {
     }
 
     /// Whether light sampling finds nothing: only mirror lobes, subsurface scattering or black.
-    #[must_use]
     pub fn is_smooth_only(&self) -> bool {
         let s = &self.strategies;
         s.diffuse == 0.0
@@ -321,13 +319,11 @@ impl<'a> Bsdf<'a> {
     }
 
     /// About the hemispherical–directional reflectance, transmission and subsurface color included.
-    #[must_use]
     pub fn albedo(&self) -> Vec3 {
         self.albedo
     }
 
     /// Value and density for light from `wi`.
-    #[must_use]
     pub fn eval(&self, wi: Vec3) -> BsdfValue {
         let wi = Vec3::new(wi.x, wi.y, wi.z * self.side);
         if wi.z > 0.0 {
@@ -423,7 +419,6 @@ impl<'a> Bsdf<'a> {
     /// Chooses where light comes from; `None` where it would come from nowhere.
     ///
     /// `u` and `v` are uniform in [0, 1).
-    #[must_use]
     pub fn sample(&self, u: f32, v: [f32; 2]) -> Option<BsdfSample> {
         let s = &self.strategies;
         let mut u = u;

@@ -64,7 +64,6 @@ impl Default for SurfaceParameters {
 
 impl SurfaceParameters {
     /// Clamps every weight, color and roughness to [0, 1]; NaN becomes 0.
-    #[must_use]
     pub fn clamped(&self) -> Self {
         Self {
             base_color: unit_color(self.base_color),
@@ -90,14 +89,12 @@ impl SurfaceParameters {
     }
 
     /// Surface albedo of the channels that light travels in below the surface.
-    #[must_use]
     pub fn subsurface_albedo_active(&self) -> Vec3 {
         self.surface_albedo * Vec3::from_array(self.subsurface_active.map(|a| if a { 1.0 } else { 0.0 }))
     }
 
     /// Albedo of the base that reflects light where it enters: the diffuse part and the subsurface
     /// channels without a mean free path, relative to the opaque part.
-    #[must_use]
     pub fn matte_albedo(&self) -> Vec3 {
         let inactive = self.surface_albedo - self.subsurface_albedo_active();
         self.base_color * (1.0 - self.subsurface_weight) + inactive * self.subsurface_weight

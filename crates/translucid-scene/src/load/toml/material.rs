@@ -61,7 +61,6 @@ pub(super) const WORDS: [WordParameter; 4] = [
 
 impl Material {
     /// Every parameter whose value is a word, in the order of the fields.
-    #[must_use]
     pub fn words(&self) -> Vec<WordValue> {
         let mut values = vec![WordValue {
             name: "subsurface_model",

@@ -29,7 +29,6 @@ pub struct Piece {
 
 impl Piece {
     /// A thing without images at hand.
-    #[must_use]
     pub fn new(title: &str, text: &str) -> Self {
         Self { title: title.to_owned(), text: text.to_owned(), images: Vec::new() }
     }
@@ -176,13 +175,11 @@ impl Piece {
 
 impl SceneBuilder {
     /// A scene in a unit of length without anything in it.
-    #[must_use]
     pub fn new(unit: Unit) -> Self {
         Self::of(Scene { unit, ..Scene::default() })
     }
 
     /// What there is so far; what is chosen at the end is still missing.
-    #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -392,6 +389,8 @@ impl From<Scene> for SceneBuilder {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::atomic::AtomicBool;
+
     use super::*;
     use crate::SceneFile;
 
@@ -475,6 +474,35 @@ mod tests {
             assert!(found.starts_with(message), "{found}\n{message}");
         }
         assert_eq!((builder.scene().materials.len(), builder.scene().objects.len()), (2, 2));
+    }
+
+    #[test]
+    fn changes_that_fail_or_are_stopped_leave_nothing() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("a.obj");
+        let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+        std::fs::write(&file, text).unwrap();
+        std::fs::write(directory.path().join("a.mtl"), "newmtl a\nKd 1 0 0\n").unwrap();
+        let piece = Piece::new("object a", &format!("file = {file:?}"));
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let before = format!("{:?}", builder.scene());
+        let mut warnings = Vec::new();
+        let mut add = |builder: &mut SceneBuilder, is_stopped: bool, fails: bool| {
+            builder.all_or_nothing(&AtomicBool::new(is_stopped), |builder| {
+                builder.add_object(&piece, &mut warnings)?;
+                if fails { Err(SceneError::new("failed")) } else { Ok(()) }
+            })
+        };
+        for (is_stopped, fails, message) in [(true, false, "stopped"), (false, true, "failed")] {
+            assert_eq!(add(&mut builder, is_stopped, fails).unwrap_err().to_string(), message);
+            assert_eq!(format!("{:?}", builder.scene()), before);
+        }
+        add(&mut builder, false, false).unwrap();
+        let scene = builder.scene();
+        assert_eq!((scene.objects.len(), scene.materials.len()), (3, 3));
+        assert_eq!(scene.objects[2].material, 2);
+        builder.build(&LoadOptions::default()).unwrap();
     }
 
     #[test]

@@ -10,12 +10,12 @@ use crate::shapes::parameters::{ShapeParameter, Values};
 
 /// Fineness of the mesh.
 pub(in crate::shapes) const fn detail(default: f64) -> ShapeParameter {
-    ShapeParameter::count("detail", "grid cells along the longest side", default, 32.0, 512.0)
+    ShapeParameter::count("detail", default, 32.0, 512.0)
 }
 
 /// Overall height.
 pub(in crate::shapes) const fn height(default: f64) -> ShapeParameter {
-    ShapeParameter::length("height", "height over all", default)
+    ShapeParameter::length("height", default)
 }
 
 /// Meshes a solid with the parameter `detail`, scales it to `height` and stands it on y = 0.

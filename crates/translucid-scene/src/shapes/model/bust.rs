@@ -13,8 +13,8 @@ use crate::{Mesh, SceneError};
 pub(in crate::shapes) const BUST: &[ShapeParameter] = &[
     height(22.0),
     detail(190.0),
-    ShapeParameter::count("seed", "varies the veins", 1.0, 0.0, 65535.0),
-    ShapeParameter::ratio("veins", "strength of the veins", 0.5, 0.0, 1.0),
+    ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
+    ShapeParameter::ratio("veins", 0.5, 0.0, 1.0), // Their strength
 ];
 
 /// How far the shoulders are above where they were first drawn: a shorter neck.

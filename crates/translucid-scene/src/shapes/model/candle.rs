@@ -13,8 +13,8 @@ use crate::{Mesh, SceneError};
 
 pub(in crate::shapes) const CANDLE: &[ShapeParameter] = &[
     height(9.0),
-    ShapeParameter::ratio("slenderness", "height over diameter", 1.6, 0.5, 6.0),
-    ShapeParameter::count("seed", "varies drips and rim", 1.0, 0.0, 65535.0),
+    ShapeParameter::ratio("slenderness", 1.6, 0.5, 6.0), // Height over diameter
+    ShapeParameter::count("seed", 1.0, 0.0, 65535.0),    // Of drips and rim
     detail(100.0),
 ];
 
@@ -88,8 +88,8 @@ pub(in crate::shapes) fn wick(values: &Values) -> Result<Mesh, SceneError> {
 
 pub(in crate::shapes) const FLAME: &[ShapeParameter] = &[
     height(3.0),
-    ShapeParameter::ratio("width", "width over height", 0.3, 0.05, 1.0),
-    ShapeParameter::count("segments", "pieces around the axis", 12.0, 6.0, 1024.0),
+    ShapeParameter::ratio("width", 0.3, 0.05, 1.0), // Over the height
+    ShapeParameter::count("segments", 12.0, 6.0, 1024.0),
 ];
 
 /// A teardrop.

@@ -12,7 +12,7 @@ use crate::shapes::implicit::sculpture::{detail, height, sculpt, srgb};
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
 
-const SEED: ShapeParameter = ShapeParameter::count("seed", "varies the pattern", 1.0, 0.0, 65535.0);
+const SEED: ShapeParameter = ShapeParameter::count("seed", 1.0, 0.0, 65535.0);
 
 /// Distance from the y axis.
 fn radius_about_y(p: Vec3) -> f32 {
@@ -132,12 +132,8 @@ pub(in crate::shapes) fn orange(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt([Vec3::splat(-4.0), Vec3::splat(4.0)], distance, color, values))
 }
 
-pub(in crate::shapes) const ORANGE_HALF: &[ShapeParameter] = &[
-    height(3.9),
-    detail(170.0),
-    SEED,
-    ShapeParameter::count("wedges", "segments of the fruit", 10.0, 4.0, 16.0),
-];
+pub(in crate::shapes) const ORANGE_HALF: &[ShapeParameter] =
+    &[height(3.9), detail(170.0), SEED, ShapeParameter::count("wedges", 10.0, 4.0, 16.0)];
 
 /// Where on the cut face of an orange a point lies.
 struct CutFace {

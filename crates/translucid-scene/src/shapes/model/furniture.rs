@@ -10,13 +10,13 @@ use crate::shapes::primitive::rounded_box::rounded_box;
 use crate::{Mesh, SceneError};
 
 pub(in crate::shapes) const TABLE_TOP: &[ShapeParameter] = &[
-    ShapeParameter::length("width", "length along x, the grain's direction", 120.0),
-    ShapeParameter::length("depth", "length along z", 50.0),
-    ShapeParameter::length("thickness", "length along y, downward from 0", 3.0),
-    ShapeParameter::length_or_zero("edge_radius", "rounding of the edges", 0.4),
-    ShapeParameter::count("boards", "number of boards side by side", 4.0, 1.0, 64.0),
-    ShapeParameter::count("detail", "grid cells across the grain", 480.0, 8.0, 4096.0),
-    ShapeParameter::count("seed", "varies the grain", 1.0, 0.0, 65535.0),
+    ShapeParameter::length("width", 120.0), // Along x, the direction of the grain
+    ShapeParameter::length("depth", 50.0),
+    ShapeParameter::length("thickness", 3.0), // Downward from y = 0
+    ShapeParameter::length_or_zero("edge_radius", 0.4),
+    ShapeParameter::count("boards", 4.0, 1.0, 64.0),
+    ShapeParameter::count("detail", 480.0, 8.0, 4096.0), // Grid cells across the grain
+    ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
 ];
 
 pub(in crate::shapes) fn table_top(values: &Values) -> Result<Mesh, SceneError> {

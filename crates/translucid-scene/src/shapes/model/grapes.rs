@@ -9,10 +9,10 @@ use crate::shapes::primitive::lathe::{curve_profile, revolve};
 use crate::{Mesh, SceneError};
 
 pub(in crate::shapes) const GRAPES: &[ShapeParameter] = &[
-    ShapeParameter::count("count", "number of grapes", 42.0, 1.0, 400.0),
-    ShapeParameter::length("radius", "radius of a grape", 0.95),
-    ShapeParameter::count("segments", "pieces around a grape", 40.0, 6.0, 256.0),
-    ShapeParameter::count("seed", "varies the arrangement", 1.0, 0.0, 65535.0),
+    ShapeParameter::count("count", 42.0, 1.0, 400.0),
+    ShapeParameter::length("radius", 0.95),
+    ShapeParameter::count("segments", 40.0, 6.0, 256.0),
+    ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
 ];
 
 /// A grape: middle, mean radius, how much longer than wide, and how it is turned.

@@ -6,14 +6,12 @@ use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::shapes::primitive::lathe::{Corner, fillet_profile, revolve};
 use crate::{Mesh, SceneError};
 
-const SEGMENTS: ShapeParameter =
-    ShapeParameter::count("segments", "pieces around the axis", 128.0, 8.0, 4096.0);
-const GLASS_HEIGHT: ShapeParameter = ShapeParameter::length("height", "height of the glass", 11.0);
-const BOTTOM_RADIUS: ShapeParameter =
-    ShapeParameter::length("bottom_radius", "outer radius at the bottom", 2.9);
-const TOP_RADIUS: ShapeParameter = ShapeParameter::length("top_radius", "outer radius at the rim", 3.7);
-const WALL: ShapeParameter = ShapeParameter::length("wall", "thickness of the wall", 0.22);
-const BASE: ShapeParameter = ShapeParameter::length("base", "thickness of the bottom", 0.9);
+const SEGMENTS: ShapeParameter = ShapeParameter::count("segments", 128.0, 8.0, 4096.0);
+const GLASS_HEIGHT: ShapeParameter = ShapeParameter::length("height", 11.0);
+const BOTTOM_RADIUS: ShapeParameter = ShapeParameter::length("bottom_radius", 2.9);
+const TOP_RADIUS: ShapeParameter = ShapeParameter::length("top_radius", 3.7);
+const WALL: ShapeParameter = ShapeParameter::length("wall", 0.22);
+const BASE: ShapeParameter = ShapeParameter::length("base", 0.9); // Thickness of the bottom
 
 /// Pieces of each rounded edge.
 const ARC: usize = 10;
@@ -74,8 +72,8 @@ pub(in crate::shapes) const DRINK: &[ShapeParameter] = &[
     TOP_RADIUS,
     WALL,
     BASE,
-    ShapeParameter::ratio("fill", "filled part of the glass", 0.75, 0.05, 0.98),
-    ShapeParameter::length_or_zero("overlap", "how far the drink reaches into the glass", 0.02),
+    ShapeParameter::ratio("fill", 0.75, 0.05, 0.98), // Filled share of the glass
+    ShapeParameter::length_or_zero("overlap", 0.02), // How far the drink reaches into the glass
     SEGMENTS,
 ];
 

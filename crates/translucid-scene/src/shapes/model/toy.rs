@@ -63,8 +63,8 @@ pub(in crate::shapes) fn duck(values: &Values) -> Result<Mesh, SceneError> {
 
 pub(in crate::shapes) const BRICK: &[ShapeParameter] = &[
     height(2.2),
-    ShapeParameter::count("columns", "studs along x", 4.0, 1.0, 8.0),
-    ShapeParameter::count("rows", "studs along z", 2.0, 1.0, 8.0),
+    ShapeParameter::count("columns", 4.0, 1.0, 8.0), // Of studs, along x
+    ShapeParameter::count("rows", 2.0, 1.0, 8.0),    // Of studs, along z
     detail(90.0),
 ];
 

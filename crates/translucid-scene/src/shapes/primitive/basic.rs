@@ -9,12 +9,10 @@ use super::rounded_box::rounded_box;
 use crate::shapes::parameters::{ShapeParameter, Values};
 use crate::{Mesh, SceneError};
 
-const SEGMENTS: ShapeParameter =
-    ShapeParameter::count("segments", "pieces around the axis", 96.0, 3.0, 4096.0);
-const RADIUS: ShapeParameter = ShapeParameter::length("radius", "radius", 1.0);
-const HEIGHT: ShapeParameter = ShapeParameter::length("height", "length along y", 2.0);
-const EDGE_RADIUS: ShapeParameter =
-    ShapeParameter::length_or_zero("edge_radius", "rounding of the edges", 0.05);
+const SEGMENTS: ShapeParameter = ShapeParameter::count("segments", 96.0, 3.0, 4096.0);
+const RADIUS: ShapeParameter = ShapeParameter::length("radius", 1.0);
+const HEIGHT: ShapeParameter = ShapeParameter::length("height", 2.0);
+const EDGE_RADIUS: ShapeParameter = ShapeParameter::length_or_zero("edge_radius", 0.05);
 
 /// Pieces of a rounded edge.
 const ARC: usize = 6;
@@ -35,10 +33,8 @@ pub(in crate::shapes) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
     Ok(revolve(&profile, segments))
 }
 
-pub(in crate::shapes) const RECTANGLE: &[ShapeParameter] = &[
-    ShapeParameter::length("width", "length along x", 2.0),
-    ShapeParameter::length("height", "length along y", 2.0),
-];
+pub(in crate::shapes) const RECTANGLE: &[ShapeParameter] =
+    &[ShapeParameter::length("width", 2.0), ShapeParameter::length("height", 2.0)];
 
 /// In the plane z = 0, facing +z.
 pub(in crate::shapes) fn rectangle(values: &Values) -> Result<Mesh, SceneError> {
@@ -71,9 +67,9 @@ pub(in crate::shapes) fn disc(values: &Values) -> Result<Mesh, SceneError> {
 }
 
 pub(in crate::shapes) const BOX: &[ShapeParameter] = &[
-    ShapeParameter::length("width", "length along x", 2.0),
-    ShapeParameter::length("height", "length along y", 2.0),
-    ShapeParameter::length("depth", "length along z", 2.0),
+    ShapeParameter::length("width", 2.0),
+    ShapeParameter::length("height", 2.0),
+    ShapeParameter::length("depth", 2.0),
     EDGE_RADIUS,
 ];
 
@@ -96,13 +92,8 @@ pub(in crate::shapes) fn cylinder(values: &Values) -> Result<Mesh, SceneError> {
     Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
 }
 
-pub(in crate::shapes) const CONE: &[ShapeParameter] = &[
-    RADIUS,
-    HEIGHT,
-    ShapeParameter::length_or_zero("top_radius", "radius of the upper end", 0.0),
-    EDGE_RADIUS,
-    SEGMENTS,
-];
+pub(in crate::shapes) const CONE: &[ShapeParameter] =
+    &[RADIUS, HEIGHT, ShapeParameter::length_or_zero("top_radius", 0.0), EDGE_RADIUS, SEGMENTS];
 
 pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, half, top) = (values.get("radius"), 0.5 * values.get("height"), values.get("top_radius"));
@@ -116,10 +107,10 @@ pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
 }
 
 pub(in crate::shapes) const TORUS: &[ShapeParameter] = &[
-    ShapeParameter::length("radius", "radius of the ring's middle line", 1.0),
-    ShapeParameter::length("tube_radius", "radius of the tube, less than radius", 0.3),
+    ShapeParameter::length("radius", 1.0), // Of the middle line of the tube
+    ShapeParameter::length("tube_radius", 0.3),
     SEGMENTS,
-    ShapeParameter::count("tube_segments", "pieces around the tube", 48.0, 3.0, 4096.0),
+    ShapeParameter::count("tube_segments", 48.0, 3.0, 4096.0),
 ];
 
 pub(in crate::shapes) fn torus(values: &Values) -> Result<Mesh, SceneError> {

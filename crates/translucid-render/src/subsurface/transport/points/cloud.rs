@@ -71,13 +71,11 @@ pub(crate) struct Making<'a> {
 
 impl PointCloud {
     /// Number of points.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.surfels.len()
     }
 
     /// Whether no surface needs points.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.surfels.is_empty()
     }

@@ -1,0 +1,242 @@
+//! `--tev`: the picture as it grows, in a running tev.
+//!
+//! A thread of its own looks at the film now and then and sends what has changed. The rendering waits for it nowhere:
+//! it reads the film a block at a time, looks the less often the longer that takes, and a tev that reads slowly gets
+//! fewer states of the picture.
+
+mod packet;
+
+use std::io::{self, Write};
+use std::net::{TcpStream, ToSocketAddrs};
+use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use translucid_image::PixelRect;
+use translucid_render::{LiveFilm, TILE_SIZE};
+
+use crate::failure::Failure;
+use crate::messages;
+
+/// Where tev listens unless it is told otherwise.
+pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
+
+/// Least time between two states of a picture.
+const INTERVAL: Duration = Duration::from_millis(500);
+/// Least pause over the time in which a state is read by one of the threads, for all of them together to lose one percent.
+/// Sending is not counted; but the reader shares the processors with the others, so that it takes longer than it computes.
+const PAUSES: u32 = 100;
+/// Edge of the blocks that a picture is sent in, as tev's own client has it.
+const BLOCK: u32 = 128;
+/// A tile of the film lies in one block.
+const _: () = assert!(BLOCK.is_multiple_of(TILE_SIZE));
+/// Longest that tev may take for the connection.
+const CONNECT_LIMIT: Duration = Duration::from_secs(3);
+/// Longest that tev may take for a block.
+const WRITE_LIMIT: Duration = Duration::from_secs(3);
+/// Longest that the last state of a picture may take.
+const LAST_LIMIT: Duration = Duration::from_secs(15);
+
+/// A running tev, as far as it still listens.
+#[derive(Clone, Debug)]
+pub(crate) struct Tev {
+    address: String,
+    stream: Arc<Mutex<Option<TcpStream>>>,
+}
+
+impl Tev {
+    /// Connects to a tev that is running.
+    ///
+    /// # Errors
+    /// None listens there.
+    pub(crate) fn connect(address: &str) -> Result<Self, Failure> {
+        let stream = connect(address).map_err(|error| {
+            let message = format!("--tev: there is no tev at {address}: {error}");
+            Failure::input(message).with_help("start tev first, or say where it listens with --tev=HOST:PORT")
+        })?;
+        Ok(Self { address: address.to_owned(), stream: Arc::new(Mutex::new(Some(stream))) })
+    }
+
+    /// Shows a film as it grows, in the place of a picture of the same name; `place` is the film's in a picture of a
+    /// size.
+    ///
+    /// # Errors
+    /// The thread cannot be started.
+    pub(crate) fn show(
+        &self,
+        name: &str,
+        film: Arc<LiveFilm>,
+        (place, size): (PixelRect, [u32; 2]),
+    ) -> Result<Showing, Failure> {
+        let (ended, end) = mpsc::channel();
+        let reading = Duration::ZERO;
+        let screen = Screen { tev: self.clone(), name: name.to_owned(), film, place, shown: 0, reading };
+        // On a pool's thread it is that pool's number
+        let threads = rayon::current_num_threads() as u32;
+        let show = move || screen.show(size, threads, &end);
+        let thread = thread::Builder::new().name(String::from("tev")).spawn(show);
+        let failure = |error| Failure::work(format!("--tev: no thread can be started: {error}"));
+        Ok(Showing { ended, thread: thread.map_err(failure)? })
+    }
+}
+
+fn connect(address: &str) -> io::Result<TcpStream> {
+    let mut failure = io::Error::other("the name has no address");
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, CONNECT_LIMIT) {
+            Ok(stream) => {
+                stream.set_write_timeout(Some(WRITE_LIMIT))?;
+                return Ok(stream);
+            }
+            Err(error) => failure = error,
+        }
+    }
+    Err(failure)
+}
+
+/// A film that is being shown.
+pub(crate) struct Showing {
+    ended: Sender<()>,
+    thread: JoinHandle<()>,
+}
+
+impl Showing {
+    /// Shows the last state of the film and waits until it is sent, but not for long.
+    pub(crate) fn finish(self) {
+        if self.ended.send(()).is_ok() {
+            // It has no more to say, even if it panicked
+            let _ = self.thread.join();
+        }
+    }
+}
+
+/// The thread that looks at a film and sends it.
+struct Screen {
+    tev: Tev,
+    name: String,
+    film: Arc<LiveFilm>,
+    place: PixelRect,
+    /// The film's change that was shown last.
+    shown: u64,
+    /// Time that reading the last state took.
+    reading: Duration,
+}
+
+impl Screen {
+    /// Makes a picture of this size and shows the film in it until the end comes.
+    fn show(mut self, size: [u32; 2], threads: u32, end: &Receiver<()>) {
+        self.send(&packet::close_image(&self.name), None);
+        self.send(&packet::create_image(&self.name, size), None);
+        loop {
+            let pause = (self.reading * PAUSES / threads.max(1)).max(INTERVAL);
+            match end.recv_timeout(pause) {
+                Err(RecvTimeoutError::Timeout) => {}
+                Ok(()) => break,
+                // The rendering has failed
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            let mut is_ended = false;
+            self.show_changes(None, || {
+                is_ended = end.try_recv() != Err(TryRecvError::Empty);
+                is_ended
+            });
+            if is_ended {
+                break;
+            }
+        }
+        self.show_changes(Instant::now().checked_add(LAST_LIMIT), || false);
+    }
+
+    /// Sends all blocks that have changed, unless it is to stop on the way.
+    fn show_changes(&mut self, deadline: Option<Instant>, mut is_to_stop: impl FnMut() -> bool) {
+        let change = self.film.changes();
+        let PixelRect { width, height, .. } = self.place;
+        let mut is_changed = vec![false; blocks([width, height]).count()];
+        for tile in self.film.tiles_changed_since(self.shown) {
+            is_changed[(tile.top / BLOCK * width.div_ceil(BLOCK) + tile.left / BLOCK) as usize] = true;
+        }
+        self.reading = Duration::ZERO;
+        let changed = blocks([width, height]).zip(is_changed).filter(|(_, is_changed)| *is_changed);
+        for (block, _) in changed {
+            let start = Instant::now();
+            let packet = self.packet_of(block);
+            self.reading += start.elapsed();
+            if is_to_stop() || !self.send(&packet, deadline) {
+                return;
+            }
+        }
+        self.shown = change;
+    }
+
+    /// The block in its place in the picture; nothing is added to the film meanwhile.
+    fn packet_of(&self, block: PixelRect) -> Vec<u8> {
+        let rect = PixelRect { left: self.place.left + block.left, top: self.place.top + block.top, ..block };
+        let sums = self.film.sums();
+        packet::update_image(&self.name, rect, block.pixels().map(|(x, y)| sums.rgba(x, y)))
+    }
+
+    /// Whether tev has taken a packet; if not it is given up, with a note.
+    fn send(&self, packet: &[u8], deadline: Option<Instant>) -> bool {
+        let mut stream = self.tev.stream.lock().unwrap_or_else(PoisonError::into_inner);
+        let Some(open) = stream.as_mut() else { return false };
+        let limit = Instant::now().checked_add(WRITE_LIMIT).into_iter().chain(deadline).min();
+        let Err(error) = write_until(open, packet, limit) else { return true };
+        *stream = None;
+        let reason = match error.kind() {
+            io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock => String::from("reads too slowly"),
+            _ => format!("is gone: {error}"),
+        };
+        messages::print_note(&format!(
+            "the tev at {} {reason}; it gets no more of the picture",
+            self.tev.address
+        ));
+        false
+    }
+}
+
+/// Writes all bytes, before a time.
+fn write_until(stream: &mut TcpStream, mut bytes: &[u8], limit: Option<Instant>) -> io::Result<()> {
+    while !bytes.is_empty() {
+        if limit.is_some_and(|limit| Instant::now() > limit) {
+            return Err(io::ErrorKind::TimedOut.into());
+        }
+        match stream.write(bytes) {
+            Ok(0) => return Err(io::ErrorKind::WriteZero.into()),
+            Ok(count) => bytes = &bytes[count..],
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(())
+}
+
+/// A picture cut into blocks, row by row.
+fn blocks([width, height]: [u32; 2]) -> impl Iterator<Item = PixelRect> {
+    let starts = |length: u32| (0..length).step_by(BLOCK as usize);
+    starts(height).flat_map(move |top| {
+        starts(width).map(move |left| PixelRect {
+            left,
+            top,
+            width: BLOCK.min(width - left),
+            height: BLOCK.min(height - top),
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn blocks_hold_every_pixel_once() {
+        for size in [[1, 1], [128, 128], [129, 300], [1000, 5]] {
+            let mut pixels: Vec<_> =
+                blocks(size).flat_map(|block| block.pixels().collect::<Vec<_>>()).collect();
+            pixels.sort_unstable();
+            let mut expected: Vec<_> = PixelRect::whole(size).pixels().collect();
+            expected.sort_unstable();
+            assert_eq!(pixels, expected, "{size:?}");
+        }
+    }
+}
