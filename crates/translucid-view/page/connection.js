@@ -5,7 +5,10 @@ import { Events } from "./events.js";
 /** Waits between attempts to come back, in milliseconds; the last one repeats. */
 const WAITS = [200, 400, 800, 1600, 3000, 5000];
 
-/** Emits `open`, `lost` with the wait in milliseconds, `frame` with its bytes, and every message by its type. */
+/**
+ * Emits `open`, `lost` with the wait in milliseconds, `frame` with its bytes, every message by its type, and of what is
+ * sent with a number `sent` and `answered`.
+ */
 export class Connection extends Events {
     #url;
     #socket = null;
@@ -47,6 +50,7 @@ export class Connection extends Events {
         if (!this.isOpen) return null;
         const id = ++this.#id;
         this.#socket.send(JSON.stringify({ ...message, id }));
+        this.emit("sent", { id, type: message.type });
         return id;
     }
 
@@ -65,6 +69,7 @@ export class Connection extends Events {
     #receive(data) {
         if (typeof data !== "string") return this.emit("frame", data);
         const message = JSON.parse(data);
+        if (message.id) this.emit("answered", message);
         const waiting = this.#waiting.get(message.id);
         if (waiting) {
             this.#waiting.delete(message.id);

@@ -13,11 +13,15 @@ const DRAG = 4;
  */
 export class NumberField {
     #value = null;
+    #text = "";
+    #digits;
     #change;
     #scale;
     #gesture = 0;
 
-    constructor({ id, label, labelledby, scale, change, handle }) {
+    /** `digits`: significant ones that are shown; a field that has the focus shows more. */
+    constructor({ id, label, labelledby, scale, change, handle, digits = 5 }) {
+        this.#digits = digits;
         this.#change = change;
         this.#scale = scale;
         this.input = make("input", {
@@ -31,7 +35,10 @@ export class NumberField {
             "aria-labelledby": labelledby,
         });
         this.input.addEventListener("change", () => this.#commit());
-        this.input.addEventListener("focus", () => this.input.select());
+        this.input.addEventListener("focus", () => {
+            if (!this.isRefused) this.show(this.#value, true);
+            this.input.select();
+        });
         this.input.addEventListener("blur", () => {
             this.#endGesture();
             if (!this.isRefused) this.show(this.#value, true);
@@ -48,22 +55,23 @@ export class NumberField {
     /** Shows a value, unless somebody types. */
     show(value, force = false) {
         this.#value = value;
-        if (!force && (this.isRefused || (document.activeElement === this.input && this.#isTyping))) return;
-        const text = value === null ? "" : format(value);
-        if (this.input.value !== text) this.input.value = text;
+        if (!force && (this.isRefused || this.#isTyping)) return;
+        const digits = document.activeElement === this.input ? Math.max(5, this.#digits) : this.#digits;
+        this.#text = value === null ? "" : format(value, digits);
+        if (this.input.value !== this.#text) this.input.value = this.#text;
     }
 
     get #isTyping() {
-        return this.#value !== null && this.input.value !== format(this.#value) && this.#gesture === 0;
+        return document.activeElement === this.input && this.input.value !== this.#text;
     }
 
     #commit() {
         const text = this.input.value;
-        if (this.#value !== null && text === format(this.#value)) return;
+        if (text === this.#text && !this.isRefused) return;
         const value = parse(text, this.#value ?? 0);
         if (value === null) return this.refused?.(`\u201c${text}\u201d is not a number`);
         this.#value = value;
-        this.input.value = format(value);
+        this.input.value = this.#text = format(value);
         this.#change(value, nextGesture(), true);
     }
 

@@ -27,10 +27,11 @@ import { ViewBar } from "./view-bar.js";
 
 const address = new URL("socket", location.href);
 address.protocol = "ws:";
-const session = new Session(new Connection(address));
+const connection = new Connection(address);
+const session = new Session(connection);
 
 const picture = new Picture(session);
-startProbe(session, picture);
+startProbe(connection, session, picture);
 // The first picture is on its way while the panels are made.
 session.connect();
 

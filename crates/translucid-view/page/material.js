@@ -37,7 +37,7 @@ const WORDS = {
 
 /** Which material is selected, and its panel. */
 export class MaterialPanel {
-    index = 0;
+    index = null;
 
     #session;
     #choice = byId("material");
@@ -171,6 +171,7 @@ export class MaterialPanel {
 
     #show() {
         const { materials } = this.#session.look;
+        this.index ??= firstTranslucent(materials);
         this.index = Math.min(this.index, materials.length - 1);
         this.#list(materials);
         const material = materials[this.index];
@@ -193,6 +194,10 @@ export class MaterialPanel {
         }
         this.#choice.value = String(this.index);
     }
+}
+
+function firstTranslucent(materials) {
+    return Math.max(0, materials.findIndex(({ parameters: { subsurface_weight: weight } }) => weight.value > 0));
 }
 
 function markTexture(row, { image, vertex }) {

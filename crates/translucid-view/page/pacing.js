@@ -27,8 +27,7 @@ export class Pacer {
     }
 
     push(key, edit) {
-        const since = this.#pending.get(key)?.since ?? performance.now();
-        this.#pending.set(key, { ...edit, since });
+        this.#pending.set(key, edit);
         this.#try();
     }
 

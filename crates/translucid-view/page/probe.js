@@ -3,7 +3,7 @@
 /** Entries that are kept of each kind. */
 const MOST = 512;
 
-export function startProbe(session, picture) {
+export function startProbe(connection, session, picture) {
     const painted = [];
     const sent = [];
     const keep = (list, entry) => {
@@ -18,11 +18,13 @@ export function startProbe(session, picture) {
         port1.onmessage = () => (entry.time = performance.now());
         port2.postMessage(null);
     });
-    session.on("sent", (message) => keep(sent, { ...message, version: null }));
-    session.on("answered", ({ id, version }) => {
+    connection.on("sent", (message) => keep(sent, { ...message, time: performance.now(), isAnswered: false, version: null }));
+    connection.on("answered", ({ id, version = null }) => {
         const message = sent.find((message) => message.id === id);
-        if (message) message.version = version;
+        if (message) Object.assign(message, { isAnswered: true, version });
     });
+    // What was under way then is never answered.
+    connection.on("lost", () => (sent.length = 0));
     const last = () => painted[painted.length - 1] ?? null;
     const copy = (list) => list.map((entry) => ({ ...entry }));
     Object.defineProperty(window, "translucidView", {
@@ -44,6 +46,9 @@ export function startProbe(session, picture) {
             },
             get state() {
                 return structuredClone(session.state);
+            },
+            get hello() {
+                return structuredClone(session.hello);
             },
             get status() {
                 return structuredClone(session.status);

@@ -23,7 +23,7 @@ export class ProfilePanel {
         const watch = new Watch(session, materials, "profile", () => dock.isOpen("profile"), (answer, error) => {
             const isNew = !this.#answer;
             this.#answer = answer;
-            if (!answer) return this.#nothing(error);
+            if (!answer || answer.r.length === 0) return this.#nothing(error?.message ?? answer.note);
             if (isNew) this.#make();
             else this.#update();
         });
@@ -47,12 +47,15 @@ export class ProfilePanel {
         }
     }
 
-    #nothing(error) {
+    /** There is no profile: says why. */
+    #nothing(reason) {
+        this.#answer = null;
         this.#plot?.destroy();
         this.#plot = null;
         this.#room.classList.add("empty");
-        setText(byId("profile-note"), error?.message ?? "");
+        for (const id of ["profile-model", "profile-truth", "profile-note", "profile-cursor"]) setText(byId(id), "");
         byId("profile-errors").replaceChildren();
+        this.#room.replaceChildren(make("p", { className: "description" }, reason ?? ""));
     }
 
     /** Curves of what is asked for: of each channel the model's and the exact one. */
@@ -78,6 +81,7 @@ export class ProfilePanel {
     #make() {
         if (!this.#answer) return;
         this.#plot?.destroy();
+        this.#room.replaceChildren();
         this.#room.classList.remove("empty");
         const style = getComputedStyle(document.documentElement);
         const color = (name) => style.getPropertyValue(name).trim() && resolve(`var(${name})`);

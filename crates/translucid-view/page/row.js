@@ -168,6 +168,7 @@ export class ColorRow extends Row {
             const field = this.field({
                 id: `${id}-${channel}`,
                 label: `${name}, ${CHANNEL_NAMES[i]}`,
+                digits: 3,
                 scale: scale ?? { step: (value, size) => value + size * 0.01, least: 0 },
                 handle: letter,
                 change: (value, gesture, isFinal) => set(this.#value.with(i, value), gesture, isFinal),

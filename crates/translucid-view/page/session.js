@@ -6,7 +6,7 @@
 import { Events } from "./events.js";
 import { Pacer } from "./pacing.js";
 
-/** Emits `hello`, `state`, `status`, `frame`, `error` (of no control), `open`, `lost`, `sent` and `answered`. */
+/** Emits `hello`, `state`, `status`, `frame`, `error` (of no control), `open` and `lost`. */
 export class Session extends Events {
     hello = null;
     state = null;
@@ -148,20 +148,14 @@ export class Session extends Events {
         this.#show();
     }
 
-    #deliver({ message, control, since }) {
+    #deliver({ message, control }) {
         const id = this.#connection.send(message);
-        if (id !== null) {
-            this.#controls.set(id, control);
-            this.emit("sent", { id, type: message.type, since, time: performance.now() });
-        }
+        if (id !== null) this.#controls.set(id, control);
         return id;
     }
 
     #settle(id, version, error) {
-        if (version !== null) {
-            this.#answered = Math.max(this.#answered, version);
-            this.emit("answered", { id, version });
-        }
+        if (version !== null) this.#answered = Math.max(this.#answered, version);
         this.#pacer.answered(id, version);
         const control = this.#controls.get(id);
         this.#controls.delete(id);
