@@ -14,7 +14,7 @@ use single_scattering::Ways;
 pub use multiple_scattering::BeamMultipleScattering;
 pub use single_scattering::BeamSingleScattering;
 
-use crate::error::require;
+use crate::error::{require, require_fraction};
 use crate::medium::diffusion_boundary::DiffusionBoundary;
 use crate::{Appearance, Medium, ParameterError, Profile};
 
@@ -84,6 +84,22 @@ impl PhotonBeamDiffusion {
         }
     }
 
+    /// Surface albedo of a medium with 1 − α' = `absorbed` ∈ [0, 1] and mean cosine g ∈ (−1, 1), for η ∈ [0.5, 3].
+    ///
+    /// ```text
+    /// A = α'²/2 {[C_φ/(D s) (1 − e^{−2 s z_b}) + C_E (1 + e^{−2 s z_b})]/(1 + s) − K}
+    ///   + 2πα ∫₀¹ T(μ) p(−μ) μ/(1 + μ) dμ
+    /// ```
+    ///
+    /// in transport mean free paths, s = σ_tr; K is the part that κ takes away, a double integral of a smooth function.
+    ///
+    /// # Errors
+    /// A parameter is outside its range.
+    pub fn surface_albedo_from_absorbed(absorbed: f64, g: f64, eta: f64) -> Result<f64, ParameterError> {
+        require_fraction("absorbed", absorbed)?;
+        Ok(Parts::new(g, eta)?.total(absorbed))
+    }
+
     /// The medium whose profile it is.
     pub fn medium(&self) -> &Medium {
         &self.medium
@@ -113,12 +129,6 @@ impl Profile for PhotonBeamDiffusion {
         self.multiple.beyond(r) + self.single.beyond(r)
     }
 
-    /// ```text
-    /// A = α'²/2 {[C_φ/(D s) (1 − e^{−2 s z_b}) + C_E (1 + e^{−2 s z_b})]/(1 + s) − K}
-    ///   + 2πα ∫₀¹ T(μ) p(−μ) μ/(1 + μ) dμ
-    /// ```
-    ///
-    /// in transport mean free paths, s = σ_tr; K is the part that κ takes away, a double integral of a smooth function.
     fn surface_albedo(&self) -> f64 {
         self.multiple.surface_albedo() + self.single.surface_albedo()
     }
@@ -200,7 +210,7 @@ mod tests {
         let half = PhotonBeamDiffusion::new(&appearance(0.5, 1.0, 0.0), 1.0).expect("reached");
         assert!((half.medium().alpha_prime() - 0.912).abs() < 5e-4, "{}", half.medium().alpha_prime());
         for (g, expected) in [(0.0, 1.093), (-0.9, 1.406), (0.9, 0.946)] {
-            let white = Parts::new(g, 1.0).expect("valid").total(0.0);
+            let white = PhotonBeamDiffusion::surface_albedo_from_absorbed(0.0, g, 1.0).expect("valid");
             assert!((white - expected).abs() < 5e-4, "{g}: {white}");
         }
     }
