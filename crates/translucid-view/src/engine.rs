@@ -127,6 +127,9 @@ impl<'a> Engine<'a> {
                         self.rested = Some(self.wanted.version);
                         self.measure();
                         self.show_version();
+                        if self.wanted.shown == Shown::Flip {
+                            self.show_comparison(Shown::Flip);
+                        }
                         self.report(phase, "");
                     }
                     self.shared.wait(self.wanted.version, NAP);
