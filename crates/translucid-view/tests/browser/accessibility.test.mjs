@@ -164,7 +164,7 @@ for (const [width, height] of [[1000, 700], [1440, 900], [2560, 1440], [3840, 21
                 if (element.matches("button, h2") && element.scrollWidth > element.clientWidth + 1) bad.push(`${element.id || element.textContent} is cut`);
             }
             for (const id of ["top", "view-bar", "compare-bar", "tabs"]) {
-                const boxes = [...document.getElementById(id).children].filter((child) => child.checkVisibility()).map((child) => child.getBoundingClientRect());
+                const boxes = [...document.getElementById(id).children].filter((child) => child.checkVisibility() && !child.matches(".off-screen")).map((child) => child.getBoundingClientRect());
                 for (let i = 1; i < boxes.length; i++) if (boxes[i].left < boxes[i - 1].right - 1) bad.push(`${id}: ${i} overlaps`);
             }
             return bad;
