@@ -130,6 +130,7 @@ test("an image from the computer becomes the environment, and is turned", async 
         await writeFile(join(view.folder, "studio.hdr"), radiancePicture());
         await view.page.setInputFiles("#environment-file", { name: "studio.hdr", mimeType: "image/vnd.radiance", buffer: radiancePicture() });
         await view.page.waitForFunction(() => window.translucidView.state.sides.a.environment?.image !== null);
+        await view.done((await view.state()).version);
     });
     const { images } = await view.state();
     assert.equal(images[(await environment()).image].width, 16);
@@ -162,6 +163,7 @@ test("a file is dropped on the page", async () => {
         }
     }, bytes);
     await view.page.waitForFunction(() => window.translucidView.state.images.some(({ name }) => name.includes("dropped")));
+    await view.done((await view.state()).version);
     await view.agrees("dropped");
 });
 
