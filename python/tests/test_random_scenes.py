@@ -1,9 +1,11 @@
 """Scenes of random keys and values: each is refused in words, or renders to finite numbers."""
 
 import numpy as np
-import translucid
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
+import translucid
 from translucid import Scene, SceneError
 
 TETRAHEDRON = np.array([[0.0, 1, 0], [0.8, -0.5, 0], [-0.5, -0.5, -0.7], [-0.5, -0.5, 0.7]])
@@ -155,6 +157,7 @@ def refuse_or_render(parts, has_floor):
     SEEN["rendered"] += 1
 
 
+@pytest.mark.filterwarnings("ignore:mesh tetrahedron")
 def test_random_scenes_are_refused_or_finite():
     refuse_or_render()
     # Both happen often enough to mean something

@@ -84,11 +84,6 @@ impl Walk {
         photons / 20_000
     }
 
-    /// Photons that have walked.
-    pub fn photons(&self) -> u64 {
-        self.table.photons()
-    }
-
     /// The rings at the albedo of a reference, but for those that too few photons have seen; none for an albedo above
     /// those of the walk.
     pub fn points(&self, reference: &Reference) -> Vec<RingPoint> {

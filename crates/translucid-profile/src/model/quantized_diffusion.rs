@@ -4,7 +4,7 @@
 
 use std::f64::consts::PI;
 
-use crate::error::{ParameterError, require};
+use crate::error::ParameterError;
 use crate::math::elementary::{Double, exp_negative};
 use crate::math::scaled_erfc::{erfcx, erfcx_drop, erfcx_remainder};
 use crate::math::slices::{Elementwise, map_slice};
@@ -47,7 +47,7 @@ const TURN: f64 = 2.0;
 /// at A = 0.15 (test `intervals_of_the_paper_lose_energy`).
 /// Here 40 Gaussians stand where the trapezoidal rule puts them on a path in time that is even in ln v for short times
 /// and in √v for long ones, the first takes up all earlier times, and all are scaled by the little that brings their
-/// sum to the exact total of the sum over continuous time ([`surface_albedo_from_absorbed`](Self::surface_albedo_from_absorbed)).
+/// sum to the exact total of the sum over continuous time ([`surface_albedo`](Profile::surface_albedo)).
 /// Against that model with continuous time, over r from 0.003 ℓ* to 10 ℓ_d, R is off by at most 3e-5 where
 /// A ≤ 0.6, 2e-4 at 0.9, and 8e-3 without absorption (test `gaussians_converge_to_continuous_time`).
 ///
@@ -94,21 +94,6 @@ impl QuantizedDiffusion {
         let boundary = DiffusionBoundary::new(eta)?;
         let total = |absorbed| Beam::new(absorbed, 1.0 - absorbed, boundary).total();
         Ok(Self::of(&appearance.medium(total)?, boundary))
-    }
-
-    /// Surface albedo of a medium with 1 − α' = `absorbed` ∈ [0, 1], for η ∈ [0.05, 20].
-    ///
-    /// ```text
-    /// A = α'²/(1 + s) [C_φ/(2Ds) (1 − e^{−2s z_b}) + C_E/2 (1 + e^{−2s z_b})],   s = σ_tr, lengths in ℓ*
-    /// ```
-    ///
-    /// This is the total of a better dipole whose source is at the depth z, averaged over e^{−z}.
-    ///
-    /// # Errors
-    /// A parameter is outside its range.
-    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
-        require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        Ok(Beam::new(absorbed, 1.0 - absorbed, DiffusionBoundary::new(eta)?).total())
     }
 
     fn of(medium: &Medium, boundary: DiffusionBoundary) -> Self {
@@ -173,6 +158,11 @@ impl Profile for QuantizedDiffusion {
         self.sum(&self.energies, Kept { square: self.relative_radius(r).powi(2) })
     }
 
+    /// ```text
+    /// A = α'²/(1 + s) [C_φ/(2Ds) (1 − e^{−2s z_b}) + C_E/2 (1 + e^{−2s z_b})],   s = σ_tr, lengths in ℓ*
+    /// ```
+    ///
+    /// This is the total of a better dipole whose source is at the depth z, averaged over e^{−z}.
     fn surface_albedo(&self) -> f64 {
         self.total
     }
@@ -377,7 +367,6 @@ mod tests {
         for eta in [0.0, -1.0, 0.04, 21.0, f64::NAN, f64::INFINITY] {
             assert!(QuantizedDiffusion::from_medium(&medium, eta).is_err(), "{eta}");
         }
-        assert!(QuantizedDiffusion::surface_albedo_from_absorbed(-0.1, 1.4).is_err());
         let parameterization = Parameterization::Mfp;
         let appearance = Appearance { surface_albedo: 1.1, length: 1.0, parameterization, g: 0.0 };
         assert!(QuantizedDiffusion::new(&appearance, 1.4).is_err());

@@ -1,8 +1,8 @@
 //! The laws that every reflectance profile obeys, over one grid of parameters.
 //!
 //! To put a model under them, add it to [`models`]: one line of [`physical!`] where it has the constructors
-//! `new(&Appearance, eta)`, `from_medium(&Medium, eta)` and the closed total `surface_albedo_from_absorbed(absorbed, eta)`, else a
-//! `Model` spelled out, with `None` for what there is not.
+//! `new(&Appearance, eta)` and `from_medium(&Medium, eta)`, else a `Model` spelled out, with `None` for what there is
+//! not.
 
 use std::f64::consts::PI;
 
@@ -22,8 +22,8 @@ struct Model {
     name: &'static str,
     new: fn(&Appearance, f64) -> Made,
     from_medium: Option<fn(&Medium, f64) -> Made>,
-    /// Total for 1 − α', g and η in closed form, or the integral that the model inverts.
-    closed_total: Option<Total>,
+    /// Total for 1 − α', g and η, of models whose `new` finds the medium by it.
+    total: Option<Total>,
     etas: &'static [f64],
     gs: &'static [f64],
     /// True if R is smooth; that of a table has kinks where its cells meet, which quadratures feel.
@@ -37,7 +37,10 @@ macro_rules! physical {
             name: stringify!($model),
             new: |appearance, eta| Ok(Box::new($model::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new($model::from_medium(medium, eta)?))),
-            closed_total: Some(|absorbed, _, eta| $model::surface_albedo_from_absorbed(absorbed, eta)),
+            total: Some(|absorbed, _, eta| {
+                let medium = Medium::from_reduced(absorbed, 1.0 - absorbed, 0.0)?;
+                Ok($model::from_medium(&medium, eta)?.surface_albedo())
+            }),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
@@ -52,7 +55,7 @@ macro_rules! similar {
             name: stringify!($new),
             new: |appearance, eta| Ok(Box::new($new(appearance, eta, Configuration::Searchlight)?)),
             from_medium: Some(|medium, eta| Ok(Box::new($from_medium(medium, eta, Configuration::Diffuse)?))),
-            closed_total: None,
+            total: None,
             etas: &[1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
@@ -70,7 +73,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(NormalizedDiffusion::new(albedo, length, a.parameterization, searchlight)?))
             },
             from_medium: None,
-            closed_total: None,
+            total: None,
             etas: &[1.0],
             gs: &[0.0],
             smooth: true,
@@ -85,7 +88,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(RefinedDiffusion::new(albedo, length, a.parameterization, searchlight)?))
             },
             from_medium: None,
-            closed_total: None,
+            total: None,
             etas: &[1.0],
             gs: &[0.0],
             smooth: true,
@@ -102,7 +105,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(ExactProfile::new(albedo, length, a.parameterization, searchlight)?))
             },
             from_medium: None,
-            closed_total: None,
+            total: None,
             etas: &[1.0],
             gs: &[0.0],
             smooth: false,
@@ -111,7 +114,7 @@ fn models() -> Vec<Model> {
             name: "TabulatedProfile of BetterDipole",
             new: |appearance, eta| Ok(Box::new(TabulatedProfile::new(&BetterDipole::new(appearance, eta)?))),
             from_medium: None,
-            closed_total: None,
+            total: None,
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: false,
@@ -124,7 +127,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(SumOfGaussians::new(albedo, length, a.parameterization, diffuse, terms)?))
             },
             from_medium: None,
-            closed_total: None,
+            total: None,
             etas: &[1.0],
             gs: &[0.0],
             smooth: true,
@@ -133,7 +136,7 @@ fn models() -> Vec<Model> {
             name: "PhotonBeamDiffusion",
             new: |appearance, eta| Ok(Box::new(PhotonBeamDiffusion::new(appearance, eta)?)),
             from_medium: Some(|medium, eta| Ok(Box::new(PhotonBeamDiffusion::from_medium(medium, eta)?))),
-            closed_total: Some(PhotonBeamDiffusion::surface_albedo_from_absorbed),
+            total: Some(PhotonBeamDiffusion::surface_albedo_from_absorbed),
             etas: &[0.7, 1.0, 1.33, 1.5],
             gs: &[-0.5, 0.0, 0.8],
             smooth: true,
@@ -146,7 +149,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(BeamMultipleScattering::from_medium(&medium, eta)?))
             },
             from_medium: Some(|medium, eta| Ok(Box::new(BeamMultipleScattering::from_medium(medium, eta)?))),
-            closed_total: Some(multiple_total),
+            total: Some(multiple_total),
             etas: &[0.7, 1.4],
             gs: &[0.0, 0.8],
             smooth: true,
@@ -159,7 +162,7 @@ fn models() -> Vec<Model> {
                 Ok(Box::new(BeamSingleScattering::from_medium(&medium, eta)?))
             },
             from_medium: Some(|medium, eta| Ok(Box::new(BeamSingleScattering::from_medium(medium, eta)?))),
-            closed_total: Some(single_total),
+            total: Some(single_total),
             etas: &[0.7, 1.4],
             gs: &[0.0, 0.8],
             smooth: true,
@@ -265,15 +268,15 @@ fn total_is_the_surface_albedo_asked_for() {
 }
 
 #[test]
-fn total_is_its_closed_form() {
+fn total_is_that_of_the_albedo_alone() {
     for model in models() {
-        let (Some(from_medium), Some(closed)) = (model.from_medium, model.closed_total) else { continue };
+        let (Some(from_medium), Some(total)) = (model.from_medium, model.total) else { continue };
         for &eta in model.etas {
             for &g in model.gs {
                 for absorbed in [0.0, 1e-12, 1e-6, 0.01, 0.3, 0.9, 1.0] {
                     let medium = Medium::from_reduced(2.0 * absorbed, 2.0 * (1.0 - absorbed), g).unwrap();
                     let found = from_medium(&medium, eta).unwrap().surface_albedo();
-                    let expected = closed(absorbed, g, eta).unwrap();
+                    let expected = total(absorbed, g, eta).unwrap();
                     assert!(
                         (found - expected).abs() < 1e-13,
                         "{} {eta} {g} {absorbed}: {found} is not {expected}",
@@ -288,9 +291,9 @@ fn total_is_its_closed_form() {
 #[test]
 fn new_is_from_medium_of_the_medium_found() {
     for model in models() {
-        let (Some(from_medium), Some(closed)) = (model.from_medium, model.closed_total) else { continue };
+        let (Some(from_medium), Some(total)) = (model.from_medium, model.total) else { continue };
         for case in cases_of(&model, 1.0) {
-            let total = |absorbed| closed(absorbed, case.appearance.g, case.eta).unwrap();
+            let total = |absorbed| total(absorbed, case.appearance.g, case.eta).unwrap();
             let found = case.appearance.medium(total).unwrap();
             let other = from_medium(&found, case.eta).unwrap();
             for r in radii(&*case.profile, 2) {

@@ -71,19 +71,6 @@ impl StandardDipole {
             transport_mfp: medium.transport_mfp(),
         }
     }
-
-    /// Surface albedo of a medium with 1 − α' = `absorbed` ∈ [0, 1], for η ∈ [0.05, 20].
-    ///
-    /// ```text
-    /// A = α'/2 (1 + e^{−(4/3) A_F s}) e^{−s},   s = √(3 (1 − α'))          (Jensen and Buhler 2002)
-    /// ```
-    ///
-    /// # Errors
-    /// A parameter is outside its range.
-    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
-        require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        Ok(total(absorbed, mismatch(eta)?))
-    }
 }
 
 /// A_F = (1 + 2C₁)/(1 − 2C₁), by which internal reflection moves the image away.
@@ -98,6 +85,11 @@ fn sources(absorbed: f64, mismatch: f64) -> SourcePair {
     SourcePair::new((3.0 * absorbed).sqrt(), 1.0, 1.0 + 4.0 / 3.0 * mismatch)
 }
 
+/// Surface albedo of a medium with 1 − α' = `absorbed`.
+///
+/// ```text
+/// A = α'/2 (1 + e^{−(4/3) A_F s}) e^{−s},   s = √(3 (1 − α'))          (Jensen and Buhler 2002)
+/// ```
 fn total(absorbed: f64, mismatch: f64) -> f64 {
     (1.0 - absorbed) * sources(absorbed, mismatch).flux_total()
 }
@@ -159,7 +151,6 @@ mod tests {
         assert!(StandardDipole::new(&appearance(0.5, 1.0), f64::NAN).is_err());
         assert!(StandardDipole::new(&appearance(0.5, 0.0), 1.4).is_err());
         assert!(StandardDipole::new(&appearance(1.5, 1.0), 1.4).is_err());
-        assert!(StandardDipole::surface_albedo_from_absorbed(1.5, 1.4).is_err());
     }
 
     /// Giovanelli's case n = 1.5, α = 0.9, g = 0, where the exact total is 0.2599.
@@ -169,6 +160,8 @@ mod tests {
         let a_f = (1.0 + reflected) / (1.0 - reflected);
         let s = 0.3f64.sqrt();
         let expected = 0.45 * (1.0 + (-4.0 / 3.0 * a_f * s).exp()) * (-s).exp();
-        assert!((StandardDipole::surface_albedo_from_absorbed(0.1, 1.5).unwrap() - expected).abs() < 1e-15);
+        let medium = Medium::from_reduced(0.1, 0.9, 0.0).unwrap();
+        let found = StandardDipole::from_medium(&medium, 1.5).unwrap().surface_albedo();
+        assert!((found - expected).abs() < 1e-15, "{found}");
     }
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::Profile;
-use crate::error::{ParameterError, require};
+use crate::error::ParameterError;
 use crate::math::elementary::{Double, exp_negative};
 use crate::math::quadrature::{integrate, shared_gauss_legendre};
 use crate::medium::diffusion_boundary::DiffusionBoundary;
@@ -65,18 +65,6 @@ impl DirectionalDipoleAverage {
         Self { dipole: *dipole, beam, total }
     }
 
-    /// Energy that a medium with 1 − α' = `absorbed` ∈ [0, 1] returns of light along the normal, for η ∈ [0.05,
-    /// 20].
-    ///
-    /// It rises from 0 with α', and goes beyond 1 as [`DirectionalDipole`] says.
-    ///
-    /// # Errors
-    /// A parameter is out of its range.
-    pub fn surface_albedo_from_absorbed(absorbed: f64, eta: f64) -> Result<f64, ParameterError> {
-        require((0.0..=1.0).contains(&absorbed), "absorbed", absorbed, "in [0, 1]")?;
-        Ok((1.0 - absorbed) * NormalBeam::total_per_strength(absorbed, eta)?)
-    }
-
     /// The directional dipole that this is the profile of.
     pub fn dipole(&self) -> &DirectionalDipole {
         &self.dipole
@@ -114,6 +102,7 @@ impl Profile for DirectionalDipoleAverage {
         self.beam.kernel.strength * self.beam.beyond(self.relative(r))
     }
 
+    /// It rises from 0 with α', and goes beyond 1 as [`DirectionalDipole`] says.
     fn surface_albedo(&self) -> f64 {
         self.total
     }
