@@ -61,8 +61,8 @@ struct SideWork {
     points: Option<PointCloud>,
     /// Time of a path \[s\].
     cost: f64,
-    /// When it was shown last, and at which of its seconds.
-    shown: Option<(Instant, f64)>,
+    /// When it was shown last, at which of its seconds, and in which version.
+    shown: Option<(Instant, f64, u32)>,
 }
 
 /// The next thing to do.
@@ -126,6 +126,7 @@ impl<'a> Engine<'a> {
                     if self.rested != Some(self.wanted.version) {
                         self.rested = Some(self.wanted.version);
                         self.measure();
+                        self.show_version();
                         self.report(phase, "");
                     }
                     self.shared.wait(self.wanted.version, NAP);
@@ -164,6 +165,8 @@ impl<'a> Engine<'a> {
         !old.look.differs(look)
             && *old.view.camera() == self.wanted.camera
             && same_pixels(old.view.film(), &self.wanted.film)
+            // Samples cannot be taken away again
+            && old.film.samples() <= look.integrator.samples_per_pixel
     }
 
     /// A side without samples. It knows what a path costs, and its points, from the one before.
@@ -363,7 +366,7 @@ impl<'a> Engine<'a> {
         if samples.is_power_of_two() && samples < work.goal() {
             work.half = Some((comparable(&film.sums(), view.film()), samples));
         }
-        let due = work.shown.is_none_or(|(at, seconds)| {
+        let due = work.shown.is_none_or(|(at, seconds, _)| {
             seconds == 0.0 || at.elapsed().as_secs_f64() > (SHARE_BETWEEN_FRAMES * work.seconds).max(0.1)
         });
         if due || samples >= work.goal() {
@@ -421,7 +424,7 @@ impl<'a> Engine<'a> {
             seconds: work.seconds as f32,
         };
         drop(whole);
-        work.shown = Some((Instant::now(), work.seconds));
+        work.shown = Some((Instant::now(), work.seconds, self.wanted.version));
         self.frame_number += 1;
         let frame = Frame { number: header.number, bytes: header.before(&codes) };
         self.shared.frames[side].send_replace(Some(frame));
@@ -457,6 +460,15 @@ impl<'a> Engine<'a> {
         };
         let frame = Frame { number: header.number, bytes: header.before(&codes) };
         self.shared.frames[2].send_replace(Some(frame));
+    }
+
+    /// What changes no pixel has a picture of its version, too: pages wait for it.
+    fn show_version(&mut self) {
+        let version = self.wanted.version;
+        let is_shown = |side: &SideWork| side.shown.is_some_and(|(_, _, shown)| shown == version);
+        if !self.sides.iter().flatten().all(is_shown) {
+            self.show_all();
+        }
     }
 
     fn show_all(&mut self) {

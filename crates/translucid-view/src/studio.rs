@@ -215,10 +215,10 @@ impl Studio {
                 self.camera = camera;
             }
             Message::Undo {} => {
-                self.step(|studio| studio.done.pop_back(), |studio, now| studio.undone.push(now))
+                self.step(|studio| studio.done.pop_back(), |studio, now| studio.undone.push(now));
             }
             Message::Redo {} => {
-                self.step(|studio| studio.undone.pop(), |studio, now| studio.done.push_back(now))
+                self.step(|studio| studio.undone.pop(), |studio, now| studio.done.push_back(now));
             }
             Message::Reset {} => {
                 let origin = self.origin.clone();

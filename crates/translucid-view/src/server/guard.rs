@@ -124,7 +124,7 @@ mod tests {
         let own = (header::ORIGIN, "http://localhost:4000");
         let upgrade = (header::UPGRADE, "websocket");
         let get = |path: &str, headers: &[(HeaderName, &str)]| refused(&guard, &Method::GET, path, headers);
-        assert_eq!(get(&path, &[host.clone()]), None);
+        assert_eq!(get(&path, std::slice::from_ref(&host)), None);
         assert_eq!(get(&path, &[host.clone(), upgrade.clone(), own.clone()]), None);
         assert_eq!(refused(&guard, &Method::POST, &path, &[host.clone(), own.clone()]), None);
 
@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(get(&path, &[]), forbidden);
         assert_eq!(get(&path, &[host.clone(), host.clone()]), forbidden);
         assert_eq!(get(&path, &[host.clone(), upgrade.clone()]), forbidden);
-        assert_eq!(refused(&guard, &Method::POST, &path, &[host.clone()]), forbidden);
+        assert_eq!(refused(&guard, &Method::POST, &path, std::slice::from_ref(&host)), forbidden);
         for origin in
             ["http://evil.test", "null", "https://127.0.0.1:4000", "http://127.0.0.1:4000.evil.test"]
         {
@@ -156,7 +156,7 @@ mod tests {
         let unknown = Some(StatusCode::UNAUTHORIZED);
         for path in ["/", "", "/socket", "//socket", "/00000000000000000000000000000000/socket", &path[..20]]
         {
-            assert_eq!(get(path, &[host.clone()]), unknown, "{path}");
+            assert_eq!(get(path, std::slice::from_ref(&host)), unknown, "{path}");
         }
         assert_ne!(guard.token, Guard::new(4000).unwrap().token);
     }

@@ -1,11 +1,11 @@
-// Makes the picture of the page that README and guide show: `TRANSLUCID=… node screenshot.mjs ../../../../docs/images`.
+// Makes the picture of the page that README and guide show: `TRANSLUCID=… node screenshot.mjs ../../../../docs/images [SAMPLES]`.
 
 import { join } from "node:path";
 
 import { launch, serve } from "./view.mjs";
 
-const [folder] = process.argv.slice(2);
-const server = await serve("--size", "960x540");
+const [folder, samples = "72"] = process.argv.slice(2);
+const server = await serve("--size", "960x540", "--spp", samples);
 const browser = await launch();
 const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: "dark" });
 page.setDefaultTimeout(3_600_000);

@@ -288,7 +288,7 @@ impl SceneBuilder {
     /// Sets the environment, of an `[environment]`.
     ///
     /// # Errors
-    /// As [`Piece::environment`], or a file cannot be used.
+    /// As [`Piece::environment_with_images`], or a file cannot be used.
     pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let mut files = FileList::default();
         let mut environment = piece.read_environment(&mut files)?;
