@@ -387,6 +387,9 @@ impl<'a> Engine<'a> {
                 work.noise = noise.is_finite().then_some(noise);
             }
         }
+        // Only what shows it finds it anew
+        let mean_flip = self.difference.get("mean_flip").cloned();
+        let mean_flip = mean_flip.filter(|_| self.wanted.shown == Shown::Flip);
         self.difference = Value::Null;
         if let [Some(a), Some(b)] = &self.sides
             && a.film.samples().min(b.film.samples()) > 0
@@ -396,7 +399,7 @@ impl<'a> Engine<'a> {
             self.difference = json!({
                 "relative_mse": laboratory::relative_mse(&picture, &reference),
                 "noise": noise[0].zip(noise[1]).map(|(a, b)| a + b),
-                "mean_flip": null,
+                "mean_flip": mean_flip,
             });
         }
     }

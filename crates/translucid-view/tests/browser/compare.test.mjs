@@ -27,6 +27,7 @@ test("edits concern the side that was chosen, and both pictures are the command'
     await sideIs("b");
     const { sides } = await view.state();
     await view.type("material-specular_roughness", 0.9);
+    await view.type("material-subsurface_color-red", 0.05);
     await view.choose("material-subsurface_model", "dipole");
     await view.agrees("B");
     const state = await view.state();

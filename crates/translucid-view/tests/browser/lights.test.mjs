@@ -105,8 +105,11 @@ test("strength, color, rotation and sight of the environment", async () => {
     near(Math.max(...(await environment()).radiance), 1);
     await changes("color", () => view.type("environment-color-b", 0.1));
     await changes("seen", () => view.check("environment-visible", false));
-    await changes("off", () => view.check("environment-on", false));
-    assert.equal(await environment(), null);
+    assert.equal((await environment()).visible, false);
+    await changes("off", async () => {
+        await view.check("environment-on", false);
+        await view.page.waitForFunction(() => window.translucidView.state.sides.a.environment === null);
+    });
     await changes("on", () => view.check("environment-on", true));
 });
 
