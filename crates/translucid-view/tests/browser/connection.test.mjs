@@ -99,7 +99,7 @@ test("a command that has ended is named as the reason", async () => {
     await view.load();
     await short.stop();
     await view.page.waitForFunction(() => document.getElementById("lost-text").textContent.includes("Is the command still running?"));
-    assert.equal(await view.page.locator("#lost-now").isVisible(), true);
+    await view.page.locator("#lost-now").waitFor();
     await view.page.close();
 });
 
