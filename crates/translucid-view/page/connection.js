@@ -6,7 +6,7 @@ import { Events } from "./events.js";
 const WAITS = [200, 400, 800, 1600, 3000, 5000];
 
 /**
- * Emits `open`, `lost` with the wait in milliseconds, `frame` with its bytes, every message by its type, and of what is
+ * Emits `open`, `lost` with the number of attempts, `frame` with its bytes, every message by its type, and of what is
  * sent with a number `sent` and `answered`.
  */
 export class Connection extends Events {
@@ -86,6 +86,6 @@ export class Connection extends Events {
         this.#waiting.clear();
         const wait = WAITS[Math.min(this.#attempts++, WAITS.length - 1)];
         this.#timer = setTimeout(() => this.open(), wait);
-        this.emit("lost", { wait, attempts: this.#attempts });
+        this.emit("lost", { attempts: this.#attempts });
     }
 }

@@ -18,14 +18,15 @@ export class Notices {
             this.#banner.hidden = true;
             document.body.classList.remove("lost");
         });
-        session.on("lost", ({ wait, attempts }) => {
+        session.on("lost", ({ attempts }) => {
             document.body.classList.add("lost");
             this.#banner.hidden = false;
-            const text = attempts < 3
+            const isBrief = attempts < 3;
+            const text = isBrief
                 ? "The connection was lost. Coming back \u2026"
                 : "translucid does not answer. Is the command still running? A new one prints a new address.";
             setText(byId("lost-text"), text);
-            byId("lost-now").hidden = wait < 1000;
+            byId("lost-now").hidden = isBrief;
         });
         byId("lost-now").addEventListener("click", () => session.connect());
     }

@@ -105,8 +105,11 @@ test("strength, color, rotation and sight of the environment", async () => {
     near(Math.max(...(await environment()).radiance), 1);
     await changes("color", () => view.type("environment-color-b", 0.1));
     await changes("seen", () => view.check("environment-visible", false));
-    await changes("off", () => view.check("environment-on", false));
-    assert.equal(await environment(), null);
+    assert.equal((await environment()).visible, false);
+    await changes("off", async () => {
+        await view.check("environment-on", false);
+        await view.page.waitForFunction(() => window.translucidView.state.sides.a.environment === null);
+    });
     await changes("on", () => view.check("environment-on", true));
 });
 
@@ -130,6 +133,7 @@ test("an image from the computer becomes the environment, and is turned", async 
         await writeFile(join(view.folder, "studio.hdr"), radiancePicture());
         await view.page.setInputFiles("#environment-file", { name: "studio.hdr", mimeType: "image/vnd.radiance", buffer: radiancePicture() });
         await view.page.waitForFunction(() => window.translucidView.state.sides.a.environment?.image !== null);
+        await view.done((await view.state()).version);
     });
     const { images } = await view.state();
     assert.equal(images[(await environment()).image].width, 16);
@@ -162,6 +166,7 @@ test("a file is dropped on the page", async () => {
         }
     }, bytes);
     await view.page.waitForFunction(() => window.translucidView.state.images.some(({ name }) => name.includes("dropped")));
+    await view.done((await view.state()).version);
     await view.agrees("dropped");
 });
 
