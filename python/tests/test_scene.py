@@ -385,7 +385,6 @@ def large_mesh(tmp_path_factory):
     return path
 
 
-@pytest.mark.xfail(strict=False, reason="open: a load that is interrupted near its end may still add its object")
 def test_interrupted_load_of_a_mesh_leaves_the_scene_as_it_was(large_mesh):
     scene = wax()
     assert time_to_interrupt(lambda: scene.add_object("large", file=str(large_mesh)), delay=0.1) <= 0.2

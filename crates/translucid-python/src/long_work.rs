@@ -20,15 +20,33 @@ const POLL: Duration = Duration::from_millis(50);
 pub(crate) fn run_or_abandon<T: Send + 'static>(
     py: Python<'_>,
     work: impl FnOnce(&AtomicBool) -> T + Send + 'static,
+    poll: impl FnMut(Python<'_>) -> PyResult<()>,
+) -> PyResult<T> {
+    run_and_hand_over(py, |stop, hand_over| _ = hand_over(work(stop)), poll)
+}
+
+/// Runs work as [`run_or_abandon`] does that hands its result over and is told whether it was taken: where an exception
+/// has come first, it was not, and the work can undo what it did.
+///
+/// # Errors
+/// As of [`run_or_abandon`].
+pub(crate) fn run_and_hand_over<T: Send + 'static>(
+    py: Python<'_>,
+    work: impl FnOnce(&AtomicBool, &dyn Fn(T) -> bool) + Send + 'static,
     mut poll: impl FnMut(Python<'_>) -> PyResult<()>,
 ) -> PyResult<T> {
     let stop = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&stop);
     let (send, mut done) = channel();
     let run = move || {
-        let result = std::panic::catch_unwind(AssertUnwindSafe(|| work(&flag)));
-        // A poller that has gone is one that was interrupted.
-        let _ = send.send(result);
+        let hand_over = |result| {
+            let (take, taken) = channel();
+            send.send((result, take)).is_ok() && taken.recv().is_ok()
+        };
+        let work = AssertUnwindSafe(|| work(&flag, &|result| hand_over(Ok(result))));
+        if let Err(panic) = std::panic::catch_unwind(work) {
+            hand_over(Err(panic));
+        }
     };
     std::thread::Builder::new().spawn(run)?;
     loop {
@@ -37,10 +55,13 @@ pub(crate) fn run_or_abandon<T: Send + 'static>(
             let waited = done.recv_timeout(POLL);
             (done, waited)
         });
-        if let Ok(result) = waited {
+        // Before a result is taken as well: Ctrl-C may have come while the work ended
+        py.check_signals().and_then(|()| poll(py)).inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+        if let Ok((result, take)) = waited {
+            // A worker that has gone does not ask.
+            let _ = take.send(());
             return result.or_else(|panic| std::panic::resume_unwind(panic));
         }
-        py.check_signals().and_then(|()| poll(py)).inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
     }
 }
 
@@ -85,7 +106,7 @@ pub(crate) fn run<T: Send>(
         let result = py.detach(|| thread.join()).unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         match raised {
             Some(error) => Err(error),
-            None => poll(py).map(|()| result),
+            None => py.check_signals().and_then(|()| poll(py)).map(|()| result),
         }
     })
 }

@@ -504,14 +504,17 @@ impl Scene {
         let mut counts = self.counts(py);
         let apply = read(&mut counts)?;
         let making = Arc::clone(&self.making);
-        let work = move |stop: &AtomicBool| {
+        let work = move |_: &AtomicBool, hand_over: &dyn Fn(_) -> bool| {
             let mut making = lock(&making);
             making.image_count = making.image_count.max(counts.image_count);
-            let mut warnings = Vec::new();
-            let result = making.builder.all_or_nothing(stop, |builder| apply(builder, &mut warnings));
-            (result, warnings)
+            making.builder.all_or_nothing(|builder| {
+                let mut warnings = Vec::new();
+                let result = apply(builder, &mut warnings);
+                let is_done = result.is_ok();
+                hand_over((result, warnings)) && is_done
+            });
         };
-        let (result, warnings) = long_work::run_or_abandon(py, work, |_| Ok(()))?;
+        let (result, warnings) = long_work::run_and_hand_over(py, work, |_| Ok(()))?;
         warn(py, &warnings)?;
         result.map_err(scene_error)
     }

@@ -3,7 +3,6 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
@@ -205,25 +204,15 @@ impl SceneBuilder {
         }
     }
 
-    /// Does all of a change that adds things, or nothing of it: where it fails, or where `stop` is true in the end because
-    /// nobody waits for it any more.
-    ///
-    /// # Errors
-    /// As of the change, or it was stopped.
-    pub fn all_or_nothing(
-        &mut self,
-        stop: &AtomicBool,
-        change: impl FnOnce(&mut Self) -> Result<(), SceneError>,
-    ) -> Result<(), SceneError> {
+    /// Makes a change that adds things, and takes all of it back where it returns false: it has failed, or nobody waits for
+    /// it any more.
+    pub fn all_or_nothing(&mut self, change: impl FnOnce(&mut Self) -> bool) {
         let Scene { objects, materials, images, profile_tables, lights, environment, .. } = &self.scene;
         let environment = *environment;
         let [objects, materials, images, tables, lights] =
             [objects.len(), materials.len(), images.len(), profile_tables.len(), lights.len()];
         let (default_material, triangles) = (self.default_material, self.triangles);
-        let result = change(self).and_then(|()| {
-            if stop.load(Ordering::Relaxed) { Err(SceneError::new("stopped")) } else { Ok(()) }
-        });
-        if result.is_err() {
+        if !change(self) {
             self.scene.objects.truncate(objects);
             self.scene.materials.truncate(materials);
             self.scene.images.truncate(images);
@@ -236,7 +225,6 @@ impl SceneBuilder {
             // What a file had of materials went into the scene
             self.models.retain(|_, loaded| loaded.first_material.is_none_or(|first| first < materials));
         }
-        result
     }
 
     /// Adds an object whose mesh is there.

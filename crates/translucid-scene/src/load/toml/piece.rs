@@ -389,7 +389,6 @@ impl From<Scene> for SceneBuilder {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::atomic::AtomicBool;
 
     use super::*;
     use crate::SceneFile;
@@ -477,7 +476,7 @@ mod tests {
     }
 
     #[test]
-    fn changes_that_fail_or_are_stopped_leave_nothing() {
+    fn changes_that_are_taken_back_leave_nothing() {
         let directory = tempfile::tempdir().unwrap();
         let file = directory.path().join("a.obj");
         let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
@@ -487,18 +486,13 @@ mod tests {
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
         let before = format!("{:?}", builder.scene());
-        let mut warnings = Vec::new();
-        let mut add = |builder: &mut SceneBuilder, is_stopped: bool, fails: bool| {
-            builder.all_or_nothing(&AtomicBool::new(is_stopped), |builder| {
-                builder.add_object(&piece, &mut warnings)?;
-                if fails { Err(SceneError::new("failed")) } else { Ok(()) }
-            })
-        };
-        for (is_stopped, fails, message) in [(true, false, "stopped"), (false, true, "failed")] {
-            assert_eq!(add(&mut builder, is_stopped, fails).unwrap_err().to_string(), message);
-            assert_eq!(format!("{:?}", builder.scene()), before);
+        for is_kept in [false, true] {
+            builder.all_or_nothing(|builder| {
+                builder.add_object(&piece, &mut Vec::new()).unwrap();
+                is_kept
+            });
+            assert_eq!(format!("{:?}", builder.scene()) != before, is_kept);
         }
-        add(&mut builder, false, false).unwrap();
         let scene = builder.scene();
         assert_eq!((scene.objects.len(), scene.materials.len()), (3, 3));
         assert_eq!(scene.objects[2].material, 2);
