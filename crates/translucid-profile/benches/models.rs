@@ -17,6 +17,7 @@ use translucid_profile::{
     Parameterization, PhotonBeamDiffusion, Profile, QuantizedDiffusion, RefinedDiffusion,
     RefinedDiffusionF32, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
+use translucid_testing::golden_uniforms;
 
 /// Arguments a task goes through.
 const COUNT: usize = 1024;
@@ -129,7 +130,7 @@ fn task(row: impl Into<String>, column: &'static str, call: impl Fn(usize) -> f6
 /// Tasks of a model.
 fn tasks_of(row: &Row) -> Vec<Task> {
     let Row { name, make, knows_boundary } = *row;
-    let uniforms = uniforms();
+    let uniforms = golden_uniforms(COUNT);
     let table = TabulatedProfile::new(&*make(1.0));
     let radii: Vec<f64> = uniforms.iter().map(|u| table.sample(*u)).collect();
 
@@ -157,7 +158,7 @@ fn tasks_of(row: &Row) -> Vec<Task> {
 /// Tasks of types of their own, behind no `dyn`.
 fn tasks_of_types() -> Vec<Task> {
     let p = normalized_diffusion();
-    let radii: Vec<f64> = uniforms().into_iter().map(|u| p.quantile(u)).collect();
+    let radii: Vec<f64> = golden_uniforms(COUNT).into_iter().map(|u| p.quantile(u)).collect();
     let row = "normalized diffusion, its own type";
     let own = |f: fn(NormalizedDiffusion, f64) -> f64, at: Vec<f64>| move |i: usize| f(p, at[i]);
     let (refined, twin) = (refined(), refined_twin());
@@ -170,30 +171,23 @@ fn tasks_of_types() -> Vec<Task> {
     let table = TabulatedProfile::new(&p);
     let table_row = "a table, its own type";
     let (a, b, c) = (table.clone(), table.clone(), table);
-    let (at, at_too, uniform) = (radii.clone(), radii.clone(), uniforms());
+    let (at, at_too, uniform) = (radii.clone(), radii.clone(), golden_uniforms(COUNT));
     vec![
         task(row, "build", |_| normalized_diffusion().d()),
         task(row, "eval", own(|p, r| p.eval(r), radii.clone())),
         task(row, "enclosed", own(|p, r| p.enclosed(r), radii.clone())),
-        task(row, "sample", own(|p, u| p.sample(u), uniforms())),
+        task(row, "sample", own(|p, u| p.sample(u), golden_uniforms(COUNT))),
         task(refined_row, "eval", own_refined(|p, r| p.eval(r), radii.clone())),
         task(refined_row, "enclosed", own_refined(|p, r| p.enclosed(r), radii.clone())),
-        task(refined_row, "sample", own_refined(|p, u| p.sample(u), uniforms())),
+        task(refined_row, "sample", own_refined(|p, u| p.sample(u), golden_uniforms(COUNT))),
         task(twin_row, "eval", of_twin(|p, r| p.eval(r), radii.clone())),
         task(twin_row, "enclosed", of_twin(|p, r| p.cdf(r), radii)),
-        task(twin_row, "sample", of_twin(|p, u| p.sample(u), uniforms())),
+        task(twin_row, "sample", of_twin(|p, u| p.sample(u), golden_uniforms(COUNT))),
         task("an empty call", "eval", |i| i as f64),
         task(table_row, "eval", move |i| a.eval(at[i])),
         task(table_row, "enclosed", move |i| b.enclosed(at_too[i])),
         task(table_row, "sample", move |i| c.sample(uniform[i])),
     ]
-}
-
-/// Uniform numbers in (0, 1), the golden-ratio sequence.
-fn uniforms() -> Vec<f64> {
-    (1..=COUNT as u64)
-        .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
-        .collect()
 }
 
 /// Nanoseconds for some calls, whose arguments repeat after [`COUNT`].

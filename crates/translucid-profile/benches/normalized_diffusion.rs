@@ -6,6 +6,7 @@
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use translucid_profile::{NormalizedDiffusion, NormalizedDiffusionF32};
+use translucid_testing::golden_uniforms;
 
 const COUNT: usize = 4096;
 
@@ -21,16 +22,9 @@ fn twin() -> NormalizedDiffusionF32 {
     NormalizedDiffusionF32::from_d(black_box(0.7))
 }
 
-/// Uniform numbers in (0, 1): the golden-ratio sequence, shuffled enough to defeat branch prediction.
-fn uniforms() -> Vec<f64> {
-    (1..=COUNT as u64)
-        .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
-        .collect()
-}
-
 fn radii() -> Vec<f64> {
     let mut radii = vec![0.0; COUNT];
-    profile().quantile_slice(&uniforms(), &mut radii);
+    profile().quantile_slice(&golden_uniforms(COUNT), &mut radii);
     radii
 }
 
@@ -96,19 +90,19 @@ mod f64_one_by_one {
     #[divan::bench]
     fn quantile(bencher: Bencher<'_, '_>) {
         let p = profile();
-        one_by_one(bencher, &uniforms(), |u| p.quantile(u));
+        one_by_one(bencher, &golden_uniforms(COUNT), |u| p.quantile(u));
     }
 
     #[divan::bench]
     fn quantile_by_newton(bencher: Bencher<'_, '_>) {
         let three_d = black_box(2.1);
-        one_by_one(bencher, &uniforms(), |u| newton_quantile(u, three_d));
+        one_by_one(bencher, &golden_uniforms(COUNT), |u| newton_quantile(u, three_d));
     }
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
         let p = profile();
-        one_by_one(bencher, &uniforms(), |u| p.sample(u));
+        one_by_one(bencher, &golden_uniforms(COUNT), |u| p.sample(u));
     }
 }
 
@@ -122,12 +116,12 @@ mod f64_slices {
 
     #[divan::bench]
     fn quantile(bencher: Bencher<'_, '_>) {
-        together(bencher, &uniforms(), |from, to| profile().quantile_slice(from, to));
+        together(bencher, &golden_uniforms(COUNT), |from, to| profile().quantile_slice(from, to));
     }
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
-        together(bencher, &uniforms(), |from, to| profile().sample_slice(from, to));
+        together(bencher, &golden_uniforms(COUNT), |from, to| profile().sample_slice(from, to));
     }
 }
 
@@ -143,19 +137,19 @@ mod f32_one_by_one {
     #[divan::bench]
     fn quantile_complement(bencher: Bencher<'_, '_>) {
         let p = twin();
-        one_by_one(bencher, &narrowed(&uniforms()), |u| p.quantile_complement(u));
+        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| p.quantile_complement(u));
     }
 
     #[divan::bench]
     fn quantile_by_newton(bencher: Bencher<'_, '_>) {
         let three_d = black_box(2.1);
-        one_by_one(bencher, &narrowed(&uniforms()), |u| newton_quantile_f32(u, three_d));
+        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| newton_quantile_f32(u, three_d));
     }
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
         let p = twin();
-        one_by_one(bencher, &narrowed(&uniforms()), |u| p.sample(u));
+        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| p.sample(u));
     }
 }
 
@@ -169,6 +163,6 @@ mod f32_slices {
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
-        together(bencher, &narrowed(&uniforms()), |from, to| twin().sample_slice(from, to));
+        together(bencher, &narrowed(&golden_uniforms(COUNT)), |from, to| twin().sample_slice(from, to));
     }
 }

@@ -9,18 +9,12 @@ use translucid_profile::{
     AlbedoTable, AlbedoTableF32, Appearance, BetterDipole, Configuration, ExactProfile, NormalizedDiffusion,
     ParameterError, Parameterization, PhotonBeamDiffusion, Profile, ProfileViewF32, TabulatedProfile,
 };
+use translucid_testing::golden_uniforms;
 
 const COUNT: usize = 4096;
 
 fn main() {
     divan::main();
-}
-
-/// Uniform numbers in (0, 1): the golden-ratio sequence, shuffled enough to defeat branch prediction.
-fn uniforms() -> Vec<f64> {
-    (1..=COUNT as u64)
-        .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
-        .collect()
 }
 
 fn appearance(surface_albedo: f64) -> Appearance {
@@ -46,8 +40,11 @@ mod double {
     fn bench_table(bencher: Bencher<'_, '_>, of_share: bool, f: impl Fn(&TabulatedProfile, f64) -> f64) {
         let source = dipole(0.8).expect("valid parameters");
         let table = TabulatedProfile::new(&*source);
-        let arguments: Vec<f64> =
-            if of_share { uniforms() } else { uniforms().iter().map(|u| table.quantile(*u)).collect() };
+        let arguments: Vec<f64> = if of_share {
+            golden_uniforms(COUNT)
+        } else {
+            golden_uniforms(COUNT).iter().map(|u| table.quantile(*u)).collect()
+        };
         one_by_one(bencher, &arguments, |argument| f(&table, argument));
     }
 
@@ -83,15 +80,18 @@ mod single {
     fn bench_view(bencher: Bencher<'_, '_>, of_share: bool, f: impl Fn(ProfileViewF32<'_>, f32) -> f32) {
         let table = table();
         let view = table.at(0.8, 1.0);
-        let arguments: Vec<f32> =
-            uniforms().iter().map(|u| *u as f32).map(|u| if of_share { u } else { view.sample(u) }).collect();
+        let arguments: Vec<f32> = golden_uniforms(COUNT)
+            .iter()
+            .map(|u| *u as f32)
+            .map(|u| if of_share { u } else { view.sample(u) })
+            .collect();
         one_by_one(bencher, &arguments, |argument| f(view, argument));
     }
 
     #[divan::bench]
     fn at(bencher: Bencher<'_, '_>) {
         let table = table();
-        let albedos: Vec<f32> = uniforms().iter().map(|u| *u as f32).collect();
+        let albedos: Vec<f32> = golden_uniforms(COUNT).iter().map(|u| *u as f32).collect();
         bencher.counter(ItemsCount::new(albedos.len())).bench_local(|| {
             for albedo in &albedos {
                 black_box(table.at(black_box(*albedo), 1.0));
@@ -109,7 +109,7 @@ mod single {
     fn pdf_of_one_row(bencher: Bencher<'_, '_>) {
         let table = AlbedoTableF32::from(&AlbedoTable::new(&[0.8], dipole).expect("one albedo"));
         let view = table.at(0.8, 1.0);
-        let radii: Vec<f32> = uniforms().iter().map(|u| view.sample(*u as f32)).collect();
+        let radii: Vec<f32> = golden_uniforms(COUNT).iter().map(|u| view.sample(*u as f32)).collect();
         one_by_one(bencher, &radii, |r| view.pdf(r));
     }
 

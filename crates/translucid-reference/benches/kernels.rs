@@ -11,7 +11,6 @@
 
 use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -20,6 +19,7 @@ use translucid_profile::{
     ParameterError, Parameterization, Profile, TabulatedProfile,
 };
 use translucid_reference::walk::{Parameters, Problem, Walker};
+use translucid_testing::{golden_uniforms, thread_cpu_seconds};
 
 /// Vector instructions of the walk's step for 16 photons of η = 1 and g = 0, counted in its source: three random
 /// words 27, exponential flight 21, circle 20, polar angle 7, direction and place 5, end of the flight 4.
@@ -184,9 +184,9 @@ fn memory_rate() -> f64 {
 /// The result and the least CPU time of some runs.
 fn best<T>(mut f: impl FnMut() -> T) -> (T, f64) {
     let mut timed = || {
-        let before = cpu_seconds();
+        let before = thread_cpu_seconds();
         let result = f();
-        (result, cpu_seconds() - before)
+        (result, thread_cpu_seconds() - before)
     };
     let mut best = timed();
     for _ in 1..RUNS {
@@ -196,15 +196,6 @@ fn best<T>(mut f: impl FnMut() -> T) -> (T, f64) {
         }
     }
     best
-}
-
-/// CPU time of this thread; elapsed time where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    std::thread::yield_now(); // Linux brings the account up to date when a thread yields
-    let account = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = account.and_then(|line| line.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| START.get_or_init(Instant::now).elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }
 
 fn walk_table(rates: &Rates) -> String {
@@ -252,9 +243,9 @@ fn walk(walker: Walker, albedo: f64, first: u64) -> Option<u64> {
 /// Collisions per second of CPU of all threads at work, added up.
 fn rate_of_threads(albedo: f64) -> f64 {
     let rate = move |thread: u64| {
-        let before = cpu_seconds();
+        let before = thread_cpu_seconds();
         let collisions = walk(Walker::Kernel, albedo, thread * PHOTONS).unwrap_or(0);
-        collisions as f64 / (cpu_seconds() - before)
+        collisions as f64 / (thread_cpu_seconds() - before)
     };
     std::thread::scope(|scope| {
         let handles: Vec<_> = (0..threads() as u64).map(|thread| scope.spawn(move || rate(thread))).collect();
@@ -271,9 +262,7 @@ fn walk_row(name: &str, albedo: f64, ns: f64, collisions: u64, bound: Option<f64
 fn profile_table(rates: &Rates) -> String {
     let profile = NormalizedDiffusion::from_d(0.8, black_box(0.7)).expect("valid parameters");
     let twin = NormalizedDiffusionF32::from_d(black_box(0.7));
-    let uniforms: Vec<f64> = (1..=COUNT as u64)
-        .map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64)
-        .collect();
+    let uniforms = golden_uniforms(COUNT);
     let mut radii = vec![0.0; COUNT];
     profile.quantile_slice(&uniforms, &mut radii);
     let narrow = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<f32>>();

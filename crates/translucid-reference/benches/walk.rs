@@ -5,10 +5,9 @@
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
-use std::time::Instant;
-
 use translucid_reference::Incidence;
 use translucid_reference::walk::{Parameters, PhaseFunction, Problem, Walker};
+use translucid_testing::thread_cpu_seconds;
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
@@ -45,11 +44,10 @@ fn main() {
 
 /// Prints one row: the best of seven runs of some 50 ms.
 fn measure(row: &str, walker: Walker, problem: &Problem, albedo: f64) {
-    let start = Instant::now();
     let timed = |photons: u64| {
-        let before = cpu_seconds(start);
+        let before = thread_cpu_seconds();
         let (collisions, _) = walker.collisions_and_exits(problem, albedo, 0..photons)?;
-        Some((cpu_seconds(start) - before, collisions))
+        Some((thread_cpu_seconds() - before, collisions))
     };
     let Some((trial, _)) = timed(20_000) else { return };
     let photons = (20_000.0 * 0.05 / trial.max(1e-6)) as u64;
@@ -61,12 +59,4 @@ fn measure(row: &str, walker: Walker, problem: &Problem, albedo: f64) {
         1e9 * seconds / collisions as f64,
         1e9 * seconds / photons as f64
     );
-}
-
-/// CPU time of this thread; elapsed time where the system does not tell.
-fn cpu_seconds(start: Instant) -> f64 {
-    std::thread::yield_now(); // Linux brings the account up to date when a thread yields
-    let account = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = account.and_then(|line| line.split(' ').next()?.parse::<f64>().ok());
-    nanoseconds.map_or_else(|| start.elapsed().as_secs_f64(), |ns| 1e-9 * ns)
 }

@@ -6,11 +6,12 @@
 
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use translucid_reference::Incidence;
 use translucid_reference::exact::single_scattering_albedo;
 use translucid_reference::walk::{Control, Forecast, Goal, Layout, Parameters, Problem, Side, WhiteTable};
+use translucid_testing::cpu_seconds;
 
 /// Rings from 0.05 to 20 mean free paths, each a third wider than the one before.
 fn radii() -> Vec<f64> {
@@ -46,7 +47,7 @@ fn set_of_albedos(name: &str, incidence: Incidence) {
         }
         worst
     };
-    let (start, cpu) = (Instant::now(), cpu_time());
+    let (start, cpu) = (Instant::now(), cpu_seconds());
     let goal = Goal { relative_error: 3e-3, photons: u64::MAX >> 1 };
     let mut report = |_: &WhiteTable, _: &Forecast| ();
     table.run_until(1, goal, &Control::default(), &worst, &mut report).expect("photons enough");
@@ -56,7 +57,7 @@ fn set_of_albedos(name: &str, incidence: Incidence) {
         table.mean_collisions(),
         100.0 * worst(&table),
         start.elapsed().as_secs_f64(),
-        (cpu_time() - cpu).as_secs_f64(),
+        cpu_seconds() - cpu,
     );
 }
 
@@ -65,9 +66,9 @@ fn scaling() {
         let [one, two] = [1, 2].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
             let mut table = table(Incidence::NORMAL, 0.99);
-            let (start, cpu) = (Instant::now(), cpu_time());
+            let (start, cpu) = (Instant::now(), cpu_seconds());
             pool.install(|| table.run(1, 30_000_000, &Control::default())).expect("photons enough");
-            (start.elapsed().as_secs_f64(), (cpu_time() - cpu).as_secs_f64())
+            (start.elapsed().as_secs_f64(), cpu_seconds() - cpu)
         });
         println!(
             "3e7 photons at 0.99: 1 thread {:.2} s ({:.2} s of CPU), 2 threads {:.2} s ({:.2} s of CPU), {:.2} times as fast",
@@ -78,15 +79,4 @@ fn scaling() {
             one.0 / two.0
         );
     }
-}
-
-/// CPU time of the process so far; 0 where the system does not tell.
-fn cpu_time() -> Duration {
-    let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
-    let ticks = stat.rsplit_once(')').map_or(0, |(_, fields)| {
-        let fields: Vec<&str> = fields.split_whitespace().collect();
-        let field = |index: usize| fields.get(index).and_then(|field| field.parse::<u64>().ok()).unwrap_or(0);
-        field(11) + field(12)
-    });
-    Duration::from_millis(10 * ticks)
 }

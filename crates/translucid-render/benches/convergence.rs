@@ -14,10 +14,10 @@
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use translucid_render::{FilmSums, PreparedScene, layer, measure};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceModel, load_scene};
+use translucid_testing::cpu_seconds;
 
 struct Case {
     name: &'static str,
@@ -109,17 +109,4 @@ fn relative_mse(film: &FilmSums, reference: &FilmSums) -> f64 {
         }
     }
     sum / count
-}
-
-/// CPU time of the process in all its threads; wall time where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
-    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
-    // which Linux has 100 a second for user space.
-    let ticks = |text: String| -> Option<f64> {
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
-    };
-    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or_else(wall, |t| t / 100.0)
 }

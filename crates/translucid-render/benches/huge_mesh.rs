@@ -18,6 +18,7 @@ use std::time::Instant;
 
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{LoadOptions, load_scene};
+use translucid_testing::cpu_seconds;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -92,17 +93,6 @@ fn write_ring(path: &Path, triangles: u64) -> std::io::Result<()> {
         }
     }
     file.flush()
-}
-
-/// CPU time of the process in all its threads; 0 where the system does not tell.
-fn cpu_seconds() -> f64 {
-    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
-    // which Linux has 100 a second for user space.
-    let ticks = |text: String| -> Option<f64> {
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
-    };
-    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or(0.0, |ticks| ticks / 100.0)
 }
 
 /// Most memory that the process has had, in bytes; 0 where the system does not tell.

@@ -21,7 +21,6 @@
 use std::fmt::Write;
 use std::hint::black_box;
 use std::path::Path;
-use std::time::Instant;
 
 use glam::{Mat3, Vec3};
 use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
@@ -30,6 +29,7 @@ use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
     ShapeParameters, Unit, build_shape,
 };
+use translucid_testing::{SplitMix, cpu_seconds};
 
 /// Total power of all lamps (per channel).
 const POWER: f32 = 4000.0;
@@ -86,19 +86,16 @@ fn between_marks(document: &str, name: &str, text: &str) -> String {
     format!("{before}{begin}{text}{end}{after}")
 }
 
-/// Numbers in [0, 1) that depend on the lamp only [Steele, Lea & Flood 2014, SplitMix64].
-struct Numbers(u64);
+/// Numbers that depend on the lamp only.
+struct Numbers(SplitMix);
 
 impl Numbers {
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 40) as f32 / (1 << 24) as f32
+    fn of(seed: u64) -> Self {
+        Self(SplitMix(seed))
     }
 
     fn between(&mut self, low: f32, high: f32) -> f32 {
-        low + (high - low) * self.next()
+        low + (high - low) * self.0.uniform_f32()
     }
 }
 
@@ -171,12 +168,12 @@ fn add_quad(mesh: &mut Mesh, center: Vec3, x: Vec3, y: Vec3) {
 /// Lamps all over the hall at heights of 0.5 to 4: lights, a mesh of emissive triangles and its radiance.
 fn lamps_of(count: usize) -> (Vec<Light>, Mesh, f32) {
     let share = |numbers: &mut Numbers| 10.0_f32.powf(numbers.between(-1.0, 1.0));
-    let total: f32 = (0..count).map(|i| share(&mut Numbers(i as u64 * 1000))).sum();
+    let total: f32 = (0..count).map(|i| share(&mut Numbers::of(i as u64 * 1000))).sum();
     // Triangles differ in area, whose mean is 0.01.
     let radiance = POWER / (count as f32 * 0.01 * std::f32::consts::PI);
     let (mut lights, mut shards) = (Vec::new(), Mesh::default());
     for index in 0..count {
-        let mut numbers = Numbers(index as u64 * 1000);
+        let mut numbers = Numbers::of(index as u64 * 1000);
         let power = POWER * share(&mut numbers) / total;
         let place =
             Vec3::new(numbers.between(-10.0, 10.0), numbers.between(-10.0, 10.0), numbers.between(2.2, 4.0));
@@ -305,16 +302,16 @@ fn calls(options: &Options) -> String {
             }
             let prepare = (cpu_seconds() - start) / f64::from(rounds);
             let lights = lights.clone().with_selection(way);
-            let mut numbers = Numbers(1);
+            let mut numbers = Numbers::of(1);
             let mut receiver = || {
                 let point = Vec3::new(
                     numbers.between(-10.0, 10.0),
                     numbers.between(-10.0, 10.0),
                     numbers.between(0.0, 2.0),
                 );
-                let [a, b, c] = std::array::from_fn(|_| numbers.next());
+                let [a, b, c] = std::array::from_fn(|_| numbers.0.uniform_f32());
                 let normal = Vec3::new(a - 0.5, b - 0.5, c).normalize_or(Vec3::Z);
-                (point, normal, [numbers.next(), numbers.next(), numbers.next()])
+                (point, normal, [numbers.0.uniform_f32(), numbers.0.uniform_f32(), numbers.0.uniform_f32()])
             };
             let receivers: Vec<_> = (0..4096).map(|_| receiver()).collect();
             let sample = nanoseconds(&receivers, |&(point, normal, [u, a, b])| {
@@ -371,17 +368,4 @@ fn relative_mse(film: &FilmSums, reference: &FilmSums) -> f64 {
         }
     }
     sum / count
-}
-
-/// CPU time of the process in all its threads; wall time where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
-    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
-    // which Linux has 100 a second for user space.
-    let ticks = |text: String| -> Option<f64> {
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
-    };
-    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or_else(wall, |t| t / 100.0)
 }

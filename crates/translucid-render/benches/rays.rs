@@ -36,6 +36,7 @@ use translucid_profile::NormalizedDiffusion;
 use translucid_render::measure::Frame;
 use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
 use translucid_scene::{Mesh, Object, load_ply};
+use translucid_testing::{SplitMix, thread_cpu_seconds};
 
 const MESHES: [&str; 2] = ["dragon_198k", "dragon_870k"];
 
@@ -136,7 +137,7 @@ impl Bench {
     /// CPU seconds for all rays of a kind, and the hits they have.
     fn trace(&self, kind: &Kind) -> (f64, u64) {
         let geometry = &self.geometry;
-        let start = cpu_seconds();
+        let start = thread_cpu_seconds();
         let mut hits = 0_u64;
         for &Segment { origin, direction, length } in &kind.segments {
             let ray = Ray::segment(origin, direction, length);
@@ -147,7 +148,7 @@ impl Bench {
                 Question::Every => geometry.all_in_group(&ray, 0, |_| hits += 1),
             }
         }
-        (cpu_seconds() - start, hits)
+        (thread_cpu_seconds() - start, hits)
     }
 
     /// Reads a kind a line, traces it, and prints CPU seconds and hits.
@@ -193,14 +194,14 @@ struct Rays<'a> {
     mesh: &'a Mesh,
     center: Vec3,
     height: f32,
-    random: Random,
+    random: SplitMix,
 }
 
 impl<'a> Rays<'a> {
     fn new(geometry: &'a Geometry, mesh: &'a Mesh) -> Self {
         let (low, high) = mesh.bounds();
         let (center, height) = (0.5 * (low + high), high.y - low.y);
-        Self { geometry, mesh, center, height, random: Random(1) }
+        Self { geometry, mesh, center, height, random: SplitMix(1) }
     }
 
     fn kinds(mut self, count: usize) -> Vec<Kind> {
@@ -238,7 +239,7 @@ impl<'a> Rays<'a> {
             let x = (tile % tiles) * TILE_SIZE + inside % TILE_SIZE;
             let y = (tile / tiles) * TILE_SIZE + inside / TILE_SIZE;
             let at = |pixel: u32, u: f32| ((pixel as f32 + u) / SIZE as f32 - 0.5) * 0.6;
-            let (u, v) = (at(x, self.random.next()), at(y, self.random.next()));
+            let (u, v) = (at(x, self.random.uniform_f32()), at(y, self.random.uniform_f32()));
             let direction = frame.to_world(Vec3::new(u, v, 1.0)).normalize();
             rays.push(Segment { origin, direction, length: f32::INFINITY });
         }
@@ -255,15 +256,15 @@ impl<'a> Rays<'a> {
 
     /// A corner's neighborhood in a random triangle: near enough to uniform in area on a scanned mesh.
     fn surface_point(&mut self) -> Start {
-        let triangle = (self.random.next() * self.mesh.triangles.len() as f32) as usize;
+        let triangle = (self.random.uniform_f32() * self.mesh.triangles.len() as f32) as usize;
         let [a, b, c] = self.mesh.triangles[triangle].map(|corner| self.mesh.positions[corner as usize]);
-        let (u, v) = (self.random.next().sqrt(), self.random.next());
+        let (u, v) = (self.random.uniform_f32().sqrt(), self.random.uniform_f32());
         let normal = (b - a).cross(c - a).normalize_or(Vec3::Z);
         Start { position: a * (1.0 - u) + b * (u * (1.0 - v)) + c * (u * v), normal }
     }
 
     fn bounce(&mut self, start: &Start) -> Segment {
-        let (radius, angle) = (self.random.next().sqrt(), self.random.angle());
+        let (radius, angle) = (self.random.uniform_f32().sqrt(), self.angle());
         let up = (1.0 - radius * radius).max(0.0).sqrt();
         let local = Vec3::new(radius * angle.cos(), radius * angle.sin(), up);
         let direction = Frame::from_normal(start.normal).to_world(local).normalize();
@@ -271,7 +272,8 @@ impl<'a> Rays<'a> {
     }
 
     fn shadow(&mut self, start: &Start) -> Segment {
-        let offset = Vec3::new(self.random.next() - 0.5, 2.0, self.random.next() - 0.5) + Vec3::X;
+        let offset =
+            Vec3::new(self.random.uniform_f32() - 0.5, 2.0, self.random.uniform_f32() - 0.5) + Vec3::X;
         let origin = self.above(start);
         let way = self.center + offset * self.height - origin;
         Segment { origin, direction: way.normalize(), length: way.length() }
@@ -290,19 +292,24 @@ impl<'a> Rays<'a> {
         for start in starts {
             let Frame { x, y, z } = Frame::from_normal(start.normal);
             // Of three probes two go along the normal.
-            let (axis, first, second) = match (6.0 * self.random.next()) as u32 {
+            let (axis, first, second) = match (6.0 * self.random.uniform_f32()) as u32 {
                 0 => (x, y, z),
                 1 => (y, z, x),
                 _ => (z, x, y),
             };
-            let radius = profile.quantile(0.999 * f64::from(self.random.next())) as f32 * scale;
-            let (sin, cos) = self.random.angle().sin_cos();
+            let radius = profile.quantile(0.999 * f64::from(self.random.uniform_f32())) as f32 * scale;
+            let (sin, cos) = self.angle().sin_cos();
             let across = first * cos + second * sin;
             let half = (longest * longest - radius * radius).max(0.0).sqrt();
             let origin = start.position + across * radius + axis * half;
             segments.push(Segment { origin, direction: -axis, length: 2.0 * half });
         }
         segments
+    }
+
+    /// Uniform in [0, 2π).
+    fn angle(&mut self) -> f32 {
+        std::f32::consts::TAU * self.random.uniform_f32()
     }
 
     /// Flights of isotropic walks that end where they meet the surface.
@@ -312,8 +319,8 @@ impl<'a> Rays<'a> {
         for start in starts {
             let mut position = start.position - start.normal * (OFFSET * self.height);
             for _ in 0..MOST_FLIGHTS {
-                let length = -(1.0 - self.random.next()).ln() * MEAN_FREE_PATH * self.height;
-                let (z, angle) = (2.0 * self.random.next() - 1.0, self.random.angle());
+                let length = -(1.0 - self.random.uniform_f32()).ln() * MEAN_FREE_PATH * self.height;
+                let (z, angle) = (2.0 * self.random.uniform_f32() - 1.0, self.angle());
                 let across = (1.0 - z * z).max(0.0).sqrt();
                 let direction = Vec3::new(across * angle.cos(), across * angle.sin(), z).normalize();
                 segments.push(Segment { origin: position, direction, length });
@@ -329,31 +336,4 @@ impl<'a> Rays<'a> {
         segments.truncate(count);
         segments
     }
-}
-
-/// SplitMix64 [Steele, Lea & Flood 2014]: the same rays in every run.
-struct Random(u64);
-
-impl Random {
-    /// Uniform in [0, 1).
-    fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        (z >> 40) as f32 / (1_u64 << 24) as f32
-    }
-
-    fn angle(&mut self) -> f32 {
-        std::f32::consts::TAU * self.next()
-    }
-}
-
-/// CPU time of this thread; wall time where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
-    let nanoseconds = |text: String| text.split_whitespace().next()?.parse::<f64>().ok();
-    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok();
-    text.and_then(nanoseconds).map_or_else(wall, |ns| ns * 1e-9)
 }

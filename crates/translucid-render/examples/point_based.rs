@@ -21,12 +21,12 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use translucid_image::DisplayTransform;
 use translucid_profile::Model;
 use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, layer, measure};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, load_scene, still_life};
+use translucid_testing::cpu_seconds;
 
 const MODELS: [Model; 2] = [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined];
 const TOLERANCES: [f32; 3] = [0.8, 0.2, 0.05];
@@ -217,17 +217,4 @@ fn save(film: &FilmSums, scene: &Scene, options: &Options, name: &str) {
     let path = directory.join(format!("{name}.png"));
     let display = DisplayTransform { exposure: scene.film.exposure, tone_mapping: scene.film.tone_mapping };
     film.display_picture(&info).save_png(&path, display).unwrap_or_else(|error| panic!("{error}"));
-}
-
-/// CPU time of the process in all its threads; wall time where the system does not tell.
-fn cpu_seconds() -> f64 {
-    static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
-    let wall = || START.get_or_init(Instant::now).elapsed().as_secs_f64();
-    // Fields 14 and 15 of the line, counted behind the command's closing parenthesis: clock ticks, of
-    // which Linux has 100 a second for user space.
-    let ticks = |text: String| -> Option<f64> {
-        let fields: Vec<&str> = text.rsplit(')').next()?.split_whitespace().collect();
-        Some(fields.get(11)?.parse::<f64>().ok()? + fields.get(12)?.parse::<f64>().ok()?)
-    };
-    std::fs::read_to_string("/proc/self/stat").ok().and_then(ticks).map_or_else(wall, |t| t / 100.0)
 }

@@ -39,8 +39,6 @@ pub use conversion::{
 pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
-#[cfg(any(test, feature = "testing"))]
-pub use load::mutants;
 pub use load::{
     ExrChannels, ExtendedBase, LoadOptions, MeshFile, Piece, SceneBuilder, SceneFile, decode_image, load_exr,
     load_gltf, load_image, load_obj, load_ply, load_profile_table, load_scene, parse_gltf, parse_obj,

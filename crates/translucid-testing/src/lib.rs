@@ -1,4 +1,4 @@
-//! How much the project's tests count, and the meshes that some of them need.
+//! How much the project's tests count, the meshes that some of them need, and what tests and benches of several crates share.
 //!
 //! A test whose power is a number of photons, samples or repeats runs at an eighth of it, with bounds that are wider
 //! in proportion, unless the environment variable `TRANSLUCID_THOROUGH` is `1`.
@@ -6,8 +6,16 @@
 //! # Out of scope
 //! Helpers of one crate's tests stay in that crate.
 
+mod cpu_time;
+mod mutants;
+mod split_mix;
+
 use std::path::PathBuf;
 use std::sync::LazyLock;
+
+pub use cpu_time::{cpu_seconds, thread_cpu_seconds};
+pub use mutants::mutants;
+pub use split_mix::{SplitMix, golden_uniforms};
 
 /// Factor between the number of repeats of a thorough test and of a quick one.
 const QUICK: u32 = 8;

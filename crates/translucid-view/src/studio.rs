@@ -530,7 +530,7 @@ mod tests {
         let mut studio = Studio::new(&scene).unwrap();
         let (mut read, mut applied) = (0, 0);
         for text in MESSAGES {
-            for bytes in translucid_scene::mutants::mutants(text.as_bytes(), 10_500) {
+            for bytes in translucid_testing::mutants(text.as_bytes(), 10_500) {
                 read += 1;
                 let message = Numbered::parse(&String::from_utf8_lossy(&bytes)).message;
                 if message.is_ok_and(|message| studio.apply(message).is_ok()) {

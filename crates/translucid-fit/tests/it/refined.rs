@@ -15,7 +15,7 @@ use translucid_profile::{
     Configuration, ExactProfile, NormalizedDiffusion, Parameterization, RefinedDiffusion,
 };
 use translucid_reference::exact::HalfSpaceProfile;
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 const PARAMETERIZATIONS: [Parameterization; 2] = [Parameterization::Mfp, Parameterization::Dmfp];
@@ -237,19 +237,11 @@ fn coefficients_are_at_an_optimum() {
 #[test]
 fn samples_have_the_distribution() {
     let count = power(200_000) as usize;
-    let mut state = 0x5EED_u64;
-    // SplitMix64 (G. L. Steele, D. Lea and C. H. Flood 2014)
-    let mut random = || {
-        state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    };
+    let mut random = SplitMix(0x5EED);
     for configuration in CONFIGURATIONS {
         for a in [0.0, 0.1, 0.4, 0.7, 0.9, 1.0] {
             let p = refined(a, Parameterization::Mfp, configuration);
-            let mut shares: Vec<f64> = (0..count).map(|_| p.cdf(p.sample(random()))).collect();
+            let mut shares: Vec<f64> = (0..count).map(|_| p.cdf(p.sample(random.uniform()))).collect();
             shares.sort_by(f64::total_cmp);
             let step = |i: usize| i as f64 / count as f64;
             let gap = shares.iter().enumerate().map(|(i, share)| (share - step(i)).max(step(i + 1) - share));

@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use translucid_profile::{NormalizedDiffusion, NormalizedDiffusionF32};
+use translucid_testing::SplitMix;
 
 const D: f64 = 0.7;
 
@@ -132,26 +133,6 @@ fn pdf_area_spreads_pdf_over_the_circle() {
     }
 }
 
-/// S. Vigna's SplitMix64 (after G. Steele, D. Lea and C. Flood 2014): 53 bits of a uniform number.
-struct SplitMix64(u64);
-
-impl SplitMix64 {
-    fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        z ^ (z >> 31)
-    }
-
-    fn uniform(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn uniform_f32(&mut self) -> f32 {
-        (self.bits() >> 40) as f32 / (1u64 << 24) as f32
-    }
-}
-
 /// Kolmogorov and Smirnov: √n times the greatest distance between the cdf and 10⁶ draws.
 ///
 /// The bound 1.9495 is exceeded by chance once in 1,000 (false-alarm rate 0.1 % per test; seeds are fixed).
@@ -169,26 +150,26 @@ fn assert_distributed(p: &NormalizedDiffusion, mut draw: impl FnMut() -> f64) {
 
 #[test]
 fn sample_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix64(1));
+    let (p, mut random) = (profile(0.8), SplitMix(1));
     assert_distributed(&p, || p.sample(random.uniform()));
 }
 
 #[test]
 fn sample_of_f32_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix64(2));
+    let (p, mut random) = (profile(0.8), SplitMix(2));
     let twin = NormalizedDiffusionF32::from_d(D as f32);
     assert_distributed(&p, || f64::from(twin.sample(random.uniform_f32())));
 }
 
 #[test]
 fn quantile_of_a_random_number_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix64(3));
+    let (p, mut random) = (profile(0.8), SplitMix(3));
     assert_distributed(&p, || p.quantile(random.uniform()));
 }
 
 #[test]
 fn quantile_complement_of_f32_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix64(4));
+    let (p, mut random) = (profile(0.8), SplitMix(4));
     let twin = NormalizedDiffusionF32::from_d(D as f32);
     assert_distributed(&p, || f64::from(twin.quantile_complement(random.uniform_f32())));
 }

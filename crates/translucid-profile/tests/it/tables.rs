@@ -9,7 +9,7 @@ use translucid_profile::{
     ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization, PhotonBeamDiffusion,
     Profile, QuantizedDiffusion, StandardDipole, SumOfGaussians, TabulatedProfile,
 };
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 /// Error of a table's cdf below the median, and of 1 − cdf above it, that its documentation promises.
 const PROMISED: f64 = 1e-4;
@@ -255,20 +255,11 @@ fn kolmogorov_smirnov(mut samples: Vec<f64>, cdf: impl Fn(f64) -> f64) -> f64 {
 #[test]
 fn samples_are_distributed_like_the_source() {
     for (name, source, table) in &*TABLES {
-        let mut state = 1u64;
-        let radii = (0..power(100_000)).map(|_| table.sample(uniform(&mut state))).collect();
+        let mut random = SplitMix(1);
+        let radii = (0..power(100_000)).map(|_| table.sample(random.uniform())).collect();
         let statistic = kolmogorov_smirnov(radii, |r| source.enclosed(r) / source.surface_albedo());
         assert!(statistic < 2.2, "{name}: {statistic}");
     }
-}
-
-/// SplitMix64 (G. L. Steele, D. Lea and C. H. Flood 2014), as a number in [0, 1).
-fn uniform(state: &mut u64) -> f64 {
-    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
-    let mut z = *state;
-    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
 }
 
 /// Arguments that a caller may come to by mistake.
@@ -434,10 +425,10 @@ fn samples_of_views_are_distributed_like_their_cdf() {
     for (name, _, table) in &*EVERY_ALBEDO {
         let view = table.at(0.7654, 2.0);
         let r_max = view.truncation_radius(0.05);
-        let mut state = 7u64;
+        let mut random = SplitMix(7);
         for limit in [f64::INFINITY, r_max] {
             let mut sample = || {
-                let u = uniform(&mut state);
+                let u = random.uniform();
                 if limit.is_finite() { view.sample_within(u, limit) } else { view.sample(u) }
             };
             let radii: Vec<f64> = (0..power(100_000)).map(|_| sample()).collect();
@@ -630,9 +621,9 @@ fn samples_make_the_profile_they_are_of() {
 #[test]
 fn noise_and_zeros_make_a_distribution() {
     let [radii, mut reflectances, _] = samples();
-    let mut state = 3u64;
+    let mut random = SplitMix(3);
     for value in &mut reflectances {
-        *value *= 0.5 + uniform(&mut state);
+        *value *= 0.5 + random.uniform();
     }
     for i in [0, 7, 30, 31, 59, 60] {
         reflectances[i] = 0.0;

@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use translucid_profile::{AlbedoInversion, Configuration, fresnel_from_inside, fresnel_from_outside};
 use translucid_reference::Incidence;
 use translucid_reference::exact::single_scattering_albedo;
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 use crate::plain_walk::Random;
 
@@ -76,7 +76,7 @@ fn medium_has_the_albedo_of_a_walk() {
         for (configuration, _) in CONFIGURATIONS {
             let inversion = AlbedoInversion::new(g, eta, configuration).unwrap();
             let alpha = inversion.single_scattering_albedo(a);
-            let mut random = Random((number as u64) << 40);
+            let mut random = Random(SplitMix((number as u64) << 40));
             let mut count = 0_u64;
             for _ in 0..photons {
                 let cosine = entering_cosine(configuration, eta, &mut random);

@@ -11,7 +11,7 @@ use translucid_profile::quadrature::{gauss_legendre, integrate};
 use translucid_profile::{fresnel_from_inside, fresnel_from_outside};
 use translucid_reference::Incidence;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
-use translucid_testing::{bound, is_thorough, power};
+use translucid_testing::{SplitMix, bound, is_thorough, power};
 
 use crate::plain_walk::Random;
 use crate::solutions::{half_space, oblique};
@@ -106,7 +106,7 @@ fn refracted(eta: f64, cos: f64) -> f64 {
 /// Counts of a walk, and their deviate from the exact solution.
 fn compare(rings: &[f64], alpha: f64, eta: f64, cos: f64, seed: u64) -> (Vec<f64>, f64) {
     let half_space = oblique(alpha, eta, cos);
-    let mut random = Random(seed);
+    let mut random = Random(SplitMix(seed));
     let counts = count(rings, SECTORS, || walk(alpha, eta, refracted(eta, cos), &mut random));
     let z = deviate(&counts, &oblique_cells(rings, &half_space));
     (counts, z)
@@ -147,7 +147,7 @@ fn rings_under_a_boundary_agree_with_a_walk() {
         (0.9, 1.4, Incidence::UniformCosine, 7),
     ] {
         let solution = half_space(alpha, eta, incidence);
-        let mut random = Random(seed);
+        let mut random = Random(SplitMix(seed));
         let counts = count(&RINGS, 1, || {
             let cos = match incidence {
                 Incidence::Pencil { cos_theta } => refracted(eta, cos_theta),

@@ -5,8 +5,6 @@ mod gltf;
 mod image;
 mod mesh_file;
 mod mtl;
-#[cfg(any(test, feature = "testing"))]
-pub mod mutants;
 mod number;
 mod obj;
 mod ply;

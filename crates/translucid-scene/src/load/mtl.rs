@@ -342,8 +342,9 @@ impl MapOptions {
 
 #[cfg(test)]
 mod tests {
+    use translucid_testing::mutants;
+
     use super::*;
-    use crate::load::mutants::mutants;
     use crate::load::{MeshFile, load_obj};
 
     fn parsed(text: &str) -> Result<(Vec<Material>, String), SceneError> {

@@ -456,8 +456,9 @@ fn index(text: &[u8], count: usize) -> Result<u32, String> {
 
 #[cfg(test)]
 mod tests {
+    use translucid_testing::mutants;
+
     use super::*;
-    use crate::load::mutants::mutants;
 
     fn parsed_at(path: &Path, text: &str) -> Result<(MeshFile, String), SceneError> {
         let mut warnings = Vec::new();

@@ -249,10 +249,9 @@ fn index(value: f64) -> u32 {
 
 #[cfg(test)]
 mod tests {
-    use translucid_testing::power;
+    use translucid_testing::{mutants, power};
 
     use super::*;
-    use crate::load::mutants::mutants;
 
     fn parsed(bytes: &[u8]) -> Result<(Mesh, String), SceneError> {
         let mut warnings = Vec::new();

@@ -1,7 +1,7 @@
 //! Messages and files that nobody would send in good faith.
 
 use serde_json::{Value, json};
-use translucid_scene::mutants::mutants;
+use translucid_testing::mutants;
 
 use crate::client::{Served, small_still_life};
 

@@ -160,36 +160,29 @@ fn cubic(points: &[[f64; 2]], i: usize, column: usize) -> [f64; 4] {
 
 #[cfg(test)]
 mod tests {
+    use translucid_testing::SplitMix;
+
     use super::*;
     use crate::Medium;
 
-    /// S. Vigna's SplitMix64, uniform in [0, 1).
-    fn random(state: &mut u64) -> f64 {
-        *state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = *state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 * 2f64.powi(-53)
-    }
-
-    fn direction(state: &mut u64) -> [f32; 3] {
-        let z = 2.0 * random(state) - 1.0;
-        let (sin, cos) = (2.0 * std::f64::consts::PI * random(state)).sin_cos();
+    fn direction(random: &mut SplitMix) -> [f32; 3] {
+        let z = 2.0 * random.uniform() - 1.0;
+        let (sin, cos) = (2.0 * std::f64::consts::PI * random.uniform()).sin_cos();
         let radius = (1.0 - z * z).sqrt();
         [radius * cos, radius * sin, z].map(|c| c as f32)
     }
 
     #[test]
     fn eval_agrees_with_its_twin() {
-        let mut state = 1;
+        let mut random = SplitMix(1);
         for (alpha, eta) in [(0.0, 1.4), (0.3, 1.0), (0.9, 1.4), (0.999, 0.8), (1.0, 1.5)] {
             let medium = Medium::from_mfp(alpha, 2.0, 0.3).unwrap();
             let dipole = DirectionalDipole::from_medium(&medium, eta).unwrap();
             let single = DirectionalDipoleF32::from(&dipole);
             for _ in 0..20_000 {
-                let far = (12.0 * random(&mut state) - 9.0).exp() as f32;
-                let offset = direction(&mut state).map(|c| c * far);
-                let [omega, n_i, n_o] = [(); 3].map(|()| direction(&mut state));
+                let far = (12.0 * random.uniform() - 9.0).exp() as f32;
+                let offset = direction(&mut random).map(|c| c * far);
+                let [omega, n_i, n_o] = [(); 3].map(|()| direction(&mut random));
                 let wide = |v: [f32; 3]| v.map(f64::from);
                 let expected = dipole.eval(wide(offset), wide(omega), wide(n_i), wide(n_o));
                 let found = f64::from(single.eval(offset, omega, n_i, n_o));
@@ -260,12 +253,12 @@ mod tests {
     fn eval_is_finite_for_any_argument() {
         let specials =
             [0.0, -0.0, 1.0, -1.0, f32::NAN, f32::INFINITY, f32::MAX, f32::MIN_POSITIVE, 1e-45, 0.3];
-        let mut state = 2;
+        let mut random = SplitMix(2);
         for eta in [0.5, 1.0, 1.4] {
             for g in [-0.999, 0.0, 0.999_999] {
                 let table = DirectionalDipoleTable::new(eta, g, Parameterization::Dmfp).unwrap();
                 for _ in 0..300_000 {
-                    let mut any = || specials[(random(&mut state) * 10.0) as usize];
+                    let mut any = || specials[(random.uniform() * 10.0) as usize];
                     let dipole = table.at(any(), any());
                     let [offset, omega, n_i, n_o] = [(); 4].map(|()| [any(), any(), any()]);
                     let found = dipole.eval(offset, omega, n_i, n_o);

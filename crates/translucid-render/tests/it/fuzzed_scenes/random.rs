@@ -1,26 +1,23 @@
 //! Random choices that like extremes.
 
 use glam::Vec3;
+use translucid_testing::SplitMix;
 
-/// SplitMix64 [Steele, Lea & Flood 2014, "Fast Splittable Pseudorandom Number Generators"].
-pub(crate) struct Random(u64);
+/// Random numbers and what is made of them.
+pub(crate) struct Random(SplitMix);
 
 impl Random {
     pub(crate) fn new(seed: u64) -> Self {
-        Self(seed)
+        Self(SplitMix(seed))
     }
 
     pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        self.0.bits()
     }
 
     /// Uniform in [0, 1).
     pub(crate) fn unit(&mut self) -> f64 {
-        (self.next() >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.uniform()
     }
 
     /// Uniform in [−1, 1).
@@ -34,7 +31,7 @@ impl Random {
 
     /// Below `count`.
     pub(crate) fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
+        self.0.below(count)
     }
 
     pub(crate) fn pick<T: Copy>(&mut self, choices: &[T]) -> T {

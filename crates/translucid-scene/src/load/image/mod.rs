@@ -87,8 +87,9 @@ fn mend(pixels: &mut [[f32; 4]], place: &Place, warnings: &mut Vec<Warning>) {
 
 #[cfg(test)]
 mod tests {
+    use translucid_testing::mutants;
+
     use super::*;
-    use crate::load::mutants::mutants;
 
     fn decoded(bytes: &[u8]) -> Result<Image, SceneError> {
         decode_image(&Place::file(Path::new("a.png")), bytes, ColorSpace::Srgb, &mut Vec::new())

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde_json::json;
 use translucid_scene::{Material, MeshFile, Scene, Unit};
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 use super::builder::{File, parse, png};
 
@@ -57,25 +57,12 @@ fn everything() -> File {
     file
 }
 
-/// SplitMix64 (G. Steele, D. Lea & C. Flood, "Fast Splittable Pseudorandom Number Generators", 2014).
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, bound: usize) -> usize {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % bound as u64) as usize
-    }
-}
-
 /// Words that may stand where a digit stood.
 const NUMBERS: [&[u8]; 8] =
     [b"-1", b"0", b"99", b"1e39", b"4294967296", b"18446744073709551615", b"0.5", b"null"];
 
 /// One to three damages: a flipped bit, a random byte, a piece cut out or doubled, or another number.
-fn damage(bytes: &mut Vec<u8>, random: &mut Random) {
+fn damage(bytes: &mut Vec<u8>, random: &mut SplitMix) {
     for _ in 0..=random.below(3) {
         if bytes.is_empty() {
             return;
@@ -123,7 +110,7 @@ fn scene_of(file: MeshFile) -> Scene {
 fn no_damage_makes_the_loader_panic_or_return_a_scene_that_is_not_valid() {
     let file = everything();
     let originals = [file.glb(), file.gltf()];
-    let mut random = Random(2015);
+    let mut random = SplitMix(2015);
     let (mut sound, rounds) = (0, power(6000) as usize);
     for round in 0..rounds {
         let original = &originals[round % 2];

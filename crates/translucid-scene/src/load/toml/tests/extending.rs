@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 
 use glam::{Mat3, Vec3};
 use tempfile::TempDir;
+use translucid_testing::SplitMix;
 
-use super::mutation::{Random, mutate};
+use super::mutation::mutate;
 use crate::{
     ColorInput, Environment, Light, LoadOptions, Place, Scene, SceneError, SceneFile, Unit, Warning,
     load_scene,
@@ -442,7 +443,7 @@ fn mutated_changes_load_or_say_why_not() {
         [[material]]\nindex = 1\nbase_color = { factor = 0.5 }\n[[object]]\nname = \"ball\"\nmaterial = \"floor\"\n\
         [environment]\nrotation = 77\n";
     assert!(folder.try_load(text, &LoadOptions::default()).is_ok());
-    let mut random = Random(3);
+    let mut random = SplitMix(3);
     let mut valid = 0;
     for round in 0..500 {
         match folder.try_load(&mutate(text, &mut random), &LoadOptions::default()) {

@@ -2,29 +2,12 @@
 
 use std::path::Path;
 
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 use crate::{LoadOptions, SceneFile};
 
 /// A scene that uses every part of the format and no file.
 const SEED_SCENE: &str = include_str!("every_feature.toml");
-
-/// SplitMix64 (G. Steele, D. Lea, C. Flood 2014).
-pub(super) struct Random(pub(super) u64);
-
-impl Random {
-    pub(super) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    pub(super) fn below(&mut self, n: usize) -> usize {
-        (self.next() % n.max(1) as u64) as usize
-    }
-}
 
 /// Words that are likely to hurt.
 const WORDS: [&str; 24] = [
@@ -54,12 +37,12 @@ const WORDS: [&str; 24] = [
     "''",
 ];
 
-pub(super) fn mutate(text: &str, random: &mut Random) -> String {
+pub(super) fn mutate(text: &str, random: &mut SplitMix) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for _ in 0..=random.below(3) {
         let at = random.below(bytes.len());
         match random.below(8) {
-            0 => bytes[at] = random.next() as u8 & 0x7f,
+            0 => bytes[at] = random.bits() as u8 & 0x7f,
             1 => drop(bytes.drain(at..(at + random.below(40)).min(bytes.len()))),
             2 => drop(bytes.splice(at..at, WORDS[random.below(WORDS.len())].bytes())),
             3 => drop(bytes.splice(at..(at + 3).min(bytes.len()), WORDS[random.below(WORDS.len())].bytes())),
@@ -91,7 +74,7 @@ fn seed_scene_is_valid() {
 
 #[test]
 fn mutated_scenes_parse_or_say_where_not() {
-    let mut random = Random(1);
+    let mut random = SplitMix(1);
     let (mut valid, rounds) = (0, power(5_000));
     for round in 0..rounds {
         let text = mutate(SEED_SCENE, &mut random);
@@ -115,7 +98,7 @@ fn mutated_scenes_parse_or_say_where_not() {
 
 #[test]
 fn mutated_scenes_load_or_say_why_not() {
-    let mut random = Random(2);
+    let mut random = SplitMix(2);
     for round in 0..60 {
         let text = mutate(SEED_SCENE, &mut random);
         let Ok(file) = SceneFile::parse(&text, Path::new("mutated.toml")) else { continue };

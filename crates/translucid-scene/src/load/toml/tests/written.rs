@@ -8,9 +8,8 @@ use base64::engine::general_purpose::STANDARD;
 use glam::{Mat3, Quat, Vec3};
 use tempfile::TempDir;
 use translucid_image::ToneMapping;
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
-use super::mutation::Random;
 use crate::load::toml::text::{color, number, quoted};
 use crate::material::{PARAMETERS, Slot};
 use crate::{
@@ -134,21 +133,24 @@ impl Editing {
     }
 }
 
+/// Random edits.
+struct Random(SplitMix);
+
 impl Random {
-    fn chance(&mut self, one_in: usize) -> bool {
-        self.below(one_in) == 0
+    fn of(seed: u64) -> Self {
+        Self(SplitMix(seed))
     }
 
-    fn uniform(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1 << 24) as f32
+    fn chance(&mut self, one_in: usize) -> bool {
+        self.0.below(one_in) == 0
     }
 
     /// Any finite number, most of them of the size of 1.
     fn number(&mut self) -> f32 {
-        match self.below(6) {
-            0 => Some(f32::from_bits(self.next() as u32)).filter(|x| x.is_finite()).unwrap_or(1.0),
-            1 => [0.0, -0.0, 1.0, 0.1, 1e-45, 1e10][self.below(6)],
-            _ => 2.0 * self.uniform() - 0.5,
+        match self.0.below(6) {
+            0 => Some(f32::from_bits(self.0.bits() as u32)).filter(|x| x.is_finite()).unwrap_or(1.0),
+            1 => [0.0, -0.0, 1.0, 0.1, 1e-45, 1e10][self.0.below(6)],
+            _ => 2.0 * self.0.uniform_f32() - 0.5,
         }
     }
 
@@ -158,35 +160,35 @@ impl Random {
 
     /// Near length 1 only, as sums of rounded numbers are.
     fn direction(&mut self) -> Vec3 {
-        let v = Vec3::new(self.uniform() - 0.5, self.uniform() - 0.5, self.uniform() - 0.4);
+        let v = Vec3::new(self.0.uniform_f32() - 0.5, self.0.uniform_f32() - 0.5, self.0.uniform_f32() - 0.4);
         let exact = v.as_dvec3().normalize().as_vec3();
-        if self.chance(2) { exact } else { v.normalize() * (1.0 + 1e-6 * self.uniform()) }
+        if self.chance(2) { exact } else { v.normalize() * (1.0 + 1e-6 * self.0.uniform_f32()) }
     }
 
     fn rotation(&mut self) -> Mat3 {
-        Mat3::from_quat(Quat::from_axis_angle(self.direction().normalize(), 6.0 * self.uniform()))
+        Mat3::from_quat(Quat::from_axis_angle(self.direction().normalize(), 6.0 * self.0.uniform_f32()))
     }
 
     fn one<T: Copy>(&mut self, list: &[T]) -> T {
-        list[self.below(list.len())]
+        list[self.0.below(list.len())]
     }
 
     fn light(&mut self) -> Light {
         let place = self.vector().clamp(Vec3::splat(-1e10), Vec3::splat(1e10));
         let color = if self.chance(3) {
-            Vec3::splat(self.uniform())
+            Vec3::splat(self.0.uniform_f32())
         } else {
             self.vector().abs().min(Vec3::splat(1e12))
         };
-        let (radius, direction, visible) = (self.uniform() + 1e-3, self.direction(), self.chance(2));
-        match self.below(6) {
+        let (radius, direction, visible) = (self.0.uniform_f32() + 1e-3, self.direction(), self.chance(2));
+        match self.0.below(6) {
             0 => {
                 let turn = self.rotation();
-                let [edge_x, edge_y] = [turn.x_axis * radius, turn.y_axis * self.uniform().max(0.1)];
+                let [edge_x, edge_y] = [turn.x_axis * radius, turn.y_axis * self.0.uniform_f32().max(0.1)];
                 Light::Rectangle { center: place, edge_x, edge_y, radiance: color, visible }
             }
             1 => Light::Sphere { center: place, radius, radiance: color, visible },
-            2 => Light::Distant { direction, angular_radius: 80.0 * self.uniform(), irradiance: color },
+            2 => Light::Distant { direction, angular_radius: 80.0 * self.0.uniform_f32(), irradiance: color },
             3 => Light::Spot {
                 position: place,
                 direction,
@@ -195,8 +197,8 @@ impl Random {
                 outer_angle: 180.0,
             },
             4 => {
-                let outer_angle = 179.0 * self.uniform() + 0.5;
-                let inner_angle = 0.99 * outer_angle * self.uniform();
+                let outer_angle = 179.0 * self.0.uniform_f32() + 0.5;
+                let inner_angle = 0.99 * outer_angle * self.0.uniform_f32();
                 Light::Spot { position: place, direction, intensity: color, inner_angle, outer_angle }
             }
             _ => Light::Beam { origin: place, direction, radius, power: color },
@@ -216,7 +218,7 @@ impl Random {
                 }
                 Slot::Color(input) => {
                     input.factor = if self.chance(3) { Vec3::splat(self.number()) } else { self.vector() };
-                    match self.below(8) {
+                    match self.0.below(8) {
                         0 => input.texture = None,
                         1 => *input = ColorInput::vertex(),
                         2 => input.vertex_color = !input.vertex_color,
@@ -247,7 +249,7 @@ impl Random {
     }
 
     fn edit_environment(&mut self, scene: &mut Scene, sky: &Arc<Image>) {
-        match self.below(5) {
+        match self.0.below(5) {
             0 => scene.environment = None,
             1 => {
                 scene.images.push(sky.clone());
@@ -262,10 +264,10 @@ impl Random {
             environment.radiance = self.vector().abs().min(Vec3::splat(1e12));
             environment.visible = self.chance(2);
         }
-        match self.below(4) {
+        match self.0.below(4) {
             0 => environment.world_from_environment = self.rotation(),
             1 => {
-                let odd = self.uniform();
+                let odd = self.0.uniform_f32();
                 let angle = self.one(&[0.0, 30.0, -90.0, 180.0, 12.5, 359.0, 720.5]) + self.one(&[0.0, odd]);
                 environment.world_from_environment = Mat3::from_rotation_y(angle.to_radians());
             }
@@ -285,19 +287,19 @@ impl Random {
             scene.drop_unused_images();
         }
         if self.chance(3) {
-            scene.lights = (0..self.below(4)).map(|_| self.light()).collect();
+            scene.lights = (0..self.0.below(4)).map(|_| self.light()).collect();
         }
         self.edit_environment(&mut scene, &editing.sky());
         if self.chance(2) {
             scene.camera.position = self.vector().clamp(Vec3::splat(-1e10), Vec3::splat(1e10));
             scene.camera.up = self.direction();
-            scene.camera.horizontal_fov = 1.0 + 170.0 * self.uniform();
-            scene.camera.lens_radius = self.uniform();
+            scene.camera.horizontal_fov = 1.0 + 170.0 * self.0.uniform_f32();
+            scene.camera.lens_radius = self.0.uniform_f32();
         }
         let film = &mut scene.film;
-        match self.below(4) {
-            0 => film.exposure = 20.0 * self.uniform() - 10.0,
-            1 => film.width = 1 + self.below(3000) as u32,
+        match self.0.below(4) {
+            0 => film.exposure = 20.0 * self.0.uniform_f32() - 10.0,
+            1 => film.width = 1 + self.0.below(3000) as u32,
             2 => {
                 film.filter = self.one(&[FilterKind::Box, FilterKind::Gaussian, FilterKind::BlackmanHarris]);
                 film.filter_radius = self.one(&[film.filter_radius, 0.5, 1.25]);
@@ -305,20 +307,20 @@ impl Random {
             _ => film.tone_mapping = self.one(&[ToneMapping::Srgb, ToneMapping::Agx, ToneMapping::Neutral]),
         }
         let integrator = &mut scene.integrator;
-        match self.below(4) {
-            0 => integrator.seed = self.next(),
+        match self.0.below(4) {
+            0 => integrator.seed = self.0.bits(),
             1 => integrator.subsurface_method = SubsurfaceMethod::PointBased,
             2 => {
-                integrator.subsurface_tail = 0.1 * self.uniform() + 1e-9;
-                integrator.point_tolerance = 0.001 + 0.5 * self.uniform();
-                integrator.max_depth = 1 + self.below(1024) as u32;
+                integrator.subsurface_tail = 0.1 * self.0.uniform_f32() + 1e-9;
+                integrator.point_tolerance = 0.001 + 0.5 * self.0.uniform_f32();
+                integrator.max_depth = 1 + self.0.below(1024) as u32;
                 integrator.caustics = self.chance(2);
             }
             _ => {
-                integrator.samples_per_pixel = 1 + self.below(5000) as u32;
+                integrator.samples_per_pixel = 1 + self.0.below(5000) as u32;
                 integrator.subsurface_sharing = self.chance(2);
-                integrator.point_memory = 1 + self.below(5000) as u32;
-                integrator.max_diffuse_depth = self.below(1024) as u32;
+                integrator.point_memory = 1 + self.0.below(5000) as u32;
+                integrator.max_diffuse_depth = self.0.below(1024) as u32;
             }
         }
         scene
@@ -340,7 +342,7 @@ impl Random {
 
 #[test]
 fn edits_of_a_mesh_read_back_exactly() {
-    Random(1).check(&Editing::mesh(), power(2000));
+    Random::of(1).check(&Editing::mesh(), power(2000));
 }
 
 #[test]
@@ -350,18 +352,18 @@ fn edits_of_a_textured_gltf_read_back_exactly() {
     assert!(
         editing.scene.materials.iter().any(|m| m.base_color.texture.is_some() && m.base_color.vertex_color)
     );
-    Random(2).check(&editing, power(2000));
+    Random::of(2).check(&editing, power(2000));
 }
 
 #[test]
 fn edits_of_the_still_life_read_back_exactly() {
-    Random(3).check(&Editing::of("still-life", "", None, None), power(32));
+    Random::of(3).check(&Editing::of("still-life", "", None, None), power(32));
 }
 
 #[test]
 fn saved_edits_can_be_edited_and_saved_again() {
     let editing = Editing::gltf();
-    let mut random = Random(4);
+    let mut random = Random::of(4);
     for _ in 0..power(80) {
         let edited = random.edited(&editing);
         if edited.validate().is_err() {
@@ -467,9 +469,9 @@ fn what_cannot_be_said_is_refused() {
 
 #[test]
 fn every_number_reads_back() {
-    let mut random = Random(5);
+    let mut random = SplitMix(5);
     for i in 0..200_000_u32 {
-        let bits = if i < 4096 { i << 20 } else { random.next() as u32 };
+        let bits = if i < 4096 { i << 20 } else { random.bits() as u32 };
         let x = f32::from_bits(bits);
         if x.is_finite() {
             let text = number(x);
