@@ -156,7 +156,7 @@ fn hall(lamps: usize) -> Scene {
 }
 
 fn object(mesh: Mesh, material: usize, subsurface_group: u32) -> Object {
-    Object { name: format!("object {subsurface_group}"), mesh, material, subsurface_group }
+    Object { name: format!("object {subsurface_group}"), mesh: mesh.into(), material, subsurface_group }
 }
 
 fn add_quad(mesh: &mut Mesh, center: Vec3, x: Vec3, y: Vec3) {

@@ -108,7 +108,7 @@ impl Bench {
             return None;
         }
         let mesh = load_ply(&path, &mut Vec::new()).unwrap_or_else(|error| panic!("{error}"));
-        let object = Object { name: name.into(), mesh, material: 0, subsurface_group: 0 };
+        let object = Object { name: name.into(), mesh: mesh.into(), material: 0, subsurface_group: 0 };
         let start = Instant::now();
         let geometry = Geometry::new(std::slice::from_ref(&object));
         let build_seconds = start.elapsed().as_secs_f64();
@@ -165,7 +165,7 @@ impl Bench {
     /// Mesh and rays as little-endian numbers.
     fn write(&self, folder: &Path) -> std::io::Result<()> {
         std::fs::create_dir_all(folder)?;
-        let Mesh { positions, triangles, .. } = &self.mesh.mesh;
+        let Mesh { positions, triangles, .. } = &*self.mesh.mesh;
         std::fs::write(folder.join("vertices.f32"), bytemuck::cast_slice(positions))?;
         std::fs::write(folder.join("triangles.u32"), bytemuck::cast_slice(triangles))?;
         for kind in &self.kinds {

@@ -200,7 +200,7 @@ fn scene(triangles: u64, length: f32) -> Scene {
         integrator: Integrator::default(),
         objects: vec![Object {
             name: "ball".into(),
-            mesh: bumpy_ball(triangles),
+            mesh: bumpy_ball(triangles).into(),
             material: 0,
             subsurface_group: 0,
         }],

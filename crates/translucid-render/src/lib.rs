@@ -31,7 +31,7 @@
 //!     unit: Unit::Millimeter,
 //!     camera: Camera { position: Vec3::new(8.0, 12.0, 24.0), target: Vec3::Y * 4.0, ..Camera::default() },
 //!     film: Film { width: 64, height: 48, ..Film::default() },
-//!     objects: vec![Object { name: "pyramid".into(), mesh, ..Object::default() }],
+//!     objects: vec![Object { name: "pyramid".into(), mesh: mesh.into(), ..Object::default() }],
 //!     materials: vec![wax],
 //!     environment: Some(Environment { radiance: Vec3::splat(0.8), ..Environment::default() }),
 //!     ..Scene::default()

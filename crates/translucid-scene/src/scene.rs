@@ -55,8 +55,8 @@ impl Unit {
 pub struct Object {
     /// Name for messages and subsurface sets.
     pub name: String,
-    /// Geometry in world space.
-    pub mesh: Mesh,
+    /// Geometry in world space; scenes may share it.
+    pub mesh: Arc<Mesh>,
     /// Index into [`Scene::materials`].
     pub material: usize,
     /// Group of objects that share subsurface scattering: light may enter one and leave another. Any number.
@@ -73,7 +73,7 @@ pub struct Object {
 ///
 /// let mesh = build_shape("sphere", &ShapeParameters::new())?;
 /// let scene = Scene {
-///     objects: vec![Object { name: "ball".into(), mesh, ..Object::default() }],
+///     objects: vec![Object { name: "ball".into(), mesh: mesh.into(), ..Object::default() }],
 ///     materials: vec![Material::default()],
 ///     environment: Some(Environment::default()),
 ///     ..Scene::default()

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use serde_json::{Map, Value, json};
 use translucid_scene::{
-    Camera, Environment, Film, Image, Light, Material, Mesh, Object, Piece, Scene, SceneError, Unit,
+    Camera, Environment, Film, Image, Light, Material, Object, Piece, Scene, SceneError, Unit,
 };
 
 use crate::json;
@@ -139,7 +139,7 @@ impl Studio {
     /// A scene with the edits of the active side and without meshes, for one that differs in nothing else.
     pub(crate) fn edited(&self, from: &Scene) -> Scene {
         let look = self.active_look();
-        let names = from.objects.iter().map(|object| Object { mesh: Mesh::default(), ..object.clone() });
+        let names = from.objects.iter().map(|object| Object { mesh: Arc::default(), ..object.clone() });
         Scene {
             unit: from.unit,
             camera: self.camera,

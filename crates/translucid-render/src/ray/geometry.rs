@@ -60,7 +60,7 @@ impl SurfacePoint {
 ///     triangles: vec![[0, 1, 2]],
 ///     ..Mesh::default()
 /// };
-/// let objects = [Object { name: "triangle".into(), mesh, material: 0, subsurface_group: 0 }];
+/// let objects = [Object { name: "triangle".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }];
 /// let geometry = Geometry::new(&objects);
 /// let hit = geometry.closest(&Ray::new(Vec3::new(0.2, 0.2, 5.0), Vec3::NEG_Z)).unwrap();
 /// assert!((hit.t - 5.0).abs() < 1e-5);
@@ -250,6 +250,8 @@ where
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::*;
     use translucid_scene::Mesh;
 
@@ -265,7 +267,12 @@ mod tests {
             }
             mesh.triangles.push([3 * i, 3 * i + 1, 3 * i + 2]);
         }
-        vec![Object { name: "soup".into(), mesh, material: 0, subsurface_group: i32::MAX as u32 }]
+        vec![Object {
+            name: "soup".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: i32::MAX as u32,
+        }]
     }
 
     fn random_ray(i: u32) -> Ray {
@@ -283,7 +290,7 @@ mod tests {
         let singles: Vec<_> = (0..objects[0].mesh.triangles.len())
             .map(|number| {
                 let mut single = objects[0].clone();
-                single.mesh.triangles = vec![single.mesh.triangles[number]];
+                Arc::make_mut(&mut single.mesh).triangles = vec![objects[0].mesh.triangles[number]];
                 Geometry::new(&[single])
             })
             .collect();
@@ -316,8 +323,13 @@ mod tests {
         let objects: Vec<Object> = (0..3)
             .map(|group| {
                 let triangles = mesh.triangles.iter().copied().skip(group).step_by(3).collect();
-                let mesh = Mesh { triangles, ..mesh.clone() };
-                Object { name: "third".into(), mesh, material: 0, subsurface_group: group as u32 }
+                let mesh = Mesh { triangles, ..Mesh::clone(&mesh) };
+                Object {
+                    name: "third".into(),
+                    mesh: mesh.into(),
+                    material: 0,
+                    subsurface_group: group as u32,
+                }
             })
             .collect();
         let geometry = Geometry::new(&objects);
@@ -350,7 +362,7 @@ mod tests {
     #[test]
     fn coincident_triangles_build_and_hit() {
         let mut objects = soup(1);
-        objects[0].mesh.triangles = vec![[0, 1, 2]; 30_000];
+        Arc::make_mut(&mut objects[0].mesh).triangles = vec![[0, 1, 2]; 30_000];
         let mesh = &objects[0].mesh;
         let center = mesh.positions.iter().sum::<Vec3>() / 3.0;
         let geometry = Geometry::new(&objects);

@@ -5,6 +5,7 @@
 //! 2,700 comparisons).
 
 use std::f32::consts::{FRAC_1_PI, FRAC_PI_2};
+use std::sync::Arc;
 
 use glam::{Vec3, Vec4};
 use translucid_scene::{ColorInput, Light, Material, Mesh, ScalarInput, Scene};
@@ -66,8 +67,8 @@ fn emitter_sheds_its_light_whatever_it_is_made_of() {
 fn lamp_close_to_a_large_floor_is_not_its_own_obstacle() {
     let emitter = Material { emission_luminance: 1.0, ..matte(Vec3::ZERO) };
     let mut by_mesh = floor_and(lamp(), emitter);
-    by_mesh.objects[0].mesh = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
-    let mut by_rectangle = scene(vec![by_mesh.objects[0].mesh.clone()], matte(GRAY));
+    by_mesh.objects[0].mesh = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3).into();
+    let mut by_rectangle = scene(vec![Mesh::clone(&by_mesh.objects[0].mesh)], matte(GRAY));
     by_rectangle.lights.push(Light::Rectangle {
         center: Vec3::Z * 0.5,
         edge_x: Vec3::Y * 2.0,
@@ -180,6 +181,6 @@ fn fingerprint_sees_tangents() {
         prepared.fingerprint(&prepared.view().expect("a valid view"))
     };
     let before = fingerprint(scene.clone());
-    scene.objects[0].mesh.tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
+    Arc::make_mut(&mut scene.objects[0].mesh).tangents = vec![Vec4::new(1.0, 0.0, 0.0, 1.0); 4];
     assert_ne!(fingerprint(scene), before);
 }

@@ -53,7 +53,12 @@ fn hall() -> Scene {
         ..Material::default()
     };
     hall.materials.push(emitting);
-    hall.objects.push(Object { name: "shards".into(), mesh: shards, material: 1, subsurface_group: 1 });
+    hall.objects.push(Object {
+        name: "shards".into(),
+        mesh: shards.into(),
+        material: 1,
+        subsurface_group: 1,
+    });
     hall.camera =
         Camera { position: Vec3::new(0.0, -9.0, 6.0), target: Vec3::ZERO, up: Vec3::Z, ..hall.camera };
     hall.integrator.max_depth = 3;

@@ -58,7 +58,12 @@ fn bodies(model: Model) -> Scene {
     scene.materials.push(matte(Vec3::splat(0.4)));
     for (index, mesh) in [ball, small, ground].into_iter().enumerate() {
         let name = format!("object {index}");
-        scene.objects.push(Object { name, mesh, material: index, subsurface_group: index as u32 });
+        scene.objects.push(Object {
+            name,
+            mesh: mesh.into(),
+            material: index,
+            subsurface_group: index as u32,
+        });
     }
     scene.lights.push(Light::Rectangle {
         center: Vec3::new(3.0, 2.0, 3.0),
@@ -115,7 +120,12 @@ fn sharing_keeps_the_mean_of_every_region() {
             ..Material::default()
         });
         let mesh = quad(center, Vec3::X * 0.8, Vec3::Z * 0.8);
-        scene.objects.push(Object { name: "pane".into(), mesh, material: 3, subsurface_group: 3 });
+        scene.objects.push(Object {
+            name: "pane".into(),
+            mesh: mesh.into(),
+            material: 3,
+            subsurface_group: 3,
+        });
         scene.integrator.max_depth = 4;
         scene
     };

@@ -259,7 +259,7 @@ fn across_materials_the_exit_counts() {
     let mut scene = textured(both, vec![plane], &[albedo], &[length]);
     scene.materials.push(Material { subsurface_weight: ScalarInput::constant(1.0), ..Material::default() });
     scene.materials[1].specular_weight = ScalarInput::constant(0.0);
-    scene.objects.push(Object { name: "other".into(), mesh: other, material: 1, subsurface_group: 0 });
+    scene.objects.push(Object { name: "other".into(), mesh: other.into(), material: 1, subsurface_group: 0 });
     scene.environment = uniform_environment(Vec3::ONE);
     let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 15);
     assert_within("two materials", result, albedo);

@@ -194,7 +194,7 @@ fn layers_hold_what_their_names_say() {
     let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], glossy);
     scene.objects.push(Object {
         name: "lamp".into(),
-        mesh: quad(Vec3::new(0.0, 9.0, 9.0), Vec3::X, Vec3::new(0.0, -1.0, 1.0)),
+        mesh: quad(Vec3::new(0.0, 9.0, 9.0), Vec3::X, Vec3::new(0.0, -1.0, 1.0)).into(),
         material: 1,
         subsurface_group: 1,
     });

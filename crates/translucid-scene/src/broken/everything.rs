@@ -64,7 +64,12 @@ fn object(number: usize) -> Object {
     mesh.normals = mesh.smooth_normals();
     let tangent = |n: &Vec3| n.any_orthonormal_vector().extend(1.0);
     mesh.tangents = mesh.normals.iter().map(tangent).collect::<Vec<Vec4>>();
-    Object { name: format!("body {number}"), mesh, material: number, subsurface_group: number as u32 % 2 }
+    Object {
+        name: format!("body {number}"),
+        mesh: mesh.into(),
+        material: number,
+        subsurface_group: number as u32 % 2,
+    }
 }
 
 /// A material whose inputs all have images or vertex colors.

@@ -211,7 +211,7 @@ fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
     let place = |field: &str| format!("object {name}, {field}");
     v(&place("material"), Slot::Index(material));
     v(&place("subsurface_group"), Slot::Count(subsurface_group));
-    let Mesh { positions, normals, uvs, tangents, colors, triangles } = mesh;
+    let Mesh { positions, normals, uvs, tangents, colors, triangles } = Arc::make_mut(mesh);
     let place = |field: &str| place(&format!("mesh, {field}"));
     v(&place("positions"), Slot::List(positions));
     v(&place("normals"), Slot::List(normals));

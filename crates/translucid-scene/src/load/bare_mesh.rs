@@ -100,7 +100,7 @@ fn add_backdrop(model: &mut MeshFile, frame: &Stage) {
     }
     let subsurface_group = model.objects.iter().map(|object| object.subsurface_group + 1).max().unwrap_or(0);
     let name = material.name.clone();
-    model.objects.push(Object { name, mesh, material: model.materials.len(), subsurface_group });
+    model.objects.push(Object { name, mesh: mesh.into(), material: model.materials.len(), subsurface_group });
     model.materials.push(material);
 }
 

@@ -1,5 +1,7 @@
 //! Contents of a mesh file, whatever its format.
 
+use std::sync::Arc;
+
 use crate::{Camera, Image, Light, Material, Object};
 
 /// Contents of a mesh file; indices are into its own lists.
@@ -49,7 +51,8 @@ pub(crate) fn scale_lengths(model: &mut MeshFile, factor: f32) {
         return;
     }
     for object in &mut model.objects {
-        object.mesh.positions.iter_mut().for_each(|position| *position *= factor);
+        let mesh = Arc::make_mut(&mut object.mesh);
+        mesh.positions.iter_mut().for_each(|position| *position *= factor);
     }
     for material in &mut model.materials {
         material.transmission_depth *= factor;

@@ -112,7 +112,7 @@ fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, Scen
         return load_obj(path, warnings);
     }
     if extension(path) == "ply" {
-        let object = Object { name: stem(path), mesh: load_ply(path, warnings)?, ..Object::default() };
+        let object = Object { name: stem(path), mesh: load_ply(path, warnings)?.into(), ..Object::default() };
         return Ok(MeshFile { objects: vec![object], ..MeshFile::default() });
     }
     let message = match extension(path).as_str() {

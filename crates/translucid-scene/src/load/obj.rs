@@ -272,7 +272,7 @@ impl ObjFile {
                     let next = groups.len() as u32; // A file's parts are far fewer than 2³².
                     let subsurface_group = *groups.entry(&faces.name).or_insert(next);
                     let name = if faces.name.is_empty() { stem(path) } else { faces.name.clone() };
-                    objects.push(Object { name, mesh, material, subsurface_group });
+                    objects.push(Object { name, mesh: mesh.into(), material, subsurface_group });
                 }
                 Err(error) => {
                     let message = format!("part \"{}\" is left out: {}", faces.name, error.message);
@@ -472,9 +472,9 @@ mod tests {
     }
 
     fn mesh(text: &str) -> Mesh {
-        let (mut scene, warnings) = parsed(text).unwrap();
+        let (scene, warnings) = parsed(text).unwrap();
         assert_eq!((scene.objects.len(), warnings.as_str()), (1, ""));
-        scene.objects.remove(0).mesh
+        Mesh::clone(&scene.objects[0].mesh)
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";

@@ -223,7 +223,7 @@ mod tests {
     fn object(positions: Vec<Vec3>) -> Object {
         let triangles = (0..positions.len() as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
-        Object { name: String::new(), mesh, material: 0, subsurface_group: 0 }
+        Object { name: String::new(), mesh: mesh.into(), material: 0, subsurface_group: 0 }
     }
 
     /// Points of a lopsided blob, scaled and moved.

@@ -31,7 +31,7 @@ pub(crate) fn quad(center: Vec3, x: Vec3, y: Vec3) -> Mesh {
 pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
     let objects = meshes
         .into_iter()
-        .map(|mesh| Object { name: "object".into(), mesh, material: 0, subsurface_group: 0 })
+        .map(|mesh| Object { name: "object".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 })
         .collect();
     Scene {
         unit: Unit::Millimeter,

@@ -198,7 +198,7 @@ impl Assembly<'_> {
         }
         self.scene.objects.push(Object {
             name: name.to_owned(),
-            mesh,
+            mesh: mesh.into(),
             material: material.index,
             subsurface_group: self.next_group,
         });

@@ -269,7 +269,7 @@ impl SceneBuilder {
                 1 => entry.name.clone(),
                 _ => format!("{}/{}", entry.name, part.name),
             };
-            let mesh = ReadyMesh::new(entry, part.mesh.clone())?;
+            let mesh = ReadyMesh::new(entry, Mesh::clone(&part.mesh))?;
             self.add_mesh(entry, mesh, (name, material, part.subsurface_group), warnings)?;
         }
         self.scene
@@ -322,7 +322,7 @@ impl SceneBuilder {
         if subsurface_group == next {
             self.next_group += 1;
         }
-        self.scene.objects.push(Object { name, mesh, material, subsurface_group });
+        self.scene.objects.push(Object { name, mesh: mesh.into(), material, subsurface_group });
         Ok(())
     }
 

@@ -12,7 +12,7 @@ use super::material::{WORDS, WordParameter};
 use super::settings::{FILM, INTEGRATOR};
 use super::text::{color, number, numbers, quoted, vector};
 use crate::material::{PARAMETERS, Slot};
-use crate::{Camera, ColorInput, Light, Material, Mesh, Object, Scene, SceneError, SubsurfaceModel, Unit};
+use crate::{Camera, ColorInput, Light, Material, Object, Scene, SceneError, SubsurfaceModel, Unit};
 
 /// What a written scene file extends: its keys `extends`, `preset` and `unit`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -345,7 +345,7 @@ fn with_numbers_of(from: &Scene, to: &Scene) -> Scene {
 fn without_meshes(scene: &Scene) -> Scene {
     let object = |&Object { ref name, material, subsurface_group, .. }: &Object| Object {
         name: name.clone(),
-        mesh: Mesh::default(),
+        mesh: Arc::default(),
         material,
         subsurface_group,
     };

@@ -16,7 +16,7 @@ fn gltf_glb_and_external_buffers_are_the_same_scene() {
     let external = load_gltf(&path, Unit::Meter, &mut Vec::new()).unwrap();
     for bytes in [file.gltf(), file.glb()] {
         let loaded = parse(&bytes, Unit::Meter).unwrap();
-        assert_eq!(loaded.mesh(), &external.objects[0].mesh);
+        assert_eq!(loaded.mesh(), &*external.objects[0].mesh);
         assert_eq!(loaded.scene.objects[0].name, "body");
         assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     }

@@ -506,7 +506,8 @@ mod tests {
         let mut scene = translucid_scene::still_life(&translucid_scene::LoadOptions::default())
             .expect("the built-in scene is valid");
         scene.materials = vec![material];
-        scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 5 }];
+        scene.objects =
+            vec![Object { name: "o".into(), mesh: mesh.into(), material: 0, subsurface_group: 5 }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         scene
     }
@@ -590,7 +591,8 @@ mod tests {
             positions: corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec(),
             triangles: vec![[0, 1, 2], [0, 2, 3]],
             ..Mesh::default()
-        };
+        }
+        .into();
         scene.integrator.point_tolerance = 0.2;
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, set) = prepared.parts();

@@ -277,7 +277,8 @@ mod tests {
             subsurface_model: SubsurfaceModel::Profile(translucid_profile::Model::NormalizedDiffusion),
             ..Material::default()
         }];
-        scene.objects = vec![Object { name: "o".into(), mesh, material: 0, subsurface_group: 0 }];
+        scene.objects =
+            vec![Object { name: "o".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, set) = prepared.parts();
