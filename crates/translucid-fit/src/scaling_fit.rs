@@ -3,7 +3,7 @@
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
 use nalgebra::{DVector, Dyn, OMatrix, Owned, U3, Vector3};
 use translucid_profile::{
-    Configuration, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization, Profile,
+    Configuration, ExactProfile, Medium, NormalizedDiffusion, ParameterError, Parameterization,
     half_space_single_scattering_albedo, require,
 };
 
@@ -56,11 +56,6 @@ impl ScalingPoint {
     pub fn errors_of<const N: usize>(&self, s: f64, r_max: [f64; N]) -> [f64; N] {
         let profile = NormalizedDiffusion::from_d(self.surface_albedo, self.length / s);
         profile.map_or([2.0; N], |profile| self.judge.l1_errors(&profile, r_max))
-    }
-
-    /// L1 errors of any profile, whose mean free path must be 1, for several greatest radii.
-    pub fn errors_of_profile<const N: usize>(&self, profile: &dyn Profile, r_max: [f64; N]) -> [f64; N] {
-        self.judge.l1_errors(profile, r_max)
     }
 }
 

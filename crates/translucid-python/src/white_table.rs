@@ -355,12 +355,10 @@ impl WhiteTable {
         let (rule, albedo) = albedo(albedos[0], albedos[1])?;
         let shape = broadcast_shape(&[("r", r.shape()), (rule.name, albedo.shape())])?;
         let (radii, albedos) = (r.broadcast(&shape), albedo.broadcast(&shape));
-        let (mut values, mut errors) = (Vec::with_capacity(radii.len()), Vec::with_capacity(radii.len()));
+        let (mut values, mut errors) = (vec![0.0; radii.len()], vec![0.0; radii.len()]);
         // Elements in the order of their albedos: a view of the table is made for each once
         let mut order: Vec<usize> = (0..radii.len()).collect();
         order.sort_by(|&a, &b| albedos[a].total_cmp(&albedos[b]));
-        values.resize(radii.len(), 0.0);
-        errors.resize(radii.len(), 0.0);
         for group in order.chunk_by(|&a, &b| albedos[a] == albedos[b]) {
             py.check_signals()?;
             let fail = |error: ParameterError, i: usize| {

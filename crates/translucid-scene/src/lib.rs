@@ -54,8 +54,8 @@ pub use profile_table::{ProfileRow, ProfileTable};
 pub use scene::{Object, Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod};
 pub use shapes::{
-    FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_meaning,
-    shape_names, shape_parameters,
+    FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_names,
+    shape_parameters,
 };
 pub use still_life::still_life;
 pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};

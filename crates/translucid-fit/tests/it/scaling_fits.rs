@@ -131,14 +131,12 @@ fn polynomials_are_as_stated() {
     }
 }
 
-/// A point's judge serves other profiles, too.
 #[test]
-fn point_judges_any_profile() {
+fn error_of_a_scale_is_the_distance_of_its_profile() {
     let point = &fit(SEARCHLIGHT_MFP).points()[49];
     let exact = ExactProfile::new(0.5, 1.0, Parameterization::Mfp, Configuration::Searchlight).unwrap();
     let burley = NormalizedDiffusion::from_d(0.5, 1.0 / point.s).unwrap();
-    let [found] = point.errors_of_profile(&burley as &dyn Profile, [8.0]);
-    assert_eq!(found, Judge::new(&exact).l1_error(&burley, 8.0));
+    assert_eq!(point.error_of(point.s, 8.0), Judge::new(&exact).l1_error(&burley, 8.0));
     assert_eq!(point.error_of(-1.0, 8.0), 2.0);
 }
 

@@ -137,11 +137,6 @@ impl Medium {
         1.0 / self.sigma_t_prime()
     }
 
-    /// Classical diffusion coefficient D = 1/(3σ'_t) \[L\].
-    pub fn diffusion_coefficient_classical(&self) -> f64 {
-        self.transport_mfp() / 3.0
-    }
-
     /// Grosjean's diffusion coefficient D_G = (2σ_a + σ'_s)/(3σ'_t²) \[L\].
     ///
     /// C. C. Grosjean 1956, as in E. d'Eon and G. Irving, *A Quantized-Diffusion Model for Rendering
@@ -224,7 +219,6 @@ mod tests {
         close(m.sigma_t_prime(), 0.6);
         close(m.alpha_prime(), 2.0 / 3.0);
         close(m.transport_mfp(), 5.0 / 3.0);
-        close(m.diffusion_coefficient_classical(), 5.0 / 9.0);
         // D_G = (0.4 + 0.4)/(3·0.36) = 20/27, σ_tr² = 0.2·27/20 = 0.27
         close(m.diffusion_coefficient(), 20.0 / 27.0);
         close(m.sigma_tr(), 0.27f64.sqrt());
@@ -272,7 +266,6 @@ mod tests {
                     m.sigma_t_prime(),
                     m.alpha_prime(),
                     m.transport_mfp(),
-                    m.diffusion_coefficient_classical(),
                     m.diffusion_coefficient(),
                     m.sigma_tr(),
                     m.dmfp(),

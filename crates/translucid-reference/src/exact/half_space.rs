@@ -24,6 +24,16 @@ enum Solution {
     Boundary(Box<DielectricHalfSpace>),
 }
 
+/// Asks whichever solution it is.
+macro_rules! solution {
+    ($half_space:expr, $method:ident($($argument:expr)?)) => {
+        match &$half_space.0 {
+            Solution::Matched(matched) => matched.$method($($argument)?),
+            Solution::Boundary(boundary) => boundary.$method($($argument)?),
+        }
+    };
+}
+
 impl HalfSpace {
     /// Solves the half space of a single-scattering albedo α ∈ (0, 1] under light of the given entry.
     ///
@@ -100,26 +110,17 @@ impl HalfSpace {
 
     /// Single-scattering albedo α.
     pub fn single_scattering_albedo(&self) -> f64 {
-        match &self.0 {
-            Solution::Matched(matched) => matched.single_scattering_albedo(),
-            Solution::Boundary(boundary) => boundary.single_scattering_albedo(),
-        }
+        solution!(self, single_scattering_albedo())
     }
 
     /// Profile of the light that is scattered once.
     pub fn single_scattering(&self) -> &SingleScattering {
-        match &self.0 {
-            Solution::Matched(matched) => matched.single_scattering(),
-            Solution::Boundary(boundary) => boundary.single_scattering(),
-        }
+        solution!(self, single_scattering())
     }
 
     /// Surface albedo A = ∫ R 2πr dr.
     pub fn total(&self) -> Estimate {
-        match &self.0 {
-            Solution::Matched(matched) => matched.total(),
-            Solution::Boundary(boundary) => boundary.total(),
-        }
+        solution!(self, total())
     }
 
     /// Profile R(r) \[ℓ⁻²\].
@@ -128,10 +129,7 @@ impl HalfSpace {
     /// number as that one. NaN counts as 0.
     pub fn eval(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        match &self.0 {
-            Solution::Matched(matched) => matched.eval(r),
-            Solution::Boundary(boundary) => boundary.eval(r),
-        }
+        solution!(self, eval(r))
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr', which rises to the total.
@@ -151,19 +149,13 @@ impl HalfSpace {
 
     fn split(&self, r: f64) -> [Estimate; 2] {
         let r = positive_radius(r);
-        match &self.0 {
-            Solution::Matched(matched) => matched.split(r),
-            Solution::Boundary(boundary) => boundary.split(r),
-        }
+        solution!(self, split(r))
     }
 
     /// Hankel transform R̂(k) = ∫ R(r) J₀(kr) 2πr dr of the wave number k ≥ 0.
     pub fn hankel(&self, k: f64) -> Estimate {
         let k = if k > 0.0 { k } else { 0.0 };
-        match &self.0 {
-            Solution::Matched(matched) => matched.hankel(k),
-            Solution::Boundary(boundary) => boundary.hankel(k),
-        }
+        solution!(self, hankel(k))
     }
 }
 

@@ -17,6 +17,20 @@ pub(super) fn read_size(item: &Item<'_>) -> Result<[u32; 2], SceneError> {
     Ok([size[0].count(Film::EDGE)?, size[1].count(Film::EDGE)?])
 }
 
+/// A key that is a field of the same name: how it is read, and as what text it is written.
+macro_rules! field {
+    ($field:ident: $read:ident($($range:expr)?), |$value:ident| $text:expr) => {
+        Setting {
+            key: stringify!($field),
+            read: |item, to| item.$read($($range)?).map(|value| to.$field = value),
+            write: |of| {
+                let $value = of.$field;
+                $text
+            },
+        }
+    };
+}
+
 pub(super) const FILM: &[Setting<Film>] = &[
     Setting {
         key: "size",
@@ -34,72 +48,20 @@ pub(super) const FILM: &[Setting<Film>] = &[
         },
         write: |film| quoted(word_of(&FILTERS, film.filter)),
     },
-    Setting {
-        key: "filter_radius",
-        read: |item, film| item.number(Film::FILTER_RADIUS).map(|x| film.filter_radius = x),
-        write: |film| number(film.filter_radius),
-    },
-    Setting {
-        key: "exposure",
-        read: |item, film| item.number(Film::EXPOSURE).map(|x| film.exposure = x),
-        write: |film| number(film.exposure),
-    },
-    Setting {
-        key: "tone_mapping",
-        read: |item, film| item.word(&ToneMapping::WORDS).map(|word| film.tone_mapping = word),
-        write: |film| quoted(word_of(&ToneMapping::WORDS, film.tone_mapping)),
-    },
+    field!(filter_radius: number(Film::FILTER_RADIUS), |x| number(x)),
+    field!(exposure: number(Film::EXPOSURE), |x| number(x)),
+    field!(tone_mapping: word(&ToneMapping::WORDS), |word| quoted(word_of(&ToneMapping::WORDS, word))),
 ];
 
 pub(super) const INTEGRATOR: &[Setting<Integrator>] = &[
-    Setting {
-        key: "samples_per_pixel",
-        read: |item, to| item.count(Integrator::SAMPLES).map(|n| to.samples_per_pixel = n),
-        write: |of| of.samples_per_pixel.to_string(),
-    },
-    Setting {
-        key: "max_depth",
-        read: |item, to| item.count(Integrator::DEPTH).map(|n| to.max_depth = n),
-        write: |of| of.max_depth.to_string(),
-    },
-    Setting {
-        key: "max_diffuse_depth",
-        read: |item, to| item.count(Integrator::DIFFUSE_DEPTH).map(|n| to.max_diffuse_depth = n),
-        write: |of| of.max_diffuse_depth.to_string(),
-    },
-    Setting {
-        key: "caustics",
-        read: |item, to| item.boolean().map(|is_on| to.caustics = is_on),
-        write: |of| of.caustics.to_string(),
-    },
-    Setting {
-        key: "subsurface_tail",
-        read: |item, to| item.number(Integrator::TAIL).map(|x| to.subsurface_tail = x),
-        write: |of| number(of.subsurface_tail),
-    },
-    Setting {
-        key: "subsurface_method",
-        read: |item, to| item.word(&SubsurfaceMethod::WORDS).map(|word| to.subsurface_method = word),
-        write: |of| quoted(of.subsurface_method.name()),
-    },
-    Setting {
-        key: "subsurface_sharing",
-        read: |item, to| item.boolean().map(|is_on| to.subsurface_sharing = is_on),
-        write: |of| of.subsurface_sharing.to_string(),
-    },
-    Setting {
-        key: "point_tolerance",
-        read: |item, to| item.number(Integrator::TOLERANCE).map(|x| to.point_tolerance = x),
-        write: |of| number(of.point_tolerance),
-    },
-    Setting {
-        key: "point_memory",
-        read: |item, to| item.count(Integrator::MEMORY).map(|n| to.point_memory = n),
-        write: |of| of.point_memory.to_string(),
-    },
-    Setting {
-        key: "seed",
-        read: |item, to| item.integer(WholeInterval::new(0, u64::MAX)).map(|n| to.seed = n),
-        write: |of| of.seed.to_string(),
-    },
+    field!(samples_per_pixel: count(Integrator::SAMPLES), |n| n.to_string()),
+    field!(max_depth: count(Integrator::DEPTH), |n| n.to_string()),
+    field!(max_diffuse_depth: count(Integrator::DIFFUSE_DEPTH), |n| n.to_string()),
+    field!(caustics: boolean(), |is_on| is_on.to_string()),
+    field!(subsurface_tail: number(Integrator::TAIL), |x| number(x)),
+    field!(subsurface_method: word(&SubsurfaceMethod::WORDS), |method| quoted(method.name())),
+    field!(subsurface_sharing: boolean(), |is_on| is_on.to_string()),
+    field!(point_tolerance: number(Integrator::TOLERANCE), |x| number(x)),
+    field!(point_memory: count(Integrator::MEMORY), |n| n.to_string()),
+    field!(seed: integer(WholeInterval::new(0, u64::MAX)), |n| n.to_string()),
 ];
