@@ -10,6 +10,9 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyFloat, PyInt, PyTuple};
 
+/// An object of Python's, whatever its type.
+pub(crate) type Any<'py> = Bound<'py, PyAny>;
+
 /// Elements that are converted at a time where a function cannot read an array in its place.
 const CHUNK: usize = 1024;
 
@@ -67,7 +70,7 @@ impl<'py> Numbers<'py> {
     ///
     /// # Errors
     /// `TypeError` if NumPy makes no real numbers of it, `ValueError` if rows are of unequal length.
-    pub(crate) fn extract(name: &str, object: &Bound<'py, PyAny>) -> PyResult<Self> {
+    pub(crate) fn extract(name: &str, object: &Any<'py>) -> PyResult<Self> {
         if let Ok(number) = object.cast::<PyFloat>() {
             return Ok(Self::One(number.value()));
         }
@@ -98,7 +101,7 @@ impl<'py> Numbers<'py> {
         Self::in_place(&array)?.ok_or_else(|| PyTypeError::new_err(format!("{name} must be real numbers")))
     }
 
-    fn in_place(object: &Bound<'py, PyAny>) -> PyResult<Option<Self>> {
+    fn in_place(object: &Any<'py>) -> PyResult<Option<Self>> {
         match (object.cast::<PyArrayDyn<f64>>(), object.cast::<PyArrayDyn<f32>>()) {
             (Ok(array), _) if is_aligned(array) => Ok(Some(Self::Double(array.try_readonly()?))),
             (_, Ok(array)) if is_aligned(array) => Ok(Some(Self::Single(array.try_readonly()?))),
@@ -187,9 +190,9 @@ impl<'py> Numbers<'py> {
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
-        out: Option<&Bound<'py, PyAny>>,
+        out: Option<&Any<'py>>,
         f: impl Fn(&[f64], &mut [f64]) + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Any<'py>> {
         match self {
             Self::One(x) => {
                 self.require(rule)?;
@@ -229,10 +232,10 @@ impl<'py> Numbers<'py> {
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
-        out: Option<&Bound<'py, PyAny>>,
+        out: Option<&Any<'py>>,
         array: &PyReadonlyArrayDyn<'py, T>,
         f: &(impl Fn(&[f64], &mut [f64]) + Send + Sync),
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Any<'py>> {
         let view = array.as_array();
         let memory = Memory::<T>::new(py, view.shape(), Order::C, out, &[array.as_any()])?;
         let mut chunks = Chunks::new(&view, rule);
@@ -248,11 +251,11 @@ impl<'py> Numbers<'py> {
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
-        out: Option<&Bound<'py, PyAny>>,
+        out: Option<&Any<'py>>,
         shape: &[usize],
         indices: &ArrayViewD<'_, u32>,
         f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Any<'py>> {
         self.require(rule)?;
         let known = "`broadcast_shape` has found that it can be";
         let indices = indices.broadcast(IxDyn(shape)).expect(known);
@@ -263,7 +266,7 @@ impl<'py> Numbers<'py> {
             shape: &[usize],
             indices: &ArrayViewD<'_, u32>,
             f: impl Fn(u32, &[f64], &mut [f64]) + Send + Sync,
-        ) -> PyResult<Bound<'py, PyAny>> {
+        ) -> PyResult<Any<'py>> {
             let view = view.broadcast(IxDyn(shape)).expect("`broadcast_shape` has found that it can be");
             // Known to be good, and as often as it is repeated
             let anything = Rule::new("", "", f64::NEG_INFINITY, f64::INFINITY);
@@ -401,8 +404,8 @@ impl<'py, T: Real> Memory<'py, T> {
         py: Python<'py>,
         shape: &[usize],
         order: Order,
-        out: Option<&Bound<'py, PyAny>>,
-        sources: &[&Bound<'py, PyAny>],
+        out: Option<&Any<'py>>,
+        sources: &[&Any<'py>],
     ) -> PyResult<Self> {
         let fresh = || PyArrayDyn::zeros(py, shape, order == Order::Fortran);
         let Some(given) = out else { return Ok(Self { array: fresh(), out: None }) };
@@ -427,7 +430,7 @@ impl<'py, T: Real> Memory<'py, T> {
         }
         let numpy = py.import("numpy")?;
         let overlaps =
-            |source: &&Bound<'py, PyAny>| numpy.call_method1("may_share_memory", (out, *source))?.is_truthy();
+            |source: &&Any<'py>| numpy.call_method1("may_share_memory", (out, *source))?.is_truthy();
         let is_in_order = match order {
             Order::C => out.is_c_contiguous(),
             Order::Fortran => out.is_fortran_contiguous(),
@@ -441,7 +444,7 @@ impl<'py, T: Real> Memory<'py, T> {
     }
 
     /// Has the elements written, and returns the array; without dimensions a scalar, as NumPy's own functions do.
-    fn write(self, work: impl FnOnce(&mut [T]) -> PyResult<()>) -> PyResult<Bound<'py, PyAny>> {
+    fn write(self, work: impl FnOnce(&mut [T]) -> PyResult<()>) -> PyResult<Any<'py>> {
         {
             let in_use = |_| PyValueError::new_err("out is in use by another call");
             let mut array = self.array.try_readwrite().map_err(in_use)?;
@@ -491,7 +494,7 @@ fn in_blocks(py: Python<'_>, elements: usize, mut work: impl FnMut(Range<usize>)
 }
 
 /// A result without dimensions is a scalar, as NumPy's own functions return it.
-fn scalar_if_0d<T: Real>(out: Bound<'_, PyArrayDyn<T>>) -> PyResult<Bound<'_, PyAny>> {
+fn scalar_if_0d<T: Real>(out: Bound<'_, PyArrayDyn<T>>) -> PyResult<Any<'_>> {
     if out.ndim() == 0 { out.get_item(PyTuple::empty(out.py())) } else { Ok(out.into_any()) }
 }
 
@@ -524,7 +527,7 @@ pub(crate) fn array_like<'py>(
     arguments: &[&Numbers<'py>],
     shape: &[usize],
     numbers: Vec<f64>,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Any<'py>> {
     if arguments.iter().all(|numbers| matches!(numbers, Numbers::One(_)))
         && let ([], [number]) = (shape, &numbers[..])
     {
@@ -540,9 +543,6 @@ pub(crate) fn array_like<'py>(
     }
 }
 
-fn shaped<'py, T: Real>(
-    array: &Bound<'py, numpy::PyArray1<T>>,
-    shape: &[usize],
-) -> PyResult<Bound<'py, PyAny>> {
+fn shaped<'py, T: Real>(array: &Bound<'py, numpy::PyArray1<T>>, shape: &[usize]) -> PyResult<Any<'py>> {
     scalar_if_0d(array.reshape(IxDyn(shape))?)
 }

@@ -6,7 +6,7 @@ use pyo3::types::PyDict;
 use translucid_profile::convention::{LengthUnit, Role, System};
 use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, SceneError, Setting, Unit};
 
-use crate::arrays::{Numbers, array_like};
+use crate::arrays::{Any, Numbers, array_like};
 use crate::names;
 
 /// System, parameter, channel, value, unit, what is equal, source.
@@ -21,7 +21,7 @@ fn unit(name: &str, text: &str) -> PyResult<Unit> {
 }
 
 /// One number or three.
-fn values(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+fn values(name: &str, object: &Any<'_>) -> PyResult<Vec<f64>> {
     let numbers = Numbers::extract(name, object)?;
     match numbers.shape() {
         [] | [1 | 3] => Ok(numbers.broadcast(&[numbers.shape().iter().product()])),
@@ -33,7 +33,7 @@ fn values(name: &str, object: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
 }
 
 fn settings(argument: &str, system: &str, parameters: &Bound<'_, PyDict>) -> PyResult<Vec<Setting>> {
-    let setting = |(name, value): (Bound<'_, PyAny>, Bound<'_, PyAny>)| {
+    let setting = |(name, value): (Any<'_>, Any<'_>)| {
         let name: String = name.extract()?;
         let values = values(&name, &value)?;
         Setting::new(argument, system, &name, values).map_err(fail)
@@ -49,7 +49,7 @@ fn settings(argument: &str, system: &str, parameters: &Bound<'_, PyDict>) -> PyR
 pub(crate) fn _convert(
     source: &str,
     parameters: &Bound<'_, PyDict>,
-    surface_albedo: Option<&Bound<'_, PyAny>>,
+    surface_albedo: Option<&Any<'_>>,
     unit: &str,
     to_unit: Option<&str>,
     to: Vec<String>,
@@ -152,13 +152,13 @@ impl Preset {
 
     /// Surface albedo, in [0, 1]; array of shape (3,).
     #[getter]
-    fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         array_like(py, &[&Numbers::One(0.0)], &[3], self.0.surface_albedo().to_array().to_vec())
     }
 
     /// Mean free path in millimeters; array of shape (3,).
     #[getter]
-    fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         array_like(py, &[&Numbers::One(0.0)], &[3], self.0.mfp_in_millimeters().to_array().to_vec())
     }
 

@@ -11,7 +11,7 @@ use translucid_fit::{
 };
 use translucid_profile::{ParameterError, Parameterization};
 
-use crate::arrays::{Numbers, Rule, array_like};
+use crate::arrays::{Any, Numbers, Rule, array_like};
 use crate::profile::Profile;
 use crate::profiles::SharedProfile;
 use crate::{long_work, names};
@@ -86,7 +86,7 @@ impl Fit {
     }
 }
 
-fn numbers<'py>(py: Python<'py>, numbers: impl Iterator<Item = f64>) -> PyResult<Bound<'py, PyAny>> {
+fn numbers<'py>(py: Python<'py>, numbers: impl Iterator<Item = f64>) -> PyResult<Any<'py>> {
     // What nothing limits is as large as can be
     let numbers: Vec<f64> = numbers.map(|x| x.min(f64::MAX)).collect();
     array_like(py, &[&Numbers::One(0.0)], &[numbers.len()], numbers)
@@ -114,26 +114,26 @@ impl Fit {
 
     /// Shares of the energy, of sum 1, one for each term.
     #[getter]
-    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn weights<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         numbers(py, self.weights.iter().map(|weight| weight.value))
     }
 
     /// Their standard errors.
     #[getter]
-    fn weight_errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn weight_errors<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         numbers(py, self.weights.iter().map(|weight| weight.error))
     }
 
     /// Lengths of the terms, rising, in the unit of r: d of normalized diffusion, 1/rate of an exponential, the standard
     /// deviation of a Gaussian.
     #[getter]
-    fn scales<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn scales<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         numbers(py, self.scales.iter().map(|scale| scale.value))
     }
 
     /// Their standard errors; as large as a number can be where the samples do not determine one.
     #[getter]
-    fn scale_errors<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn scale_errors<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         numbers(py, self.scales.iter().map(|scale| scale.error))
     }
 
@@ -157,7 +157,7 @@ impl Fit {
 
     /// (fit - reflectance)/error of each sample, without errors in units of the reflectance; None for a profile.
     #[getter]
-    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn residuals<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         match &self.quality {
             Quality::Samples { residuals, .. } => numbers(py, residuals.iter().copied()).map(Some),
             Quality::Profile { .. } => Ok(None),
@@ -261,11 +261,11 @@ impl Fit {
 #[pyo3(signature = (r, reflectance=None, error=None, *, family="exponentials", terms=None))]
 pub(crate) fn fit(
     py: Python<'_>,
-    r: &Bound<'_, PyAny>,
-    reflectance: Option<&Bound<'_, PyAny>>,
-    error: Option<&Bound<'_, PyAny>>,
+    r: &Any<'_>,
+    reflectance: Option<&Any<'_>>,
+    error: Option<&Any<'_>>,
     family: &str,
-    terms: Option<&Bound<'_, PyAny>>,
+    terms: Option<&Any<'_>>,
 ) -> PyResult<Fit> {
     let Some(&family) = FAMILIES.iter().find(|known| **known == family) else {
         return Err(names::unknown("family", family, &FAMILIES));
@@ -327,11 +327,7 @@ fn fit_samples(family: &'static str, samples: &[Sample], errors: Errors, terms: 
 }
 
 /// The samples of a call, in the ranges that the fit has.
-fn samples(
-    r: &Bound<'_, PyAny>,
-    reflectance: &Bound<'_, PyAny>,
-    error: Option<&Bound<'_, PyAny>>,
-) -> PyResult<(Vec<Sample>, Errors)> {
+fn samples(r: &Any<'_>, reflectance: &Any<'_>, error: Option<&Any<'_>>) -> PyResult<(Vec<Sample>, Errors)> {
     let r = Numbers::extract("r", r)?;
     let reflectance = Numbers::extract("reflectance", reflectance)?;
     let error = error.map(|object| Numbers::extract("error", object)).transpose()?;
@@ -418,8 +414,8 @@ pub(crate) fn fit_scaling<'py>(
     py: Python<'py>,
     configuration: &str,
     parameter: &str,
-    surface_albedo: Option<&Bound<'py, PyAny>>,
-    max_radius: Option<&Bound<'py, PyAny>>,
+    surface_albedo: Option<&Any<'py>>,
+    max_radius: Option<&Any<'py>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let configuration = names::configuration(configuration)?;
     let parameterization = match parameter {

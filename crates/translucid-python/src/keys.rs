@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 use translucid_scene::{ColorSpace, Image, Piece, Pixels};
 
-use crate::arrays::{Numbers, Rule};
+use crate::arrays::{Any, Numbers, Rule};
 use crate::scene_error::{in_scene, scene_error, wrong};
 
 /// Most values of a list: sixteen are the longest that a key takes.
@@ -57,13 +57,7 @@ impl<'a> Keys<'a> {
     }
 
     /// Writes a value as TOML does.
-    fn value(
-        &mut self,
-        name: &str,
-        value: &Bound<'_, PyAny>,
-        depth: usize,
-        out: &mut String,
-    ) -> PyResult<()> {
+    fn value(&mut self, name: &str, value: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
         if depth > DEEPEST {
             return Err(self.wrong(name, "has too many lists and tables within each other"));
         }
@@ -101,7 +95,7 @@ impl<'a> Keys<'a> {
         Ok(())
     }
 
-    fn list(&mut self, name: &str, list: &Bound<'_, PyAny>, depth: usize, out: &mut String) -> PyResult<()> {
+    fn list(&mut self, name: &str, list: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
         let length = list.len()?;
         if length > LONGEST_LIST {
             let message =
@@ -145,13 +139,7 @@ impl<'a> Keys<'a> {
     }
 
     /// A scalar, a list of numbers, the sixteen of a matrix, or an image.
-    fn array(
-        &mut self,
-        name: &str,
-        value: &Bound<'_, PyAny>,
-        depth: usize,
-        out: &mut String,
-    ) -> PyResult<()> {
+    fn array(&mut self, name: &str, value: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
         let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
         let dimensions: usize = array.getattr("ndim")?.extract()?;
         match dimensions {
@@ -173,7 +161,7 @@ impl<'a> Keys<'a> {
     }
 
     /// Takes an image along; returns the name by which the key `file` knows it.
-    fn image(&mut self, name: &str, array: &Bound<'_, PyAny>) -> PyResult<String> {
+    fn image(&mut self, name: &str, array: &Any<'_>) -> PyResult<String> {
         let image_name = format!("array {} ({}, {name})", *self.image_count, self.piece.title);
         let wrong = |message: String| self.wrong(name, &message);
         let shape: Vec<usize> = array.getattr("shape")?.extract()?;
@@ -250,7 +238,7 @@ fn four_channels<T: Copy>(values: impl Iterator<Item = T>, channels: usize, opaq
 }
 
 /// A key as text.
-fn name_of(title: &str, key: &Bound<'_, PyAny>) -> PyResult<String> {
+fn name_of(title: &str, key: &Any<'_>) -> PyResult<String> {
     key.extract().map_err(|_| PyTypeError::new_err(format!("{title}: a key is {key}, but must be text")))
 }
 

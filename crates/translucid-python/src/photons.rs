@@ -5,6 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyFloat, PyInt, PyRange};
 use translucid_reference::walk::PhotonRange;
 
+use crate::arrays::Any;
+
 /// Photons to be walked.
 pub(crate) enum Photons {
     /// Seed, and how many.
@@ -13,7 +15,7 @@ pub(crate) enum Photons {
 }
 
 impl Photons {
-    pub(crate) fn extract(object: &Bound<'_, PyAny>, seed: u64) -> PyResult<Self> {
+    pub(crate) fn extract(object: &Any<'_>, seed: u64) -> PyResult<Self> {
         if object.is_instance_of::<PyRange>() {
             let part = |name: &str| object.getattr(name)?.extract::<i128>();
             let wrong = || PyValueError::new_err("photons must be a range of step 1 within [0, 2**63)");

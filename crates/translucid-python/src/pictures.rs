@@ -12,6 +12,7 @@ use translucid_image::{
 };
 use translucid_scene::{Film, load_exr};
 
+use crate::arrays::Any;
 use crate::long_work;
 use crate::names;
 use crate::scene_error::scene_error;
@@ -26,7 +27,7 @@ struct Pixels<'py> {
 
 impl<'py> Pixels<'py> {
     /// The pixels of an argument; single precision as it lies, everything else as a copy.
-    fn extract(name: &str, object: &Bound<'py, PyAny>) -> PyResult<Self> {
+    fn extract(name: &str, object: &Any<'py>) -> PyResult<Self> {
         let array = match object.cast::<PyArrayDyn<f32>>() {
             Ok(array) => array.clone(),
             Err(_) => {
@@ -127,11 +128,11 @@ fn picture_of<'a>(view: &ArrayView3<'a, f32>) -> Picture<'a> {
 #[pyo3(signature = (array, *, exposure=0.0, tone_mapping="neutral", dtype="uint8"))]
 pub(crate) fn tonemap<'py>(
     py: Python<'py>,
-    array: &Bound<'py, PyAny>,
+    array: &Any<'py>,
     exposure: f64,
     tone_mapping: &str,
     dtype: &str,
-) -> PyResult<Bound<'py, PyAny>> {
+) -> PyResult<Any<'py>> {
     let display = display_transform(exposure, tone_mapping)?;
     let pixels = Pixels::extract("array", array)?.require_color("array")?;
     let view = pixels.view();
@@ -179,7 +180,7 @@ fn display_pixel(pixel: &ArrayView1<'_, f32>, factor: f32, tone_mapping: ToneMap
 #[pyo3(signature = (array, *, exposure=0.0, tone_mapping="neutral"))]
 pub(crate) fn png_bytes<'py>(
     py: Python<'py>,
-    array: &Bound<'py, PyAny>,
+    array: &Any<'py>,
     exposure: f64,
     tone_mapping: &str,
 ) -> PyResult<Bound<'py, PyBytes>> {
@@ -222,7 +223,7 @@ pub(crate) fn png_bytes<'py>(
 pub(crate) fn write_exr(
     py: Python<'_>,
     path: PathBuf,
-    picture: &Bound<'_, PyAny>,
+    picture: &Any<'_>,
     half: Option<Vec<String>>,
 ) -> PyResult<()> {
     let half = half.unwrap_or_default();

@@ -13,7 +13,7 @@ use translucid_profile::{
 };
 use translucid_scene::{ProfileRow, ProfileTable};
 
-use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
+use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
 use crate::profile_pickle::{Origin, Row, table_of_rows};
 use crate::profile_table::profile_table;
 use crate::profiles::{Profiles, SharedProfile};
@@ -92,8 +92,8 @@ const RADII: Rule<'_> = Rule::new("r", "at least 0", 0.0, f64::INFINITY);
 const SHARES: Rule<'_> = Rule::new("u", "in [0, 1]", 0.0, 1.0);
 /// A length of one of two kinds.
 fn length<'py>(
-    mfp: Option<&Bound<'py, PyAny>>,
-    dmfp: Option<&Bound<'py, PyAny>>,
+    mfp: Option<&Any<'py>>,
+    dmfp: Option<&Any<'py>>,
 ) -> PyResult<(&'static str, Numbers<'py>, Parameterization)> {
     match (mfp, dmfp) {
         (Some(mfp), None) => Ok(("mfp", Numbers::extract("mfp", mfp)?, Parameterization::Mfp)),
@@ -110,12 +110,12 @@ impl Profile {
     fn new(
         py: Python<'_>,
         model: &str,
-        surface_albedo: &Bound<'_, PyAny>,
-        mfp: Option<&Bound<'_, PyAny>>,
-        dmfp: Option<&Bound<'_, PyAny>>,
+        surface_albedo: &Any<'_>,
+        mfp: Option<&Any<'_>>,
+        dmfp: Option<&Any<'_>>,
         configuration: Option<&str>,
-        g: Option<&Bound<'_, PyAny>>,
-        eta: Option<&Bound<'_, PyAny>>,
+        g: Option<&Any<'_>>,
+        eta: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let model = names::model(model)?;
         let (name, length, parameterization) = length(mfp, dmfp)?;
@@ -175,11 +175,11 @@ impl Profile {
     #[pyo3(signature = (sigma_a, sigma_s, *, model="normalized-diffusion-refined", g=None, eta=None, configuration=None))]
     fn from_medium(
         class: &Bound<'_, PyType>,
-        sigma_a: &Bound<'_, PyAny>,
-        sigma_s: &Bound<'_, PyAny>,
+        sigma_a: &Any<'_>,
+        sigma_s: &Any<'_>,
         model: &str,
-        g: Option<&Bound<'_, PyAny>>,
-        eta: Option<&Bound<'_, PyAny>>,
+        g: Option<&Any<'_>>,
+        eta: Option<&Any<'_>>,
         configuration: Option<&str>,
     ) -> PyResult<Self> {
         let model: Model = names::model(model)?;
@@ -261,13 +261,13 @@ impl Profile {
     #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
     fn from_table(
         class: &Bound<'_, PyType>,
-        r: &Bound<'_, PyAny>,
-        reflectance: Option<&Bound<'_, PyAny>>,
-        enclosed: Option<&Bound<'_, PyAny>>,
-        surface_albedos: Option<&Bound<'_, PyAny>>,
-        surface_albedo: Option<&Bound<'_, PyAny>>,
-        mfp: Option<&Bound<'_, PyAny>>,
-        dmfp: Option<&Bound<'_, PyAny>>,
+        r: &Any<'_>,
+        reflectance: Option<&Any<'_>>,
+        enclosed: Option<&Any<'_>>,
+        surface_albedos: Option<&Any<'_>>,
+        surface_albedo: Option<&Any<'_>>,
+        mfp: Option<&Any<'_>>,
+        dmfp: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let table = profile_table(r, reflectance, enclosed, surface_albedos)?;
         Self::of_table(class.py(), table, surface_albedo, mfp, dmfp)
@@ -279,9 +279,9 @@ impl Profile {
     fn _from_rows(
         class: &Bound<'_, PyType>,
         rows: Vec<Row<'_>>,
-        surface_albedo: Option<&Bound<'_, PyAny>>,
-        mfp: Option<&Bound<'_, PyAny>>,
-        dmfp: Option<&Bound<'_, PyAny>>,
+        surface_albedo: Option<&Any<'_>>,
+        mfp: Option<&Any<'_>>,
+        dmfp: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         Self::of_table(class.py(), table_of_rows(rows)?, surface_albedo, mfp, dmfp)
     }
@@ -309,7 +309,7 @@ impl Profile {
     }
 
     /// The call that makes it again, for pickles.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Any<'py>, Bound<'py, PyTuple>)> {
         let this = slf.get();
         Ok((this.origin.call(&slf.get_type(), &this.profiles)?, PyTuple::empty(slf.py())))
     }
@@ -319,7 +319,7 @@ impl Profile {
     }
 
     /// Itself: nothing of it ever changes.
-    fn __deepcopy__(slf: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+    fn __deepcopy__(slf: Py<Self>, _memo: &Any<'_>) -> Py<Self> {
         slf
     }
 
@@ -379,12 +379,7 @@ impl Profile {
     /// >>> round(profile.eval(1.0), 5)
     /// 0.02472
     #[pyo3(signature = (r, *, out=None))]
-    fn eval<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn eval<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::Eval)
     }
 
@@ -402,12 +397,7 @@ impl Profile {
     /// float or ndarray
     ///     Density of radii that `sample` draws.
     #[pyo3(signature = (r, *, out=None))]
-    fn pdf<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn pdf<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::Pdf)
     }
 
@@ -424,12 +414,7 @@ impl Profile {
     /// -------
     /// float or ndarray
     #[pyo3(signature = (r, *, out=None))]
-    fn pdf_area<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn pdf_area<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::PdfArea)
     }
 
@@ -446,12 +431,7 @@ impl Profile {
     /// -------
     /// float or ndarray
     #[pyo3(signature = (r, *, out=None))]
-    fn cdf<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn cdf<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::Cdf)
     }
 
@@ -475,12 +455,7 @@ impl Profile {
     /// >>> round(profile.enclosed(1.0), 4)
     /// 0.2533
     #[pyo3(signature = (r, *, out=None))]
-    fn enclosed<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn enclosed<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::Enclosed)
     }
 
@@ -497,12 +472,7 @@ impl Profile {
     /// -------
     /// float or ndarray
     #[pyo3(signature = (r, *, out=None))]
-    fn beyond<'py>(
-        &self,
-        py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn beyond<'py>(&self, py: Python<'py>, r: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &RADII, r, out, Quantity::Beyond)
     }
 
@@ -525,12 +495,7 @@ impl Profile {
     /// ValueError
     ///     If a share is outside [0, 1] or NaN, or shapes do not broadcast.
     #[pyo3(signature = (u, *, out=None))]
-    fn quantile<'py>(
-        &self,
-        py: Python<'py>,
-        u: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn quantile<'py>(&self, py: Python<'py>, u: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &SHARES, u, out, Quantity::Quantile)
     }
 
@@ -564,12 +529,7 @@ impl Profile {
     /// >>> bool(abs(np.mean(r < profile.quantile(0.25)) - 0.25) < 0.005)
     /// True
     #[pyo3(signature = (u, *, out=None))]
-    fn sample<'py>(
-        &self,
-        py: Python<'py>,
-        u: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    fn sample<'py>(&self, py: Python<'py>, u: &Any<'py>, out: Option<&Any<'py>>) -> PyResult<Any<'py>> {
         self.apply(py, &SHARES, u, out, Quantity::Sample)
     }
 
@@ -597,18 +557,18 @@ impl Profile {
     #[pyo3(signature = (r=None, *, quantity="eval", ax=None, **line))]
     fn plot<'py>(
         slf: &Bound<'py, Self>,
-        r: Option<&Bound<'py, PyAny>>,
+        r: Option<&Any<'py>>,
         quantity: &str,
-        ax: Option<&Bound<'py, PyAny>>,
+        ax: Option<&Any<'py>>,
         line: Option<&Bound<'py, PyDict>>,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Any<'py>> {
         let plot = slf.py().import("translucid._plot")?;
         plot.call_method("profile", (slf, r, quantity, ax), line)
     }
 
     /// Energy that leaves altogether, the surface albedo; where a model makes more than there is, greater than 1.
     #[getter]
-    fn total<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn total<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         let totals: Vec<f64> =
             self.profiles.different.iter().map(|profile| profile.surface_albedo()).collect();
         let totals = self.profiles.of_elements(&totals);
@@ -617,31 +577,31 @@ impl Profile {
 
     /// Surface albedo that the profiles were made for; None for samples, which have a `total`.
     #[getter]
-    fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         self.parameter(py, "surface_albedo")
     }
 
     /// Mean free path that they were made for; None if they were made for a diffuse one.
     #[getter]
-    fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         self.parameter(py, "mfp")
     }
 
     /// Diffuse mean free path that they were made for; None if they were made for a mean free path in the volume.
     #[getter]
-    fn dmfp<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn dmfp<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         self.parameter(py, "dmfp")
     }
 
     /// Mean cosine of the phase function; None for tables.
     #[getter]
-    fn g<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn g<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         self.parameter(py, "g")
     }
 
     /// Relative index of refraction; None for tables.
     #[getter]
-    fn eta<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn eta<'py>(&self, py: Python<'py>) -> PyResult<Option<Any<'py>>> {
         self.parameter(py, "eta")
     }
 
@@ -707,9 +667,9 @@ impl Profile {
     fn of_table(
         py: Python<'_>,
         table: ProfileTable,
-        surface_albedo: Option<&Bound<'_, PyAny>>,
-        mfp: Option<&Bound<'_, PyAny>>,
-        dmfp: Option<&Bound<'_, PyAny>>,
+        surface_albedo: Option<&Any<'_>>,
+        mfp: Option<&Any<'_>>,
+        dmfp: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         if surface_albedo.is_none()
             && mfp.is_none()
@@ -747,7 +707,7 @@ impl Profile {
         Ok(Self { description, model: None, configuration: None, profiles, origin: Origin::Table(table) })
     }
 
-    fn parameter<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Bound<'py, PyAny>>> {
+    fn parameter<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Option<Any<'py>>> {
         let Some(values) = self.profiles.parameter(name) else { return Ok(None) };
         let values = self.profiles.of_elements(values);
         array_like(py, &[&Numbers::One(0.0)], &self.profiles.shape, values).map(Some)
@@ -757,10 +717,10 @@ impl Profile {
         &self,
         py: Python<'py>,
         rule: &Rule<'_>,
-        x: &Bound<'py, PyAny>,
-        out: Option<&Bound<'py, PyAny>>,
+        x: &Any<'py>,
+        out: Option<&Any<'py>>,
         quantity: Quantity,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    ) -> PyResult<Any<'py>> {
         let x = Numbers::extract(rule.name, x)?;
         let Profiles { shape: own, elements, different, .. } = &self.profiles;
         if own.is_empty() {
@@ -795,10 +755,6 @@ fn configuration_or(name: Option<&str>, parameterization: Parameterization) -> P
     }
 }
 
-pub(crate) fn number_or<'py>(
-    name: &str,
-    given: Option<&Bound<'py, PyAny>>,
-    default: f64,
-) -> PyResult<Numbers<'py>> {
+pub(crate) fn number_or<'py>(name: &str, given: Option<&Any<'py>>, default: f64) -> PyResult<Numbers<'py>> {
     given.map_or(Ok(Numbers::One(default)), |given| Numbers::extract(name, given))
 }

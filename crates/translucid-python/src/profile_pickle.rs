@@ -7,7 +7,7 @@ use pyo3::types::{PyDict, PyList, PyType};
 use translucid_profile::{Configuration, Model};
 use translucid_scene::{ProfileRow, ProfileTable};
 
-use crate::arrays::{Numbers, array_like};
+use crate::arrays::{Any, Numbers, array_like};
 use crate::names;
 use crate::profiles::Profiles;
 
@@ -22,18 +22,14 @@ pub(crate) enum Origin {
 }
 
 /// A row of a table: surface albedo, radii, reflectances and energies.
-pub(crate) type Row<'py> = (Option<f64>, Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>);
+pub(crate) type Row<'py> = (Option<f64>, Any<'py>, Any<'py>, Any<'py>);
 
 impl Origin {
     /// A call without arguments that makes profiles of a class again.
-    pub(crate) fn call<'py>(
-        &self,
-        class: &Bound<'py, PyType>,
-        profiles: &Profiles,
-    ) -> PyResult<Bound<'py, PyAny>> {
+    pub(crate) fn call<'py>(&self, class: &Bound<'py, PyType>, profiles: &Profiles) -> PyResult<Any<'py>> {
         let py = class.py();
         let keywords = PyDict::new(py);
-        let partial = |function: Bound<'py, PyAny>, argument: Option<Bound<'py, PyAny>>| {
+        let partial = |function: Any<'py>, argument: Option<Any<'py>>| {
             let partial = py.import("functools")?.getattr("partial")?;
             match argument {
                 Some(argument) => partial.call((function, argument), Some(&keywords)),
@@ -92,7 +88,7 @@ fn set_parameters(keywords: &Bound<'_, PyDict>, profiles: &Profiles, count: usiz
 /// # Errors
 /// They are no rows of a table.
 pub(crate) fn table_of_rows(rows: Vec<Row<'_>>) -> PyResult<ProfileTable> {
-    let numbers = |name: &str, object: &Bound<'_, PyAny>| -> PyResult<Vec<f64>> {
+    let numbers = |name: &str, object: &Any<'_>| -> PyResult<Vec<f64>> {
         let numbers = Numbers::extract(name, object)?;
         Ok(numbers.iter().collect())
     };

@@ -6,15 +6,15 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use translucid_scene::{ProfileRow, ProfileTable, load_profile_table};
 
-use crate::arrays::{Numbers, Rule};
+use crate::arrays::{Any, Numbers, Rule};
 use crate::names;
 
 /// The table of a file, or of arrays.
 pub(crate) fn profile_table(
-    r: &Bound<'_, PyAny>,
-    reflectance: Option<&Bound<'_, PyAny>>,
-    enclosed: Option<&Bound<'_, PyAny>>,
-    surface_albedos: Option<&Bound<'_, PyAny>>,
+    r: &Any<'_>,
+    reflectance: Option<&Any<'_>>,
+    enclosed: Option<&Any<'_>>,
+    surface_albedos: Option<&Any<'_>>,
 ) -> PyResult<ProfileTable> {
     let Some(reflectance) = reflectance else {
         let Ok(path) = r.extract::<PathBuf>() else {

@@ -12,7 +12,7 @@ use translucid_profile::ParameterError;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
 use translucid_reference::{Estimate, Incidence};
 
-use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
+use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
 use crate::profile::number_or;
 use crate::{long_work, names};
 
@@ -23,12 +23,12 @@ const ANGLE: Rule<'_> = Rule::new("incidence_angle", "in [0, 90)", 0.0, 90.0_f64
 const THREADS: std::ops::RangeInclusive<usize> = 1..=1024;
 
 /// Value and error, each an array.
-pub(crate) type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
+pub(crate) type Pair<'py> = (Any<'py>, Any<'py>);
 
 /// How light enters, from the words of a call.
 pub(crate) fn incidence(
     configuration: Option<&str>,
-    incidence_angle: Option<&Bound<'_, PyAny>>,
+    incidence_angle: Option<&Any<'_>>,
     eta: f64,
 ) -> PyResult<Incidence> {
     let configuration = configuration.map(names::configuration).transpose()?;
@@ -64,10 +64,10 @@ pub(crate) fn pool(threads: Option<usize>) -> PyResult<rayon::ThreadPool> {
 /// Works with the callback that a `progress` argument asks for: a function, a bar, or nothing.
 pub(crate) fn with_progress<'py, T>(
     py: Python<'py>,
-    progress: Option<&Bound<'py, PyAny>>,
+    progress: Option<&Any<'py>>,
     description: &str,
     unit: &str,
-    work: impl FnOnce(Option<&Bound<'py, PyAny>>) -> PyResult<T>,
+    work: impl FnOnce(Option<&Any<'py>>) -> PyResult<T>,
 ) -> PyResult<T> {
     let Some(progress) = progress else { return work(None) };
     let manager =
@@ -79,14 +79,14 @@ pub(crate) fn with_progress<'py, T>(
 }
 
 /// Calls back with how much of the work is done, if anybody wants to know.
-pub(crate) fn report(progress: Option<&Bound<'_, PyAny>>, done: u64, total: u64) -> PyResult<()> {
+pub(crate) fn report(progress: Option<&Any<'_>>, done: u64, total: u64) -> PyResult<()> {
     progress.map_or(Ok(()), |progress| progress.call1((done, total)).map(drop))
 }
 
 /// One of two albedos, by the name it was given.
 pub(crate) fn albedo<'py>(
-    surface_albedo: Option<&Bound<'py, PyAny>>,
-    single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+    surface_albedo: Option<&Any<'py>>,
+    single_scattering_albedo: Option<&Any<'py>>,
 ) -> PyResult<(Rule<'static>, Numbers<'py>)> {
     let (rule, object) = match (surface_albedo, single_scattering_albedo) {
         (Some(object), None) => (Rule::new("surface_albedo", "in (0, 1]", f64::MIN_POSITIVE, 1.0), object),
@@ -191,21 +191,21 @@ impl Question {
 }
 
 struct Words<'a, 'py> {
-    surface_albedo: Option<&'a Bound<'py, PyAny>>,
-    single_scattering_albedo: Option<&'a Bound<'py, PyAny>>,
+    surface_albedo: Option<&'a Any<'py>>,
+    single_scattering_albedo: Option<&'a Any<'py>>,
     configuration: Option<&'a str>,
-    mfp: Option<&'a Bound<'py, PyAny>>,
-    eta: Option<&'a Bound<'py, PyAny>>,
-    incidence_angle: Option<&'a Bound<'py, PyAny>>,
-    azimuth: Option<&'a Bound<'py, PyAny>>,
+    mfp: Option<&'a Any<'py>>,
+    eta: Option<&'a Any<'py>>,
+    incidence_angle: Option<&'a Any<'py>>,
+    azimuth: Option<&'a Any<'py>>,
     threads: Option<usize>,
-    progress: Option<&'a Bound<'py, PyAny>>,
+    progress: Option<&'a Any<'py>>,
 }
 
 fn ask<'py>(
     py: Python<'py>,
     asked: Asked,
-    r: Option<&Bound<'py, PyAny>>,
+    r: Option<&Any<'py>>,
     words: &Words<'_, 'py>,
 ) -> PyResult<Pair<'py>> {
     // Read the arguments
@@ -328,16 +328,16 @@ fn ask<'py>(
 #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn exact<'py>(
     py: Python<'py>,
-    r: &Bound<'py, PyAny>,
-    surface_albedo: Option<&Bound<'py, PyAny>>,
-    single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+    r: &Any<'py>,
+    surface_albedo: Option<&Any<'py>>,
+    single_scattering_albedo: Option<&Any<'py>>,
     configuration: Option<&str>,
-    mfp: Option<&Bound<'py, PyAny>>,
-    eta: Option<&Bound<'py, PyAny>>,
-    incidence_angle: Option<&Bound<'py, PyAny>>,
-    azimuth: Option<&Bound<'py, PyAny>>,
+    mfp: Option<&Any<'py>>,
+    eta: Option<&Any<'py>>,
+    incidence_angle: Option<&Any<'py>>,
+    azimuth: Option<&Any<'py>>,
     threads: Option<usize>,
-    progress: Option<&Bound<'py, PyAny>>,
+    progress: Option<&Any<'py>>,
 ) -> PyResult<Pair<'py>> {
     let words = Words {
         surface_albedo,
@@ -361,15 +361,15 @@ macro_rules! energy {
         #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
         pub(crate) fn $name<'py>(
             py: Python<'py>,
-            r: &Bound<'py, PyAny>,
-            surface_albedo: Option<&Bound<'py, PyAny>>,
-            single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+            r: &Any<'py>,
+            surface_albedo: Option<&Any<'py>>,
+            single_scattering_albedo: Option<&Any<'py>>,
             configuration: Option<&str>,
-            mfp: Option<&Bound<'py, PyAny>>,
-            eta: Option<&Bound<'py, PyAny>>,
-            incidence_angle: Option<&Bound<'py, PyAny>>,
+            mfp: Option<&Any<'py>>,
+            eta: Option<&Any<'py>>,
+            incidence_angle: Option<&Any<'py>>,
             threads: Option<usize>,
-            progress: Option<&Bound<'py, PyAny>>,
+            progress: Option<&Any<'py>>,
         ) -> PyResult<Pair<'py>> {
             let words = Words {
                 surface_albedo,
@@ -449,12 +449,12 @@ energy! {
 #[pyo3(signature = (single_scattering_albedo, *, configuration=None, eta=None, incidence_angle=None, threads=None, progress=None))]
 pub(crate) fn exact_total<'py>(
     py: Python<'py>,
-    single_scattering_albedo: &Bound<'py, PyAny>,
+    single_scattering_albedo: &Any<'py>,
     configuration: Option<&str>,
-    eta: Option<&Bound<'py, PyAny>>,
-    incidence_angle: Option<&Bound<'py, PyAny>>,
+    eta: Option<&Any<'py>>,
+    incidence_angle: Option<&Any<'py>>,
     threads: Option<usize>,
-    progress: Option<&Bound<'py, PyAny>>,
+    progress: Option<&Any<'py>>,
 ) -> PyResult<Pair<'py>> {
     let words = Words {
         surface_albedo: None,

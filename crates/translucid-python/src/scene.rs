@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
 use translucid_scene::{Film, LoadOptions, Mesh, SceneBuilder, SubsurfaceModel, Unit, Warning, load_scene};
 
-use crate::arrays::{Numbers, Rule};
+use crate::arrays::{Any, Numbers, Rule};
 use crate::keys::Keys;
 use crate::long_work;
 use crate::names;
@@ -91,7 +91,7 @@ impl Scene {
         environment: Option<&Bound<'_, PyDict>>,
         film: Option<&Bound<'_, PyDict>>,
         integrator: Option<&Bound<'_, PyDict>>,
-        lights: Option<&Bound<'_, PyAny>>,
+        lights: Option<&Any<'_>>,
         subsurface_grouping: Option<&str>,
     ) -> PyResult<Self> {
         let unit = unit_of(unit)?;
@@ -168,7 +168,7 @@ impl Scene {
         path: PathBuf,
         preset: Option<String>,
         unit: Option<&str>,
-        size: Option<&Bound<'_, PyAny>>,
+        size: Option<&Any<'_>>,
         subsurface: Option<&str>,
     ) -> PyResult<Self> {
         let options = LoadOptions {
@@ -252,11 +252,11 @@ impl Scene {
         &self,
         py: Python<'_>,
         name: &str,
-        vertices: &Bound<'_, PyAny>,
-        triangles: &Bound<'_, PyAny>,
-        normals: Option<&Bound<'_, PyAny>>,
-        uv: Option<&Bound<'_, PyAny>>,
-        colors: Option<&Bound<'_, PyAny>>,
+        vertices: &Any<'_>,
+        triangles: &Any<'_>,
+        normals: Option<&Any<'_>>,
+        uv: Option<&Any<'_>>,
+        colors: Option<&Any<'_>>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
         let title = format!("mesh {name}");
@@ -542,10 +542,7 @@ fn lock(making: &Mutex<Making>) -> MutexGuard<'_, Making> {
 }
 
 /// The scene of an argument: a `Scene`, or the path of a file.
-pub(crate) fn scene_of(
-    argument: &Bound<'_, PyAny>,
-    options: LoadOptions,
-) -> PyResult<translucid_scene::Scene> {
+pub(crate) fn scene_of(argument: &Any<'_>, options: LoadOptions) -> PyResult<translucid_scene::Scene> {
     let py = argument.py();
     if let Ok(scene) = argument.cast::<Scene>() {
         return scene.get().build(py, &options);
@@ -570,10 +567,7 @@ fn load(py: Python<'_>, path: PathBuf, options: LoadOptions) -> PyResult<translu
 }
 
 /// Size and model of a picture in place of the scene's.
-pub(crate) fn picture_options(
-    size: Option<&Bound<'_, PyAny>>,
-    subsurface: Option<&str>,
-) -> PyResult<LoadOptions> {
+pub(crate) fn picture_options(size: Option<&Any<'_>>, subsurface: Option<&str>) -> PyResult<LoadOptions> {
     let model = |name: &str| {
         let names = SubsurfaceModel::ALL.map(SubsurfaceModel::name);
         SubsurfaceModel::from_name(name).ok_or_else(|| names::unknown("subsurface", name, &names))
@@ -590,14 +584,14 @@ pub(crate) fn picture_options(
 /// So many whole numbers.
 pub(crate) fn whole_numbers<const N: usize>(
     name: &str,
-    argument: &Bound<'_, PyAny>,
+    argument: &Any<'_>,
     must_be: &str,
     [min, max]: [u32; 2],
 ) -> PyResult<[u32; N]> {
     let wrong = || PyTypeError::new_err(format!("{name} is {argument}, but must be {must_be}"));
-    let elements: Vec<Bound<'_, PyAny>> =
+    let elements: Vec<Any<'_>> =
         argument.try_iter().map_err(|_| wrong())?.take(N + 1).collect::<PyResult<_>>()?;
-    let elements: [Bound<'_, PyAny>; N] = elements
+    let elements: [Any<'_>; N] = elements
         .try_into()
         .map_err(|_| PyValueError::new_err(format!("{name} is {argument}, but must be {must_be}")))?;
     let mut numbers = [0; N];
@@ -608,7 +602,7 @@ pub(crate) fn whole_numbers<const N: usize>(
 }
 
 /// A whole number in a range.
-pub(crate) fn whole_number(name: &str, argument: &Bound<'_, PyAny>, min: u64, max: u64) -> PyResult<u64> {
+pub(crate) fn whole_number(name: &str, argument: &Any<'_>, min: u64, max: u64) -> PyResult<u64> {
     let must_be = || format!("but must be a whole number in [{min}, {max}]");
     if argument.is_instance_of::<PyBool>() || !argument.hasattr("__index__")? {
         let kind = argument.get_type().name()?;
@@ -629,14 +623,14 @@ fn unit_of(name: &str) -> PyResult<Unit> {
 /// A mesh of arrays: vertices, triangles, and if given normals, texture coordinates and colors.
 pub(crate) fn mesh_of(
     title: &str,
-    vertices: &Bound<'_, PyAny>,
-    triangles: &Bound<'_, PyAny>,
-    [normals, uv, colors]: [Option<&Bound<'_, PyAny>>; 3],
+    vertices: &Any<'_>,
+    triangles: &Any<'_>,
+    [normals, uv, colors]: [Option<&Any<'_>>; 3],
 ) -> PyResult<Mesh> {
     let positions = rows(title, "vertices", vertices, None)?;
     let count = positions.len();
     let triangles = triangles_of(title, triangles, count)?;
-    let of_vertices = |name, array: Option<&Bound<'_, PyAny>>| {
+    let of_vertices = |name, array: Option<&Any<'_>>| {
         array.map_or(Ok(Vec::new()), |array| rows::<3>(title, name, array, Some(count)))
     };
     let vectors = |rows: Vec<[f32; 3]>| rows.into_iter().map(Vec3::from_array).collect();
@@ -655,7 +649,7 @@ pub(crate) fn mesh_of(
 fn rows<const N: usize>(
     title: &str,
     name: &str,
-    array: &Bound<'_, PyAny>,
+    array: &Any<'_>,
     count: Option<usize>,
 ) -> PyResult<Vec<[f32; N]>> {
     let numbers = Numbers::extract(name, array).map_err(|error| in_scene(title, error, array.py()))?;
@@ -689,7 +683,7 @@ fn rows<const N: usize>(
 }
 
 /// The rows of an array of indices of shape (m, 3).
-fn triangles_of(title: &str, array: &Bound<'_, PyAny>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
+fn triangles_of(title: &str, array: &Any<'_>, vertices: usize) -> PyResult<Vec<[u32; 3]>> {
     let py = array.py();
     let name = "triangles";
     let array = py

@@ -15,6 +15,7 @@ use translucid_render::{
 };
 use translucid_scene::{Image, Light, Mesh, SceneError, Warning, repair_mesh};
 
+use crate::arrays::Any;
 use crate::keys::{piece_of, plain_piece_of};
 use crate::long_work;
 use crate::names;
@@ -118,12 +119,12 @@ impl Session {
     #[new]
     #[pyo3(signature = (scene, *, size=None, subsurface=None, seed=None, threads=None, region=None))]
     pub(crate) fn new(
-        scene: &Bound<'_, PyAny>,
-        size: Option<&Bound<'_, PyAny>>,
+        scene: &Any<'_>,
+        size: Option<&Any<'_>>,
         subsurface: Option<&str>,
-        seed: Option<&Bound<'_, PyAny>>,
-        threads: Option<&Bound<'_, PyAny>>,
-        region: Option<&Bound<'_, PyAny>>,
+        seed: Option<&Any<'_>>,
+        threads: Option<&Any<'_>>,
+        region: Option<&Any<'_>>,
     ) -> PyResult<Self> {
         let options = picture_options(size, subsurface)?;
         let seed = seed.map(|seed| whole_number("seed", seed, 0, u64::MAX)).transpose()?;
@@ -171,12 +172,7 @@ impl Session {
     /// KeyboardInterrupt
     ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
-    fn run(
-        &self,
-        py: Python<'_>,
-        samples: Option<&Bound<'_, PyAny>>,
-        progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
+    fn run(&self, py: Python<'_>, samples: Option<&Any<'_>>, progress: Option<&Any<'_>>) -> PyResult<()> {
         self.start(py, samples)?;
         self.wait(py, progress)
     }
@@ -195,12 +191,7 @@ impl Session {
     /// KeyboardInterrupt
     ///     Ctrl-C was pressed.
     #[pyo3(signature = (samples=None, *, progress=None))]
-    fn step(
-        &self,
-        py: Python<'_>,
-        samples: Option<&Bound<'_, PyAny>>,
-        progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<()> {
+    fn step(&self, py: Python<'_>, samples: Option<&Any<'_>>, progress: Option<&Any<'_>>) -> PyResult<()> {
         let more = samples.map_or(Ok(1), |samples| whole_number("samples", samples, 1, MOST_SAMPLES))?;
         let goal = (more + u64::from(self.samples(py))).min(MOST_SAMPLES);
         self.start_to(py, goal as u32)?;
@@ -219,7 +210,7 @@ impl Session {
     /// RuntimeError
     ///     It runs already.
     #[pyo3(signature = (samples=None))]
-    fn start(&self, py: Python<'_>, samples: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn start(&self, py: Python<'_>, samples: Option<&Any<'_>>) -> PyResult<()> {
         let samples = samples.map(|samples| whole_number("samples", samples, 1, MOST_SAMPLES)).transpose()?;
         let samples = match samples {
             Some(samples) => samples as u32,
@@ -242,7 +233,7 @@ impl Session {
     /// KeyboardInterrupt
     ///     Ctrl-C was pressed.
     #[pyo3(signature = (*, progress=None))]
-    fn wait(&self, py: Python<'_>, progress: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+    fn wait(&self, py: Python<'_>, progress: Option<&Any<'_>>) -> PyResult<()> {
         let mut reported = None;
         let mut report = |is_last: bool| -> PyResult<()> {
             let Some(progress) = progress else { return Ok(()) };
@@ -294,7 +285,7 @@ impl Session {
     /// numpy.ndarray
     ///     Shape (height, width, 3), or (height, width, 1) for alpha and depth, float32.
     #[pyo3(signature = (layer="radiance"))]
-    fn snapshot<'py>(&self, py: Python<'py>, layer: &str) -> PyResult<Bound<'py, PyAny>> {
+    fn snapshot<'py>(&self, py: Python<'py>, layer: &str) -> PyResult<Any<'py>> {
         let film = self.film(py);
         if layer == DENOISED {
             return self.denoised(py, film);
@@ -352,11 +343,11 @@ impl Session {
         &self,
         py: Python<'_>,
         name: &str,
-        vertices: &Bound<'_, PyAny>,
-        triangles: &Bound<'_, PyAny>,
-        normals: Option<&Bound<'_, PyAny>>,
-        uv: Option<&Bound<'_, PyAny>>,
-        colors: Option<&Bound<'_, PyAny>>,
+        vertices: &Any<'_>,
+        triangles: &Any<'_>,
+        normals: Option<&Any<'_>>,
+        uv: Option<&Any<'_>>,
+        colors: Option<&Any<'_>>,
     ) -> PyResult<()> {
         let title = format!("mesh {name}");
         let mut mesh: Mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
@@ -406,8 +397,8 @@ impl Session {
     /// ------
     /// SceneError
     ///     A key is unknown or missing, or a value not allowed.
-    fn set_lights(&self, py: Python<'_>, lights: &Bound<'_, PyAny>) -> PyResult<()> {
-        let read = |(i, light): (usize, PyResult<Bound<'_, PyAny>>)| -> PyResult<Light> {
+    fn set_lights(&self, py: Python<'_>, lights: &Any<'_>) -> PyResult<()> {
+        let read = |(i, light): (usize, PyResult<Any<'_>>)| -> PyResult<Light> {
             let light = light?;
             let keys = light.cast::<PyDict>().map_err(|_| {
                 PyTypeError::new_err(format!("lights must be dictionaries, but one is {light}"))
@@ -660,7 +651,7 @@ impl Session {
     }
 
     /// The radiance denoised.
-    fn denoised<'py>(&self, py: Python<'py>, film: Arc<LiveFilm>) -> PyResult<Bound<'py, PyAny>> {
+    fn denoised<'py>(&self, py: Python<'py>, film: Arc<LiveFilm>) -> PyResult<Any<'py>> {
         let threads = self.threads;
         let denoised = long_work::run_or_leave(py, move || {
             let sums = film.sums().clone();

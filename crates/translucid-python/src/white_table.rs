@@ -14,7 +14,7 @@ use translucid_reference::walk::{
 };
 use translucid_reference::{Estimate, Incidence};
 
-use crate::arrays::{Numbers, Rule, array_like, broadcast_shape};
+use crate::arrays::{Any, Numbers, Rule, array_like, broadcast_shape};
 use crate::photons::Photons;
 use crate::profile::{Profile, number_or};
 use crate::profile_pickle::Origin;
@@ -78,7 +78,7 @@ impl WhiteTable {
         py: Python<'_>,
         photons: &Photons,
         threads: Option<usize>,
-        progress: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Any<'_>>,
     ) -> PyResult<()> {
         let _walking = match self.walking.try_lock() {
             Ok(guard) => guard,
@@ -182,23 +182,23 @@ fn table_error(error: TableError) -> PyErr {
 #[expect(clippy::too_many_arguments, reason = "Python's keywords")]
 pub(crate) fn walk(
     py: Python<'_>,
-    photons: Option<&Bound<'_, PyAny>>,
-    radii: Option<&Bound<'_, PyAny>>,
-    edges: Option<&Bound<'_, PyAny>>,
-    surface_albedo: Option<&Bound<'_, PyAny>>,
-    single_scattering_albedo: Option<&Bound<'_, PyAny>>,
-    reference_albedo: Option<&Bound<'_, PyAny>>,
+    photons: Option<&Any<'_>>,
+    radii: Option<&Any<'_>>,
+    edges: Option<&Any<'_>>,
+    surface_albedo: Option<&Any<'_>>,
+    single_scattering_albedo: Option<&Any<'_>>,
+    reference_albedo: Option<&Any<'_>>,
     configuration: Option<&str>,
-    g: Option<&Bound<'_, PyAny>>,
+    g: Option<&Any<'_>>,
     phase_function: &str,
-    eta: Option<&Bound<'_, PyAny>>,
-    thickness: Option<&Bound<'_, PyAny>>,
-    spot_radius: Option<&Bound<'_, PyAny>>,
-    incidence_angle: Option<&Bound<'_, PyAny>>,
+    eta: Option<&Any<'_>>,
+    thickness: Option<&Any<'_>>,
+    spot_radius: Option<&Any<'_>>,
+    incidence_angle: Option<&Any<'_>>,
     sectors: u32,
     seed: u64,
     threads: Option<usize>,
-    progress: Option<&Bound<'_, PyAny>>,
+    progress: Option<&Any<'_>>,
 ) -> PyResult<WhiteTable> {
     // Geometry, boundary and light
     let any = |name: &'static str| Rule::new(name, "a number", f64::NEG_INFINITY, f64::INFINITY);
@@ -255,12 +255,8 @@ pub(crate) fn walk(
     Ok(table)
 }
 
-fn layout(
-    radii: Option<&Bound<'_, PyAny>>,
-    edges: Option<&Bound<'_, PyAny>>,
-    sectors: u32,
-) -> PyResult<Layout> {
-    let list = |name: &'static str, object: &Bound<'_, PyAny>| {
+fn layout(radii: Option<&Any<'_>>, edges: Option<&Any<'_>>, sectors: u32) -> PyResult<Layout> {
+    let list = |name: &'static str, object: &Any<'_>| {
         let numbers = Numbers::extract(name, object)?;
         let count: usize = numbers.shape().iter().product();
         if numbers.shape().len() > 1 || count > MOST_RADII {
@@ -345,8 +341,8 @@ impl WhiteTable {
     fn figures<'py>(
         &self,
         py: Python<'py>,
-        r: Option<&Bound<'py, PyAny>>,
-        albedos: [Option<&Bound<'py, PyAny>>; 2],
+        r: Option<&Any<'py>>,
+        albedos: [Option<&Any<'py>>; 2],
         figure: impl Fn(&AtAlbedo<'_>, f64) -> Result<Estimate, ParameterError>,
     ) -> PyResult<Pair<'py>> {
         let table = self.get();
@@ -402,10 +398,10 @@ impl WhiteTable {
     fn run(
         &self,
         py: Python<'_>,
-        photons: &Bound<'_, PyAny>,
+        photons: &Any<'_>,
         seed: u64,
         threads: Option<usize>,
-        progress: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Any<'_>>,
     ) -> PyResult<()> {
         self.extend(py, &Photons::extract(photons, seed)?, threads, progress)
     }
@@ -440,11 +436,11 @@ impl WhiteTable {
     fn eval<'py>(
         &self,
         py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        surface_albedo: Option<&Bound<'py, PyAny>>,
-        single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+        r: &Any<'py>,
+        surface_albedo: Option<&Any<'py>>,
+        single_scattering_albedo: Option<&Any<'py>>,
         side: &str,
-        azimuth: Option<&Bound<'py, PyAny>>,
+        azimuth: Option<&Any<'py>>,
     ) -> PyResult<Pair<'py>> {
         let finite = Rule::new("azimuth", "finite", f64::MIN, f64::MAX);
         let azimuth =
@@ -482,9 +478,9 @@ impl WhiteTable {
     fn enclosed<'py>(
         &self,
         py: Python<'py>,
-        r: &Bound<'py, PyAny>,
-        surface_albedo: Option<&Bound<'py, PyAny>>,
-        single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+        r: &Any<'py>,
+        surface_albedo: Option<&Any<'py>>,
+        single_scattering_albedo: Option<&Any<'py>>,
         side: &str,
     ) -> PyResult<Pair<'py>> {
         let table = self.get();
@@ -513,8 +509,8 @@ impl WhiteTable {
     fn total<'py>(
         &self,
         py: Python<'py>,
-        surface_albedo: Option<&Bound<'py, PyAny>>,
-        single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+        surface_albedo: Option<&Any<'py>>,
+        single_scattering_albedo: Option<&Any<'py>>,
         side: &str,
     ) -> PyResult<Pair<'py>> {
         let side = self::side(&self.get(), side)?;
@@ -539,8 +535,8 @@ impl WhiteTable {
     fn rings<'py>(
         &self,
         py: Python<'py>,
-        surface_albedo: Option<&Bound<'py, PyAny>>,
-        single_scattering_albedo: Option<&Bound<'py, PyAny>>,
+        surface_albedo: Option<&Any<'py>>,
+        single_scattering_albedo: Option<&Any<'py>>,
         side: &str,
     ) -> PyResult<Pair<'py>> {
         let table = self.get();
@@ -566,7 +562,7 @@ impl WhiteTable {
     /// -------
     /// value, error : float
     #[pyo3(signature = (surface_albedo))]
-    fn single_scattering_albedo(&self, surface_albedo: &Bound<'_, PyAny>) -> PyResult<(f64, f64)> {
+    fn single_scattering_albedo(&self, surface_albedo: &Any<'_>) -> PyResult<(f64, f64)> {
         let rule = Rule::new("surface_albedo", "in [0, 1]", 0.0, 1.0);
         let surface_albedo = Numbers::extract(rule.name, surface_albedo)?.single(&rule)?;
         let found = self.get().single_scattering_albedo(surface_albedo).map_err(names::value_error)?;
@@ -595,8 +591,8 @@ impl WhiteTable {
     fn profile(
         &self,
         py: Python<'_>,
-        surface_albedo: Option<&Bound<'_, PyAny>>,
-        single_scattering_albedo: Option<&Bound<'_, PyAny>>,
+        surface_albedo: Option<&Any<'_>>,
+        single_scattering_albedo: Option<&Any<'_>>,
         side: &str,
     ) -> PyResult<Profile> {
         let table = self.get();
@@ -693,7 +689,7 @@ impl WhiteTable {
         Table::read(bytes, &PathBuf::from("bytes")).map(Self::new).map_err(table_error)
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (Bound<'py, PyBytes>,))> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Any<'py>, (Bound<'py, PyBytes>,))> {
         let mut bytes = Vec::new();
         slf.get().get().write(&mut bytes)?;
         Ok((slf.get_type().getattr("_from_bytes")?, (PyBytes::new(slf.py(), &bytes),)))
@@ -707,7 +703,7 @@ impl WhiteTable {
 
     /// Photons that the table holds: pairs of a seed and a range.
     #[getter]
-    fn photon_ranges<'py>(&self, py: Python<'py>) -> PyResult<Vec<(u64, Bound<'py, PyAny>)>> {
+    fn photon_ranges<'py>(&self, py: Python<'py>) -> PyResult<Vec<(u64, Any<'py>)>> {
         let range = py.get_type::<PyRange>();
         let ranges = self.get().photon_ranges().to_vec();
         ranges.into_iter().map(|part| Ok((part.seed, range.call1((part.start, part.end))?))).collect()
@@ -715,7 +711,7 @@ impl WhiteTable {
 
     /// Radii between the rings, in mean free paths.
     #[getter]
-    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+    fn edges<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
         let radii = self.get().layout().radii().to_vec();
         array_like(py, &[&Numbers::One(0.0)], &[radii.len()], radii)
     }
