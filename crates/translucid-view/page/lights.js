@@ -1,9 +1,9 @@
 // The panel of the scene's lights.
 
 import { split } from "./color.js";
-import { byId, icon, make } from "./dom.js";
+import { byId, icon, make, setText } from "./dom.js";
 import { nextGesture } from "./gesture.js";
-import { face, moveTo, PLACE, polar, turnTo } from "./placement.js";
+import { face, moveTo, newLight, PLACE, polar, turnTo } from "./placement.js";
 import { CheckRow, ColorRow, NumberRow, NumbersRow } from "./row.js";
 import { linear, logarithmic, logarithmicFromZero } from "./scale.js";
 import { length, normalize, scale } from "./vector.js";
@@ -16,17 +16,45 @@ const KINDS = {
     beam: { name: "Beam", strength: "power" },
 };
 
+/** What can be added. */
+const NEW = { rectangle: "Rectangle", sphere: "Sphere", distant: "Sun", spot: "Spot", point: "Point", beam: "Beam" };
+
 export class LightsPanel {
     #session;
     #kinds = null;
     #shows = [];
+    /** Which sections are open, where lights come and go by this page. */
+    #open = null;
 
     constructor(session) {
         this.#session = session;
+        this.#listen();
         session.on("state", () => {
             this.#build();
             this.#show();
         });
+    }
+
+    #listen() {
+        const choice = byId("light-add");
+        choice.append(...Object.entries(NEW).map(([value, name]) => make("option", { value }, name)));
+        choice.addEventListener("change", async () => {
+            const { look, hello, state } = this.#session;
+            const light = newLight(choice.value, hello.bounds, state.camera);
+            choice.value = "";
+            this.#open = [...look.lights.map((_, index) => this.#isOpen(index)), true];
+            if (!(await this.#session.addLight(light))) this.#open = null;
+        });
+    }
+
+    async #remove(index) {
+        this.#open = this.#session.look.lights.map((_, i) => this.#isOpen(i)).toSpliced(index, 1);
+        if (!(await this.#session.removeLight(index))) this.#open = null;
+        else byId("light-add").focus();
+    }
+
+    #isOpen(index) {
+        return byId(`section-light-${index}`)?.open ?? false;
     }
 
     #build() {
@@ -35,7 +63,8 @@ export class LightsPanel {
         this.#kinds = kinds.join();
         this.#shows = [];
         const none = make("p", { className: "description" }, "The scene has no lights of its own.");
-        const sections = kinds.map((kind, index) => this.#section(kind, index, index === 0 || kinds.length <= 2));
+        const sections = kinds.map((kind, index) => this.#section(kind, index, this.#open?.[index] ?? (index === 0 || kinds.length <= 2)));
+        this.#open = null;
         byId("light-rows").replaceChildren(...(sections.length > 0 ? sections : [none]));
     }
 
@@ -96,7 +125,7 @@ export class LightsPanel {
         if (kind === "distant") plain("angular_radius", "Angular radius", { scale: logarithmicFromZero(0.01, 89), unit: "\u00b0", limits: { least: 0 } });
         if (kind === "spot") {
             plain("inner_angle", "Inner angle", { scale: linear(0, 90), unit: "\u00b0" });
-            plain("outer_angle", "Outer angle", { scale: linear(0, 90), unit: "\u00b0" });
+            plain("outer_angle", "Outer angle", { scale: linear(0, 180), unit: "\u00b0", hint: "180\u00b0: light to all sides" });
         }
         if (kind === "rectangle" || kind === "spot" || kind === "beam") {
             const button = make("button", { id: `${id}-face`, type: "button", className: "plain" }, "Face the middle of the scene");
@@ -109,13 +138,18 @@ export class LightsPanel {
         if (kind === "rectangle" || kind === "sphere") {
             row(CheckRow, "visible", "Visible", (l) => l.visible, (l, visible) => ({ ...l, visible }), { hint: "Whether the camera sees it" });
         }
+        const remove = make("button", { id: `${id}-remove`, type: "button", className: "plain" }, "Remove");
+        remove.addEventListener("click", () => this.#remove(index));
+        body.append(make("div", { className: "buttons" }, remove));
         const chip = make("span", { className: "chip" });
         this.#shows.push(() => {
             const { strength: value, hue } = split(light()[strength]);
             chip.style.backgroundColor = `color(srgb-linear ${hue.join(" ")})`;
             chip.classList.toggle("off", value === 0);
         });
-        const summary = make("summary", {}, make("span", {}, `${name} ${index + 1}`), chip);
+        const title = make("span");
+        this.#shows.push(() => setText(title, `${light().outer_angle === 180 ? NEW.point : name} ${index + 1}`));
+        const summary = make("summary", {}, title, chip);
         return make("details", { open, id: `section-${id}` }, summary, body);
     }
 

@@ -1,5 +1,6 @@
 // Where a light is, as seen from the middle of the scene.
 
+import { axes } from "./camera.js";
 import { add, cross, dot, length, normalize, perpendicular, rotate, scale, subtract } from "./vector.js";
 
 const DEGREES = 180 / Math.PI;
@@ -18,6 +19,35 @@ export function polar(light, pivot) {
         elevation: Math.asin(far > 0 ? Math.min(1, Math.max(-1, offset[1] / far)) : 0) * DEGREES,
         distance: place ? far : null,
     };
+}
+
+/** Irradiance of a new light on what faces it in the middle of the scene. */
+const BRIGHT = 3;
+
+/** A light of a kind, above the camera's right shoulder; `point` is a spot to all sides. */
+export function newLight(kind, { center, radius }, camera) {
+    const { right, up, forward } = axes(camera);
+    const from = normalize(add(add(scale(right, 0.6), scale(up, 0.8)), scale(forward, -1)));
+    const far = 3 * radius;
+    const place = add(center, scale(from, far));
+    const direction = scale(from, -1);
+    const white = (value) => [value, value, value];
+    const edge = perpendicular(from);
+    const size = radius;
+    return {
+        rectangle: {
+            center: place,
+            edge_x: scale(edge, size),
+            edge_y: scale(cross(from, edge), -size),
+            radiance: white(BRIGHT * (far / size) ** 2),
+            visible: true,
+        },
+        sphere: { center: place, radius: 0.3 * size, radiance: white((BRIGHT / Math.PI) * (far / (0.3 * size)) ** 2), visible: true },
+        distant: { direction: from, angular_radius: 0.27, irradiance: white(BRIGHT) },
+        spot: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 20, outer_angle: 30 },
+        point: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 0, outer_angle: 180 },
+        beam: { origin: place, direction, radius: 0.1 * size, power: white(BRIGHT * Math.PI * (0.1 * size) ** 2) },
+    }[kind];
 }
 
 /** The light carried around the pivot as one piece, so that what faced the pivot still does. */

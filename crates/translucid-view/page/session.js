@@ -67,6 +67,14 @@ export class Session extends Events {
         });
     }
 
+    addLight(light) {
+        return this.command({ type: "add_light", light });
+    }
+
+    removeLight(index) {
+        return this.command({ type: "remove_light", index });
+    }
+
     setEnvironment(environment, { gesture, control } = {}) {
         this.#edit("environment", { type: "environment", environment, gesture }, control, () => {
             for (const look of this.#edited()) look.environment = environment;
@@ -167,8 +175,9 @@ export class Session extends Events {
         if (error || this.#served.version >= this.#answered) this.#take();
     }
 
-    #serve(state) {
-        this.#served = state;
+    /** Takes what has changed; the first state of a connection has all of it. */
+    #serve({ type, sides, ...parts }) {
+        this.#served = { ...this.#served, ...parts, sides: { ...this.#served?.sides, ...sides } };
         if (!this.#pacer.isBusy) this.#take();
     }
 

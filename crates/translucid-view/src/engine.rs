@@ -26,21 +26,24 @@ use translucid_scene::{Film, SubsurfaceMethod};
 use crate::look::Look;
 use crate::message::Side;
 use crate::shared::{Frame, Shared, SideFilm};
-use crate::studio::Wanted;
-use crate::view::{Shown, comparable, comparison_codes, layer_codes};
+use crate::studio::{MOTION_ENDS, Wanted};
+use crate::view::{Shown, comparable, comparison_codes, layer_codes, thinned};
 
 /// Time for a picture while something moves \[s\].
 const MOTION_BUDGET: f64 = 0.03;
 /// Time for a finer picture once nothing new has come \[s\].
 const PAUSE_BUDGET: f64 = 0.15;
-/// Something moves until so long after the page's last word.
-const MOTION_ENDS: Duration = Duration::from_millis(150);
 /// A first look at a quarter of the resolution comes before samples that take longer than this \[s\].
 const SLOW_SAMPLE: f64 = 0.4;
 /// Samples between two pictures take about so long at most \[s\].
 const SLICE: f64 = 1.0;
-/// Part of the time that pictures for the page may come after.
-const SHARE_BETWEEN_FRAMES: f64 = 0.04;
+/// Least and longest time between two pictures of a film that grows.
+const LEAST_PAUSE: Duration = Duration::from_millis(250);
+const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+/// Least time between two pictures over the time that one takes.
+const PAUSE_PER_FRAME: u32 = 50;
+/// Least time between two reports while samples are added.
+const REPORT_PAUSE: Duration = Duration::from_millis(200);
 /// Time of a path before anything is known \[s\].
 const FIRST_GUESS: f64 = 3e-6;
 /// How often a waiting renderer looks whether the program ends.
@@ -55,14 +58,21 @@ struct SideWork {
     seconds: f64,
     /// One sample a pixel at a fraction of the resolution, until the film has samples.
     preview: Option<(Fraction, FilmSums)>,
-    /// The film as it was at about half of its samples, for an estimate of its noise.
+    /// Some of the film's pixels as they were at about half of its samples, for an estimate of its noise.
     half: Option<(laboratory::Picture, u32)>,
     noise: Option<f64>,
     points: Option<PointCloud>,
     /// Time of a path \[s\].
     cost: f64,
-    /// When it was shown last, at which of its seconds, and in which version.
-    shown: Option<(Instant, f64, u32)>,
+    shown: Option<LastShown>,
+}
+
+/// When a side was shown last, with how many samples, and in which version.
+#[derive(Clone, Copy)]
+struct LastShown {
+    at: Instant,
+    samples: u32,
+    version: u32,
 }
 
 /// The next thing to do.
@@ -86,6 +96,9 @@ pub(crate) struct Engine<'a> {
     sides: [Option<SideWork>; 2],
     difference: Value,
     frame_number: u32,
+    /// Time that measuring and showing took last.
+    frame_time: Duration,
+    reported: Instant,
     rested: Option<u32>,
     quit: &'a AtomicBool,
 }
@@ -103,6 +116,8 @@ impl<'a> Engine<'a> {
             sides: [None, None],
             difference: Value::Null,
             frame_number: 0,
+            frame_time: Duration::ZERO,
+            reported: Instant::now(),
             rested: None,
             quit,
         };
@@ -367,16 +382,28 @@ impl<'a> Engine<'a> {
             return;
         }
         if samples.is_power_of_two() && samples < work.goal() {
-            work.half = Some((comparable(&film.sums(), view.film()), samples));
+            work.half = Some((thinned(&film.sums()), samples));
         }
-        let due = work.shown.is_none_or(|(at, seconds, _)| {
-            seconds == 0.0 || at.elapsed().as_secs_f64() > (SHARE_BETWEEN_FRAMES * work.seconds).max(0.1)
-        });
-        if due || samples >= work.goal() {
+        let (is_last, shown) = (samples >= work.goal(), work.shown);
+        if is_last || shown.is_none_or(|last| self.is_due(last, samples)) {
+            let start = Instant::now();
             self.measure();
             self.show(side);
+            self.frame_time = start.elapsed();
         }
-        self.report("rendering", "");
+        if self.reported.elapsed() > REPORT_PAUSE {
+            self.report("rendering", "");
+        }
+    }
+
+    /// Whether a film with so many samples is worth another picture: one whose noise is less by a step that is seen, and
+    /// that does not hold up the samples.
+    fn is_due(&self, last: LastShown, samples: u32) -> bool {
+        let pause = last.at.elapsed();
+        let is_finer = samples as f32 >= std::f32::consts::SQRT_2 * last.samples as f32;
+        last.samples == 0
+            || pause > LEAST_PAUSE.max(PAUSE_PER_FRAME * self.frame_time)
+                && (is_finer || pause > LONGEST_PAUSE)
     }
 
     /// Estimates noise and difference.
@@ -385,7 +412,7 @@ impl<'a> Engine<'a> {
         for work in self.sides.iter_mut().flatten() {
             let samples = work.film.samples();
             if let Some((half, count)) = work.half.as_ref().filter(|(_, count)| *count < samples) {
-                let picture = comparable(&work.film.sums(), &display);
+                let picture = thinned(&work.film.sums());
                 let noise = laboratory::relative_noise([&picture, half], [*count, samples], &picture);
                 work.noise = noise.is_finite().then_some(noise);
             }
@@ -415,7 +442,8 @@ impl<'a> Engine<'a> {
             None => (Fraction::Whole, &*whole),
         };
         let codes = layer_codes(sums, layer, &self.wanted.film);
-        let is_last = whole.samples() >= work.goal();
+        let samples = whole.samples();
+        let is_last = samples >= work.goal();
         let header = Header {
             kind: side as u8,
             divisor: fraction.divisor() as u8,
@@ -427,7 +455,7 @@ impl<'a> Engine<'a> {
             seconds: work.seconds as f32,
         };
         drop(whole);
-        work.shown = Some((Instant::now(), work.seconds, self.wanted.version));
+        work.shown = Some(LastShown { at: Instant::now(), samples, version: self.wanted.version });
         self.frame_number += 1;
         let frame = Frame { number: header.number, bytes: header.before(&codes) };
         self.shared.frames[side].send_replace(Some(frame));
@@ -468,7 +496,7 @@ impl<'a> Engine<'a> {
     /// What changes no pixel has a picture of its version, too: pages wait for it.
     fn show_version(&mut self) {
         let version = self.wanted.version;
-        let is_shown = |side: &SideWork| side.shown.is_some_and(|(_, _, shown)| shown == version);
+        let is_shown = |side: &SideWork| side.shown.is_some_and(|last| last.version == version);
         if !self.sides.iter().flatten().all(is_shown) {
             self.show_all();
         }
@@ -495,7 +523,8 @@ impl<'a> Engine<'a> {
         self.shared.set_films([0, 1].map(|side| self.sides[side].as_ref().map(film)));
     }
 
-    fn report(&self, phase: &str, detail: &str) {
+    fn report(&mut self, phase: &str, detail: &str) {
+        self.reported = Instant::now();
         let side = |index: usize| {
             let work = self.sides[index].as_ref()?;
             Some(json!({

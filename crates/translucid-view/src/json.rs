@@ -7,6 +7,7 @@ use translucid_scene::{
 };
 
 use crate::look::Look;
+use crate::message::Edited;
 use crate::view::Shown;
 
 pub(crate) fn camera(camera: &Camera) -> Value {
@@ -177,6 +178,7 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
         "words": words,
         "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source })).collect::<Vec<_>>(),
         "systems": translucid_scene::conversion_system_names(),
+        "sides": Edited::ALL.map(Edited::name),
         "views": Shown::ALL.map(Shown::name),
     })
 }

@@ -21,6 +21,7 @@ mod look;
 mod message;
 mod numbers;
 mod page;
+mod page_state;
 mod profile_panel;
 mod server;
 mod shared;

@@ -19,6 +19,12 @@ pub(crate) enum Message {
         light: LightMessage,
         gesture: Option<u64>,
     },
+    AddLight {
+        light: LightMessage,
+    },
+    RemoveLight {
+        index: usize,
+    },
     Environment {
         environment: Option<EnvironmentMessage>,
         gesture: Option<u64>,
@@ -35,8 +41,7 @@ pub(crate) enum Message {
         camera: CameraMessage,
         #[serde(default)]
         moving: bool,
-        #[serde(rename = "gesture")]
-        _gesture: Option<u64>,
+        gesture: Option<u64>,
     },
     Frame {},
     Settled {},
@@ -47,7 +52,7 @@ pub(crate) enum Message {
         on: bool,
     },
     Side {
-        side: Side,
+        side: Edited,
     },
     Swap {},
     Show {
@@ -80,11 +85,32 @@ pub(crate) enum Side {
     B,
 }
 
-impl Side {
+/// What edits concern: one side, or both at once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub(crate) enum Edited {
+    A,
+    B,
+    Both,
+}
+
+impl Edited {
+    pub(crate) const ALL: [Self; 3] = [Self::A, Self::B, Self::Both];
+
     pub(crate) fn name(self) -> &'static str {
         match self {
             Self::A => "a",
             Self::B => "b",
+            Self::Both => "both",
+        }
+    }
+
+    /// The sides; the first is the one that panels show.
+    pub(crate) fn sides(self) -> &'static [Side] {
+        match self {
+            Self::A => &[Side::A],
+            Self::B => &[Side::B],
+            Self::Both => &[Side::A, Side::B],
         }
     }
 }

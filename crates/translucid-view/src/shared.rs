@@ -14,6 +14,7 @@ use translucid_scene::{Scene, SceneError};
 use crate::Settings;
 use crate::json;
 use crate::message::Side;
+use crate::page_state::PageState;
 use crate::studio::{Studio, Wanted};
 
 /// A picture on its way to the pages.
@@ -39,7 +40,7 @@ pub(crate) struct Shared {
     /// Asks the renderer to look at the studio again.
     pub(crate) stop: AtomicBool,
     pub(crate) hello: String,
-    pub(crate) state: watch::Sender<Arc<str>>,
+    pub(crate) state: watch::Sender<Arc<PageState>>,
     pub(crate) status: watch::Sender<Arc<str>>,
     /// Side A, side B, their comparison.
     pub(crate) frames: [watch::Sender<Option<Frame>>; 3],
@@ -67,14 +68,14 @@ impl Shared {
     ) -> Result<Self, SceneError> {
         let studio = Studio::new(scene)?;
         let bounds = bounds(scene, &picker);
-        let shared = Self {
+        Ok(Self {
             hello: json::hello(&settings.name, scene, (bounds.0.to_array(), bounds.1), &scene.camera)
                 .to_string(),
             bounds,
+            state: watch::Sender::new(Arc::new(studio.state(&notes, &settings.render_command()))),
             studio: Mutex::new(studio),
             changed: Condvar::new(),
             stop: AtomicBool::new(false),
-            state: watch::Sender::new(Arc::from("")),
             status: watch::Sender::new(Arc::from(
                 r#"{"type":"status","phase":"preparing","detail":"","sides":{"a":null,"b":null},"difference":null}"#,
             )),
@@ -90,9 +91,7 @@ impl Shared {
             },
             object_names: scene.objects.iter().map(|object| (object.name.clone(), object.material)).collect(),
             settings,
-        };
-        shared.publish(&locked(&shared.studio));
-        Ok(shared)
+        })
     }
 
     /// Changes the studio and tells everybody; the version from which on it counts.
@@ -132,7 +131,7 @@ impl Shared {
     fn publish(&self, studio: &Studio) {
         let notes = locked(&self.notes);
         let command = self.settings.render_command();
-        self.state.send_replace(studio.state(&notes, &command).into());
+        self.state.send_replace(Arc::new(studio.state(&notes, &command)));
     }
 
     /// Everything that is not rendered as it was asked for.

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
 use translucid_scene::{
@@ -11,7 +11,8 @@ use translucid_scene::{
 
 use crate::json;
 use crate::look::Look;
-use crate::message::{Message, Side, table_of};
+use crate::message::{Edited, LightMessage, Message, Side, table_of};
+use crate::page_state::PageState;
 use crate::view::Shown;
 use translucid_render::FilmLayer;
 
@@ -27,11 +28,18 @@ const MOST_PIXELS: u64 = 1 << 24;
 /// Most images that pages may bring.
 const MOST_IMAGES: usize = 16;
 
+/// Most lights to which a page may add one.
+const MOST_LIGHTS: usize = 1000;
+
+/// Something moves until so long after the page's last word.
+pub(crate) const MOTION_ENDS: Duration = Duration::from_millis(150);
+
 /// Everything that undo brings back.
 #[derive(Clone, PartialEq)]
 struct Setup {
     looks: [Arc<Look>; 2],
     film: Film,
+    camera: Camera,
     is_comparing: bool,
 }
 
@@ -41,6 +49,7 @@ pub(crate) struct Wanted {
     pub(crate) version: u32,
     /// A, and B where it is compared with.
     pub(crate) looks: [Option<Arc<Look>>; 2],
+    /// The side that is looked at first.
     pub(crate) active: Side,
     pub(crate) camera: Camera,
     pub(crate) film: Film,
@@ -61,8 +70,7 @@ pub(crate) struct Studio {
     image_facts: Vec<Value>,
     images: Vec<Arc<Image>>,
     setup: Setup,
-    camera: Camera,
-    active: Side,
+    edited: Edited,
     shown: Shown,
     is_paused: bool,
     moving: Option<Instant>,
@@ -83,7 +91,7 @@ impl Studio {
         check_size(&scene.film)?;
         let look = Arc::new(Look::of(scene));
         let looks = [Arc::clone(&look), look];
-        let setup = Setup { looks, film: scene.film, is_comparing: false };
+        let setup = Setup { looks, film: scene.film, camera: scene.camera, is_comparing: false };
         Ok(Self {
             unit: scene.unit,
             image_count: scene.images.len(),
@@ -92,8 +100,7 @@ impl Studio {
             images: Vec::new(),
             origin: setup.clone(),
             setup,
-            camera: scene.camera,
-            active: Side::A,
+            edited: Edited::A,
             shown: Shown::Layer(FilmLayer::Radiance),
             is_paused: false,
             moving: None,
@@ -105,12 +112,11 @@ impl Studio {
     }
 
     pub(crate) fn wanted(&self) -> Wanted {
-        let [a, b] = &self.setup.looks;
         Wanted {
             version: self.version,
-            looks: [Some(Arc::clone(a)), self.setup.is_comparing.then(|| Arc::clone(b))],
-            active: self.active,
-            camera: self.camera,
+            looks: self.looks(),
+            active: self.edited.sides()[0],
+            camera: self.setup.camera,
             film: self.setup.film,
             shown: self.shown,
             is_paused: self.is_paused,
@@ -124,16 +130,16 @@ impl Studio {
     }
 
     pub(crate) fn camera(&self) -> &Camera {
-        &self.camera
+        &self.setup.camera
     }
 
     pub(crate) fn film(&self) -> &Film {
         &self.setup.film
     }
 
-    /// The look that edits concern.
+    /// The look that edits concern; of both the first.
     pub(crate) fn active_look(&self) -> &Arc<Look> {
-        &self.setup.looks[self.active as usize]
+        &self.setup.looks[self.edited.sides()[0] as usize]
     }
 
     /// A scene with the edits of the active side and without meshes, for one that differs in nothing else.
@@ -142,7 +148,7 @@ impl Studio {
         let names = from.objects.iter().map(|object| Object { mesh: Arc::default(), ..object.clone() });
         Scene {
             unit: from.unit,
-            camera: self.camera,
+            camera: self.setup.camera,
             film: self.setup.film,
             integrator: look.integrator,
             objects: names.collect(),
@@ -154,26 +160,32 @@ impl Studio {
         }
     }
 
-    /// The message `state` for pages, with what else they shall know.
-    pub(crate) fn state(&self, notes: &[String], command: &str) -> String {
+    /// What pages are told, with what else they shall know.
+    pub(crate) fn state(&self, notes: &[String], command: &str) -> PageState {
+        let parts = [
+            ("camera", json::camera(&self.setup.camera)),
+            ("film", json::film(&self.setup.film)),
+            ("compare", json!(self.setup.is_comparing)),
+            ("active", json!(self.edited.name())),
+            ("view", json!(self.shown.name())),
+            ("paused", json!(self.is_paused)),
+            ("undo", json!(!self.done.is_empty())),
+            ("redo", json!(!self.undone.is_empty())),
+            ("notes", json!(notes)),
+            ("images", json!(self.image_facts)),
+            ("command", json!(command)),
+        ];
+        PageState {
+            version: self.version,
+            parts: parts.into_iter().map(|(key, value)| (key.to_owned(), value)).collect(),
+            looks: self.looks(),
+        }
+    }
+
+    /// A, and B where it is compared with.
+    fn looks(&self) -> [Option<Arc<Look>>; 2] {
         let [a, b] = &self.setup.looks;
-        json!({
-            "type": "state",
-            "version": self.version,
-            "camera": json::camera(&self.camera),
-            "film": json::film(&self.setup.film),
-            "compare": self.setup.is_comparing,
-            "active": self.active.name(),
-            "view": self.shown.name(),
-            "paused": self.is_paused,
-            "undo": !self.done.is_empty(),
-            "redo": !self.undone.is_empty(),
-            "notes": notes,
-            "images": self.image_facts,
-            "command": command,
-            "sides": { "a": json::look(a), "b": self.setup.is_comparing.then(|| json::look(b)) },
-        })
-        .to_string()
+        [Some(Arc::clone(a)), self.setup.is_comparing.then(|| Arc::clone(b))]
     }
 
     /// Does what a message asks for. Of those that only ask something, nothing.
@@ -181,38 +193,57 @@ impl Studio {
     /// # Errors
     /// A value is out of its range, or there is no such thing; nothing has changed then.
     pub(crate) fn apply(&mut self, message: Message) -> Result<(), SceneError> {
-        self.moving = None;
+        let moved = self.moving.take();
         match message {
             Message::Material { index, set, gesture } => {
-                let material = self.edited_material(index, &set)?;
-                self.change_look(gesture, |look| look.materials[index] = material);
+                self.edit(gesture, |studio, look| {
+                    require("material", index, look.materials.len())?;
+                    look.materials[index] = studio.edited_material(&look.materials[index], &set)?;
+                    Ok(())
+                })?;
             }
             Message::Light { index, light, gesture } => {
                 let light = Light::from(light);
-                require("light", index, self.active_look().lights.len())?;
                 light.validate(index)?;
-                self.change_look(gesture, |look| look.lights[index] = light);
+                self.edit(gesture, |_, look| {
+                    require("light", index, look.lights.len())?;
+                    look.lights[index] = light;
+                    Ok(())
+                })?;
+            }
+            Message::AddLight { light } => self.add_light(light)?,
+            Message::RemoveLight { index } => {
+                self.edit(None, |_, look| {
+                    require("light", index, look.lights.len())?;
+                    look.lights.remove(index);
+                    Ok(())
+                })?;
             }
             Message::Environment { environment, gesture } => {
                 let environment = environment.map(Environment::from);
                 let images = self.image_count + self.images.len();
                 environment.map_or(Ok(()), |environment| environment.validate(images))?;
-                self.change_look(gesture, |look| look.environment = environment);
+                self.edit(gesture, |_, look| {
+                    look.environment = environment;
+                    Ok(())
+                })?;
             }
             Message::Integrator { set, gesture } => {
-                let integrator = piece("integrator", &set)?.integrator(self.active_look().integrator)?;
-                self.change_look(gesture, |look| look.integrator = integrator);
+                self.edit(gesture, |_, look| {
+                    look.integrator = piece("integrator", &set)?.integrator(look.integrator)?;
+                    Ok(())
+                })?;
             }
             Message::Film { set, gesture } => {
                 let film = piece("film", &set)?.film(self.setup.film)?;
                 check_size(&film)?;
                 self.change(gesture, |setup| setup.film = film);
             }
-            Message::Camera { camera, moving, .. } => {
+            Message::Camera { camera, moving, gesture } => {
                 let camera = Camera::from(camera);
                 camera.validate()?;
                 self.moving = moving.then(Instant::now);
-                self.camera = camera;
+                self.change(gesture, |setup| setup.camera = camera);
             }
             Message::Undo {} => {
                 self.step(|studio| studio.done.pop_back(), |studio, now| studio.undone.push(now));
@@ -233,11 +264,11 @@ impl Studio {
                 });
             }
             Message::Side { side } => {
-                if side == Side::B && !self.setup.is_comparing {
+                if side != Edited::A && !self.setup.is_comparing {
                     return Err(SceneError::new("there is no side B: nothing is compared")
                         .with_help("begin a comparison first"));
                 }
-                self.active = side;
+                self.edited = side;
             }
             Message::Swap {} => self.change(None, |setup| setup.looks.swap(0, 1)),
             Message::Show { view } => {
@@ -247,6 +278,8 @@ impl Studio {
                 })?;
             }
             Message::Pause { on } => self.is_paused = on,
+            // A renderer that has gone on already is not disturbed
+            Message::Settled {} if moved.is_none_or(|last| last.elapsed() >= MOTION_ENDS) => return Ok(()),
             Message::Settled {} | Message::Frame {} => {}
             Message::Pick { .. }
             | Message::Profile { .. }
@@ -261,7 +294,7 @@ impl Studio {
 
     /// Looks from a camera that is known to be valid.
     pub(crate) fn set_camera(&mut self, camera: Camera) {
-        self.camera = camera;
+        self.change(None, |setup| setup.camera = camera);
         self.settle();
     }
 
@@ -279,10 +312,11 @@ impl Studio {
         let number = self.image_count + self.images.len();
         self.image_facts.push(json::image(&image));
         self.images.push(Arc::new(image));
-        self.change_look(None, |look| {
+        self.edit(None, |_, look| {
             let old = look.environment.filter(|environment| environment.image.is_some());
             look.environment = Some(Environment { image: Some(number), ..old.unwrap_or_default() });
-        });
+            Ok(())
+        })?;
         self.settle();
         Ok(())
     }
@@ -291,26 +325,47 @@ impl Studio {
     fn settle(&mut self) {
         self.version = self.version.wrapping_add(1);
         if !self.setup.is_comparing {
-            self.active = Side::A;
+            self.edited = Edited::A;
             if self.shown.compares() {
                 self.shown = Shown::Layer(FilmLayer::Radiance);
             }
         }
     }
 
-    fn edited_material(&self, index: usize, set: &Map<String, Value>) -> Result<Material, SceneError> {
-        let look = self.active_look();
-        require("material", index, look.materials.len())?;
-        let old = &look.materials[index];
+    fn add_light(&mut self, light: LightMessage) -> Result<(), SceneError> {
+        let light = Light::from(light);
+        self.edit(None, |_, look| {
+            light.validate(look.lights.len())?;
+            if look.lights.len() >= MOST_LIGHTS {
+                return Err(SceneError::new(format!(
+                    "the scene has {} lights, and a page adds one to less than {MOST_LIGHTS}",
+                    look.lights.len()
+                )));
+            }
+            look.lights.push(light);
+            Ok(())
+        })
+    }
+
+    fn edited_material(&self, old: &Material, set: &Map<String, Value>) -> Result<Material, SceneError> {
         let piece = named_piece(format!("material {}", old.name), set)?;
         let new = piece.material(old, self.unit)?;
         new.validate(self.image_count + self.images.len(), self.table_count)?;
         Ok(new)
     }
 
-    fn change_look(&mut self, gesture: Option<u64>, change: impl FnOnce(&mut Look)) {
-        let side = self.active as usize;
-        self.change(gesture, |setup| change(Arc::make_mut(&mut setup.looks[side])));
+    /// Changes the looks that edits concern, all of them or, after an error, none.
+    fn edit(
+        &mut self,
+        gesture: Option<u64>,
+        edit: impl Fn(&Self, &mut Look) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        let mut looks = self.setup.looks.clone();
+        for side in self.edited.sides() {
+            edit(self, Arc::make_mut(&mut looks[*side as usize]))?;
+        }
+        self.change(gesture, |setup| setup.looks = looks);
+        Ok(())
     }
 
     /// Changes what undo brings back, as a step of its own unless it belongs to the gesture of the last one.
@@ -440,7 +495,7 @@ mod tests {
     #[test]
     fn wrong_edits_change_nothing_and_say_what_is_allowed() {
         let mut studio = studio();
-        let before = studio.state(&[], "");
+        let before = studio.state(&[], "").message(None);
         for (text, words) in [
             (r#"{"type":"material","index":99,"set":{}}"#, "material 99 is not there"),
             (r#"{"type":"material","index":2,"set":{"subsurface_color":2}}"#, "must be in [0, 1]"),
@@ -477,7 +532,7 @@ mod tests {
             let error = say(&mut studio, text).unwrap_err().to_string();
             assert!(error.contains(words), "{text}: {error}");
         }
-        assert_eq!(studio.state(&[], ""), before);
+        assert_eq!(studio.state(&[], "").message(None), before);
     }
 
     #[test]
@@ -535,7 +590,7 @@ mod tests {
                 let message = Numbered::parse(&String::from_utf8_lossy(&bytes)).message;
                 if message.is_ok_and(|message| studio.apply(message).is_ok()) {
                     applied += 1;
-                    scene.camera = studio.camera;
+                    scene.camera = *studio.camera();
                     scene.film = studio.setup.film;
                     let look = studio.active_look();
                     scene.materials.clone_from(&look.materials);

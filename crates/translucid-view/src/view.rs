@@ -8,6 +8,9 @@ use translucid_laboratory::picture::{
 use translucid_render::{FilmLayer, FilmSums, ImageInfo, layer};
 use translucid_scene::Film;
 
+/// About so many pixels tell the noise of a film.
+const PIXELS_FOR_NOISE: f64 = 65536.0;
+
 /// A way of looking at films.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Shown {
@@ -138,6 +141,20 @@ pub(crate) fn comparable(film: &FilmSums, settings: &Film) -> laboratory::Pictur
     laboratory::Picture::new(film.width as usize, film.height as usize, rows.into_iter().flatten())
 }
 
+/// Some pixels of a film, enough for an estimate of its noise, without what a display shows of them.
+pub(crate) fn thinned(film: &FilmSums) -> laboratory::Picture {
+    let pixels = u64::from(film.width) * u64::from(film.height);
+    let step = ((pixels as f64 / PIXELS_FOR_NOISE).sqrt().ceil() as usize).max(1);
+    let places = |edge: u32| (0..edge).step_by(step);
+    let pixel = |x, y| PicturePixel {
+        radiance: film.radiance(x, y).map(|value| value as f32),
+        alpha: film.mean(x, y)[layer::ALPHA] as f32,
+        display: [0.0; 3],
+    };
+    let pixels = places(film.height).flat_map(|y| places(film.width).map(move |x| pixel(x, y)));
+    laboratory::Picture::new(places(film.width).len(), places(film.height).len(), pixels)
+}
+
 /// A map of the comparison of A with B as RGBA codes, and the mean of ꟻLIP where it is that.
 pub(crate) fn comparison_codes(
     shown: Shown,
@@ -194,6 +211,17 @@ mod tests {
         assert!(normal[0].abs_diff(128) <= 1 && normal[2] == 255, "{normal:?}");
         let depth = layer_codes(&film, FilmLayer::Depth, &settings);
         assert!(depth[0] == 255 && depth[4].abs_diff(26) <= 1, "{depth:?}");
+    }
+
+    #[test]
+    fn thinned_picture_has_pixels_of_the_film_in_their_order() {
+        let mut large = FilmSums::new(600, 400);
+        for tile in &mut large.tiles {
+            tile.samples = 1;
+        }
+        assert_eq!([thinned(&large).width(), thinned(&large).height()], [300, 200]);
+        let all = comparable(&film(), &Film::default());
+        assert_eq!(thinned(&film()).radiance(), all.radiance());
     }
 
     #[test]

@@ -18,6 +18,7 @@ use translucid_scene::{Camera, SceneError};
 
 use super::Context;
 use crate::message::{Message, Numbered};
+use crate::page_state::PageState;
 use crate::shared::{Frame, Shared};
 use crate::{numbers, profile_panel};
 
@@ -51,7 +52,9 @@ struct Gone;
 struct Conversation {
     shared: Arc<Shared>,
     socket: WebSocket,
-    state: watch::Receiver<Arc<str>>,
+    state: watch::Receiver<Arc<PageState>>,
+    /// The state that the page was told last.
+    told: Option<Arc<PageState>>,
     status: watch::Receiver<Arc<str>>,
     frames: [watch::Receiver<Option<Frame>>; 3],
     /// Numbers of pictures that were sent and are not shown yet.
@@ -68,6 +71,7 @@ impl Conversation {
         let newest = || Arc::new(AtomicU32::new(0));
         Self {
             state: shared.state.subscribe(),
+            told: None,
             status: shared.status.subscribe(),
             frames: std::array::from_fn(|kind| shared.frames[kind].subscribe()),
             on_their_way: [None; 3],
@@ -108,7 +112,9 @@ impl Conversation {
                 }
                 changed = self.state.changed() => {
                     changed.map_err(|_| Gone)?;
-                    let text = self.state.borrow_and_update().to_string();
+                    let state = Arc::clone(&self.state.borrow_and_update());
+                    let text = state.message(self.told.as_deref());
+                    self.told = Some(state);
                     self.send(text).await?;
                     continue;
                 }

@@ -107,6 +107,8 @@ pub(crate) struct Client {
     id: u32,
     pub(crate) hello: Value,
     pub(crate) state: Value,
+    /// What the last message `state` said.
+    pub(crate) news: Value,
     pub(crate) status: Value,
     /// Pictures that have come, whose kinds were wanted.
     pub(crate) frames: Vec<Frame>,
@@ -128,6 +130,7 @@ impl Client {
             id: 0,
             hello: Value::Null,
             state: Value::Null,
+            news: Value::Null,
             status: Value::Null,
             frames: Vec::new(),
             paints: true,
@@ -162,7 +165,7 @@ impl Client {
                 let value: Value = serde_json::from_str(text.as_str()).unwrap();
                 match value["type"].as_str() {
                     Some("hello") => self.hello = value,
-                    Some("state") => self.state = value,
+                    Some("state") => self.learn(value),
                     Some("status") => self.status = value,
                     _ => return Some(value),
                 }
@@ -170,6 +173,19 @@ impl Client {
             }
             _ => None,
         }
+    }
+
+    /// Takes over what has changed of the state.
+    fn learn(&mut self, news: Value) {
+        for (key, value) in news.as_object().unwrap() {
+            match value.as_object() {
+                Some(sides) if key == "sides" => {
+                    sides.iter().for_each(|(side, look)| self.state["sides"][side] = look.clone());
+                }
+                _ => self.state[key] = value.clone(),
+            }
+        }
+        self.news = news;
     }
 
     pub(crate) fn say(&mut self, message: &Value) {

@@ -47,13 +47,9 @@ fn picture_of_the_page_is_that_of_the_command() {
     camera["position"][0] = json!(edited.camera.position.x);
     let version = client.apply(json!({"type":"camera","camera":camera,"moving":true}));
     assert!(client.finished(0, version).codes == expected(&edited), "after edits it differs");
-    client.apply(json!({"type":"undo"}));
-    client.apply(json!({"type":"undo"}));
+    (0..3).for_each(|_| _ = client.apply(json!({"type":"undo"})));
     let version = client.apply(json!({"type":"undo"}));
-    let frame = client.finished(0, version);
-    edited = small_still_life();
-    edited.camera.position.x += 5.0;
-    assert!(frame.codes == expected(&edited), "after undo it differs");
+    assert!(client.finished(0, version).codes == expected(&scene), "after undo it differs");
 }
 
 #[test]
@@ -117,6 +113,108 @@ fn sides_are_rendered_beside_each_other() {
     client.apply(json!({"type":"swap"}));
     let version = client.apply(json!({"type":"compare","on":false}));
     assert!(client.finished(0, version).codes == b.codes, "A is what B was");
+}
+
+#[test]
+fn lights_come_and_go_and_the_saved_scene_has_them() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    let count = client.state["sides"]["a"]["lights"].as_array().unwrap().len();
+    let sun =
+        json!({"kind":"distant","direction":[0.0,0.6,0.8],"angular_radius":0.5,"irradiance":[2.0,1.5,1.0]});
+    let bulb = json!({"kind":"spot","position":[0,40,30],"direction":[0,-0.8,-0.6],"intensity":[900,900,900],
+        "inner_angle":0,"outer_angle":180});
+    client.apply(json!({"type":"add_light","light":sun}));
+    client.apply(json!({"type":"add_light","light":bulb}));
+    let version = client.apply(json!({"type":"remove_light","index":0}));
+    let lit = client.finished(0, version);
+    assert_eq!(client.state["sides"]["a"]["lights"].as_array().unwrap().len(), count + 1);
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("saved.toml");
+    let (_, answer) = served.get("scene.toml");
+    std::fs::write(&file, answer.split_once("\r\n\r\n").unwrap().1).unwrap();
+    let loaded = load_scene(&file, &LoadOptions::default(), &mut Vec::new()).unwrap();
+    assert_eq!(loaded.lights.len(), count + 1);
+    assert!(lit.codes == expected(&loaded), "the saved scene renders otherwise:\n{answer}");
+
+    for (message, words) in [
+        (json!({"type":"remove_light","index":count + 1}), "is not there"),
+        (json!({"type":"add_light","light":{"kind":"point","position":[0,0,0]}}), "unknown variant `point`"),
+        (
+            json!({"type":"add_light","light":{"kind":"sphere","center":[0,0,0],"radius":0,"radiance":[1,1,1],"visible":true}}),
+            "radius",
+        ),
+    ] {
+        let answer = client.ask(message);
+        assert!(answer["type"] == "error" && answer["message"].as_str().unwrap().contains(words), "{answer}");
+    }
+    (0..2).for_each(|_| _ = client.apply(json!({"type":"undo"})));
+    let version = client.apply(json!({"type":"undo"}));
+    assert!(client.finished(0, version).codes == expected(&small_still_life()), "after undo it differs");
+}
+
+#[test]
+fn edits_of_both_sides_reach_both() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    assert_eq!(client.hello["sides"], json!(["a", "b", "both"]));
+    client.apply(json!({"type":"compare","on":true}));
+    client.apply(json!({"type":"side","side":"b"}));
+    client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"none"}}));
+    client.apply(json!({"type":"side","side":"both"}));
+    let set = json!({"type":"material","index":MARBLE,"set":{"subsurface_radius":0.9}});
+    let version = client.apply(set);
+    let mut edited = small_still_life();
+    edited.materials[MARBLE].subsurface_radius.factor = 0.9;
+    assert!(client.finished(0, version).codes == expected(&edited), "A");
+    edited.materials[MARBLE].subsurface_model = translucid_scene::SubsurfaceModel::None;
+    assert!(client.finished(1, version).codes == expected(&edited), "B");
+    // One of them cannot: neither does
+    client.apply(json!({"type":"side","side":"b"}));
+    let light = client.state["sides"]["a"]["lights"][0].clone();
+    client.apply(json!({"type":"add_light","light":light}));
+    client.apply(json!({"type":"side","side":"both"}));
+    let last = client.state["sides"]["b"]["lights"].as_array().unwrap().len() - 1;
+    let before = client.state["sides"].clone();
+    assert_eq!(client.ask(json!({"type":"remove_light","index":last}))["type"], "error");
+    client.apply(json!({"type":"pause","on":false}));
+    assert_eq!(client.state["sides"], before);
+}
+
+#[test]
+fn pages_are_told_what_has_changed() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    let told = |client: &crate::client::Client| {
+        client.news.as_object().unwrap().keys().cloned().collect::<Vec<_>>().join(" ")
+    };
+    let mut camera = client.state["camera"].clone();
+    for step in 1..=3 {
+        camera["position"][0] = json!(f64::from(step));
+        let version = client.apply(json!({"type":"camera","camera":camera,"moving":true,"gesture":5}));
+        while client.state["version"] != version {
+            client.hear();
+        }
+        let keys = if step == 1 { "camera type undo version" } else { "camera type version" };
+        assert_eq!(told(&client), keys);
+    }
+    let version = client.apply(json!({"type":"material","index":MARBLE,"set":{"specular_roughness":0.123}}));
+    while client.state["version"] != version {
+        client.hear();
+    }
+    assert_eq!(told(&client), "sides type version");
+    // A page that comes later hears it all
+    let other = served.connect();
+    assert_eq!((&other.state, &other.news["camera"]), (&client.state, &client.state["camera"]));
+    // The three camera moves were one gesture
+    client.apply(json!({"type":"undo"}));
+    let version = client.apply(json!({"type":"undo"}));
+    while client.state["version"] != version {
+        client.hear();
+    }
+    assert_eq!(client.state["undo"], false);
+    assert_eq!(client.state["camera"]["position"], client.hello["cameras"][0]["camera"]["position"]);
 }
 
 #[test]
