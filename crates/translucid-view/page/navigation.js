@@ -69,7 +69,8 @@ export class Navigation {
 
     #down(event) {
         if (!this.#session.state || event.target.closest("button, input, [role=slider]")) return;
-        this.#viewport.focus({ preventScroll: true });
+        // The left button gives the focus by itself, without the ring that keys have.
+        if (event.button !== 0) this.#viewport.focus({ preventScroll: true });
         if (event.button === 1) event.preventDefault();
         this.#viewport.setPointerCapture(event.pointerId);
         this.#pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });

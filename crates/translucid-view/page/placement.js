@@ -34,7 +34,7 @@ export function newLight(kind, { center, radius }, camera) {
     const white = (value) => [value, value, value];
     const edge = perpendicular(from);
     const size = radius;
-    return {
+    const lights = {
         rectangle: {
             center: place,
             edge_x: scale(edge, size),
@@ -47,7 +47,8 @@ export function newLight(kind, { center, radius }, camera) {
         spot: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 20, outer_angle: 30 },
         point: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 0, outer_angle: 180 },
         beam: { origin: place, direction, radius: 0.1 * size, power: white(BRIGHT * Math.PI * (0.1 * size) ** 2) },
-    }[kind];
+    };
+    return { kind: kind === "point" ? "spot" : kind, ...lights[kind] };
 }
 
 /** The light carried around the pivot as one piece, so that what faced the pivot still does. */

@@ -114,7 +114,7 @@ export class ProfilePanel {
             cursor: { drag: { x: false, y: false }, points: { size: 5 } },
             padding: [size * 0.6, size * 0.8, 0, 0],
             scales: {
-                x: { time: false, distr: isLog ? 3 : 1 },
+                x: { time: false, distr: isLog ? 3 : 1, range: isRatio ? undefined : (_, least) => [least, this.#reach()] },
                 y: { distr: isLog && !isRatio ? 3 : 1, range: isRatio ? ratioRange : isLog ? decades : undefined },
             },
             axes: [
@@ -126,6 +126,15 @@ export class ProfilePanel {
         };
         this.#plot = new uPlot(options, this.#data(), this.#room);
         this.#tell();
+    }
+
+    /** The largest radius at which there is light that the plot shows. */
+    #reach() {
+        const { r, channels } = this.#answer;
+        const values = channels.flatMap(({ model, exact }) => [model, exact ?? []]);
+        const floor = Math.max(...values.flat()) * (this.#scale === "logarithmic" ? LEAST_SHARE : 1e-3);
+        const last = Math.max(...values.map((curve) => curve.findLastIndex((value) => value > floor)));
+        return r[Math.min(r.length - 1, Math.max(1, last + 1))];
     }
 
     #update() {
@@ -190,10 +199,12 @@ function resolve(value) {
 }
 
 /** Eight decades at most: further down there is no light that anybody sees. */
+const LEAST_SHARE = 1e-8;
+
 function decades(_, least, most) {
     if (!(most > 0)) return [1e-8, 1];
     const top = 10 ** Math.ceil(Math.log10(most));
-    return [Math.max(10 ** Math.floor(Math.log10(least)), top * 1e-8), top];
+    return [Math.max(10 ** Math.floor(Math.log10(least)), top * LEAST_SHARE), top];
 }
 
 /** An error beyond 100 percent is as bad as 100. */

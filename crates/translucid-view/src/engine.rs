@@ -11,15 +11,16 @@
 //! Anything that a page changes interrupts it within the time of a path. Both sides share one prepared scene, which is
 //! edited back and forth: their materials cost less than a millisecond, another hierarchy would cost its memory.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use axum::body::Bytes;
 use serde_json::{Value, json};
 use translucid_laboratory::picture as laboratory;
 use translucid_render::{
-    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, Outcome, PointCloud, PreparedScene, View,
+    Edit, FilmLayer, FilmSums, Fraction, Goal, LiveFilm, Outcome, PointCloud, PointPass, PointProgress,
+    PreparedScene, View, available_memory,
 };
 use translucid_scene::{Film, SubsurfaceMethod};
 
@@ -336,11 +337,19 @@ impl<'a> Engine<'a> {
 
     fn make_points(&mut self, side: usize) {
         self.prepare(side);
-        let memory = u64::from(self.look.integrator.point_memory) << 20;
-        self.report("points", "light at points all over the surface");
-        let watch = |_| {
+        let allowed = u64::from(self.look.integrator.point_memory) << 20;
+        let memory = available_memory().map_or(allowed, |available| allowed.min(available));
+        self.report("points", "points all over the surface");
+        let reported = Mutex::new(self.reported);
+        let watch = |progress: PointProgress| {
             if self.quit.load(Ordering::Relaxed) {
                 self.shared.stop.store(true, Ordering::Relaxed);
+            }
+            if let Ok(mut reported) = reported.try_lock()
+                && reported.elapsed() > REPORT_PAUSE
+            {
+                *reported = Instant::now();
+                self.tell("points", &words_of(progress));
             }
         };
         match self.prepared.make_points(memory, &watch, &self.shared.stop) {
@@ -525,6 +534,10 @@ impl<'a> Engine<'a> {
 
     fn report(&mut self, phase: &str, detail: &str) {
         self.reported = Instant::now();
+        self.tell(phase, detail);
+    }
+
+    fn tell(&self, phase: &str, detail: &str) {
         let side = |index: usize| {
             let work = self.sides[index].as_ref()?;
             Some(json!({
@@ -564,6 +577,14 @@ impl SideWork {
         let more = (soon as u32).clamp(1, (samples / 2).clamp(1, 16));
         // Every power of two is met, for the estimate of noise
         samples.saturating_add(more).min((samples + 1).next_power_of_two()).min(self.goal())
+    }
+}
+
+fn words_of(PointProgress { pass, done, total }: PointProgress) -> String {
+    let percent = 100 * done.min(total) / total.max(1);
+    match pass {
+        PointPass::Points => format!("points all over the surface, {percent} %"),
+        PointPass::Irradiance => format!("light at the points, {percent} %"),
     }
 }
 

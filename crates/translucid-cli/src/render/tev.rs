@@ -6,6 +6,7 @@
 
 mod packet;
 
+use std::fs;
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
@@ -24,8 +25,8 @@ pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
 
 /// Least time between two states of a picture.
 const INTERVAL: Duration = Duration::from_millis(500);
-/// Least pause over the time in which a state is read by one of the threads, for all of them together to lose one percent.
-/// Sending is not counted; but the reader shares the processors with the others, so that it takes longer than it computes.
+/// Least pause over the time of a processor that a state takes, of as many as there are threads, for all of them together to
+/// lose one percent.
 const PAUSES: u32 = 100;
 /// Edge of the blocks that a picture is sent in, as tev's own client has it.
 const BLOCK: u32 = 128;
@@ -70,8 +71,8 @@ impl Tev {
         (place, size): (PixelRect, [u32; 2]),
     ) -> Result<Showing, Failure> {
         let (ended, end) = mpsc::channel();
-        let reading = Duration::ZERO;
-        let screen = Screen { tev: self.clone(), name: name.to_owned(), film, place, shown: 0, reading };
+        let cost = Duration::ZERO;
+        let screen = Screen { tev: self.clone(), name: name.to_owned(), film, place, shown: 0, cost };
         // On a pool's thread it is that pool's number
         let threads = rayon::current_num_threads() as u32;
         let show = move || screen.show(size, threads, &end);
@@ -79,6 +80,14 @@ impl Tev {
         let failure = |error| Failure::work(format!("--tev: no thread can be started: {error}"));
         Ok(Showing { ended, thread: thread.map_err(failure)? })
     }
+}
+
+/// Time that this thread has had a processor; all time since its beginning where the system does not say, which counts
+/// waiting for tev, too.
+fn computed(began: Instant) -> Duration {
+    let account = fs::read_to_string("/proc/thread-self/schedstat").ok();
+    let nanoseconds = account.and_then(|text| text.split_whitespace().next()?.parse().ok());
+    nanoseconds.map_or_else(|| began.elapsed(), Duration::from_nanos)
 }
 
 fn connect(address: &str) -> io::Result<TcpStream> {
@@ -119,23 +128,25 @@ struct Screen {
     place: PixelRect,
     /// The film's change that was shown last.
     shown: u64,
-    /// Time that reading the last state took.
-    reading: Duration,
+    /// Time of a processor that showing the last state took.
+    cost: Duration,
 }
 
 impl Screen {
     /// Makes a picture of this size and shows the film in it until the end comes.
     fn show(mut self, size: [u32; 2], threads: u32, end: &Receiver<()>) {
+        let began = Instant::now();
         self.send(&packet::close_image(&self.name), None);
         self.send(&packet::create_image(&self.name, size), None);
         loop {
-            let pause = (self.reading * PAUSES / threads.max(1)).max(INTERVAL);
+            let pause = (self.cost * PAUSES / threads.max(1)).max(INTERVAL);
             match end.recv_timeout(pause) {
                 Err(RecvTimeoutError::Timeout) => {}
                 Ok(()) => break,
                 // The rendering has failed
                 Err(RecvTimeoutError::Disconnected) => return,
             }
+            let before = computed(began);
             let mut is_ended = false;
             self.show_changes(None, || {
                 is_ended = end.try_recv() != Err(TryRecvError::Empty);
@@ -144,6 +155,7 @@ impl Screen {
             if is_ended {
                 break;
             }
+            self.cost = computed(began).saturating_sub(before);
         }
         self.show_changes(Instant::now().checked_add(LAST_LIMIT), || false);
     }
@@ -156,12 +168,9 @@ impl Screen {
         for tile in self.film.tiles_changed_since(self.shown) {
             is_changed[(tile.top / BLOCK * width.div_ceil(BLOCK) + tile.left / BLOCK) as usize] = true;
         }
-        self.reading = Duration::ZERO;
         let changed = blocks([width, height]).zip(is_changed).filter(|(_, is_changed)| *is_changed);
         for (block, _) in changed {
-            let start = Instant::now();
             let packet = self.packet_of(block);
-            self.reading += start.elapsed();
             if is_to_stop() || !self.send(&packet, deadline) {
                 return;
             }

@@ -110,8 +110,7 @@ test("swap makes A of B and B of A", async () => {
     assert.equal(difference((await view.pixels("b")).codes, a.codes), 0);
 });
 
-test("edits of both sides reach both", async (t) => {
-    if (!(await page.locator("#side-both").evaluate((input) => input.parentElement.checkVisibility()))) return t.skip("the server has no such side");
+test("edits of both sides reach both", async () => {
     await view.check("side-both");
     await sideIs("both");
     await view.type("material-specular_roughness", 0.35);

@@ -50,6 +50,37 @@ test("reset is a step, too", async () => {
     await view.agrees("after undoing a reset");
 });
 
+test("a drag of the camera is a step, and reset brings the camera back", async () => {
+    await view.history("reset");
+    const camera = async () => (await view.state()).camera;
+    const first = await camera();
+    const { x, y, width, height } = await view.page.locator("#stage").boundingBox();
+    const [left, top] = [x + width / 2, y + height / 2];
+    for (const shift of [40, -60]) {
+        await view.page.mouse.move(left, top);
+        await view.page.mouse.down();
+        await view.page.mouse.move(left + shift, top + 20, { steps: 10 });
+        await view.page.mouse.up();
+    }
+    await view.done();
+    const last = await camera();
+    await view.history("undo");
+    assert.notDeepEqual(await camera(), first);
+    await view.history("undo");
+    assert.deepEqual(await camera(), first);
+    await view.agrees("undone");
+    await view.history("redo");
+    await view.history("redo");
+    assert.deepEqual(await camera(), last);
+    await view.history("reset");
+    assert.deepEqual(await camera(), first);
+    await view.history("undo");
+    assert.deepEqual(await camera(), last);
+    await view.history("undo");
+    await view.history("undo");
+    await view.history("undo");
+});
+
 test("a new edit after undo leaves nothing to redo", async () => {
     await view.history("undo");
     await view.type("material-coat_weight", 0.5);

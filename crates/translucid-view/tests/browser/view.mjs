@@ -171,14 +171,25 @@ export class View {
         await box.setChecked(on, { force: true });
     }
 
+    /** Chooses in a menu of commands, and waits for the answer. */
+    async adds(kind) {
+        await reveal(this.page.locator("#light-add"));
+        await this.answered(() => this.page.locator("#light-add").selectOption(kind));
+    }
+
     async click(id) {
         await this.page.locator(`#${id}`).click();
     }
 
     /** Clicks a button that sends a message, and waits until the page shows the state of its answer. */
-    async history(step) {
+    history(step) {
+        return this.answered(() => this.click(step));
+    }
+
+    /** Does something that sends a message, and waits until the page shows the state of its answer. */
+    async answered(act) {
         const before = await this.page.evaluate(() => window.translucidView.sent.at(-1)?.id ?? 0);
-        await this.click(step);
+        await act();
         await this.page.waitForFunction((before) => {
             const { sent, state } = window.translucidView;
             return sent.at(-1)?.id > before && sent.every(({ isAnswered, version }) => isAnswered && state.version >= (version ?? 0));
