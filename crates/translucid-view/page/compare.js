@@ -81,7 +81,7 @@ export class Compare {
     #measure({ difference }) {
         const text = difference && [
             `relMSE ${format(difference.relative_mse, 3)}`,
-            `noise ${format(difference.noise, 2)}`,
+            difference.noise !== null && `noise ${format(difference.noise, 2)}`,
             difference.mean_flip !== null && `mean \ua7fbLIP ${format(difference.mean_flip, 3)}`,
         ].filter(Boolean).join(", ");
         setText(byId("difference"), text ?? "");

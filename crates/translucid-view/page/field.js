@@ -20,7 +20,7 @@ export class NumberField {
     #gesture = 0;
 
     /** `digits`: significant ones that are shown; a field that has the focus shows more. */
-    constructor({ id, label, labelledby, scale, change, handle, digits = 5 }) {
+    constructor({ id, label, labelledby, scale, change, handle, digits = 4 }) {
         this.#digits = digits;
         this.#change = change;
         this.#scale = scale;

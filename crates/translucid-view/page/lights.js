@@ -127,20 +127,23 @@ export class LightsPanel {
             plain("inner_angle", "Inner angle", { scale: linear(0, 90), unit: "\u00b0" });
             plain("outer_angle", "Outer angle", { scale: linear(0, 180), unit: "\u00b0", hint: "180\u00b0: light to all sides" });
         }
-        if (kind === "rectangle" || kind === "spot" || kind === "beam") {
-            const button = make("button", { id: `${id}-face`, type: "button", className: "plain" }, "Face the middle of the scene");
-            button.addEventListener("click", () => {
-                this.#session.setLight(index, face(light(), bounds.center), { gesture: nextGesture() });
-                this.#session.settle();
-            });
-            body.append(make("div", { className: "buttons" }, button));
-        }
         if (kind === "rectangle" || kind === "sphere") {
             row(CheckRow, "visible", "Visible", (l) => l.visible, (l, visible) => ({ ...l, visible }), { hint: "Whether the camera sees it" });
         }
-        const remove = make("button", { id: `${id}-remove`, type: "button", className: "plain" }, "Remove");
-        remove.addEventListener("click", () => this.#remove(index));
-        body.append(make("div", { className: "buttons" }, remove));
+        const buttons = make("div", { className: "buttons" });
+        const button = (key, text, act) => {
+            const made = make("button", { id: `${id}-${key}`, type: "button", className: "plain" }, text);
+            made.addEventListener("click", act);
+            buttons.append(made);
+        };
+        if (kind === "rectangle" || kind === "spot" || kind === "beam") {
+            button("face", "Face the middle of the scene", () => {
+                this.#session.setLight(index, face(light(), bounds.center), { gesture: nextGesture() });
+                this.#session.settle();
+            });
+        }
+        button("remove", "Remove", () => this.#remove(index));
+        body.append(buttons);
         const chip = make("span", { className: "chip" });
         this.#shows.push(() => {
             const { strength: value, hue } = split(light()[strength]);

@@ -62,10 +62,11 @@ navigation.onPick(({ material }) => {
 });
 
 session.on("hello", ({ name, version, objects }) => {
-    setText(byId("scene-name"), name);
-    document.title = `${name} \u2013 translucid`;
+    const file = name.split(/[/\\]/).at(-1);
+    setText(byId("scene-name"), file);
+    document.title = `${file} \u2013 translucid`;
     const triangles = objects.reduce((sum, object) => sum + object.triangles, 0);
-    byId("scene-name").title = `${objects.length} objects, ${triangles} triangles; translucid ${version}`;
+    byId("scene-name").title = `${name}: ${objects.length} objects, ${triangles} triangles; translucid ${version}`;
 });
 session.on("state", ({ command, notes }) => {
     setText(byId("command"), command);

@@ -93,6 +93,7 @@ export class NumberRow extends Row {
             scale: { ...scale, ...limits },
             change: onChange,
             handle: this.label,
+            digits: unit ? 3 : 4,
         });
         this.add(this.slider.input);
         this.inputs.push(this.numberField.input);

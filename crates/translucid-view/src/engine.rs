@@ -418,23 +418,31 @@ impl<'a> Engine<'a> {
     /// Estimates noise and difference.
     fn measure(&mut self) {
         let display = self.wanted.film;
+        let mut halves = Vec::new();
         for work in self.sides.iter_mut().flatten() {
             let samples = work.film.samples();
             if let Some((half, count)) = work.half.as_ref().filter(|(_, count)| *count < samples) {
-                let picture = thinned(&work.film.sums());
-                let noise = laboratory::relative_noise([&picture, half], [*count, samples], &picture);
+                let (picture, counts) = (thinned(&work.film.sums()), [*count, samples]);
+                let noise = laboratory::relative_noise([&picture, half], counts, &picture);
                 work.noise = noise.is_finite().then_some(noise);
+                halves.push((picture, half, counts));
             }
         }
+        // Both have the same random numbers, so that much of their noise is the same
+        let noise = match &halves[..] {
+            [(a, a_half, counts), (b, b_half, others)] if counts == others => {
+                Some(laboratory::relative_noise_of_difference([a, a_half], [b, b_half], *counts))
+            }
+            _ => None,
+        };
         self.difference = Value::Null;
         if let [Some(a), Some(b)] = &self.sides
             && a.film.samples().min(b.film.samples()) > 0
         {
             let [picture, reference] = [a, b].map(|side| comparable(&side.film.sums(), &display));
-            let noise = [a, b].map(|side| side.noise);
             self.difference = json!({
                 "relative_mse": laboratory::relative_mse(&picture, &reference),
-                "noise": noise[0].zip(noise[1]).map(|(a, b)| a + b),
+                "noise": noise.filter(|noise| noise.is_finite()),
                 "mean_flip": null,
             });
         }
