@@ -1,6 +1,7 @@
 """Scenes of arrays and of files, and what is wrong with them."""
 
 import os
+import signal
 
 import numpy as np
 import pytest
@@ -390,6 +391,18 @@ def test_interrupted_load_of_a_mesh_leaves_the_scene_as_it_was(large_mesh):
     assert time_to_interrupt(lambda: scene.add_object("large", file=str(large_mesh)), delay=0.1) <= 0.2
     scene.add_object("ball", shape="sphere", material="wax")
     assert scene.objects == ["ball"]
+
+
+def test_signal_handler_may_ask_a_scene_that_loads(large_mesh):
+    scene, seen = wax(), []
+    before = signal.signal(signal.SIGALRM, lambda *_: seen.append(scene.objects))
+    try:
+        signal.setitimer(signal.ITIMER_REAL, 0.05)
+        scene.add_object("large", file=str(large_mesh))
+    finally:
+        signal.signal(signal.SIGALRM, before)
+    assert scene.objects == ["large"]
+    assert len(seen) == 1
 
 
 def test_error_of_a_file_says_file_and_line(tmp_path):

@@ -11,6 +11,9 @@ use pyo3::prelude::*;
 /// Time between two looks at signals and progress: Ctrl-C is answered within it.
 const POLL: Duration = Duration::from_millis(50);
 
+/// Longest that finished work waits to be taken: a signal handler may itself wait for what that work has locked.
+const LONGEST_WAIT: Duration = Duration::from_millis(500);
+
 /// Runs work that nothing can stop: where a signal or `poll` raises an exception, it is left to end by itself.
 ///
 /// The flag tells it that nobody waits any more, for it to end early if it can.
@@ -41,7 +44,8 @@ pub(crate) fn run_and_hand_over<T: Send + 'static>(
     let run = move || {
         let hand_over = |result| {
             let (take, taken) = channel();
-            send.send((result, take)).is_ok() && taken.recv().is_ok()
+            send.send((result, take)).is_ok()
+                && taken.recv_timeout(LONGEST_WAIT) != Err(RecvTimeoutError::Disconnected)
         };
         let work = AssertUnwindSafe(|| work(&flag, &|result| hand_over(Ok(result))));
         if let Err(panic) = std::panic::catch_unwind(work) {
