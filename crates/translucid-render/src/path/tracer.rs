@@ -14,9 +14,6 @@ use crate::world::{
     straight_transmittance, weighed,
 };
 
-/// Least roughness of reflections that a diffusely scattered path sees with caustics off.
-const ROUGHNESS_AFTER_DIFFUSE: f32 = 0.5;
-
 /// Scattering events after which paths of little throughput are ended at random.
 const ROULETTE_AFTER: u32 = 3;
 
@@ -133,10 +130,15 @@ impl<'a> PathTracer<'a> {
             if clear > 0.0 && u.of_clearness() < clear {
                 return pass_clear(path, point, material, &surface);
             }
-            surface = seen_softly(surface);
+            surface = surface.seen_softly();
         }
+        let may_pass = world.media.of(index).is_some();
         if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
-            surface = without_diffuse(surface);
+            surface = if may_pass && surface.metalness == 0.0 {
+                without_matte(surface)
+            } else {
+                without_diffuse(surface)
+            };
         }
         if path.ray.direction.dot(normal) < 0.0 {
             self.subsurface.brighten(index, &mut surface);
@@ -149,14 +151,15 @@ impl<'a> PathTracer<'a> {
             see_first(path, point, normal, bsdf.albedo());
         }
 
-        // End the path by its depth or by Russian roulette
-        if path.depth >= world.scene.integrator.max_depth || !survives(path, || u.of_roulette()) {
+        // End the path by its depth, unless it may pass a body straight, or by Russian roulette
+        let is_over = path.depth >= world.scene.integrator.max_depth;
+        if (is_over && !may_pass) || !survives(path, || u.of_roulette()) {
             return false;
         }
 
         // Add light from one sampled light
         let vertex = Vertex { point, frame, normal, material, soft };
-        if !bsdf.is_smooth_only() {
+        if !is_over && !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
 
@@ -164,6 +167,7 @@ impl<'a> PathTracer<'a> {
         let v = sampler.next_4d();
         match bsdf.sample(v[0], [v[1], v[2]]) {
             None => false,
+            Some(BsdfSample::Direction { .. }) if is_over => false,
             Some(BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted }) => {
                 let layer = Layer::Surface(diffuse_share);
                 let next = Next { wi, weight, pdf, layer, is_diffuse: lobe == Lobe::Diffuse, transmitted };
@@ -220,16 +224,6 @@ fn pass_clear(
     path.pass(point, straight_transmittance(surface, point, path.ray.direction))
 }
 
-/// A surface whose clear part has been passed, as diffuse paths see it with caustics off.
-fn seen_softly(surface: SurfaceParameters) -> SurfaceParameters {
-    SurfaceParameters {
-        transmission_weight: 0.0,
-        specular_roughness: surface.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
-        coat_roughness: surface.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
-        ..surface
-    }
-}
-
 /// A surface with a black matte base: light samples and paths then leave out the same.
 fn without_diffuse(surface: SurfaceParameters) -> SurfaceParameters {
     SurfaceParameters {
@@ -238,6 +232,12 @@ fn without_diffuse(surface: SurfaceParameters) -> SurfaceParameters {
         subsurface_active: [false; 3],
         ..surface
     }
+}
+
+/// A surface without its matte base above a body that light may pass straight.
+fn without_matte(surface: SurfaceParameters) -> SurfaceParameters {
+    let surface_albedo = surface.subsurface_albedo_active();
+    SurfaceParameters { base_color: Vec3::ZERO, surface_albedo, ..surface }
 }
 
 /// Keeps what the camera sees first.

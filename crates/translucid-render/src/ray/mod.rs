@@ -1,10 +1,12 @@
 //! Rays, triangles and the hierarchy over them: what a ray meets.
 
+mod body;
 mod geometry;
 mod primitive;
 mod triangle;
 mod wide_tree;
 
+pub(crate) use body::{Body, FlightEnd, Inside};
 pub(crate) use geometry::SurfacePoint;
 pub use geometry::{Geometry, Hit};
 pub use triangle::Ray;

@@ -75,7 +75,8 @@ impl PreparedScene {
         );
         let lights = light_set(&scene, &geometry);
         let geometry = Arc::new(geometry);
-        let mut new = Self { world: World { scene, geometry, surfaces, lights }, subsurface };
+        let media = subsurface.media();
+        let mut new = Self { world: World { scene, geometry, surfaces, media, lights }, subsurface };
         new.subsurface.normalize(&new.world);
         Ok(new)
     }
@@ -155,6 +156,7 @@ impl PreparedScene {
             self.world.lights = light_set(&self.world.scene, &self.world.geometry);
         }
         if renewed.geometry || renewed.materials > 0 {
+            self.world.media = self.subsurface.media();
             self.subsurface.normalize(&self.world);
         }
         self.subsurface.forget_points();

@@ -25,13 +25,13 @@ use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use crate::ray::SurfacePoint;
 use crate::surface::bsdf::SurfaceParameters;
-use crate::world::World;
+use crate::surface::{WalkMedium, WalkRecipe};
+use crate::world::{Media, World};
 use kernel::{KernelRecipe, SubsurfaceKernel};
 use normalization::Normalizer;
 use pairing::Pairing;
 use transport::points::{GatherScratch, Leaving, PointCloud};
 use transport::probes::Probes;
-use transport::walk::{WalkMedium, WalkRecipe};
 
 pub(crate) use exit_point::ExitPoint;
 use note::Remark;
@@ -135,7 +135,8 @@ impl SubsurfaceSet {
         let recipe = WalkRecipe::of(material);
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
-                (SubsurfaceTransport::Walk(medium), recipe.unreached(material).into_iter().collect())
+                let note = Note::of_nearest(material, recipe.g_and_eta());
+                (SubsurfaceTransport::Walk(medium), note.into_iter().collect())
             }
             Err(error) => self.stand_in(scene, index, &error.to_string()),
         }
@@ -231,6 +232,11 @@ impl SubsurfaceSet {
             notes.iter().map(note)
         });
         of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()
+    }
+
+    /// The media that light may pass without being scattered, for each material that has one.
+    pub(crate) fn media(&self) -> Media {
+        Media::new(self.transports.iter().map(SubsurfaceTransport::medium))
     }
 
     /// For each material how its light is found.

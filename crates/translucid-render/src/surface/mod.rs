@@ -1,11 +1,13 @@
 //! Surfaces: a material's values at a point, and how the interface there scatters light.
 
 pub mod bsdf;
+mod medium;
 mod parameters;
 mod shading_normal;
 mod tables;
 mod texture;
 
+pub(crate) use medium::{WalkMedium, WalkRecipe};
 pub(crate) use parameters::{
     absorption, emission_at, opacity_at, parameters_at, stated_length_at, surface_albedo_at,
 };

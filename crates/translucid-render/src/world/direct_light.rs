@@ -36,10 +36,6 @@ impl World {
         if length <= 0.0 {
             return radiance;
         }
-        // Paths end at rectangle and sphere lights, so what shadow rays bring has to end there, too.
-        if self.lights.intersect(origin, direction, length).is_some() {
-            return Vec3::ZERO;
-        }
         radiance * transmittance(self, &Ray::segment(origin, direction, length), medium)
     }
 

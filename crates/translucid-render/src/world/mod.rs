@@ -1,6 +1,7 @@
 //! The scene as all paths know it, and light between two of its points.
 
 mod direct_light;
+mod passage;
 mod path_state;
 mod pixel_sample;
 mod shadow;
@@ -14,6 +15,7 @@ use crate::ray::{Geometry, Hit, SurfacePoint};
 use crate::surface::SurfaceTables;
 
 pub(crate) use direct_light::{power_heuristic, weighed};
+pub(crate) use passage::Media;
 pub(crate) use path_state::{Layer, Origin, PathState};
 pub use pixel_sample::{PixelSample, layer};
 pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_transmittance};
@@ -24,6 +26,7 @@ pub(crate) struct World {
     /// Shared with those who look at the scene from other threads.
     pub(crate) geometry: Arc<Geometry>,
     pub(crate) surfaces: SurfaceTables,
+    pub(crate) media: Media,
     pub(crate) lights: LightSet,
 }
 

@@ -4,12 +4,16 @@ use glam::Vec3;
 use translucid_scene::Material;
 
 use super::World;
+use super::passage::{Passage, Reach};
 use crate::ray::{Ray, SurfacePoint};
 use crate::surface;
 use crate::surface::bsdf::{SurfaceParameters, fresnel_dielectric};
 
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
+
+/// Transmittance below which nothing is left of light.
+const LEAST: f32 = 1e-6;
 
 /// The clear medium that a shadow ray starts in.
 #[derive(Clone, Copy, Debug)]
@@ -21,15 +25,21 @@ pub(crate) struct ShadowMedium {
 }
 
 /// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
-/// media or, for soft light, clear surfaces are in the way.
+/// media, bodies that light may pass straight or, for soft light, clear surfaces are in the way.
+///
+/// Paths end at rectangle and sphere lights, so what shadow rays bring ends there, too.
 pub(crate) fn transmittance(world: &World, ray: &Ray, medium: ShadowMedium) -> Vec3 {
-    if world.surfaces.any_lets_light_through() {
+    if world.surfaces.any_lets_light_through() || world.media.any() {
         through_surfaces(world, *ray, medium)
-    } else if world.geometry.occluded(ray) {
+    } else if meets_light(world, ray, ray.t_max) || world.geometry.occluded(ray) {
         Vec3::ZERO
     } else {
         absorbed(medium.absorption, ray.t_max)
     }
+}
+
+fn meets_light(world: &World, ray: &Ray, t_max: f32) -> bool {
+    world.lights.intersect(ray.origin, ray.direction, t_max).is_some()
 }
 
 /// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
@@ -41,15 +51,33 @@ fn through_surfaces(
     let scene = &world.scene;
     let mut result = Vec3::ONE;
     for _ in 0..MOST_SURFACES {
-        let Some(hit) = world.geometry.closest(&ray) else {
+        let hit = world.geometry.closest(&ray);
+        if meets_light(world, &ray, hit.map_or(ray.t_max, |hit| hit.t)) {
+            return Vec3::ZERO;
+        }
+        let Some(hit) = hit else {
             return result * absorbed(absorption, ray.t_max);
         };
         let index = scene.objects[world.geometry.object(&hit) as usize].material;
-        if !world.surfaces.lets_light_through(index) {
+        let medium = world.media.of(index);
+        if medium.is_none() && !world.surfaces.lets_light_through(index) {
             return Vec3::ZERO;
         }
         let material = &scene.materials[index];
         let point = world.surface_point(&hit);
+        let rest = ray.t_max - hit.t;
+        if let Some(medium) = medium.filter(|_| world.is_passed_by_shadow_rays(&point, soft)) {
+            result *= absorbed(absorption, hit.t);
+            let reach = Reach { distance: rest, transmittance: LEAST / result.max_element() };
+            let passage = world.pass_straight(medium, &point, ray.direction, soft, reach);
+            let Some(Passage { transmittance, distance, end }) = passage else { return Vec3::ZERO };
+            result *= transmittance;
+            if result.max_element() < LEAST {
+                return Vec3::ZERO;
+            }
+            ray = Ray::segment(end.ray_origin(ray.direction), ray.direction, rest - distance);
+            continue;
+        }
         let opacity = surface::opacity_at(scene, material, &point);
         let surface = surface::parameters_at(scene, material, &point);
         let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
@@ -59,10 +87,9 @@ fn through_surfaces(
         }
         let straight = straight_transmittance(&surface, &point, ray.direction);
         result *= Vec3::splat(1.0 - opacity) + straight * (opacity * clear);
-        if result.max_element() < 1e-6 {
+        if result.max_element() < LEAST {
             return Vec3::ZERO;
         }
-        let rest = ray.t_max - hit.t;
         ray = Ray::segment(point.ray_origin(ray.direction), ray.direction, rest);
     }
     Vec3::ZERO

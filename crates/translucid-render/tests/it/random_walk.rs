@@ -17,8 +17,8 @@ use translucid_scene::{
 use translucid_testing::power;
 
 use crate::common::{
-    PreparedScene, assert_agree, assert_within, distant, mean_of, measure, on_threads, picture, prepare,
-    quad, sample_ray, samples, scene, sphere, uniform_environment,
+    GRAY, PreparedScene, assert_agree, assert_within, distant, matte, mean_of, measure, on_threads, picture,
+    prepare, quad, sample_ray, samples, scene, sphere, uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.05);
@@ -284,4 +284,74 @@ fn notes_tell_what_a_walk_cannot_do() {
     );
     let notes = notes(0.0, 1.4);
     assert!(notes.len() == 1 && notes[0].contains("distant lights do not shine into it"), "{notes:?}");
+}
+
+/// Exponential integral E₃(x) = ∫₁^∞ e^{−xt} t⁻³ dt by the midpoint rule in 1/t.
+fn exponential_integral_3(x: f64) -> f64 {
+    let steps = 100_000;
+    (0..steps)
+        .map(|i| {
+            let mu = (f64::from(i) + 0.5) / f64::from(steps);
+            mu * (-x / mu).exp() / f64::from(steps)
+        })
+        .sum()
+}
+
+/// A matte floor below a slab of the material, of one diffuse event: light comes to it straight or not at all.
+fn floor_below_a_slab(thickness: f32) -> Scene {
+    let wide = |z: f32| quad(Vec3::Z * z, Vec3::X * 2e3, Vec3::Y * 2e3);
+    let mut bottom = wide(5.0);
+    bottom.triangles.iter_mut().for_each(|corners| corners.reverse());
+    let mut scene = scene(vec![wide(5.0 + thickness), bottom, wide(0.0)], material());
+    scene.materials.push(matte(GRAY));
+    scene.objects[2].material = 1;
+    scene.objects[2].subsurface_group = 1;
+    scene.integrator.max_diffuse_depth = 1;
+    scene
+}
+
+/// Radiance of the floor's middle.
+fn floor_radiance(scene: Scene, samples: u32) -> (Vec3, Vec3) {
+    measure(&prepare(scene), Vec3::new(0.3, 0.2, 1.0), Vec3::new(0.1, 0.0, -1.0).normalize(), samples)
+}
+
+/// What shadow rays bring through a body is what comes straight: light of any kind, and paths that pass it by themselves
+/// are weighted against it.
+#[test]
+fn light_that_passes_a_body_straight_is_found_by_shadow_rays_and_by_paths() {
+    let thickness = 0.4_f32;
+    let depth = per_channel(|c| f64::from(thickness / LENGTH[c]));
+    // Without a size: shadow rays alone
+    let mut scene = floor_below_a_slab(thickness);
+    let toward = Vec3::new(0.3, -0.4, 1.0).normalize();
+    scene.lights.push(distant(toward));
+    let expected = GRAY * std::f32::consts::FRAC_1_PI * toward.z * (-depth / toward.z).exp();
+    assert_within("distant", floor_radiance(scene, 64), expected);
+    // From everywhere: both
+    let mut scene = floor_below_a_slab(thickness);
+    scene.environment = uniform_environment(Vec3::ONE);
+    let expected = GRAY * per_channel(|c| 2.0 * exponential_integral_3(f64::from(depth[c])));
+    assert_within("environment", floor_radiance(scene.clone(), samples(1 << 15)), expected);
+    // The last event of a path
+    scene.integrator.max_depth = 1;
+    assert_within("last", floor_radiance(scene, samples(1 << 15)), expected);
+}
+
+/// A light inside a body does not shine out of it straight, nor does it throw a shadow.
+#[test]
+fn light_inside_a_body_is_not_seen_through_it() {
+    let lit = |has_inner: bool| {
+        let mut scene = floor_below_a_slab(0.4);
+        scene.environment = uniform_environment(Vec3::ONE);
+        if has_inner {
+            scene.lights.push(Light::Sphere {
+                center: Vec3::Z * 5.2,
+                radius: 0.1,
+                radiance: Vec3::ONE,
+                visible: true,
+            });
+        }
+        floor_radiance(scene, samples(1 << 15))
+    };
+    assert_agree("inner", lit(true), lit(false));
 }

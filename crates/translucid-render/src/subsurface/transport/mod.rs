@@ -23,12 +23,11 @@ use super::exit_point::ExitPoint;
 use super::parameters::Subsurface;
 use crate::ray::SurfacePoint;
 use crate::sampling::Sampler;
-use crate::surface;
+use crate::surface::{self, WalkMedium};
 use crate::world::{Layer, PathState, World};
 use points::{GatherScratch, Gatherer};
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
-use walk::WalkMedium;
 
 /// How light under the surface of a material is found.
 pub(crate) enum SubsurfaceTransport {
@@ -112,6 +111,11 @@ impl SubsurfaceTransport {
             Self::Probes(probes) | Self::Shared(probes) => probes.axes = axes,
             Self::Points(other, _) => other.set_axes(axes),
         }
+    }
+
+    /// The medium, where the transport walks through it.
+    pub(crate) fn medium(&self) -> Option<&Arc<WalkMedium>> {
+        if let Self::Walk(medium) = self { Some(medium) } else { None }
     }
 
     /// The probes, where the transport knows a profile.

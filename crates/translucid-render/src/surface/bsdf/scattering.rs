@@ -318,6 +318,12 @@ impl<'a> Bsdf<'a> {
             && (s.facets == 0.0 || self.base_ggx.is_smooth())
     }
 
+    /// The share of light that comes from below, of a sample on average; 0 in the channels that are not active. Does not
+    /// include A.
+    pub(crate) fn below(&self) -> Vec3 {
+        if self.strategies.subsurface > 0.0 { self.subsurface } else { Vec3::ZERO }
+    }
+
     /// About the hemispherical–directional reflectance, transmission and subsurface color included.
     pub fn albedo(&self) -> Vec3 {
         self.albedo

@@ -2,6 +2,9 @@
 
 use glam::{BVec3, Vec3};
 
+/// Least roughness of reflections that a diffusely scattered path sees with caustics off.
+const ROUGHNESS_AFTER_DIFFUSE: f32 = 0.5;
+
 /// A material evaluated at a point: weights, roughnesses and colors in [0, 1], indices in [1, 4].
 /// Values outside are clamped.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,6 +89,17 @@ impl SurfaceParameters {
     #[must_use]
     pub(crate) fn with_subsurface(self, surface_albedo: Vec3, active: BVec3) -> Self {
         Self { surface_albedo, subsurface_active: active.into(), ..self }
+    }
+
+    /// The surface without its clear part, as diffuse paths that have not passed that see it with caustics off.
+    #[must_use]
+    pub(crate) fn seen_softly(self) -> Self {
+        Self {
+            transmission_weight: 0.0,
+            specular_roughness: self.specular_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
+            coat_roughness: self.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
+            ..self
+        }
     }
 
     /// Surface albedo of the channels that light travels in below the surface.

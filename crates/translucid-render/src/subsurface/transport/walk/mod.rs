@@ -20,11 +20,7 @@
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
 //! walk is in tells when it is out.
 
-mod body;
 mod flight;
-mod medium;
 mod phase_function;
 mod random;
 mod scatter;
-
-pub(crate) use medium::{WalkMedium, WalkRecipe};

@@ -2,18 +2,16 @@
 
 use glam::Vec3;
 
-use super::body::{Body, FlightEnd, Inside};
 use super::flight::Flights;
-use super::medium::WalkMedium;
 use super::phase_function::HenyeyGreenstein;
 use super::random::WalkRandom;
 use crate::light::LightSample;
-use crate::ray::{Geometry, Hit, Ray, SurfacePoint};
+use crate::ray::{Body, FlightEnd, Geometry, Hit, Inside, Ray, SurfacePoint};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::entry_bsdf;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
-use crate::surface;
+use crate::surface::WalkMedium;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
 use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
@@ -27,12 +25,11 @@ const MOST_EVENTS: u32 = 1 << 16;
 /// Share of the light that entered below which walks end at random.
 const ROULETTE_BELOW: f32 = 1.0;
 
-/// Cosine to the normal below which a walk begins below its ray rather than on it: the way to there would be long.
-const GRAZING: f32 = 0.1;
-
 /// A walk under way.
 struct Walk<'a> {
     body: Body<'a>,
+    /// Side of the surface that the body is on.
+    side: f32,
     flights: Flights,
     phase: HenyeyGreenstein,
     /// Single-scattering albedo per channel.
@@ -67,14 +64,15 @@ impl WalkMedium {
         let mut flight = random.next_4d()[0];
         while walk.events < MOST_EVENTS {
             match walk.fly(flight) {
-                Some(hit) if walk.eta == 1.0 => return walk.leave(world, path, &hit),
+                Some(hit) if walk.eta == 1.0 => return walk.leave(world, path, exit, &hit),
                 Some(hit) => {
                     let u = random.next_4d();
                     if !walk.is_reflected(&hit, u[0]) {
-                        return walk.leave(world, path, &hit);
+                        return walk.leave(world, path, exit, &hit);
                     }
                     flight = u[1];
                 }
+                None if is_last(world, path) => return false,
                 None => {
                     if walk.eta == 1.0 {
                         walk.add_light_at_collision(world, path, random.next_4d());
@@ -92,16 +90,24 @@ impl WalkMedium {
     }
 }
 
+/// Whether a path may not be scattered any more.
+fn is_last(world: &World, path: &PathState) -> bool {
+    let integrator = &world.scene.integrator;
+    path.depth >= integrator.max_depth || path.diffuse_depth >= integrator.max_diffuse_depth
+}
+
 impl<'a> Walk<'a> {
     /// Goes on outside, where the walk has met the body's end.
-    fn leave(&self, world: &World, path: &mut PathState, hit: &Hit) -> bool {
+    fn leave(&self, world: &World, path: &mut PathState, exit: &ExitPoint<'_>, hit: &Hit) -> bool {
         let point = world.surface_point(hit);
         let Some(direction) = self.direction_outside(hit) else { return false };
         let weight = self.entering(world, &point, direction);
         path.throughput = self.throughput;
         if self.eta == 1.0 && !self.has_scattered {
-            // Nothing has happened to the light; but no shadow ray would have come through
-            path.origin.pdf = f32::INFINITY;
+            // Nothing has happened to the light, which lights could be sampled for where shadow rays pass, too
+            if !world.is_passed_by_shadow_rays(exit.point, path.soft) {
+                path.origin.pdf = f32::INFINITY;
+            }
             return path.pass(&point, weight);
         }
         let origin = Origin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf };
@@ -139,13 +145,10 @@ impl<'a> Walk<'a> {
 
     /// Factor of the surface on a radiance that enters from a direction; see the head of the module.
     fn entering(&self, world: &World, point: &SurfacePoint, direction: Vec3) -> Vec3 {
-        let entry = entry_bsdf(world, point);
         if self.eta == 1.0 {
-            let (_, material) = world.material(point);
-            let normal = surface::shading_normal_at(&world.scene, material, point) * self.body.side;
-            entry.weight(direction.dot(normal).max(0.0))
+            world.entering(point, direction, self.side)
         } else {
-            entry.tint()
+            entry_bsdf(world, point).tint()
         }
     }
 
@@ -161,23 +164,21 @@ impl<'a> Walk<'a> {
         let toward = path.ray.direction;
         let normal = point.geometric_normal * side;
         let direction = if medium.eta == 1.0 { toward } else { refract(-toward, normal, medium.eta)? };
-        let body = Body { geometry, group: point.group, side, offset: point.offset };
+        let body = Body::below(geometry, point, side);
+        let (at, skipped) = body.enter(point, direction)?;
         // Channels of length 0 are a matter of the surface
         let scatters = length.cmpgt(Vec3::ZERO);
         let sigma_t = Vec3::select(scatters, length.recip(), Vec3::ZERO);
         let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
-        let cosine = -direction.dot(normal);
-        // On the ray where it is deep enough, unless it hardly gets deeper
-        let skipped = point.offset / cosine.max(GRAZING);
-        let start = point.position + direction * skipped - normal * (point.offset - skipped * cosine);
         let sum = throughput.element_sum();
-        (cosine > 0.0 && sum > 0.0 && sum.is_finite()).then(|| Self {
+        (sum > 0.0 && sum.is_finite()).then(|| Self {
             body,
+            side,
             flights: Flights::new(sigma_t),
             phase: HenyeyGreenstein::new(medium.g),
             alpha: medium.single_scattering_albedo(surface_albedo),
             eta: medium.eta,
-            at: Inside::below(start),
+            at,
             direction,
             throughput,
             events: 0,

@@ -1,14 +1,17 @@
-//! The body that a walk is in: surfaces of one subsurface group.
+//! The body that lies below a surface: surfaces of one subsurface group, as a path through the inside meets them.
 
 use glam::Vec3;
 
-use crate::ray::Ray;
-use crate::ray::{Geometry, Hit};
+use super::geometry::{Geometry, Hit, SurfacePoint};
+use super::triangle::Ray;
 
 /// Surfaces between a point in the body and where it ends: meshes of a group that overlap, or that are doubled.
 const MOST_SURFACES: u32 = 64;
 
-/// A point inside a body, as a walk keeps track of it.
+/// Cosine to the normal below which a path begins below its ray rather than on it: the way to there would be long.
+const GRAZING: f32 = 0.1;
+
+/// A point inside a body, as a path keeps track of it.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inside {
     pub(crate) position: Vec3,
@@ -19,12 +22,12 @@ pub(crate) struct Inside {
 /// The body.
 #[derive(Clone, Copy)]
 pub(crate) struct Body<'a> {
-    pub(crate) geometry: &'a Geometry,
-    pub(crate) group: u32,
+    geometry: &'a Geometry,
+    group: u32,
     /// 1, or −1 where the surface is seen from its back: the body is then in front of its surfaces.
-    pub(crate) side: f32,
+    side: f32,
     /// Distance from surfaces at which a point is safely on one side \[L\].
-    pub(crate) offset: f32,
+    offset: f32,
 }
 
 /// Diagonals of the scene beyond which a walk has left an open mesh for good: hardly any would find the way back.
@@ -40,13 +43,29 @@ pub(crate) enum FlightEnd {
 }
 
 impl Inside {
-    /// Just below the surface at which a walk begins.
-    pub(crate) fn below(position: Vec3) -> Self {
+    /// Just below the surface.
+    fn below(position: Vec3) -> Self {
         Self { position, nesting: 1 }
     }
 }
 
-impl Body<'_> {
+impl<'a> Body<'a> {
+    /// The body below a surface that is seen from its outside (`side` 1) or, in an open mesh, from its inside (−1).
+    pub(crate) fn below(geometry: &'a Geometry, point: &SurfacePoint, side: f32) -> Self {
+        Self { geometry, group: point.group, side, offset: point.offset }
+    }
+
+    /// Where a direction into the body begins below a surface point, and the way from the point to there \[L\]; `None` if
+    /// the direction leads outside.
+    pub(crate) fn enter(&self, point: &SurfacePoint, direction: Vec3) -> Option<(Inside, f32)> {
+        let normal = point.geometric_normal * self.side;
+        let cosine = -direction.dot(normal);
+        // On the ray where it is deep enough, unless it hardly gets deeper
+        let skipped = self.offset / cosine.max(GRAZING);
+        let start = point.position + direction * skipped - normal * (self.offset - skipped * cosine);
+        (cosine > 0.0).then(|| (Inside::below(start), skipped))
+    }
+
     /// Follows a flight from a point inside.
     ///
     /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk

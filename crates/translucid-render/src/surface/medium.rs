@@ -6,8 +6,6 @@ use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
 use translucid_scene::Material;
 
-use crate::subsurface::note::{Note, Remark};
-
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
 const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
@@ -43,9 +41,9 @@ impl WalkRecipe {
         }
     }
 
-    /// Words on the parameters of the material that are out of reach.
-    pub(crate) fn unreached(&self, material: &Material) -> Option<Remark> {
-        Note::of_nearest(material, [self.g, self.eta])
+    /// The g and η that are used, which are the material's or the nearest within reach.
+    pub(crate) fn g_and_eta(&self) -> [f64; 2] {
+        [self.g, self.eta]
     }
 
     /// Inverts the albedos of the medium.

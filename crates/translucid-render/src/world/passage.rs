@@ -1,0 +1,115 @@
+//! Light that passes a body without being scattered in it.
+//!
+//! What a path may pass a shadow ray has to pass, too, or samples of lights and paths that meet them would not be two ways
+//! of finding the same light. With T the factors of the surface on both sides, both have
+//!
+//! ```text
+//! T(ωo) e^{−σ_t d} T(ωi) / T̄
+//! ```
+//!
+//! per channel. Surfaces that may also be passed in another way (partly opaque, partly clear, partly metal) are left to
+//! paths: a shadow ray follows one way only.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::World;
+use crate::ray::{Body, FlightEnd, SurfacePoint};
+use crate::sampling::Frame;
+use crate::surface::bsdf::{Bsdf, EntryBsdf};
+use crate::surface::{self, WalkMedium};
+
+/// The media that light may pass straight, by material.
+#[derive(Default)]
+pub(crate) struct Media(Vec<Option<Arc<WalkMedium>>>);
+
+impl Media {
+    /// Those of the given media that have no boundary.
+    pub(crate) fn new<'a>(media: impl Iterator<Item = Option<&'a Arc<WalkMedium>>>) -> Self {
+        Self(media.map(|medium| medium.filter(|medium| medium.eta == 1.0).cloned()).collect())
+    }
+
+    /// Whether there are any.
+    pub(super) fn any(&self) -> bool {
+        self.0.iter().any(Option::is_some)
+    }
+
+    pub(crate) fn of(&self, material: usize) -> Option<&WalkMedium> {
+        self.0.get(material)?.as_deref()
+    }
+}
+
+/// A body that was passed.
+pub(super) struct Passage {
+    pub(super) transmittance: Vec3,
+    /// Way through the body \[L\].
+    pub(super) distance: f32,
+    /// Where it ends.
+    pub(super) end: SurfacePoint,
+}
+
+/// How far a ray is of interest.
+#[derive(Clone, Copy)]
+pub(super) struct Reach {
+    /// Distance \[L\] at which it ends.
+    pub(super) distance: f32,
+    /// Transmittance below which nothing is left of it.
+    pub(super) transmittance: f32,
+}
+
+impl World {
+    /// Whether shadow rays pass the body below a surface as paths do.
+    pub(crate) fn is_passed_by_shadow_rays(&self, point: &SurfacePoint, soft: bool) -> bool {
+        let (_, material) = self.material(point);
+        let surface = surface::parameters_at(&self.scene, material, point);
+        let is_opaque = surface::opacity_at(&self.scene, material, point) >= 1.0;
+        is_opaque && surface.metalness == 0.0 && (!soft || surface.transmission_weight == 0.0)
+    }
+
+    /// Factor of a surface on a radiance that enters from a direction, T(ωi)/T̄ and tints; `side` is that of the body.
+    pub(crate) fn entering(&self, point: &SurfacePoint, direction: Vec3, side: f32) -> Vec3 {
+        let (index, material) = self.material(point);
+        let parameters = surface::parameters_at(&self.scene, material, point);
+        let normal = surface::shading_normal_at(&self.scene, material, point) * side;
+        EntryBsdf::new(&parameters, self.surfaces.of(index)).weight(direction.dot(normal).max(0.0))
+    }
+
+    /// Light along a direction through the body below a surface that it meets.
+    pub(super) fn pass_straight(
+        &self,
+        medium: &WalkMedium,
+        point: &SurfacePoint,
+        direction: Vec3,
+        soft: bool,
+        reach: Reach,
+    ) -> Option<Passage> {
+        let (index, material) = self.material(point);
+        let albedo = surface::surface_albedo_at(&self.scene, material, point);
+        let stated = surface::stated_length_at(&self.scene, material, point);
+        let length = medium.resolved(albedo, stated, point.offset);
+        let scatters = length.cmpgt(Vec3::ZERO);
+        // Beyond, the last channel is dark
+        let visible = -reach.transmittance.ln() * length.max_element();
+        let side = if direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
+        let body = Body::below(&self.geometry, point, side);
+        let (start, skipped) = body.enter(point, direction)?;
+        let FlightEnd::Boundary { distance, hit } = body.fly(start, direction, visible) else { return None };
+        let distance = distance + skipped;
+        // What shines inside is not seen
+        if distance >= reach.distance {
+            return None;
+        }
+        let mut surface =
+            surface::parameters_at(&self.scene, material, point).with_subsurface(albedo, scatters);
+        if soft {
+            surface = surface.seen_softly();
+        }
+        let frame = Frame::from_normal(surface::shading_normal_at(&self.scene, material, point));
+        let seen = Bsdf::new(&surface, self.surfaces.of(index), frame.to_local(-direction)).below();
+        let attenuation = Vec3::select(scatters, -distance / length, Vec3::NEG_INFINITY).exp();
+        let end = self.surface_point(&hit);
+        let transmittance = seen * attenuation * self.entering(&end, direction, side);
+        Some(Passage { transmittance, distance, end })
+    }
+}
