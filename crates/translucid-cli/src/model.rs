@@ -29,7 +29,7 @@ impl ValueEnum for ModelName {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let description = match self.0 {
             SubsurfaceModel::Profile(model) => model.description(),
-            SubsurfaceModel::RandomWalk => "No profile: a walk through the volume itself, for pictures only",
+            SubsurfaceModel::RandomWalk(surface) => surface.description_of_walk(),
             SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => "No transport under the surface",
         };
         Some(PossibleValue::new(self.0.name()).help(description))
@@ -176,8 +176,10 @@ impl ModelArguments {
         }
         let model = match self.model.model() {
             SubsurfaceModel::Profile(model) => model,
-            SubsurfaceModel::RandomWalk => {
-                let message = "the model random-walk has no profile: it walks through the volume of a scene";
+            SubsurfaceModel::RandomWalk(surface) => {
+                let model = surface.name_of_walk();
+                let message =
+                    format!("the model {model} has no profile: it walks through the volume of a scene");
                 let help = "use it with render; the exact profile of the same medium is --model exact";
                 return Err(Failure::input(message).with_help(help));
             }

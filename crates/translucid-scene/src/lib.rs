@@ -46,7 +46,7 @@ pub use load::{
 };
 pub use material::{
     Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, WordValue,
+    SubsurfaceParameter, SubsurfaceTextureAt, WalkSurface, WordValue,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use preset::{Preset, preset, presets};

@@ -147,7 +147,7 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
     let model = |model: SubsurfaceModel| {
         let description = match model {
             SubsurfaceModel::Profile(model) => model.description(),
-            SubsurfaceModel::RandomWalk => "A walk through the volume, scattering event by scattering event",
+            SubsurfaceModel::RandomWalk(surface) => surface.description_of_walk(),
             SubsurfaceModel::Tabulated(_) => "The profile of a file",
             SubsurfaceModel::None => "No light under the surface: a Lambertian color",
         };

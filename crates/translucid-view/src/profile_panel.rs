@@ -136,7 +136,7 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
     allowed.map_err(|error| format!("no profile is drawn of a channel: {error}"))?;
     let model = match material.subsurface_model {
         SubsurfaceModel::Profile(model) => model,
-        SubsurfaceModel::RandomWalk => {
+        SubsurfaceModel::RandomWalk(_) => {
             return Err("a random walk has no profile: on a half space it returns the exact one".to_owned());
         }
         SubsurfaceModel::None => return Err("a Lambertian color has no profile".to_owned()),
@@ -212,7 +212,7 @@ fn error(curve: &Curve, exact: &Exact, ends: [f64; 2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use translucid_scene::{ColorInput, ScalarInput};
+    use translucid_scene::{ColorInput, ScalarInput, WalkSurface};
 
     use super::*;
 
@@ -260,7 +260,10 @@ mod tests {
     fn what_has_no_profile_says_so() {
         for (material, words) in [
             (
-                Material { subsurface_model: SubsurfaceModel::RandomWalk, ..material(Model::Exact) },
+                Material {
+                    subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear),
+                    ..material(Model::Exact)
+                },
                 "random walk",
             ),
             (

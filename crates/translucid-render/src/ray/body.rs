@@ -2,6 +2,9 @@
 
 use glam::Vec3;
 
+use translucid_scene::Scene;
+
+use super::clearance::Clearance;
 use super::geometry::{Geometry, Hit, SurfacePoint};
 use super::triangle::Ray;
 
@@ -23,6 +26,7 @@ pub(crate) struct Inside {
 #[derive(Clone, Copy)]
 pub(crate) struct Body<'a> {
     geometry: &'a Geometry,
+    clearance: Option<&'a Clearance>,
     group: u32,
     /// 1, or −1 where the surface is seen from its back: the body is then in front of its surfaces.
     side: f32,
@@ -51,8 +55,9 @@ impl Inside {
 
 impl<'a> Body<'a> {
     /// The body below a surface that is seen from its outside (`side` 1) or, in an open mesh, from its inside (−1).
-    pub(crate) fn below(geometry: &'a Geometry, point: &SurfacePoint, side: f32) -> Self {
-        Self { geometry, group: point.group, side, offset: point.offset }
+    pub(crate) fn below(scene: &'a Scene, geometry: &'a Geometry, point: &SurfacePoint, side: f32) -> Self {
+        let clearance = geometry.clearance(&scene.objects, point.group);
+        Self { geometry, clearance, group: point.group, side, offset: point.offset }
     }
 
     /// Where a direction into the body begins below a surface point, and the way from the point to there \[L\]; `None` if
@@ -71,6 +76,9 @@ impl<'a> Body<'a> {
     /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk
     /// would never leave again.
     pub(crate) fn fly(&self, from: Inside, direction: Vec3, length: f32) -> FlightEnd {
+        if self.clearance.is_some_and(|clearance| length + self.offset <= clearance.at(from.position)) {
+            return FlightEnd::Inside(Inside { position: from.position + direction * length, ..from });
+        }
         let mut nesting = from.nesting;
         let mut done = 0.0;
         for _ in 0..MOST_SURFACES {

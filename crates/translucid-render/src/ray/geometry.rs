@@ -8,6 +8,7 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use translucid_scene::{Object, Scene};
 
+use super::clearance::{Clearance, Clearances};
 use super::primitive::{Primitive, PrimitiveSource};
 use super::wide_tree::WideTree;
 use crate::ray::Ray;
@@ -69,6 +70,7 @@ pub struct Geometry {
     tree: WideTree,
     /// Number of triangles in the objects before each object, and in all.
     first_triangle: Vec<u32>,
+    clearances: Clearances,
 }
 
 impl Geometry {
@@ -81,7 +83,7 @@ impl Geometry {
             places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
             first_triangle.push(places.len() as u32);
         }
-        Self { tree: WideTree::new(&places), first_triangle }
+        Self { tree: WideTree::new(&places), first_triangle, clearances: Clearances::new(objects) }
     }
 
     /// Corners of the box around everything.
@@ -103,6 +105,11 @@ impl Geometry {
     pub(crate) fn object_and_triangle(&self, primitive: u32) -> (u32, u32) {
         let object = self.first_triangle.partition_point(|&first| first <= primitive) - 1;
         (object as u32, primitive - self.first_triangle[object])
+    }
+
+    /// How far from a point no surface of a group is, which are those of the objects that this was made for.
+    pub(super) fn clearance(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
+        self.clearances.of(objects, group)
     }
 
     /// The object that a hit belongs to.

@@ -1,6 +1,7 @@
 //! Rays, triangles and the hierarchy over them: what a ray meets.
 
 mod body;
+mod clearance;
 mod geometry;
 mod primitive;
 mod triangle;

@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::ray::{Ray, SurfacePoint};
-use crate::sampling::{Frame, Sampler};
+use crate::sampling::{Frame, Reserved};
 use crate::surface;
 use crate::surface::bsdf::EntryBsdf;
 use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
@@ -59,13 +59,13 @@ impl<'a> EntryPoint<'a> {
         &self,
         path: &mut PathState,
         directional: &DirectionalWeight,
-        sampler: &mut Sampler,
+        [of_light, of_direction]: [Reserved; 2],
     ) -> bool {
-        if let Some(arrival) = self.direct_light(path.absorption, sampler.next_4d()) {
+        if let Some(arrival) = self.direct_light(path.absorption, of_light.numbers()) {
             let light = arrival.light * directional.weight(arrival.direction) * path.throughput;
             path.add_to(path.layer_after(Layer::Subsurface), light);
         }
-        let Some((direction, weight)) = self.head_off(path, sampler.next_4d()) else {
+        let Some((direction, weight)) = self.head_off(path, of_direction.numbers()) else {
             return false;
         };
         path.throughput *= weight * directional.weight(direction);

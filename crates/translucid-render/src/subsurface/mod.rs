@@ -21,7 +21,7 @@ pub(crate) mod transport;
 use std::sync::Arc;
 
 use glam::Vec3;
-use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel};
+use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel, WalkSurface};
 
 use crate::ray::SurfacePoint;
 use crate::surface::bsdf::SurfaceParameters;
@@ -125,14 +125,19 @@ impl SubsurfaceSet {
         match material.subsurface_model {
             _ if is_absent => (SubsurfaceTransport::Lambertian, Vec::new()),
             SubsurfaceModel::None => (SubsurfaceTransport::Lambertian, Vec::new()),
-            SubsurfaceModel::RandomWalk => self.prepare_walk(scene, index),
+            SubsurfaceModel::RandomWalk(surface) => self.prepare_walk(scene, index, surface),
             SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_) => self.prepare_profile(scene, index),
         }
     }
 
-    fn prepare_walk(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
+    fn prepare_walk(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        surface: WalkSurface,
+    ) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
-        let recipe = WalkRecipe::of(material);
+        let recipe = WalkRecipe::of(material, surface);
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
                 let note = Note::of_nearest(material, recipe.g_and_eta());

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use translucid_scene::{Light, Material, Scene, SubsurfaceModel};
+use translucid_scene::{Light, Material, Scene, SubsurfaceModel, WalkSurface};
 
 use crate::light;
 
@@ -50,7 +50,8 @@ impl Note {
     /// A note on lights that no walk can find: those without a size, through a boundary that refracts.
     pub(crate) fn of_lights(scene: &Scene) -> Option<Self> {
         let refracts = |m: &&Material| {
-            let walks = m.subsurface_model == SubsurfaceModel::RandomWalk && m.subsurface_weight.factor > 0.0;
+            let walks = m.subsurface_model == SubsurfaceModel::RandomWalk(WalkSurface::Clear)
+                && m.subsurface_weight.factor > 0.0;
             walks && m.subsurface_eta > 1.0
         };
         let mut lights: Vec<&str> =

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, ParameterError, Parameterization};
-use translucid_scene::Material;
+use translucid_scene::{Material, WalkSurface};
 
 /// Mean free paths below this many rounding errors of a position count as a point: a walk would lose its way, and A be
 /// off by more than 1 %.
@@ -13,6 +13,7 @@ const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
 /// All that decides a medium for every surface albedo: materials with equal recipes share one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WalkRecipe {
+    surface: WalkSurface,
     g: f64,
     eta: f64,
     configuration: Configuration,
@@ -23,20 +24,30 @@ pub(crate) struct WalkRecipe {
 pub(crate) struct WalkMedium {
     inversion: AlbedoInversion,
     parameterization: Parameterization,
+    pub(crate) surface: WalkSurface,
     /// Mean cosine of the phase function.
     pub(crate) g: f32,
-    /// Relative index of the boundary, 1 without one.
+    /// Relative index of the boundary, 1 without one; of a rough surface that of its facets.
     pub(crate) eta: f32,
 }
 
 impl WalkRecipe {
     /// The medium of a material, as near as the inversion of its surface albedo reaches.
-    pub(crate) fn of(material: &Material) -> Self {
+    pub(crate) fn of(material: &Material, surface: WalkSurface) -> Self {
         let within = |x: f32, range: RangeInclusive<f64>| f64::from(x).clamp(*range.start(), *range.end());
         Self {
             g: within(material.subsurface_scatter_anisotropy, AlbedoInversion::G),
-            eta: within(material.subsurface_eta, AlbedoInversion::ETA),
-            configuration: material.subsurface_configuration,
+            eta: match surface {
+                WalkSurface::Clear | WalkSurface::Rough => {
+                    within(material.subsurface_eta, AlbedoInversion::ETA)
+                }
+                WalkSurface::Diffuse => 1.0,
+            },
+            configuration: match surface {
+                WalkSurface::Clear => material.subsurface_configuration,
+                WalkSurface::Diffuse | WalkSurface::Rough => Configuration::Diffuse,
+            },
+            surface,
             parameterization: material.subsurface_parameter,
         }
     }
@@ -48,13 +59,20 @@ impl WalkRecipe {
 
     /// Inverts the albedos of the medium.
     pub(crate) fn make(&self) -> Result<WalkMedium, ParameterError> {
-        let Self { g, eta, configuration, parameterization } = *self;
-        let inversion = AlbedoInversion::new(g, eta, configuration)?;
-        Ok(WalkMedium { inversion, parameterization, g: g as f32, eta: eta as f32 })
+        let Self { g, eta, configuration, parameterization, surface } = *self;
+        // Only a clear surface reflects light inside
+        let eta_inside = if surface == WalkSurface::Clear { eta } else { 1.0 };
+        let inversion = AlbedoInversion::new(g, eta_inside, configuration)?;
+        Ok(WalkMedium { inversion, parameterization, surface, g: g as f32, eta: eta as f32 })
     }
 }
 
 impl WalkMedium {
+    /// Whether light that is not scattered goes straight on.
+    pub(crate) fn is_matched(&self) -> bool {
+        self.surface == WalkSurface::Clear && self.eta == 1.0
+    }
+
     /// Mean free paths \[L\] of stated lengths, 0 where positions, exact to `offset`, cannot tell them from points.
     pub(crate) fn resolved(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
         let of = |c: usize| {

@@ -25,9 +25,9 @@ use crate::surface::{self, WalkMedium};
 pub(crate) struct Media(Vec<Option<Arc<WalkMedium>>>);
 
 impl Media {
-    /// Those of the given media that have no boundary.
+    /// Those of the given media that have no boundary at all.
     pub(crate) fn new<'a>(media: impl Iterator<Item = Option<&'a Arc<WalkMedium>>>) -> Self {
-        Self(media.map(|medium| medium.filter(|medium| medium.eta == 1.0).cloned()).collect())
+        Self(media.map(|medium| medium.filter(|medium| medium.is_matched()).cloned()).collect())
     }
 
     /// Whether there are any.
@@ -92,7 +92,7 @@ impl World {
         // Beyond, the last channel is dark
         let visible = -reach.transmittance.ln() * length.max_element();
         let side = if direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
-        let body = Body::below(&self.geometry, point, side);
+        let body = Body::below(&self.scene, &self.geometry, point, side);
         let (start, skipped) = body.enter(point, direction)?;
         let FlightEnd::Boundary { distance, hit } = body.fly(start, direction, visible) else { return None };
         let distance = distance + skipped;

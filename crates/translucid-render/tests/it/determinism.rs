@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 use translucid_render::{FilmSums, Goal, Outcome, Progress};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit,
+    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit, WalkSurface,
 };
 
 use crate::common::{on_threads, prepare, prepare_with_points, render, render_until};
@@ -88,7 +88,9 @@ static WAYS: LazyLock<Vec<Way>> = LazyLock::new(|| {
         ("normalized", |scene| {
             scene.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy;
         }),
-        ("walk", |scene| scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk),
+        ("walk", |scene| {
+            scene.materials[0].subsurface_model = SubsurfaceModel::RandomWalk(WalkSurface::Clear);
+        }),
         ("points", |scene| {
             scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
             scene.integrator.point_tolerance = 0.5;

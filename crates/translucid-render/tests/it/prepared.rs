@@ -6,7 +6,7 @@ use glam::Vec3;
 use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
 use translucid_scene::{
     Camera, ColorInput, ColorSpace, Environment, Image, Integrator, Light, Material, Mesh, Object, Pixels,
-    ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, TextureRef,
+    ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, TextureRef, WalkSurface,
 };
 
 use crate::common::{matte, quad, render, scene, sphere, uniform_environment};
@@ -74,7 +74,7 @@ fn edits() -> Vec<(&'static str, Edit, Renewed)> {
     let none = Renewed::default();
     let material = Renewed { materials: 1, ..none };
     let emissive = Material { emission_luminance: 3.0, ..matte(Vec3::ONE) };
-    let walk = Material { subsurface_model: SubsurfaceModel::RandomWalk, ..wax(0.3) };
+    let walk = Material { subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear), ..wax(0.3) };
     let normalized = Material { subsurface_normalization: SubsurfaceNormalization::Energy, ..wax(0.4) };
     let moved = Mesh {
         positions: sphere(1.0, 16).positions.into_iter().map(|p| p + Vec3::X).collect(),

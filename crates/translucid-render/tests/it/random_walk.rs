@@ -13,6 +13,7 @@ use translucid_reference::{Estimate, Incidence};
 use translucid_render::measure::Frame;
 use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceParameter,
+    WalkSurface,
 };
 use translucid_testing::power;
 
@@ -32,7 +33,7 @@ fn material() -> Material {
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(ALBEDO),
         subsurface_radius_scale: ColorInput::constant(LENGTH),
-        subsurface_model: SubsurfaceModel::RandomWalk,
+        subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear),
         ..Material::default()
     }
 }
@@ -354,4 +355,103 @@ fn light_inside_a_body_is_not_seen_through_it() {
         floor_radiance(scene, samples(1 << 15))
     };
     assert_agree("inner", lit(true), lit(false));
+}
+
+/// The material between surfaces that light crosses in all directions alike, or whose facets the view crosses.
+fn between(surface: WalkSurface, eta: f32) -> Material {
+    Material {
+        subsurface_model: SubsurfaceModel::RandomWalk(surface),
+        subsurface_eta: eta,
+        specular_roughness: ScalarInput::constant(1.0),
+        ..material()
+    }
+}
+
+/// A diffuse surface shows A from every direction, a rough one on average over them.
+#[test]
+fn plane_of_diffuse_surface_returns_surface_albedo() {
+    let lit = |material: Material| {
+        let mut scene = plane(material);
+        scene.environment = uniform_environment(Vec3::ONE);
+        prepare(scene)
+    };
+    for g in [0.0, 0.8] {
+        let anisotropic = |material: Material| Material { subsurface_scatter_anisotropy: g, ..material };
+        let diffuse = lit(anisotropic(between(WalkSurface::Diffuse, 1.0)));
+        for slope in [0.0, 3.0] {
+            let direction = Vec3::new(slope, 0.0, -1.0).normalize();
+            let result = measure(&diffuse, Vec3::new(3.3, 1.1, 0.0) - direction, direction, samples(1 << 16));
+            assert_within(&format!("diffuse, g {g}, slope {slope}"), result, ALBEDO);
+        }
+        let rough = lit(anisotropic(between(WalkSurface::Rough, 1.0)));
+        assert_within(&format!("rough, g {g}"), flux(&rough, samples(1 << 17), on_plane), ALBEDO);
+    }
+}
+
+/// Facets that refract bring the view nearer to the normal, and light from deeper: A is a little less than stated.
+#[test]
+fn refracting_facets_show_nearly_the_surface_albedo() {
+    let mut scene = plane(between(WalkSurface::Rough, 1.4));
+    scene.environment = uniform_environment(Vec3::ONE);
+    let (mean, error) = flux(&prepare(scene), samples(1 << 17), on_plane);
+    for c in 0..3 {
+        let ratio = mean[c] / ALBEDO[c];
+        assert!((0.97..1.03).contains(&ratio), "channel {c}: {ratio} ± {}", error[c] / ALBEDO[c]);
+    }
+}
+
+/// In the middle of a beam a diffuse surface returns what the exact profile of diffuse light encloses, from any direction.
+#[test]
+fn beam_on_a_diffuse_surface_returns_the_enclosed_energy_of_the_exact_profile() {
+    let half_spaces =
+        SINGLE_SCATTERING_ALBEDOS.map(|alpha| HalfSpace::new(alpha, Incidence::Cosine).unwrap());
+    for radius in [0.2_f32, 0.6, 1.5, 4.0] {
+        let quad = quad(Vec3::ZERO, Vec3::X * 200.0, Vec3::Y * 200.0);
+        let mut scene = scene(vec![quad], between(WalkSurface::Diffuse, 1.0));
+        let irradiance = 1.0 / (std::f32::consts::PI * radius * radius);
+        let origin = Vec3::new(3.3, 1.1, 50.0);
+        scene.lights.push(Light::Beam { origin, direction: Vec3::NEG_Z, radius, power: Vec3::ONE });
+        let expected = per_channel(|c| half_spaces[c].enclosed(f64::from(radius / LENGTH[c])).value);
+        let direction = Vec3::new(0.6, 0.3, -1.0).normalize();
+        let result =
+            measure(&prepare(scene), Vec3::new(3.3, 1.1, 0.0) - direction, direction, samples(1 << 16));
+        assert_within(
+            &format!("radius {radius}"),
+            scaled(result, std::f32::consts::PI / irradiance),
+            expected,
+        );
+    }
+}
+
+/// In even light a diffuse surface changes no total: a slab and the rings of a sphere return what an independent walk says
+/// leaves them, straight light with the rest.
+#[test]
+fn bodies_of_diffuse_surface_agree_with_an_independent_walk() {
+    let thickness = 1.2_f32;
+    let top = quad(Vec3::ZERO, Vec3::X * 2e3, Vec3::Y * 2e3);
+    let bottom = quad(Vec3::NEG_Z * thickness, Vec3::Y * 2e3, Vec3::X * 2e3);
+    let mut slab = scene(vec![top, bottom], between(WalkSurface::Diffuse, 1.0));
+    slab.environment = uniform_environment(Vec3::ONE);
+    let shape = |scale| Shape::Slab { thickness: f64::from(thickness) * scale };
+    let tallies = independent(shape, Lighting::Uniform, 400_000, 3);
+    let result = flux(&prepare(slab), samples(1 << 15), on_plane);
+    assert_agree("slab", result, estimates(|c| tallies[c].leaving()));
+    let radius = 1.0_f32;
+    let mut ball = scene(vec![sphere(radius, 96)], between(WalkSurface::Diffuse, 1.0));
+    ball.environment = uniform_environment(Vec3::ONE);
+    let shape = |scale| Shape::Sphere { radius: f64::from(radius) * scale };
+    let tallies = independent(shape, Lighting::Uniform, 400_000, 4);
+    let result = measure(&prepare(ball), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, samples(1 << 15));
+    assert_agree("ball", result, estimates(|c| tallies[c].leaving()));
+}
+
+/// White bodies of any surface in even light cannot be seen.
+#[test]
+fn white_body_of_diffuse_surface_cannot_be_seen() {
+    for surface in [WalkSurface::Diffuse, WalkSurface::Rough] {
+        let mut scene = scene(vec![sphere(1.0, 48)], white(between(surface, 1.3)));
+        scene.environment = seen(Vec3::ONE);
+        let result = measure(&prepare(scene), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, samples(1 << 15));
+        assert_within(surface.name_of_walk(), result, Vec3::ONE);
+    }
 }

@@ -14,7 +14,7 @@ use glam::Vec3;
 use translucid_profile::roots::falling_root;
 use translucid_profile::{Configuration, half_space_surface_albedo};
 use translucid_render::FilmSums;
-use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, load_scene};
+use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, WalkSurface, load_scene};
 use translucid_testing::{asset, with_shared_assets};
 
 use crate::common::{pictures, prepare};
@@ -40,7 +40,7 @@ fn walked(scene: &str, mesh: &str) -> Scene {
     let options = LoadOptions {
         mesh_overrides: vec![(None, asset(mesh))],
         size: Some([SIZE as u32; 2]),
-        subsurface_model: Some(SubsurfaceModel::RandomWalk),
+        subsurface_model: Some(SubsurfaceModel::RandomWalk(WalkSurface::Clear)),
         ..LoadOptions::default()
     };
     let mut scene = load_scene(

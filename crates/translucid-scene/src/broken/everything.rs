@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{Affine2, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
 
-use crate::material::{PARAMETERS, Slot};
+use crate::material::{PARAMETERS, Slot, WalkSurface};
 use crate::{
     Camera, Channel, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, NormalMap,
     Object, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef, Unit, Wrap,
@@ -36,7 +36,7 @@ pub fn scene_of_everything() -> Scene {
                 coat_weight: ScalarInput::constant(0.5),
                 emission_luminance: 0.5,
                 geometry_opacity: ScalarInput::constant(0.9),
-                ..material("wandering", SubsurfaceModel::RandomWalk)
+                ..material("wandering", SubsurfaceModel::RandomWalk(WalkSurface::Clear))
             },
         ],
         images: vec![Arc::new(bytes()), Arc::new(floats())],

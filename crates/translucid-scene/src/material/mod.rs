@@ -18,10 +18,48 @@ pub enum SubsurfaceModel {
     Profile(Model),
     /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
     Tabulated(usize),
-    /// No profile: a walk through the volume, scattering event by scattering event.
-    RandomWalk,
+    /// No profile: a walk through the volume, scattering event by scattering event, between surfaces of a kind.
+    RandomWalk(WalkSurface),
     /// No transport under the surface: `subsurface_color` becomes a Lambertian color.
     None,
+}
+
+/// The surface at which random walks begin and end: what it does to the direction of light.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WalkSurface {
+    /// Light keeps its direction, or is refracted where `subsurface_eta` is above 1: the boundary of the volume itself.
+    Clear,
+    /// Light enters and leaves in all directions as through a diffuse surface, whichever way it came: the configuration that
+    /// profiles for diffuse light are made for.
+    Diffuse,
+    /// Light enters as through a diffuse surface; the view is refracted by facets of `specular_roughness` and the index
+    /// `subsurface_eta`, without a loss, as production renderers have it.
+    Rough,
+}
+
+impl WalkSurface {
+    /// All kinds.
+    pub const ALL: [Self; 3] = [Self::Clear, Self::Diffuse, Self::Rough];
+
+    /// Name of the walk between such surfaces.
+    pub const fn name_of_walk(self) -> &'static str {
+        match self {
+            Self::Clear => "random-walk",
+            Self::Diffuse => "random-walk-diffuse",
+            Self::Rough => "random-walk-rough",
+        }
+    }
+
+    /// What the walk between such surfaces is, in a line.
+    pub const fn description_of_walk(self) -> &'static str {
+        match self {
+            Self::Clear => "No profile: a walk through the volume itself, for pictures only",
+            Self::Diffuse => "A walk through the volume that begins and ends at a diffuse surface",
+            Self::Rough => {
+                "A walk that the view enters through rough facets and light through a diffuse surface"
+            }
+        }
+    }
 }
 
 /// The default of a plain medium (g = 0, η = 1).
@@ -46,10 +84,14 @@ impl SubsurfaceModel {
     }
 
     /// Every model that can be asked for by its name alone.
-    pub const ALL: [Self; Model::ALL.len() + 2] = {
-        let mut all = [Self::None; Model::ALL.len() + 2];
-        all[Model::ALL.len()] = Self::RandomWalk;
+    pub const ALL: [Self; Model::ALL.len() + 4] = {
+        let mut all = [Self::None; Model::ALL.len() + 4];
         let mut i = 0;
+        while i < WalkSurface::ALL.len() {
+            all[Model::ALL.len() + i] = Self::RandomWalk(WalkSurface::ALL[i]);
+            i += 1;
+        }
+        i = 0;
         while i < Model::ALL.len() {
             all[i] = Self::Profile(Model::ALL[i]);
             i += 1;
@@ -62,7 +104,7 @@ impl SubsurfaceModel {
         match self {
             Self::Profile(model) => model.name(),
             Self::Tabulated(_) => "tabulated",
-            Self::RandomWalk => "random-walk",
+            Self::RandomWalk(surface) => surface.name_of_walk(),
             Self::None => "none",
         }
     }

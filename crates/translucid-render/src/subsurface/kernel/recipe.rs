@@ -44,7 +44,7 @@ impl KernelRecipe {
     /// The recipe of a material's own model; `None` where that is no profile.
     pub(crate) fn of(material: &Material) -> Option<Self> {
         match material.subsurface_model {
-            SubsurfaceModel::None | SubsurfaceModel::RandomWalk => None,
+            SubsurfaceModel::None | SubsurfaceModel::RandomWalk(_) => None,
             SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
             SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
         }

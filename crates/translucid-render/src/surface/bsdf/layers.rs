@@ -158,7 +158,7 @@ pub(super) fn coat_tint_one_way(p: &SurfaceParameters) -> Vec3 {
 }
 
 /// A direction over the upper hemisphere with density cosθ/π.
-pub(super) fn sample_cosine(v: [f32; 2]) -> Vec3 {
+pub(crate) fn sample_cosine(v: [f32; 2]) -> Vec3 {
     let (sin, cos) = (TAU * v[1]).sin_cos();
     let r = v[0].sqrt();
     // Never exactly on the horizon.

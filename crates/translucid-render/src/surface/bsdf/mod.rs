@@ -43,6 +43,7 @@ pub(crate) use dielectric::refract;
 pub use dielectric::{fresnel_dielectric, scaled_ior};
 pub use ggx::Ggx;
 pub use glass_table::GlassTable;
+pub(crate) use layers::sample_cosine;
 pub use layers::{EntryBsdf, MaterialTables};
 pub use reflectance_table::{MetalTable, ReflectanceTable};
 pub use scattering::{Bsdf, BsdfSample, BsdfValue, Lobe};

@@ -131,7 +131,11 @@ fn entering_light<'a, T: Tracing<'a>>(
 ) -> Vec3 {
     let point = world.point_on(surfel.primitive, surfel.position());
     let mut path = PathState::new(Ray::new(point.position, -point.geometric_normal));
-    if EntryPoint::new(world, point, 1.0).enter(&mut path, &DirectionalWeight::RADIAL, sampler) {
+    if EntryPoint::new(world, point, 1.0).enter(
+        &mut path,
+        &DirectionalWeight::RADIAL,
+        [sampler.reserve(), sampler.reserve()],
+    ) {
         tracer.follow(&mut path, sampler);
     }
     path.sample.radiance()

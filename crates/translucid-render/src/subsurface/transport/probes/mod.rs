@@ -114,7 +114,7 @@ impl Probes {
             exit_normal: exit.normal * exit.side,
         };
         let directional = self.kernel.directions(&found.subsurface).along(passage);
-        entry.enter(path, &directional, sampler)
+        entry.enter(path, &directional, [sampler.reserve(), sampler.reserve()])
     }
 
     /// Draws an entry point; `None` where the probes meet nothing. `importance` is what the result will be multiplied

@@ -45,6 +45,17 @@ impl Flights {
         reweigh(throughput, self.attenuation(throughput, distance))
     }
 
+    /// Flights that are longer by a factor on average.
+    pub(crate) fn stretched(&self, factor: f32) -> Self {
+        Self { sigma_t: self.sigma_t / factor }
+    }
+
+    /// Throughput after a flight past a distance that was drawn from stretched flights: of more that come so far each
+    /// counts less.
+    pub(crate) fn pass_stretched(&self, drawn: &Self, throughput: Vec3, distance: f32) -> Vec3 {
+        drawn.pass(throughput, distance) * ((drawn.sigma_t - self.sigma_t) * distance.min(f32::MAX)).exp()
+    }
+
     /// e^{−σt}, up to a factor that all channels share: that of the channel that comes farthest is 1.
     fn attenuation(&self, throughput: Vec3, length: f32) -> Vec3 {
         let depth = self.sigma_t * length;
@@ -89,16 +100,40 @@ mod tests {
         assert!(close(collided, start - expected), "{collided}");
     }
 
+    /// Drawn longer, the mean throughput past a distance is the same, and what varies is less.
+    #[test]
+    fn stretched_flights_bring_the_same() {
+        let (sigma, start, distance) = (Vec3::new(0.5, 2.0, 9.0), Vec3::new(1.0, 0.3, 0.7), 0.8);
+        let flights = Flights::new(sigma);
+        let stretched = flights.stretched(3.0);
+        let mut past = Vec3::ZERO;
+        let n = 1 << 16;
+        for i in 0..n {
+            if stretched.sample(start, sobol_burley::sample(i, 0, 5)) >= distance {
+                let after = flights.pass_stretched(&stretched, start, distance);
+                assert!(after.element_sum() <= start.element_sum());
+                past += after;
+            }
+        }
+        let expected = start * (-sigma * distance).exp();
+        assert!((past / n as f32 - expected).abs().max_element() < 2e-3, "{past} {expected}");
+    }
+
     #[test]
     fn extremes_stay_finite() {
         for sigma in [Vec3::new(1e-30, 1.0, 1e30), Vec3::ZERO, Vec3::new(0.0, 1e-38, 1.0)] {
             let flights = Flights::new(sigma);
             for throughput in [Vec3::ONE, Vec3::new(1e-38, 0.0, 1.0), Vec3::new(0.0, 0.0, 1e-30)] {
                 for length in [0.0, 1e-30, 1.0, 1e30, f32::INFINITY] {
-                    let both = [flights.collide(throughput, length), flights.pass(throughput, length)];
+                    let stretched = flights.stretched(2.0);
+                    let all = [
+                        flights.collide(throughput, length),
+                        flights.pass(throughput, length),
+                        flights.pass_stretched(&stretched, throughput, length),
+                    ];
                     assert!(
-                        both.iter().all(|t| t.is_finite() && t.min_element() >= 0.0),
-                        "{sigma} {length}: {both:?}"
+                        all.iter().all(|t| t.is_finite() && t.min_element() >= 0.0),
+                        "{sigma} {length}: {all:?}"
                     );
                 }
                 assert!(flights.sample(throughput, 0.999) >= 0.0);

@@ -20,7 +20,32 @@
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
 //! walk is in tells when it is out.
 
+mod clear;
+mod diffuse;
 mod flight;
 mod phase_function;
 mod random;
-mod scatter;
+mod state;
+
+use translucid_scene::WalkSurface;
+
+use crate::sampling::Sampler;
+use crate::subsurface::exit_point::ExitPoint;
+use crate::surface::WalkMedium;
+use crate::world::{PathState, World};
+
+impl WalkMedium {
+    /// Leaves a surface through the volume below; false where the path is over.
+    pub(super) fn scatter(
+        &self,
+        world: &World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
+        match self.surface {
+            WalkSurface::Clear => self.scatter_clear(world, path, exit, sampler),
+            WalkSurface::Diffuse | WalkSurface::Rough => self.scatter_diffuse(world, path, exit, sampler),
+        }
+    }
+}

@@ -2,27 +2,26 @@
 
 use crate::sampling::{SPLIT_MIX_STEP, Sampler, split_mix};
 
-/// Sets of four that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
-const STRATIFIED: u32 = 5;
-
 /// Random numbers, four at a time: those of the sampler for the first collisions, on which pictures depend most, then
 /// S. Vigna's SplitMix64, for walks have no greatest length.
 pub(crate) struct WalkRandom<'a> {
     sampler: &'a mut Sampler,
-    drawn: u32,
+    /// Sets that are left to take from the sampler.
+    stratified: u32,
     state: u64,
 }
 
 impl<'a> WalkRandom<'a> {
-    pub(crate) fn new(sampler: &'a mut Sampler) -> Self {
+    /// Numbers of a walk that takes so many sets from the sampler.
+    pub(crate) fn new(sampler: &'a mut Sampler, stratified: u32) -> Self {
         let state = sampler.fork();
-        Self { sampler, drawn: 0, state }
+        Self { sampler, stratified, state }
     }
 
     /// The next four numbers in [0, 1).
     pub(crate) fn next_4d(&mut self) -> [f32; 4] {
-        if self.drawn < STRATIFIED {
-            self.drawn += 1;
+        if self.stratified > 0 {
+            self.stratified -= 1;
             return self.sampler.next_4d();
         }
         let (first, second) = (self.next_u64(), self.next_u64());
@@ -46,7 +45,7 @@ mod tests {
     fn numbers_repeat_and_are_even() {
         let draw = |index: u32| {
             let mut sampler = Sampler::new(3, 1, 2, index);
-            let mut random = WalkRandom::new(&mut sampler);
+            let mut random = WalkRandom::new(&mut sampler, 5);
             (0..40).map(|_| random.next_4d()).collect::<Vec<_>>()
         };
         assert_eq!(draw(7), draw(7));

@@ -1,0 +1,81 @@
+//! The walk that ends at a diffuse surface, which light enters whatever direction it comes from.
+//!
+//! Nothing of the direction in which the walk meets the body's end counts, so that lights are sampled there once, and not
+//! at each collision.
+
+use glam::Vec3;
+use translucid_scene::WalkSurface;
+
+use super::random::WalkRandom;
+use super::state::{MOST_EVENTS, Walk};
+use crate::sampling::{Frame, Sampler};
+use crate::subsurface::entry_point::EntryPoint;
+use crate::subsurface::exit_point::ExitPoint;
+use crate::subsurface::kernel::DirectionalWeight;
+use crate::surface::bsdf::{Ggx, refract, sample_cosine};
+use crate::surface::{self, WalkMedium};
+use crate::world::{PathState, World};
+
+/// Sets of four numbers that a walk takes from the sampler; the rest of a vertex's sets are the surface's, here and at the
+/// walk's end.
+const STRATIFIED: u32 = 3;
+
+impl WalkMedium {
+    /// Leaves the surface through the volume below, and goes on where light enters it; false where the path is over.
+    pub(super) fn scatter_diffuse(
+        &self,
+        world: &World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
+        let at_the_end = [sampler.reserve(), sampler.reserve()];
+        let mut random = WalkRandom::new(sampler, STRATIFIED);
+        let u = random.next_4d();
+        let direction = self.direction_below(world, path, exit, [u[0], u[1]]);
+        let walk = direction.and_then(|direction| Walk::enter(world, path, exit, self, direction));
+        let Some(mut walk) = walk else { return false };
+        let entered = walk.throughput.element_sum();
+        let mut flight = u[2];
+        while walk.events < MOST_EVENTS {
+            if let Some(hit) = walk.fly(flight) {
+                path.throughput = walk.throughput;
+                let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
+                return entry.enter(path, &DirectionalWeight::RADIAL, at_the_end);
+            }
+            let u = random.next_4d();
+            if !walk.survives(entered, u[3]) {
+                return false;
+            }
+            walk.scatter([u[0], u[1]]);
+            flight = u[2];
+        }
+        false
+    }
+
+    /// Direction in which the view goes on below the surface; `None` if it does not.
+    fn direction_below(
+        &self,
+        world: &World,
+        path: &PathState,
+        exit: &ExitPoint<'_>,
+        u: [f32; 2],
+    ) -> Option<Vec3> {
+        let frame = Frame::from_normal(exit.normal * exit.side);
+        let direction = match self.surface {
+            WalkSurface::Diffuse => -frame.to_world(sample_cosine(u)),
+            WalkSurface::Clear | WalkSurface::Rough if self.eta == 1.0 => path.ray.direction,
+            WalkSurface::Clear | WalkSurface::Rough => {
+                let (_, material) = world.material(exit.point);
+                let surface = surface::parameters_at(&world.scene, material, exit.point);
+                let wo = frame.to_local(-path.ray.direction);
+                let facet = Ggx::from_roughness(surface.specular_roughness).sample_visible(wo, u);
+                frame.to_world(refract(wo, facet, self.eta)?)
+            }
+        };
+        // Where the shading normal leads outside, the mirror image leads as far in
+        let outward = exit.point.geometric_normal * exit.side;
+        let out = direction.dot(outward).max(0.0);
+        Some((direction - outward * (2.0 * out)).normalize())
+    }
+}

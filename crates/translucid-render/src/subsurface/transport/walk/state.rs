@@ -1,0 +1,123 @@
+//! A walk under way: from flight to flight through the volume.
+
+use glam::Vec3;
+
+use super::flight::Flights;
+use super::phase_function::HenyeyGreenstein;
+use crate::ray::{Body, FlightEnd, Hit, Inside};
+use crate::subsurface::exit_point::ExitPoint;
+use crate::subsurface::parameters::Subsurface;
+use crate::surface::WalkMedium;
+use crate::world::{PathState, World};
+
+/// Flights after which a walk is given up.
+///
+/// Only media that absorb next to nothing get there. As A = 1 − (4/√3) √(1 − α) + … near white, the share of light that
+/// is still inside a white half space after n collisions is (4/√3)/√(πn): 0.5 %, whose mean number of collisions is
+/// infinite. With absorption e^{−n(1 − α)} of that is left: below 0.15 % at A = 0.99, nothing at 0.95.
+pub(super) const MOST_EVENTS: u32 = 1 << 16;
+
+/// Share of the light that entered below which walks end at random.
+const ROULETTE_BELOW: f32 = 1.0;
+
+/// A walk under way.
+pub(super) struct Walk<'a> {
+    pub(super) body: Body<'a>,
+    /// Side of the surface that the body is on.
+    pub(super) side: f32,
+    pub(super) flights: Flights,
+    pub(super) phase: HenyeyGreenstein,
+    /// Single-scattering albedo per channel.
+    alpha: Vec3,
+    /// Relative index of the boundary, 1 without one.
+    pub(super) eta: f32,
+    pub(super) at: Inside,
+    pub(super) direction: Vec3,
+    pub(super) throughput: Vec3,
+    /// Collisions and reflections inside.
+    pub(super) events: u32,
+    /// Whether there was a collision.
+    pub(super) has_scattered: bool,
+    /// Solid-angle density of the direction, infinite before it was drawn at a collision.
+    pub(super) pdf: f32,
+    /// Way from the surface to the point below it where the walk began \[L\], 0 after the first flight.
+    skipped: f32,
+}
+
+impl<'a> Walk<'a> {
+    /// Begins in a direction below the surface that the camera sees; `None` if there is no way in.
+    pub(super) fn enter(
+        world: &'a World,
+        path: &PathState,
+        exit: &ExitPoint<'_>,
+        medium: &WalkMedium,
+        direction: Vec3,
+    ) -> Option<Self> {
+        let Subsurface { surface_albedo, length } = exit.subsurface;
+        let (point, side) = (exit.point, exit.side);
+        let body = Body::below(&world.scene, &world.geometry, point, side);
+        let (at, skipped) = body.enter(point, direction)?;
+        // Channels of length 0 are a matter of the surface
+        let scatters = length.cmpgt(Vec3::ZERO);
+        let sigma_t = Vec3::select(scatters, length.recip(), Vec3::ZERO);
+        let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
+        let sum = throughput.element_sum();
+        (sum > 0.0 && sum.is_finite()).then(|| Self {
+            body,
+            side,
+            flights: Flights::new(sigma_t),
+            phase: HenyeyGreenstein::new(medium.g),
+            alpha: medium.single_scattering_albedo(surface_albedo),
+            eta: medium.eta,
+            at,
+            direction,
+            throughput,
+            events: 0,
+            has_scattered: false,
+            pdf: f32::INFINITY,
+            skipped,
+        })
+    }
+
+    /// Goes to the next collision, or to the body's end that comes before it.
+    pub(super) fn fly(&mut self, u: f32) -> Option<Hit> {
+        let length = self.flights.sample(self.throughput, u);
+        let skipped = std::mem::take(&mut self.skipped);
+        self.events += 1;
+        match self.body.fly(self.at, self.direction, (length - skipped).max(0.0)) {
+            FlightEnd::Boundary { distance, hit } => {
+                self.throughput = self.flights.pass(self.throughput, distance + skipped);
+                Some(hit)
+            }
+            FlightEnd::Inside(at) => {
+                self.throughput = self.flights.collide(self.throughput, length) * self.alpha;
+                self.has_scattered = true;
+                self.at = at;
+                None
+            }
+        }
+    }
+
+    /// Draws the direction after a collision.
+    pub(super) fn scatter(&mut self, u: [f32; 2]) {
+        let direction = self.phase.sample(self.direction, u);
+        if self.eta == 1.0 {
+            self.pdf = self.phase.pdf(self.direction.dot(direction));
+        }
+        self.direction = direction;
+    }
+
+    /// Ends walks at random that have less left than the light that `entered`, and those that are lost.
+    pub(super) fn survives(&mut self, entered: f32, u: f32) -> bool {
+        let sum = self.throughput.element_sum();
+        if sum <= 0.0 || self.body.is_lost(&self.at) {
+            return false;
+        }
+        if sum >= ROULETTE_BELOW * entered {
+            return true;
+        }
+        let survival = sum / entered;
+        self.throughput /= survival;
+        u < survival
+    }
+}
