@@ -18,7 +18,7 @@ use crate::world::{PathState, World};
 pub(super) const MOST_EVENTS: u32 = 1 << 16;
 
 /// Share of the light that entered below which walks end at random.
-const ROULETTE_BELOW: f32 = 1.0;
+const ROULETTE_BELOW: f32 = 0.4;
 
 /// A walk under way.
 pub(super) struct Walk<'a> {
@@ -116,7 +116,7 @@ impl<'a> Walk<'a> {
         if sum >= ROULETTE_BELOW * entered {
             return true;
         }
-        let survival = sum / entered;
+        let survival = sum / (ROULETTE_BELOW * entered);
         self.throughput /= survival;
         u < survival
     }
