@@ -87,7 +87,10 @@ def subsurface(name, albedo, mfp, method):
     node.inputs["Scale"].default_value = 1.0
     # Cycles' profile has the width radius / 4π, whatever the albedo.
     widths = [4.0 * math.pi * l / scaling_diffuse(a) for a, l in zip(albedo, mfp)]
-    node.inputs["Radius"].default_value = widths if method == "BURLEY" else mfp
+    # Its walk has the mean free path radius / 4π; so small an index refracts nothing.
+    node.inputs["Radius"].default_value = widths if method == "BURLEY" else [4.0 * math.pi * l for l in mfp]
+    if method != "BURLEY":
+        node.inputs["IOR"].default_value, node.inputs["Roughness"].default_value = 1.01, 1.0
     return material
 
 

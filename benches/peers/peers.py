@@ -3,6 +3,7 @@
 
     python3 benches/peers/peers.py [--scenes head,dragon] [--spp 1,4,16,64,256] [--size 512]
                                    [--reference-samples 1024,2048] [--ours "--subsurface-method point-based"]
+                                   [--model random-walk-rough]
 
 README.md says what is measured and how. The first run installs bpy from PyPI into target/peers; where that or the
 meshes of ../shared can't be had, it says so and ends well.
@@ -54,7 +55,8 @@ class Cycles:
 
     name = "Cycles"
 
-    def __init__(self):
+    def __init__(self, model):
+        self.method = "RANDOM_WALK" if is_walk(model) else "BURLEY"
         worker = Path(__file__).with_name("blender_worker.py")
         CACHE.mkdir(parents=True, exist_ok=True)
         self.log = open(CACHE / "blender.log", "w")
@@ -74,7 +76,7 @@ class Cycles:
     def image(self, scene, size, spp, seed):
         out = str(CACHE / "cycles.npy")
         file = str(SHARED / "scenes" / f"{scene}.json")
-        command = dict(scene=file, assets=str(SHARED / "assets"), method="BURLEY", size=size, spp=spp, seed=seed)
+        command = dict(scene=file, assets=str(SHARED / "assets"), method=self.method, size=size, spp=spp, seed=seed)
         seconds = self.ask(do="render", out=out, **command)["cpu"]
         return np.load(out), seconds
 
@@ -104,6 +106,10 @@ class Translucid:
             return OpenEXR.File(str(out)).channels()["RGBA"].pixels.astype(np.float32), usage.ru_utime + usage.ru_stime
 
 
+def is_walk(model):
+    return model.startswith("random-walk")
+
+
 def cached(key, make):
     """An image by its key, made once."""
     path = CACHE / (re.sub(r"[^\w.-]+", "_", "-".join(map(str, key))) + ".npy")
@@ -121,8 +127,42 @@ def relative_mse(image, reference):
     return float(np.mean((x - truth) ** 2 / (truth**2 + 0.01)))
 
 
+def relative_variance(first, second, reference):
+    """The same of pictures by the difference of two, whatever their mean: that of each has half its square."""
+    seen = reference[..., 3] > 0
+    x, y, truth = (image[seen][:, :3].astype(float) for image in (first, second, reference))
+    return float(np.mean((x - y) ** 2 / 2 / (truth**2 + 0.01)))
+
+
+def compare_walks(scene, arguments, systems):
+    """Prints the tables of a scene that is walked through: converged pictures would take hours."""
+    size, spps = arguments.size, arguments.spp
+    profile = ["--subsurface", "normalized-diffusion-refined"]
+    key = ["profile", scene, size, systems[0].binary_hash[:16]]
+    reference = cached(key, lambda: systems[0].image(scene, size, 64, 77, profile)[0])
+    start = {s.name: float(np.median([s.image(scene, 2, 1, seed)[1] for seed in range(3)])) for s in systems}
+    print(f"\n## {scene}, {size}×{size}, {arguments.model}\n")
+    rows, light = {system.name: [] for system in systems}, {system.name: [] for system in systems}
+    for spp in spps:
+        results = {system.name: [] for system in systems}
+        for seed in range(max(2, min(8, 16 // spp))):
+            for system in systems:
+                results[system.name].append(system.image(scene, size, spp, seed))
+        for name, values in results.items():
+            images, seconds = zip(*values)
+            pairs = list(zip(images[::2], images[1::2]))
+            errors = [relative_variance(first, second, reference) for first, second in pairs]
+            rows[name].append([float(np.mean(seconds)) - start[name], float(np.mean(errors))])
+            light[name] += [image[..., :3].sum(axis=(0, 1)) for image in images]
+    ours, theirs = (np.mean(light[system.name], axis=0) for system in systems)
+    print(f"Light of all pictures, Cycles over translucid, R, G, B: {(theirs / ours).round(4).tolist()}\n")
+    print_rows(rows, systems, spps, start)
+
+
 def compare(scene, arguments, systems):
     """Prints the tables of a scene."""
+    if is_walk(arguments.model):
+        return compare_walks(scene, arguments, systems)
     size, spps = arguments.size, arguments.spp
     references, start = {}, {}
     for system, samples in zip(systems, arguments.reference_samples):
@@ -143,8 +183,6 @@ def compare(scene, arguments, systems):
     seen = (ours[..., 3] > 0) & (theirs[..., 3] > 0)
     ratio = theirs[seen][:, :3].sum(axis=0) / ours[seen][:, :3].sum(axis=0)
     print(f"Light of the converged images, Cycles over translucid, R, G, B: {ratio.round(4).tolist()}\n")
-    for system in systems:
-        print(f"{system.name} takes {start[system.name]:.2f} s of CPU to prepare the scene, left out below.")
     rows = {system.name: [] for system in systems}
     for spp in spps:
         seeds = max(1, min(8, 16 // spp))
@@ -156,6 +194,13 @@ def compare(scene, arguments, systems):
                 results[system.name].append((max(seconds - start[system.name], 1e-3), error))
         for name, values in results.items():
             rows[name].append([float(np.mean(column)) for column in zip(*values)])
+    print_rows(rows, systems, spps, start)
+
+
+def print_rows(rows, systems, spps, start):
+    """Prints the time and error of each number of samples, and the times of equal errors."""
+    for system in systems:
+        print(f"{system.name} takes {start[system.name]:.2f} s of CPU to prepare the scene, left out below.")
     print("\n| samples per pixel | " + " | ".join(f"{s.name} CPU s | relMSE" for s in systems) + " |")
     print("|---" * (1 + 2 * len(systems)) + "|")
     for index, spp in enumerate(spps):
@@ -238,11 +283,14 @@ def main():
     pair = lambda text: [int(n) for n in text.split(",")]
     parser.add_argument("--reference-samples", default="1024,2048", type=pair, help="ours, Cycles'")
     parser.add_argument("--ours", default="", help="further options of translucid render")
+    parser.add_argument("--model", default="normalized-diffusion", help="of ours; a random walk is compared with a walk")
     arguments = parser.parse_args()
-    cycles = Cycles()
-    systems = [Translucid(shlex.split(arguments.ours)), cycles]
-    print(f"Blender Cycles {cycles.version}, Christensen–Burley; 2 threads; one after the other in one run.")
-    check_widths(cycles)
+    cycles = Cycles(arguments.model)
+    systems = [Translucid(["--subsurface", arguments.model, *shlex.split(arguments.ours)]), cycles]
+    method = "random walk" if is_walk(arguments.model) else "Christensen–Burley"
+    print(f"Blender Cycles {cycles.version}, {method}; 2 threads; one after the other in one run.")
+    if not is_walk(arguments.model):
+        check_widths(cycles)
     for scene in arguments.scenes.split(","):
         compare(scene, arguments, systems)
 

@@ -113,7 +113,9 @@ impl SubsurfaceSet {
         (self.normalizer, self.normalizer_note) = match Normalizer::new(world, &self.transports) {
             Ok(normalizer) => (normalizer, None),
             Err(error) => {
-                let message = format!("subsurface_normalization is left out: {error}");
+                let message = format!(
+                    "subsurface_normalization is left out: {error}; a coarser point_tolerance or a longer mean free path needs fewer"
+                );
                 (None, Some(Note { kind: NoteKind::NoNormalization, material: None, message }))
             }
         };

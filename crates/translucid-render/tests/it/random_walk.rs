@@ -411,7 +411,10 @@ fn refracting_facets_show_the_albedos_of_refracted_pencils() {
             let inside = (1.0 - (1.0 - along * along) / (eta * eta)).sqrt();
             let below = -toward / eta + facet * (along / eta - inside);
             let bin = ((f64::from(below.z.abs()) * 64.0) as usize).min(63);
-            expected.iter_mut().zip(&returned).for_each(|(sum, returned)| *sum += returned[bin] / f64::from(n));
+            expected
+                .iter_mut()
+                .zip(&returned)
+                .for_each(|(sum, returned)| *sum += returned[bin] / f64::from(n));
         }
         let mut scene = plane(between(WalkSurface::Rough, eta));
         scene.environment = uniform_environment(Vec3::ONE);
