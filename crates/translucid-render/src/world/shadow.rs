@@ -31,15 +31,16 @@ pub(crate) struct ShadowMedium {
 pub(crate) fn transmittance(world: &World, ray: &Ray, medium: ShadowMedium) -> Vec3 {
     if world.surfaces.any_lets_light_through() || world.media.any() {
         through_surfaces(world, *ray, medium)
-    } else if meets_light(world, ray, ray.t_max) || world.geometry.occluded(ray) {
+    } else if light_in_the_way(world, ray).is_some() || world.geometry.occluded(ray) {
         Vec3::ZERO
     } else {
         absorbed(medium.absorption, ray.t_max)
     }
 }
 
-fn meets_light(world: &World, ray: &Ray, t_max: f32) -> bool {
-    world.lights.intersect(ray.origin, ray.direction, t_max).is_some()
+/// Distance to the nearest rectangle or sphere light.
+fn light_in_the_way(world: &World, ray: &Ray) -> Option<f32> {
+    Some(world.lights.intersect(ray.origin, ray.direction, ray.t_max)?.t)
 }
 
 /// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
@@ -50,9 +51,13 @@ fn through_surfaces(
 ) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
+    // Along the ray as it was: what starts anew beside a surface may meet the light that it is meant for
+    let mut light = light_in_the_way(world, &ray);
+    let mut done = 0.0;
     for _ in 0..MOST_SURFACES {
         let hit = world.geometry.closest(&ray);
-        if meets_light(world, &ray, hit.map_or(ray.t_max, |hit| hit.t)) {
+        let way = hit.map_or(ray.t_max, |hit| hit.t);
+        if light.is_some_and(|light| light <= done + way) {
             return Vec3::ZERO;
         }
         let Some(hit) = hit else {
@@ -75,7 +80,12 @@ fn through_surfaces(
             if result.max_element() < LEAST {
                 return Vec3::ZERO;
             }
+            done += hit.t + distance;
             ray = Ray::segment(end.ray_origin(ray.direction), ray.direction, rest - distance);
+            // Lights inside are behind
+            if light.is_some_and(|light| light < done) {
+                light = light_in_the_way(world, &ray).map(|light| done + light);
+            }
             continue;
         }
         let opacity = surface::opacity_at(scene, material, &point);
@@ -90,6 +100,7 @@ fn through_surfaces(
         if result.max_element() < LEAST {
             return Vec3::ZERO;
         }
+        done += hit.t;
         ray = Ray::segment(point.ray_origin(ray.direction), ray.direction, rest);
     }
     Vec3::ZERO
