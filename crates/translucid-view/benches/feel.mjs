@@ -130,32 +130,52 @@ const folder = await mkdtemp(join(tmpdir(), "translucid-feel-"));
 const scene = join(folder, "scene.toml");
 const text = await (await context.request.get(`${server.address}scene.toml`)).text();
 await writeFile(scene, text);
-const seconds = async (spp) => {
+const timed = async (spp) => {
     const { stderr } = await run(COMMAND, ["render", scene, ...words.slice(1), "--size", "960x540", "--spp", String(spp), "-o", join(folder, "x.png")]);
-    const [, minutes, rest] = stderr.match(/samples per pixel at \S+ in (?:(\d+) min )?([\d.]+) s/) ?? [];
-    return 60 * Number(minutes ?? 0) + Number(rest);
+    const [, minutes, rest, cpu] = stderr.match(/samples per pixel at \S+ in (?:(\d+) min )?([\d.]+) s \(([\d.]+) s of CPU\)/) ?? [];
+    return { wall: 60 * Number(minutes ?? 0) + Number(rest), cpu: Number(cpu) };
 };
 const singles = [];
-for (let repeat = 0; repeat < 5; repeat++) singles.push(1000 * (await seconds(1)));
+for (let repeat = 0; repeat < 5; repeat++) singles.push(1000 * (await timed(1)).wall);
 say("one sample of every pixel by the command (its own figure)", summary(singles));
+
+/** Time of processors that the server has had, in seconds: user's and system's, in hundredths. */
+const computed = async () => {
+    const stat = await readFile(`/proc/${server.process.pid}/stat`, "utf8");
+    const fields = stat.slice(stat.lastIndexOf(")") + 2).split(" ");
+    return (Number(fields[11]) + Number(fields[12])) / 100;
+};
+// Another seed is another picture, and no motion
+const seed = (value) =>
+    page.evaluate((value) => {
+        const input = document.getElementById("integrator-seed");
+        input.value = String(value);
+        const now = performance.now();
+        input.dispatchEvent(new Event("change", { bubbles: true }));
+        return now;
+    }, value);
 
 // All samples in the page and by the command, in turns
 const inPage = [];
 const byCommand = [];
-for (let repeat = 0; repeat < 3; repeat++) {
-    const start = await orbit();
+for (let repeat = 0; repeat < 5; repeat++) {
+    const before = await computed();
+    const start = await seed(100 + repeat);
     const last = await page.waitForFunction(
         (start) => window.translucidView.painted.find(({ time, isLast, edge }) => time > start && isLast && edge === 1)?.time,
         start,
         { polling: 20, timeout: 600_000 },
     );
-    inPage.push(((await last.jsonValue()) - start) / 1000);
-    byCommand.push(await seconds(SAMPLES));
+    inPage.push({ wall: ((await last.jsonValue()) - start) / 1000, cpu: (await computed()) - before });
+    byCommand.push(await timed(SAMPLES));
 }
 const list = (values) => values.map((value) => value.toFixed(2)).join(", ");
-say(`${SAMPLES} samples in the page, from a key to the last picture painted [s]`, list(inPage));
-say(`${SAMPLES} samples by the command, its own figure [s]`, list(byCommand));
-say("page over command", (quantile(inPage, 0.5) / quantile(byCommand, 0.5)).toFixed(3));
+for (const [kind, name] of [["wall", "time"], ["cpu", "time of processors"]]) {
+    const [page, command] = [inPage, byCommand].map((times) => times.map((time) => time[kind]));
+    say(`${name} of ${SAMPLES} samples in the page, from another seed to the last picture painted [s]`, list(page));
+    say(`${name} of ${SAMPLES} samples by the command, its own figure [s]`, list(command));
+    say(`${name}, page over command`, (quantile(page, 0.5) / quantile(command, 0.5)).toFixed(3));
+}
 
 // Memory after many edits
 const resident = async () => Number((await readFile(`/proc/${server.process.pid}/status`, "utf8")).match(/VmRSS:\s+(\d+)/)[1]) / 1024;
