@@ -59,13 +59,15 @@ pub(crate) fn run_and_hand_over<T: Send + 'static>(
             let waited = done.recv_timeout(POLL);
             (done, waited)
         });
+        let abandon = |_: &PyErr| stop.store(true, Ordering::Relaxed);
         // Before a result is taken as well: Ctrl-C may have come while the work ended
-        py.check_signals().and_then(|()| poll(py)).inspect_err(|_| stop.store(true, Ordering::Relaxed))?;
+        py.check_signals().inspect_err(abandon)?;
         if let Ok((result, take)) = waited {
             // A worker that has gone does not ask.
             let _ = take.send(());
             return result.or_else(|panic| std::panic::resume_unwind(panic));
         }
+        poll(py).inspect_err(abandon)?;
     }
 }
 

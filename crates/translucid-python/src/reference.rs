@@ -258,7 +258,7 @@ fn ask<'py>(
         let answer = long_work::run_or_abandon(
             py,
             move |stop| pool.install(|| question.answer(&counter, stop)),
-            |_| report(progress, done.load(Ordering::Relaxed).min(total - 1), total),
+            |_| report(progress, done.load(Ordering::Relaxed).min(total.saturating_sub(1)), total),
         )?;
         report(progress, total, total)?;
         Ok(answer)
