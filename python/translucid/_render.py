@@ -147,7 +147,7 @@ def render(
         Samples per pixel, in [1, 2**24]; by default the scene's.
     subsurface : str, optional
         Model of the transport under all surfaces, in place of the materials' own: the name of a profile,
-        ``'random-walk'`` or ``'none'``.
+        ``'random-walk'``, ``'random-walk-diffuse'``, ``'random-walk-rough'`` or ``'none'``.
     seed : int, optional
         Seed of the random numbers; by default the scene's.
     threads : int, optional

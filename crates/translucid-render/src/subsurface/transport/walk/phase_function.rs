@@ -33,15 +33,17 @@ impl HenyeyGreenstein {
     /// A direction after scattering, for a unit direction before and two numbers uniform in [0, 1).
     pub(crate) fn sample(self, direction: Vec3, u: [f32; 2]) -> Vec3 {
         let g = self.g;
-        let cosine = if g == 0.0 {
-            1.0 - 2.0 * u[0]
-        } else {
-            let root = (1.0 - g * g) / (1.0 + g - 2.0 * g * u[0]);
-            ((1.0 + g * g - root * root) / (2.0 * g)).clamp(-1.0, 1.0)
+        let turned = |cosine: f32| {
+            let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+            let (sin, cos) = (TAU * u[1]).sin_cos();
+            Vec3::new(sine * cos, sine * sin, cosine)
         };
-        let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-        let (sin, cos) = (TAU * u[1]).sin_cos();
-        Frame::from_normal(direction).to_world(Vec3::new(sine * cos, sine * sin, cosine)).normalize()
+        if g == 0.0 {
+            return turned(1.0 - 2.0 * u[0]);
+        }
+        let root = (1.0 - g * g) / (1.0 + g - 2.0 * g * u[0]);
+        let cosine = ((1.0 + g * g - root * root) / (2.0 * g)).clamp(-1.0, 1.0);
+        Frame::from_normal(direction).to_world(turned(cosine)).normalize()
     }
 }
 
