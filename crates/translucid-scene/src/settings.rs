@@ -130,8 +130,8 @@ impl Default for Integrator {
     fn default() -> Self {
         Self {
             samples_per_pixel: 64,
-            max_depth: 12,
-            max_diffuse_depth: 4,
+            max_depth: 32,
+            max_diffuse_depth: 16,
             caustics: false,
             subsurface_tail: 1e-3,
             subsurface_method: SubsurfaceMethod::RayTraced,

@@ -14,7 +14,9 @@ use glam::Vec3;
 use translucid_profile::roots::falling_root;
 use translucid_profile::{Configuration, half_space_surface_albedo};
 use translucid_render::FilmSums;
-use translucid_scene::{ColorInput, LoadOptions, Scene, SubsurfaceModel, WalkSurface, load_scene};
+use translucid_scene::{
+    ColorInput, Integrator, LoadOptions, Scene, SubsurfaceModel, WalkSurface, load_scene,
+};
 use translucid_testing::{asset, with_shared_assets};
 
 use crate::common::{pictures, prepare};
@@ -136,5 +138,25 @@ with_shared_assets! {
 
     fn dragon_agrees_with_an_independent_renderer() {
         compare(&walked("scenes/dragon.toml", "dragon/dragon_198k.ply"), &truth("dragon_volume.exr"), 4);
+    }
+
+    fn default_depths_lose_hardly_any_light() {
+        let mut scene = walked("scenes/dragon.toml", "dragon/dragon_198k.ply");
+        for model in [SubsurfaceModel::RandomWalk(WalkSurface::Clear), SubsurfaceModel::default()] {
+            scene.materials[0].subsurface_model = model;
+            let Integrator { max_depth, max_diffuse_depth, .. } = Integrator::default();
+            let light = |scene: &Scene| -> Vec3 {
+                let film = &pictures(&prepare(scene.clone()), 0..1, 4)[0];
+                let radiance = |i: u32| film.radiance(i % SIZE as u32, i / SIZE as u32).map(|value| value as f32);
+                (0..(SIZE * SIZE) as u32).map(|i| Vec3::from_array(radiance(i))).sum()
+            };
+            // The same paths: their noise is the same, too, as far as they go
+            let all = light(&scene);
+            let mut limited = scene.clone();
+            (limited.integrator.max_depth, limited.integrator.max_diffuse_depth) = (max_depth, max_diffuse_depth);
+            let lost = Vec3::ONE - light(&limited) / all;
+            println!("{}: {lost} lost", model.name());
+            assert!(lost.abs().max_element() < 3e-3, "{}: {lost}", model.name());
+        }
     }
 }
