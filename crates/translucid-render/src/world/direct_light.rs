@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::World;
-use super::shadow::{ShadowMedium, transmittance};
+use super::shadow::{SHORT_OF_LIGHT, ShadowMedium, transmittance};
 use crate::light::LightSample;
 use crate::ray::{Ray, SurfacePoint};
 use crate::surface;
@@ -28,8 +28,7 @@ impl World {
             // Aimed anew: parallel to the old direction, a ray from beside the point would meet the light
             // beside the target, and at a slant early enough for the light to shadow itself.
             let (direction, whole) = (target - origin).normalize_and_length();
-            // Ends short of the light, so that the light itself does not count as an obstacle.
-            (direction, whole - (1e-4 * whole).max(point.offset))
+            (direction, whole - (SHORT_OF_LIGHT * whole).max(point.offset))
         } else {
             (light.direction, f32::INFINITY)
         };

@@ -89,6 +89,9 @@ impl World {
         let stated = surface::stated_length_at(&self.scene, material, point);
         let length = medium.resolved(albedo, stated, point.offset);
         let scatters = length.cmpgt(Vec3::ZERO);
+        if !scatters.any() {
+            return None;
+        }
         // Beyond, the last channel is dark
         let visible = -reach.transmittance.ln() * length.max_element();
         let side = if direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };

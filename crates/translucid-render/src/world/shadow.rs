@@ -12,6 +12,9 @@ use crate::surface::bsdf::{SurfaceParameters, fresnel_dielectric};
 /// Surfaces that light may pass on the way to a point.
 const MOST_SURFACES: u32 = 256;
 
+/// Part of the way to a light short of which shadow rays end, so that the light itself does not count as an obstacle.
+pub(super) const SHORT_OF_LIGHT: f32 = 1e-4;
+
 /// Transmittance below which nothing is left of light.
 const LEAST: f32 = 1e-6;
 
@@ -54,6 +57,8 @@ fn through_surfaces(
     // Along the ray as it was: what starts anew beside a surface may meet the light that it is meant for
     let mut light = light_in_the_way(world, &ray);
     let mut done = 0.0;
+    // Bodies may end between the ray's end and the light, short of which it ends
+    let beyond = if ray.t_max.is_finite() { ray.t_max * SHORT_OF_LIGHT } else { 0.0 };
     for _ in 0..MOST_SURFACES {
         let hit = world.geometry.closest(&ray);
         let way = hit.map_or(ray.t_max, |hit| hit.t);
@@ -73,12 +78,15 @@ fn through_surfaces(
         let rest = ray.t_max - hit.t;
         if let Some(medium) = medium.filter(|_| world.is_passed_by_shadow_rays(&point, soft)) {
             result *= absorbed(absorption, hit.t);
-            let reach = Reach { distance: rest, transmittance: LEAST / result.max_element() };
+            let reach = Reach { distance: rest + beyond, transmittance: LEAST / result.max_element() };
             let passage = world.pass_straight(medium, &point, ray.direction, soft, reach);
             let Some(Passage { transmittance, distance, end }) = passage else { return Vec3::ZERO };
             result *= transmittance;
             if result.max_element() < LEAST {
                 return Vec3::ZERO;
+            }
+            if distance >= rest {
+                return result;
             }
             done += hit.t + distance;
             ray = Ray::segment(end.ray_origin(ray.direction), ray.direction, rest - distance);

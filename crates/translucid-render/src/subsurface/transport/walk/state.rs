@@ -59,7 +59,7 @@ impl<'a> Walk<'a> {
         let (at, skipped) = body.enter(point, direction)?;
         // Channels of length 0 are a matter of the surface
         let scatters = length.cmpgt(Vec3::ZERO);
-        let sigma_t = Vec3::select(scatters, length.recip(), Vec3::ZERO);
+        let sigma_t = Vec3::select(scatters, length.recip().min(Vec3::MAX), Vec3::ZERO);
         let throughput = Vec3::select(scatters, path.throughput, Vec3::ZERO);
         let sum = throughput.element_sum();
         (sum > 0.0 && sum.is_finite()).then(|| Self {
