@@ -113,8 +113,10 @@ impl SubsurfaceSet {
         (self.normalizer, self.normalizer_note) = match Normalizer::new(world, &self.transports) {
             Ok(normalizer) => (normalizer, None),
             Err(error) => {
+                // Its help is for those who gather light from points
                 let message = format!(
-                    "subsurface_normalization is left out: {error}; a coarser point_tolerance or a longer mean free path needs fewer"
+                    "subsurface_normalization is left out: {}; a coarser point_tolerance or a longer mean free path needs fewer",
+                    error.message
                 );
                 (None, Some(Note { kind: NoteKind::NoNormalization, material: None, message }))
             }
