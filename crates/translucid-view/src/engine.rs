@@ -184,8 +184,7 @@ impl<'a> Engine<'a> {
         !old.look.differs(look)
             && *old.view.camera() == self.wanted.camera
             && same_pixels(old.view.film(), &self.wanted.film)
-            // Samples cannot be taken away again
-            && old.film.samples() <= look.integrator.samples_per_pixel
+            && may_become(&old.film.sums(), look.integrator.samples_per_pixel)
     }
 
     /// A side without samples. It knows what a path costs, and its points, from the one before.
@@ -588,6 +587,12 @@ impl SideWork {
     }
 }
 
+/// Whether no pixel has more than so many samples, which could not be taken away again: where a rendering was interrupted,
+/// some tiles have more than others.
+fn may_become(film: &FilmSums, samples: u32) -> bool {
+    film.tiles.iter().all(|tile| tile.samples <= samples)
+}
+
 fn words_of(PointProgress { pass, done, total }: PointProgress) -> String {
     let percent = 100 * done.min(total) / total.max(1);
     match pass {
@@ -627,5 +632,19 @@ impl Header {
         bytes.extend(self.seconds.to_le_bytes());
         bytes.extend(codes);
         bytes.into()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn interrupted_film_becomes_none_of_fewer_samples() {
+        let mut film = FilmSums::new(64, 64);
+        assert!(film.tiles.len() > 1 && may_become(&film, 1));
+        film.tiles.iter_mut().for_each(|tile| tile.samples = 4);
+        film.tiles[1].samples = 5;
+        assert!(film.samples() == 4 && !may_become(&film, 4) && may_become(&film, 5));
     }
 }
