@@ -41,6 +41,8 @@ export class Status {
         setText(byId("detail"), detail ?? "");
         // Both sides are refined in turns; the one that lags says how far the picture is.
         const shown = [sides.a, sides.b].filter(Boolean);
+        // Nothing is rendered before everything is prepared.
+        if (shown.length === 0) return;
         const side = shown.reduce((least, other) => (other.samples < least.samples ? other : least));
         setText(byId("samples"), `${count(side.samples)} of ${count(side.goal)} samples`);
         setText(byId("seconds"), duration(side.seconds));
