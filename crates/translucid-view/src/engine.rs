@@ -254,9 +254,10 @@ impl<'a> Engine<'a> {
             || order.into_iter().filter_map(|index| self.sides[index].as_ref().map(|side| (index, side)));
 
         // Everything is shown at once, however coarse
-        if let Some((index, _)) = sides().find(|(_, side)| side.shown.is_none()) {
+        if let Some((index, side)) = sides().find(|(_, side)| side.shown.is_none()) {
             return match self.fraction_within(MOTION_BUDGET) {
-                Fraction::Whole => Work::Samples(index),
+                // Samples that are taken without points would stay in the film
+                Fraction::Whole if !side.wants_points() => Work::Samples(index),
                 fraction => Work::Preview(index, fraction),
             };
         }
