@@ -558,6 +558,7 @@ impl<'a> Engine<'a> {
         };
         let status = json!({
             "type": "status",
+            "version": self.wanted.version,
             "phase": phase,
             "detail": detail,
             "sides": { "a": side(0), "b": side(1) },

@@ -101,12 +101,13 @@ fn sides_are_rendered_beside_each_other() {
     let mut client = served.connect();
     client.apply(json!({"type":"compare","on":true}));
     client.apply(json!({"type":"side","side":"b"}));
-    client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"none"}}));
+    let edited = client.apply(json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"none"}}));
     let version = client.apply(json!({"type":"show","view":"difference"}));
     let map = client.finished(2, version);
-    let [a, b] = [0, 1].map(|kind| client.finished(kind, 1));
+    // B may have been finished before its edit, too
+    let [a, b] = [(0, 1), (1, edited)].map(|(kind, version)| client.finished(kind, version));
     assert!(a.codes != b.codes && map.codes.len() == a.codes.len());
-    while client.status["phase"] != "done" {
+    while client.status["phase"] != "done" || client.status["version"] != version {
         client.hear();
     }
     assert!(client.status["difference"]["relative_mse"].as_f64().unwrap() > 0.0, "{}", client.status);
