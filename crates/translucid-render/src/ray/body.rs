@@ -103,6 +103,44 @@ impl<'a> Body<'a> {
         FlightEnd::Inside(Inside { position: from.position + direction * length, nesting })
     }
 
+    /// The end of a flight that has left the body after a distance, if there the body goes on behind a gap; calls `leave`
+    /// wherever it leaves the body again.
+    pub(crate) fn behind(
+        &self,
+        from: Inside,
+        direction: Vec3,
+        distance: f32,
+        length: f32,
+        mut leave: impl FnMut(f32, Hit),
+    ) -> Option<Inside> {
+        let position = from.position + direction * length;
+        let mut nesting = 0_u32;
+        let mut done = distance + self.offset;
+        for _ in 0..MOST_SURFACES {
+            let ray = Ray::segment(from.position + direction * done, direction, length - done);
+            let hit = if done < length { self.geometry.closest_in_group(&ray, self.group) } else { None };
+            let Some(hit) = hit else {
+                return (nesting > 0 && position.is_finite()).then_some(Inside { position, nesting });
+            };
+            let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
+            if leaves && nesting == 1 {
+                leave(done + hit.t, hit);
+            }
+            nesting = if leaves { nesting.saturating_sub(1) } else { nesting + 1 };
+            done += hit.t + self.offset;
+        }
+        None
+    }
+
+    /// Whether the way from a point to another leads through the body alone.
+    pub(crate) fn connects(&self, from: Inside, to: Vec3) -> bool {
+        let (direction, length) = (to - from.position).normalize_and_length();
+        let is_clear = |clearance: &Clearance| length <= clearance.at(from.position) + clearance.at(to);
+        // Collisions lie that much before the body's end
+        self.clearance.is_some_and(is_clear)
+            || matches!(self.fly(from, direction, length - self.offset), FlightEnd::Inside(_))
+    }
+
     /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.
     pub(crate) fn is_lost(&self, at: &Inside) -> bool {
         let (low, high) = self.geometry.bounds();

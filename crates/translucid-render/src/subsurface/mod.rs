@@ -32,6 +32,7 @@ use normalization::Normalizer;
 use pairing::Pairing;
 use transport::points::{GatherScratch, Leaving, PointCloud};
 use transport::probes::Probes;
+use transport::walk::Walks;
 
 pub(crate) use exit_point::ExitPoint;
 use note::Remark;
@@ -145,7 +146,11 @@ impl SubsurfaceSet {
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
                 let note = Note::of_nearest(material, recipe.g_and_eta());
-                (SubsurfaceTransport::Walk(medium), note.into_iter().collect())
+                let is_even = material.subsurface_color.texture.is_none()
+                    && material.subsurface_radius.texture.is_none()
+                    && material.subsurface_radius_scale.texture.is_none();
+                let share = scene.integrator.subsurface_sharing && is_even;
+                (SubsurfaceTransport::Walk(Walks { medium, share }), note.into_iter().collect())
             }
             Err(error) => self.stand_in(scene, index, &error.to_string()),
         }

@@ -7,7 +7,7 @@ use translucid_profile::Model;
 use translucid_render::FilmSums;
 use translucid_scene::{
     Camera, ColorInput, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel,
-    SubsurfaceNormalization,
+    SubsurfaceNormalization, WalkSurface,
 };
 use translucid_testing::{bound, is_thorough};
 
@@ -31,20 +31,20 @@ fn regions() -> u32 {
     (size() / REGION).pow(2)
 }
 
-fn translucent(model: Model, color: Vec3, length: f32) -> Material {
+fn translucent(model: SubsurfaceModel, color: Vec3, length: f32) -> Material {
     Material {
         name: "translucent".into(),
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(color),
         subsurface_radius: ScalarInput::constant(length),
         subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.5, 0.2)),
-        subsurface_model: SubsurfaceModel::Profile(model),
+        subsurface_model: model,
         ..Material::default()
     }
 }
 
 /// Two bodies of different media, one of them glossy, on a matte floor under a lamp and the sky.
-fn bodies(model: Model) -> Scene {
+fn bodies(model: SubsurfaceModel) -> Scene {
     let mut ball = sphere(1.0, 24);
     ball.positions.iter_mut().for_each(|p| *p += Vec3::Z);
     let mut small = sphere(0.6, 24);
@@ -100,9 +100,9 @@ fn statistics(values: impl Iterator<Item = f64> + Clone) -> (f64, f64) {
     (mean, values.map(|v| (v - mean).powi(2)).sum::<f64>() / (n - 1.0) / n)
 }
 
-/// Regions (64) × 3 channels × 5 scenes make 960 comparisons; |t| > 6 has a probability of 4e-6 with 23 degrees of
-/// freedom, so there is a false alarm in one of 250 choices of seeds. With a quarter of the pixels and half of the seeds
-/// |t| > 9 has a probability of 2e-6 with 11 degrees of freedom: one of 2,000.
+/// Regions (64) × 3 channels × 11 scenes make 2,112 comparisons; |t| > 6 has a probability of 4e-6 with 23 degrees of
+/// freedom, so there is a false alarm in one of 120 choices of seeds. With a quarter of the pixels and half of the seeds
+/// |t| > 9 has a probability of 2e-6 with 11 degrees of freedom: one of 900.
 #[test]
 fn sharing_keeps_the_mean_of_every_region() {
     let normalized = |mut scene: Scene| {
@@ -129,12 +129,27 @@ fn sharing_keeps_the_mean_of_every_region() {
         scene.integrator.max_depth = 4;
         scene
     };
+    // Both balls are one body: they overlap, or light goes from one to the other through a gap
+    let one_body = |mut scene: Scene, shift: f32| {
+        let mut small = sphere(0.6, 24);
+        small.positions.iter_mut().for_each(|p| *p += Vec3::new(0.9, -1.0 - shift, 0.5));
+        scene.objects[1].mesh = small.into();
+        scene.objects.iter_mut().take(2).for_each(|object| object.subsurface_group = 0);
+        scene
+    };
+    let walk = SubsurfaceModel::RandomWalk;
     let scenes = [
-        ("glass", behind_glass(bodies(Model::NormalizedDiffusion))),
-        ("normalized diffusion", bodies(Model::NormalizedDiffusion)),
-        ("oblique", bodies(Model::NormalizedDiffusionOblique)),
-        ("directional dipole", bodies(Model::DirectionalDipole)),
-        ("energy", normalized(bodies(Model::NormalizedDiffusion))),
+        ("walk", bodies(walk(WalkSurface::Clear))),
+        ("diffuse walk", bodies(walk(WalkSurface::Diffuse))),
+        ("rough walk behind glass", behind_glass(bodies(walk(WalkSurface::Rough)))),
+        ("walk in overlapping balls", one_body(bodies(walk(WalkSurface::Clear)), 0.0)),
+        ("walk across a gap", one_body(bodies(walk(WalkSurface::Clear)), 0.3)),
+        ("diffuse walk across a gap", one_body(bodies(walk(WalkSurface::Diffuse)), 0.3)),
+        ("glass", behind_glass(bodies(SubsurfaceModel::Profile(Model::NormalizedDiffusion)))),
+        ("normalized diffusion", bodies(SubsurfaceModel::Profile(Model::NormalizedDiffusion))),
+        ("oblique", bodies(SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique))),
+        ("directional dipole", bodies(SubsurfaceModel::Profile(Model::DirectionalDipole))),
+        ("energy", normalized(bodies(SubsurfaceModel::Profile(Model::NormalizedDiffusion)))),
     ];
     let most = if is_thorough() { 6.0 } else { 9.0 };
     for (name, scene) in scenes {
@@ -154,15 +169,18 @@ fn sharing_keeps_the_mean_of_every_region() {
                 *total += statistics(films.iter().map(mean)).1;
             }
         }
-        assert!(total[0] < 0.8 * total[1], "{name}: regions are as noisy, {total:?}");
+        // Walks of neighbors are no better for a whole region than its own, and profiles' entries are
+        let most = if name.contains("walk") { 1.1 } else { 0.8 };
+        assert!(total[0] < most * total[1], "{name}: regions are as noisy, {total:?}");
     }
 }
 
-/// Noise as a viewer sees it is the variance of each pixel relative to its square.
+/// Noise as a viewer sees it is the variance of each pixel relative to its square. Without a fixed seed the ratios, 0.16, 0.85
+/// and 0.69 here, would vary by a few percent.
 #[test]
 fn sharing_takes_most_of_the_noise_away() {
-    let noise = |is_shared: bool| {
-        let mut scene = bodies(Model::NormalizedDiffusion);
+    let noise = |model, is_shared: bool| {
+        let mut scene = bodies(model);
         scene.integrator.subsurface_sharing = is_shared;
         // A lamp behind the bodies, as close as a pixel sees little of the body
         scene.camera.horizontal_fov = 0.25 * size() as f32;
@@ -174,18 +192,29 @@ fn sharing_takes_most_of_the_noise_away() {
         }
         sum
     };
-    let (shared, alone) = (noise(true), noise(false));
-    assert!(shared < 0.25 * alone, "{shared} {alone}");
+    let walk = SubsurfaceModel::RandomWalk;
+    for (model, most) in [
+        (SubsurfaceModel::Profile(Model::NormalizedDiffusion), 0.25),
+        (walk(WalkSurface::Clear), 0.95),
+        (walk(WalkSurface::Diffuse), 0.9),
+    ] {
+        let (shared, alone) = (noise(model, true), noise(model, false));
+        assert!(shared < most * alone, "{model:?}: {shared} {alone}");
+    }
 }
 
 /// Even light on a plane: A leaves wherever it entered, exactly, whatever the weights of entries.
 ///
-/// Six comparisons of Student's t with 23 degrees of freedom, where |t| > 5 has a probability of 5e-5, or 11, where it
+/// Nine comparisons of Student's t with 23 degrees of freedom, where |t| > 5 has a probability of 5e-5, or 11, where it
 /// has 4e-4.
 #[test]
 fn sharing_returns_the_surface_albedo_of_a_plane() {
     let color = Vec3::new(0.9, 0.5, 0.1);
-    for model in [Model::NormalizedDiffusion, Model::PhotonBeamDiffusion] {
+    let profiles = [Model::NormalizedDiffusion, Model::PhotonBeamDiffusion].map(SubsurfaceModel::Profile);
+    // Seen through a clear surface, a plane returns more or less by the angle
+    let walk = SubsurfaceModel::RandomWalk(WalkSurface::Diffuse);
+    let models = profiles.map(|profile| (profile, 1)).into_iter().chain([(walk, 6)]);
+    for (model, samples) in models {
         let material =
             Material { specular_weight: ScalarInput::constant(0.0), ..translucent(model, color, 0.3) };
         let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 200.0, Vec3::Y * 200.0)], material);
@@ -193,7 +222,7 @@ fn sharing_returns_the_surface_albedo_of_a_plane() {
         scene.camera.position = Vec3::new(0.0, -1.5, 2.0);
         scene.film = Film { width: size(), height: size(), ..Film::default() };
         scene.integrator.max_depth = 2;
-        let films = pictures(&prepare(scene), 0..seeds(), 1);
+        let films = pictures(&prepare(scene), 0..seeds(), samples);
         for channel in 0..3 {
             let whole = |film: &FilmSums| {
                 (0..regions()).map(|region| mean_of(film, region, channel)).sum::<f64>()

@@ -9,6 +9,7 @@
 //!
 //! A new one is a folder here and a line in [`SubsurfaceTransport`].
 
+mod gathering;
 pub(crate) mod points;
 pub(crate) mod probes;
 mod shared;
@@ -28,6 +29,7 @@ use crate::world::{Layer, PathState, World};
 use points::{GatherScratch, Gatherer};
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
+use walk::{SharedCollisions, Walks};
 
 /// How light under the surface of a material is found.
 pub(crate) enum SubsurfaceTransport {
@@ -38,7 +40,7 @@ pub(crate) enum SubsurfaceTransport {
     Shared(Probes),
     /// Where a subsurface group has no points, the other transport finds the light.
     Points(Box<Self>, Option<Arc<Gatherer>>),
-    Walk(Arc<WalkMedium>),
+    Walk(Walks),
 }
 
 /// The path tracer as a transport sees it.
@@ -65,18 +67,21 @@ pub(crate) struct TransportScratch<'a> {
     probes: ProbeScratch,
     pub(crate) points: GatherScratch,
     shared: SharedEntries<'a>,
+    collisions: SharedCollisions<'a>,
 }
 
 impl TransportScratch<'_> {
     /// Calls `add` with the number of the sample, the layer and the light for every exit point of a block that others
     /// have light for, and forgets the block.
-    pub(crate) fn finish_block(&mut self, add: impl FnMut(usize, Layer, Vec3)) {
-        self.shared.resolve(add);
+    pub(crate) fn finish_block(&mut self, mut add: impl FnMut(usize, Layer, Vec3)) {
+        self.shared.resolve(&mut add);
+        self.collisions.resolve(add);
     }
 
     /// Forgets a block without its light.
     pub(crate) fn drop_block(&mut self) {
         self.shared.clear();
+        self.collisions.clear();
     }
 }
 
@@ -100,7 +105,7 @@ impl SubsurfaceTransport {
                 probes.kernel.resolved(surface_albedo, stated, offset)
             }
             Self::Points(other, _) => other.length(surface_albedo, stated, offset),
-            Self::Walk(medium) => medium.resolved(surface_albedo, stated, offset),
+            Self::Walk(walks) => walks.medium.resolved(surface_albedo, stated, offset),
         }
     }
 
@@ -115,7 +120,7 @@ impl SubsurfaceTransport {
 
     /// The medium, where the transport walks through it.
     pub(crate) fn medium(&self) -> Option<&Arc<WalkMedium>> {
-        if let Self::Walk(medium) = self { Some(medium) } else { None }
+        if let Self::Walk(walks) = self { Some(&walks.medium) } else { None }
     }
 
     /// The probes, where the transport knows a profile.
@@ -144,7 +149,7 @@ impl SubsurfaceTransport {
                 let has_points = gatherer.as_ref().is_some_and(|points| points.scatter(tracer, path, exit));
                 !has_points && other.scatter(tracer, world, path, exit, sampler)
             }
-            Self::Walk(medium) => medium.scatter(world, path, exit, sampler),
+            Self::Walk(walks) => walks.scatter(tracer, world, path, exit, sampler),
         }
     }
 }

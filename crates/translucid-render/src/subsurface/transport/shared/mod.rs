@@ -1,23 +1,10 @@
 //! Light that has entered below one pixel's surface point, shared with the pixels around it.
 //!
-//! Exits x_1 … x_n of a block of pixels each find an entry point y_i by probes of their own, with an unbiased estimate
-//! W_i of 1/p_i(y_i), and the light E_i that arrives there: a shadow ray and a path, which is what costs.
+//! Exits x_i of a block of pixels each find an entry point y_i by probes of their own, and light that arrives there.
 //! Where exits lie closer together than light travels below the surface, all of them could have found all entries, so
-//! each takes light from every entry:
-//!
-//! ```text
-//! L_j = Σ_i w_i(y_i) R_j(|x_j − y_i|) W_i E_i,     w_i(y) = g_i(y) / Σ_k g_k(y)
-//! ```
-//!
-//! This is multiple importance sampling with one sample of each of n strategies [Veach & Guibas 1995] and strategies
-//! that are known by their contribution weights only [Lin et al. 2022, "Generalized Resampled Importance Sampling"].
-//! It is unbiased for any g_i that is positive only where p_i is: g_i is a rational stand-in for exit i's profile (see
-//! [`Nearness`]), cut at the same radius as its probes.
-//! Near x_j its own g_j grows like R_j, so no weight is larger than without sharing.
-//!
-//! The sum over i is itself drawn from: a few of its terms, in proportion to g_j W_i w_i E_i and evenly spaced along the
-//! running sum, stand for all. What R_j is need be evaluated for these only, so all models and their directions
-//! are alike to it.
+//! each gathers light from every entry, as [`gathering`](super::gathering) says, with K = R(|x − y|) and a rational
+//! stand-in for the profile as g (see [`Nearness`]), cut at the same radius as the probes.
+//! What R is need be evaluated for a few terms only, so all models and their directions are alike to it.
 //!
 //! Only exits whose light would have the same bounds share: see [`ExitKind`].
 
@@ -29,16 +16,18 @@ use std::f32::consts::TAU;
 use glam::Vec3;
 
 use super::Tracing;
+use super::gathering::{Account, ExitKind, Gathering};
 use super::probes::{EntryHit, Probes};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{Layer, PathState, World};
-use entries::{EntryLight, ExitKind, WaitingExit};
+use entries::{EntryLight, WaitingExit};
 use nearness::Nearness;
 
-pub(super) use entries::SharedEntries;
+/// The exits of a block.
+pub(super) type SharedEntries<'a> = Gathering<WaitingExit<'a>>;
 
 /// Mean radius of the widest profile, in pixels, from which on an exit shares.
 ///
@@ -73,25 +62,24 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let entry = found.map(|(hit, weight)| {
         let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
         let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler);
+        let position = entry.point.position;
+        let contribution = TAU * nearness.distance(weight.distance) * weight.inverse_density;
         EntryLight {
-            position: entry.point.position,
+            position,
             normal: entry.normal,
-            contribution: TAU * nearness.distance(weight.distance) * weight.inverse_density,
+            own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
             arrivals,
         }
     });
     let waiting = WaitingExit {
-        sample: number,
         kind: ExitKind::new(exit, path),
+        account: Account { sample: number, layer: path.layer_after(Layer::Subsurface), throughput, random },
         position: exit.point.position,
         normal: exit.normal * exit.side,
-        throughput,
-        layer: path.layer_after(Layer::Subsurface),
         albedo: exit.subsurface.scattering_albedo(),
         directions: probes.kernel.directions(&exit.subsurface),
         profiles: own.profiles,
         nearness,
-        random,
     };
     tracer.scratch().shared.push(waiting, entry);
     false
@@ -108,7 +96,7 @@ fn can_share(subsurface: &Subsurface, throughput: Vec3) -> bool {
 
 /// Light that enters at an entry point: from a sampled light and from a path, followed as far as it is `worth` to the path
 /// that has found the point.
-fn arrivals<'a, T: Tracing<'a>>(
+pub(super) fn arrivals<'a, T: Tracing<'a>>(
     tracer: &mut T,
     path: &PathState,
     entry: &EntryPoint<'_>,

@@ -1,8 +1,5 @@
 //! How near exits are to entries, in the measure of their profiles.
 
-/// Entries that are worked on together.
-pub(super) const LANES: usize = 8;
-
 /// Distances below this part of the longest count as this: far below what can be told apart, but not 0.
 const LEAST_DISTANCE: f32 = 1e-12;
 
@@ -52,30 +49,34 @@ impl Nearness {
         distance.max(LEAST_DISTANCE * self.longest)
     }
 
-    /// g at points with these coordinates, whose number is a multiple of [`LANES`]; adds it to the sums, too.
+    /// g at a squared distance.
     ///
     /// Without fused operations, so that every processor has the same bits.
+    #[inline(always)]
+    pub(super) fn at(&self, squared: f32) -> f32 {
+        let [a, b, c] = self.inverse_scale;
+        let [sa, sb, sc] = self.share;
+        // Infinity is beyond, however long it is
+        let longest_squared = (self.longest * self.longest).min(f32::MAX);
+        let r = squared.sqrt().max(LEAST_DISTANCE * self.longest);
+        let fourth = |inverse: f32| {
+            let q = 1.0 + r * inverse;
+            let q2 = q * q;
+            q2 * q2
+        };
+        let g = (sa / fourth(a) + sb / fourth(b) + sc / fourth(c)) / r;
+        if squared <= longest_squared { g } else { 0.0 }
+    }
+
+    /// g at points with these coordinates, whose number is a multiple of [`LANES`](crate::subsurface::transport::gathering::LANES); adds it to the sums, too.
     #[inline(always)]
     fn row(&self, [x, y, z]: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
         let n = row.len();
         let [px, py, pz] = points.map(|p| &p[..n]);
         let sums = &mut sums[..n];
-        let least = LEAST_DISTANCE * self.longest;
-        let [a, b, c] = self.inverse_scale;
-        let [sa, sb, sc] = self.share;
-        // Infinity is beyond, however long it is
-        let longest_squared = (self.longest * self.longest).min(f32::MAX);
         for i in 0..n {
             let (dx, dy, dz) = (px[i] - x, py[i] - y, pz[i] - z);
-            let squared = dx * dx + dy * dy + dz * dz;
-            let r = squared.sqrt().max(least);
-            let fourth = |inverse: f32| {
-                let q = 1.0 + r * inverse;
-                let q2 = q * q;
-                q2 * q2
-            };
-            let g = (sa / fourth(a) + sb / fourth(b) + sc / fourth(c)) / r;
-            let g = if squared <= longest_squared { g } else { 0.0 };
+            let g = self.at(dx * dx + dy * dy + dz * dz);
             row[i] = g;
             sums[i] += g;
         }

@@ -3,12 +3,14 @@
 use glam::Vec3;
 
 use super::random::WalkRandom;
+use super::shared::Sharing;
 use super::state::{MOST_EVENTS, Walk};
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::entry_bsdf;
 use crate::subsurface::exit_point::ExitPoint;
+use crate::subsurface::transport::Tracing;
 use crate::surface::WalkMedium;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
 use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
@@ -24,11 +26,13 @@ const STRATIFIED: u32 = 5;
 
 impl WalkMedium {
     /// Leaves the surface through the volume below, where the light of this path may end; false where it is over.
-    pub(super) fn scatter_clear(
+    pub(super) fn scatter_clear<'a, T: Tracing<'a>>(
         &self,
-        world: &World,
+        tracer: &mut T,
+        world: &'a World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
+        number: Option<usize>,
         sampler: &mut Sampler,
     ) -> bool {
         let normal = exit.point.geometric_normal * exit.side;
@@ -38,32 +42,21 @@ impl WalkMedium {
         let mut random = WalkRandom::new(sampler, STRATIFIED);
         let Some(mut walk) = Walk::enter(world, path, exit, self, direction) else { return false };
         let entered = walk.throughput.element_sum();
-        let mut flight = random.next_4d()[0];
-        while walk.events < MOST_EVENTS {
-            match walk.fly(flight) {
-                Some(hit) if walk.eta == 1.0 => return walk.leave(world, path, exit, &hit),
-                Some(hit) => {
-                    let u = random.next_4d();
-                    if !walk.is_reflected(&hit, u[0]) {
-                        return walk.leave(world, path, exit, &hit);
-                    }
-                    flight = u[1];
-                }
-                None if is_last(world, path) => return false,
-                None => {
-                    if walk.eta == 1.0 {
-                        walk.add_light_at_collision(world, path, random.next_4d());
-                    }
-                    let u = random.next_4d();
-                    if !walk.survives(entered, u[3]) {
-                        return false;
-                    }
-                    walk.scatter([u[0], u[1]]);
-                    flight = u[2];
-                }
-            }
-        }
-        false
+        let [flight, of_choice, ..] = random.next_4d(sampler);
+        let number =
+            number.filter(|_| self.eta == 1.0 && !is_last(world, path) && walk.can_share(tracer, path));
+        let Some(sample) = number else {
+            return walk.wander(world, path, exit, (&mut random, sampler), entered, flight);
+        };
+        let of_light = random.next_4d(sampler);
+        let of_flight = random.next_4d(sampler);
+        let sharing = Sharing { world, exit, sample, of_first: flight, of_choice, of_light, of_flight };
+        let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {
+            walk.collide(world, path, (&mut random, sampler), entered)
+                .is_some_and(|flight| walk.wander(world, path, exit, (&mut random, sampler), entered, flight))
+        };
+        let end = walk.share(tracer, path, sampler, &sharing, rest);
+        end.is_some_and(|hit| walk.leave(world, path, exit, &hit))
     }
 }
 
@@ -74,8 +67,60 @@ fn is_last(world: &World, path: &PathState) -> bool {
 }
 
 impl Walk<'_> {
+    /// Flies from collision to collision, first by the number `flight`; true if the path goes on outside.
+    fn wander(
+        &mut self,
+        world: &World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+        (random, sampler): (&mut WalkRandom, &mut Sampler),
+        entered: f32,
+        mut flight: f32,
+    ) -> bool {
+        while self.events < MOST_EVENTS {
+            match self.fly(flight) {
+                Some(hit) if self.eta == 1.0 => return self.leave(world, path, exit, &hit),
+                Some(hit) => {
+                    let u = random.next_4d(sampler);
+                    if !self.is_reflected(&hit, u[0]) {
+                        return self.leave(world, path, exit, &hit);
+                    }
+                    flight = u[1];
+                }
+                None => match self.collide(world, path, (random, sampler), entered) {
+                    Some(next) => flight = next,
+                    None => return false,
+                },
+            }
+        }
+        false
+    }
+
+    /// Adds light at a collision and draws the direction in which the walk goes on; returns a number for the flight's
+    /// length, or `None` where the walk ends.
+    fn collide(
+        &mut self,
+        world: &World,
+        path: &mut PathState,
+        (random, sampler): (&mut WalkRandom, &mut Sampler),
+        entered: f32,
+    ) -> Option<f32> {
+        if is_last(world, path) {
+            return None;
+        }
+        if self.eta == 1.0 {
+            self.add_light_at_collision(world, path, random.next_4d(sampler));
+        }
+        let u = random.next_4d(sampler);
+        if !self.survives(entered, u[3]) {
+            return None;
+        }
+        self.scatter([u[0], u[1]]);
+        Some(u[2])
+    }
+
     /// Goes on outside, where the walk has met the body's end.
-    fn leave(&self, world: &World, path: &mut PathState, exit: &ExitPoint<'_>, hit: &Hit) -> bool {
+    pub(super) fn leave(&self, world: &World, path: &mut PathState, exit: &ExitPoint<'_>, hit: &Hit) -> bool {
         let point = world.surface_point(hit);
         let Some(direction) = self.direction_outside(hit) else { return false };
         let weight = self.entering(world, &point, direction);
@@ -98,7 +143,7 @@ impl Walk<'_> {
     ///
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
     /// walk's own are, but longer, and only if it gets out of the body the way to the light is looked at.
-    fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
+    pub(super) fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
         let Some(light) = world.lights.sample(self.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
             return;
         };

@@ -7,11 +7,14 @@ use glam::Vec3;
 use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
+use super::shared::Sharing;
 use super::state::{MOST_EVENTS, Walk};
+use crate::ray::Hit;
 use crate::sampling::{Frame, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::DirectionalWeight;
+use crate::subsurface::transport::Tracing;
 use crate::surface::bsdf::{Ggx, refract, sample_cosine};
 use crate::surface::{self, WalkMedium};
 use crate::world::{PathState, World};
@@ -22,35 +25,41 @@ const STRATIFIED: u32 = 3;
 
 impl WalkMedium {
     /// Leaves the surface through the volume below, and goes on where light enters it; false where the path is over.
-    pub(super) fn scatter_diffuse(
+    pub(super) fn scatter_diffuse<'a, T: Tracing<'a>>(
         &self,
-        world: &World,
+        tracer: &mut T,
+        world: &'a World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
+        number: Option<usize>,
         sampler: &mut Sampler,
     ) -> bool {
         let at_the_end = [sampler.reserve(), sampler.reserve()];
         let mut random = WalkRandom::new(sampler, STRATIFIED);
-        let u = random.next_4d();
+        let u = random.next_4d(sampler);
         let direction = self.direction_below(world, path, exit, [u[0], u[1]]);
         let walk = direction.and_then(|direction| Walk::enter(world, path, exit, self, direction));
         let Some(mut walk) = walk else { return false };
         let entered = walk.throughput.element_sum();
-        let mut flight = u[2];
-        while walk.events < MOST_EVENTS {
-            if let Some(hit) = walk.fly(flight) {
-                path.throughput = walk.throughput;
-                let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
-                return entry.enter(path, &DirectionalWeight::RADIAL, at_the_end);
-            }
-            let u = random.next_4d();
-            if !walk.survives(entered, u[3]) {
-                return false;
-            }
-            walk.scatter([u[0], u[1]]);
-            flight = u[2];
-        }
-        false
+        let enter = |walk: &Walk<'_>, path: &mut PathState, hit: &Hit| {
+            path.throughput = walk.throughput;
+            let entry = EntryPoint::new(world, world.surface_point(hit), exit.side);
+            entry.enter(path, &DirectionalWeight::RADIAL, at_the_end)
+        };
+        let Some(sample) = number.filter(|_| walk.can_share(tracer, path)) else {
+            let end = walk.find_end((&mut random, sampler), entered, u[2]);
+            return end.is_some_and(|hit| enter(&walk, path, &hit));
+        };
+        let of_flight = random.next_4d(sampler);
+        let [_, _, of_first, of_choice] = u;
+        let sharing = Sharing { world, exit, sample, of_first, of_choice, of_light: [0.0; 4], of_flight };
+        let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {
+            let flight = walk.turn((&mut random, sampler), entered);
+            let end = flight.and_then(|flight| walk.find_end((&mut random, sampler), entered, flight));
+            end.is_some_and(|hit| enter(walk, path, &hit))
+        };
+        let end = walk.share(tracer, path, sampler, &sharing, rest);
+        end.is_some_and(|hit| enter(&walk, path, &hit))
     }
 
     /// Direction in which the view goes on below the surface; `None` if it does not.
@@ -77,5 +86,34 @@ impl WalkMedium {
         let outward = exit.point.geometric_normal * exit.side;
         let out = direction.dot(outward).max(0.0);
         Some((direction - outward * (2.0 * out)).normalize())
+    }
+}
+
+impl Walk<'_> {
+    /// Flies from collision to collision, first by the number `flight`, to where the body ends.
+    fn find_end(
+        &mut self,
+        (random, sampler): (&mut WalkRandom, &mut Sampler),
+        entered: f32,
+        mut flight: f32,
+    ) -> Option<Hit> {
+        while self.events < MOST_EVENTS {
+            if let Some(hit) = self.fly(flight) {
+                return Some(hit);
+            }
+            flight = self.turn((random, sampler), entered)?;
+        }
+        None
+    }
+
+    /// Draws the direction in which the walk goes on after a collision; returns a number for the flight's length, or
+    /// `None` where the walk ends.
+    fn turn(&mut self, (random, sampler): (&mut WalkRandom, &mut Sampler), entered: f32) -> Option<f32> {
+        let u = random.next_4d(sampler);
+        if !self.survives(entered, u[3]) {
+            return None;
+        }
+        self.scatter([u[0], u[1]]);
+        Some(u[2])
     }
 }

@@ -26,6 +26,10 @@ impl Flights {
         Self { sigma_t }
     }
 
+    pub(crate) fn sigma_t(&self) -> Vec3 {
+        self.sigma_t
+    }
+
     /// Length of a flight for a number uniform in [0, 1); infinite if nothing is left to fly.
     pub(crate) fn sample(&self, throughput: Vec3, u: f32) -> f32 {
         let shares = (throughput / throughput.element_sum()).to_array();

@@ -23,29 +23,46 @@
 mod clear;
 mod diffuse;
 mod flight;
+mod flight_kernel;
 mod phase_function;
 mod random;
+mod shared;
 mod state;
+
+use std::sync::Arc;
 
 use translucid_scene::WalkSurface;
 
+pub(super) use self::shared::SharedCollisions;
+use super::Tracing;
 use crate::sampling::Sampler;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::surface::WalkMedium;
 use crate::world::{PathState, World};
 
-impl WalkMedium {
+/// The walks of a material.
+pub(crate) struct Walks {
+    pub(crate) medium: Arc<WalkMedium>,
+    /// Whether walks of a block of pixels share their light: all are in the same medium.
+    pub(crate) share: bool,
+}
+
+impl Walks {
     /// Leaves a surface through the volume below; false where the path is over.
-    pub(super) fn scatter(
+    pub(super) fn scatter<'a, T: Tracing<'a>>(
         &self,
-        world: &World,
+        tracer: &mut T,
+        world: &'a World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
-        match self.surface {
-            WalkSurface::Clear => self.scatter_clear(world, path, exit, sampler),
-            WalkSurface::Diffuse | WalkSurface::Rough => self.scatter_diffuse(world, path, exit, sampler),
+        let number = path.in_block.take().filter(|_| self.share);
+        match self.medium.surface {
+            WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
+            WalkSurface::Diffuse | WalkSurface::Rough => {
+                self.medium.scatter_diffuse(tracer, world, path, exit, number, sampler)
+            }
         }
     }
 }

@@ -20,6 +20,10 @@ impl HenyeyGreenstein {
         Self { g: if g.abs() < ISOTROPIC { 0.0 } else { g } }
     }
 
+    pub(crate) fn is_isotropic(self) -> bool {
+        self.g == 0.0
+    }
+
     /// Density \[1/sr\] of turning by an angle of this cosine; it is the phase function, too.
     pub(crate) fn pdf(self, cosine: f32) -> f32 {
         let g = self.g;

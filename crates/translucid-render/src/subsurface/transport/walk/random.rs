@@ -4,25 +4,23 @@ use crate::sampling::{SPLIT_MIX_STEP, Sampler, split_mix};
 
 /// Random numbers, four at a time: those of the sampler for the first collisions, on which pictures depend most, then
 /// S. Vigna's SplitMix64, for walks have no greatest length.
-pub(crate) struct WalkRandom<'a> {
-    sampler: &'a mut Sampler,
+pub(crate) struct WalkRandom {
     /// Sets that are left to take from the sampler.
     stratified: u32,
     state: u64,
 }
 
-impl<'a> WalkRandom<'a> {
+impl WalkRandom {
     /// Numbers of a walk that takes so many sets from the sampler.
-    pub(crate) fn new(sampler: &'a mut Sampler, stratified: u32) -> Self {
-        let state = sampler.fork();
-        Self { sampler, stratified, state }
+    pub(crate) fn new(sampler: &Sampler, stratified: u32) -> Self {
+        Self { stratified, state: sampler.fork() }
     }
 
-    /// The next four numbers in [0, 1).
-    pub(crate) fn next_4d(&mut self) -> [f32; 4] {
+    /// The next four numbers in [0, 1), of the same sampler.
+    pub(crate) fn next_4d(&mut self, sampler: &mut Sampler) -> [f32; 4] {
         if self.stratified > 0 {
             self.stratified -= 1;
-            return self.sampler.next_4d();
+            return sampler.next_4d();
         }
         let (first, second) = (self.next_u64(), self.next_u64());
         // 24 bits are what a single-precision number in [0, 1) holds
@@ -45,8 +43,8 @@ mod tests {
     fn numbers_repeat_and_are_even() {
         let draw = |index: u32| {
             let mut sampler = Sampler::new(3, 1, 2, index);
-            let mut random = WalkRandom::new(&mut sampler, 5);
-            (0..40).map(|_| random.next_4d()).collect::<Vec<_>>()
+            let mut random = WalkRandom::new(&sampler, 5);
+            (0..40).map(|_| random.next_4d(&mut sampler)).collect::<Vec<_>>()
         };
         assert_eq!(draw(7), draw(7));
         assert_ne!(draw(7)[30], draw(8)[30]);

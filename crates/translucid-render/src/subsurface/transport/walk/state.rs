@@ -1,6 +1,7 @@
 //! A walk under way: from flight to flight through the volume.
 
 use glam::Vec3;
+use translucid_scene::WalkSurface;
 
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
@@ -21,6 +22,7 @@ pub(super) const MOST_EVENTS: u32 = 1 << 16;
 const ROULETTE_BELOW: f32 = 0.4;
 
 /// A walk under way.
+#[derive(Clone, Copy)]
 pub(super) struct Walk<'a> {
     pub(super) body: Body<'a>,
     /// Side of the surface that the body is on.
@@ -28,7 +30,9 @@ pub(super) struct Walk<'a> {
     pub(super) flights: Flights,
     pub(super) phase: HenyeyGreenstein,
     /// Single-scattering albedo per channel.
-    alpha: Vec3,
+    pub(super) alpha: Vec3,
+    /// Whether light enters as into a matte surface.
+    pub(super) ends_diffusely: bool,
     /// Relative index of the boundary, 1 without one.
     pub(super) eta: f32,
     pub(super) at: Inside,
@@ -41,7 +45,7 @@ pub(super) struct Walk<'a> {
     /// Solid-angle density of the direction, infinite before it was drawn at a collision.
     pub(super) pdf: f32,
     /// Way from the surface to the point below it where the walk began \[L\], 0 after the first flight.
-    skipped: f32,
+    pub(super) skipped: f32,
 }
 
 impl<'a> Walk<'a> {
@@ -68,6 +72,7 @@ impl<'a> Walk<'a> {
             flights: Flights::new(sigma_t),
             phase: HenyeyGreenstein::new(medium.g),
             alpha: medium.single_scattering_albedo(surface_albedo),
+            ends_diffusely: medium.surface != WalkSurface::Clear,
             eta: medium.eta,
             at,
             direction,

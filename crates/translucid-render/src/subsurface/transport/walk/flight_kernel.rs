@@ -1,0 +1,217 @@
+//! Densities of where flights from a point end: at a collision, or at a surface.
+
+use std::f32::consts::{LN_2, LOG2_E, PI};
+
+use glam::Vec3;
+
+use crate::subsurface::transport::gathering::COORDINATES;
+
+/// Distances below this part of the shortest mean free path count as this.
+const LEAST_DISTANCE: f32 = 1e-9;
+
+/// The end of a flight: a collision, or a point of the surface with its normal, which is 0 at collisions.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    pub(super) position: Vec3,
+    pub(super) normal: Vec3,
+}
+
+/// Densities of where flights from a point end.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FlightKernel {
+    from: Vec3,
+    /// Extinction coefficients \[L⁻¹\].
+    sigma_t: [f32; 3],
+    /// Shares of the channels in all flights, over 4π.
+    shares: [f32; 3],
+    least_squared: f32,
+}
+
+impl FlightKernel {
+    /// Flights from a point whose channels are chosen in proportion to a throughput, and that are such a `share` of all.
+    pub(super) fn new(from: Vec3, sigma_t: Vec3, throughput: Vec3, share: f32) -> Self {
+        let least = LEAST_DISTANCE / sigma_t.max_element();
+        let shares = (throughput * (share / (4.0 * PI * throughput.element_sum()))).to_array();
+        Self { from, sigma_t: sigma_t.to_array(), shares, least_squared: least * least }
+    }
+
+    /// Density of each channel's flights at a place, \[L⁻³\], or on a surface \[L⁻²\].
+    pub(super) fn by_channel(&self, place: &Place) -> Vec3 {
+        Vec3::from_array(self.densities(place.coordinates())) / (4.0 * PI)
+    }
+
+    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates.
+    ///
+    /// Without fused operations, so that every processor has the same bits.
+    #[inline(always)]
+    fn densities(&self, [x, y, z, nx, ny, nz, is_inside]: [f32; COORDINATES]) -> [f32; 3] {
+        let (dx, dy, dz) = (x - self.from.x, y - self.from.y, z - self.from.z);
+        let squared = (dx * dx + dy * dy + dz * dz).max(self.least_squared);
+        let d = squared.sqrt().min(f32::MAX);
+        let cosine = (nx * dx + ny * dy + nz * dz) / d;
+        let factor = (cosine + is_inside).max(0.0) / squared;
+        let [a, b, c] = self.sigma_t;
+        let is_surface = 1.0 - is_inside;
+        [
+            (is_inside * a + is_surface) * attenuation(a * d) * factor,
+            (is_inside * b + is_surface) * attenuation(b * d) * factor,
+            (is_inside * c + is_surface) * attenuation(c * d) * factor,
+        ]
+    }
+
+    /// Density of all flights at a place.
+    #[inline(always)]
+    fn density(&self, place: [f32; COORDINATES]) -> f32 {
+        let [a, b, c] = self.densities(place);
+        self.shares[0] * a + self.shares[1] * b + self.shares[2] * c
+    }
+
+    #[inline(always)]
+    fn row(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
+        let n = row.len();
+        let [x, y, z, nx, ny, nz, is_inside] = places;
+        let (x, y, z, sums) = (&x[..n], &y[..n], &z[..n], &mut sums[..n]);
+        let (nx, ny, nz, is_inside) = (&nx[..n], &ny[..n], &nz[..n], &is_inside[..n]);
+        for i in 0..n {
+            let density = self.density([x[i], y[i], z[i], nx[i], ny[i], nz[i], is_inside[i]]);
+            row[i] = density;
+            sums[i] += density;
+        }
+    }
+
+    #[cfg(target_arch = "x86_64")]
+    #[target_feature(enable = "avx2")]
+    fn row_avx2(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
+        self.row(places, row, sums);
+    }
+
+    /// Densities at places, with the widest vectors that the processor has; adds them to the sums, too.
+    pub(super) fn fill(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
+        #[cfg(target_arch = "x86_64")]
+        if std::arch::is_x86_feature_detected!("avx2") {
+            // SAFETY: the processor was found to have AVX2.
+            unsafe { self.row_avx2(places, row, sums) };
+            return;
+        }
+        self.row(places, row, sums);
+    }
+}
+
+impl Place {
+    /// (position, normal, 1 inside and 0 on a surface).
+    pub(super) fn coordinates(&self) -> [f32; COORDINATES] {
+        let ([x, y, z], [nx, ny, nz]) = (self.position.to_array(), self.normal.to_array());
+        [x, y, z, nx, ny, nz, if self.normal == Vec3::ZERO { 1.0 } else { 0.0 }]
+    }
+}
+
+/// e^{−x} for x ≥ 0, to 3e-7 (1 + x) of it and not below 2^{−126}.
+#[inline(always)]
+fn attenuation(x: f32) -> f32 {
+    /// Added to a number below 2²² it leaves the nearest integer in the last bits.
+    const ROUND: f32 = 12_582_912.0;
+    let y = (-x * LOG2_E).max(-126.0);
+    let rounded = y + ROUND;
+    let f = (y - (rounded - ROUND)) * LN_2;
+    let power = f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23));
+    // e^f for |f| ≤ ln 2 / 2
+    let series =
+        1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
+    power * series
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SIGMA_T: Vec3 = Vec3::new(0.5, 2.0, 9.0);
+
+    fn kernel(share: f32) -> FlightKernel {
+        FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), share)
+    }
+
+    #[test]
+    fn attenuation_is_the_exponential() {
+        for i in 0..4000_u16 {
+            let x = f32::from(i) * 0.02;
+            let (found, exact) = (f64::from(attenuation(x)), (-f64::from(x)).exp());
+            assert!((found / exact - 1.0).abs() < 3e-7 * (1.0 + f64::from(x)), "{x}: {found} {exact}");
+        }
+        assert_eq!(attenuation(0.0), 1.0);
+        for x in [88.0, 1e3, 1e30, f32::MAX, f32::INFINITY] {
+            assert!((0.0..1e-37).contains(&attenuation(x)), "{x}");
+        }
+    }
+
+    /// All flights end somewhere; those toward a plane at a distance h that get there are E₂(σ_t h)/2 of all.
+    #[test]
+    fn densities_have_the_right_integrals() {
+        let kernel = kernel(0.25);
+        let share_of = |place: &dyn Fn(f32) -> Place, measure: &dyn Fn(f32) -> f32| {
+            let (n, longest) = (400_000, 40.0);
+            let step = longest / n as f32;
+            let mut sums = (glam::DVec3::ZERO, 0.0);
+            for i in 0..n {
+                let r = (i as f32 + 0.5) * step;
+                let (place, weight) = (place(r), f64::from(measure(r) * step));
+                sums.0 += kernel.by_channel(&place).as_dvec3() * weight;
+                sums.1 += f64::from(kernel.density(place.coordinates())) * weight;
+            }
+            sums
+        };
+        let inside = |r| Place { position: kernel.from + Vec3::Y * r, normal: Vec3::ZERO };
+        let (channels, all) = share_of(&inside, &|r| 4.0 * PI * r * r);
+        assert!((channels - 1.0).abs().max_element() < 1e-4, "{channels}");
+        assert!((all - 0.25).abs() < 1e-4, "{all}");
+        let height = 0.3;
+        let plane = |r| Place { position: kernel.from + Vec3::new(r, 0.0, height), normal: Vec3::Z };
+        let (channels, _) = share_of(&plane, &|r| 2.0 * PI * r);
+        // E₂ of 0.15, 0.6 and 2.7 [Abramowitz & Stegun 1964, table 5.1: E₂(x) = e^{−x} − x E₁(x)]
+        let e1 = [1.464_461_67, 0.454_379_50, 0.019_182_37];
+        for (c, e1) in e1.into_iter().enumerate() {
+            let x = f64::from(SIGMA_T[c] * height);
+            let expected = 0.5 * ((-x).exp() - x * e1);
+            assert!((channels[c] - expected).abs() < 1e-4, "{c}: {} {expected}", channels[c]);
+        }
+        let behind = Place { position: kernel.from + Vec3::Z, normal: -Vec3::Z };
+        assert_eq!(kernel.by_channel(&behind), Vec3::ZERO, "a surface that is entered there");
+    }
+
+    type Fill = fn(&FlightKernel, [&[f32]; COORDINATES], &mut [f32], &mut [f32]);
+
+    /// Every processor has to make the same picture.
+    #[test]
+    fn densities_are_the_same_in_vectors() {
+        let kernel = kernel(1.0);
+        let mut columns: [Vec<f32>; COORDINATES] = Default::default();
+        for i in 0..4096_u16 {
+            let t = f32::from(i);
+            let normal = if i % 3 == 0 { Vec3::ZERO } else { Vec3::new(t.sin(), 0.3, t.cos()).normalize() };
+            let position = kernel.from + Vec3::new(t.cos(), 0.2, t.sin()) * ((t * 0.01).exp() * 1e-9 - 1e-9);
+            let place = Place { position, normal };
+            columns.iter_mut().zip(place.coordinates()).for_each(|(column, x)| column.push(x));
+        }
+        let bits = |fill: Fill| {
+            let (mut row, mut sums) = (vec![0.0; 4096], vec![0.0; 4096]);
+            fill(&kernel, columns.each_ref().map(Vec::as_slice), &mut row, &mut sums);
+            assert_eq!(row, sums);
+            assert!(row.iter().all(|density| density.is_finite() && *density >= 0.0));
+            row.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+        };
+        assert_eq!(bits(FlightKernel::row), bits(FlightKernel::fill));
+    }
+
+    #[test]
+    fn extremes_stay_finite() {
+        for sigma_t in [Vec3::splat(1e5), Vec3::splat(1e-5), Vec3::new(0.0, 1e-5, 1e5)] {
+            let kernel = FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, 1.0);
+            for distance in [0.0, 1e-30, 1e-12, 1.0, 1e10, 1e18] {
+                for normal in [Vec3::ZERO, Vec3::X] {
+                    let place = Place { position: Vec3::X * distance, normal };
+                    let density = kernel.density(place.coordinates());
+                    assert!(density.is_finite() && density >= 0.0, "{sigma_t} {distance}: {density}");
+                }
+            }
+        }
+    }
+}
