@@ -18,7 +18,7 @@ use glam::Vec3;
 use super::Tracing;
 use super::gathering::{Account, ExitKind, Gathering};
 use super::probes::{EntryHit, Probes};
-use crate::sampling::Sampler;
+use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
@@ -61,7 +61,8 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let throughput = path.throughput * tracer.shape_factor(exit);
     let entry = found.map(|(hit, weight)| {
         let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
-        let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler);
+        let numbers = [sampler.reserve(), sampler.reserve()];
+        let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler, numbers);
         let position = entry.point.position;
         let contribution = TAU * nearness.distance(weight.distance) * weight.inverse_density;
         EntryLight {
@@ -102,11 +103,12 @@ pub(super) fn arrivals<'a, T: Tracing<'a>>(
     entry: &EntryPoint<'_>,
     worth: Vec3,
     sampler: &mut Sampler,
+    [of_light, of_direction]: [Reserved; 2],
 ) -> [Arrival; 2] {
-    let direct = entry.direct_light(path.absorption, sampler.next_4d()).unwrap_or(Arrival::NONE);
+    let direct = entry.direct_light(path.absorption, of_light.numbers()).unwrap_or(Arrival::NONE);
     let worth = worth_to_all(worth);
     let mut onward = path.branch(worth);
-    let Some((direction, weight)) = entry.head_off(&mut onward, sampler.next_4d()) else {
+    let Some((direction, weight)) = entry.head_off(&mut onward, of_direction.numbers()) else {
         return [direct, Arrival::NONE];
     };
     onward.throughput *= weight;

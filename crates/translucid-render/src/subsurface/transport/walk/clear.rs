@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::random::WalkRandom;
-use super::shared::Sharing;
+use super::shared::{OfLight, Sharing};
 use super::state::{MOST_EVENTS, Walk};
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
@@ -48,7 +48,7 @@ impl WalkMedium {
         let Some(sample) = number else {
             return walk.wander(world, path, exit, (&mut random, sampler), entered, flight);
         };
-        let of_light = random.next_4d(sampler);
+        let of_light = OfLight::AtCollision(random.next_4d(sampler));
         let of_flight = random.next_4d(sampler);
         let sharing = Sharing { world, exit, sample, of_first: flight, of_choice, of_light, of_flight };
         let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {

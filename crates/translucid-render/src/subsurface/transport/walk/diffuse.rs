@@ -7,7 +7,7 @@ use glam::Vec3;
 use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
-use super::shared::Sharing;
+use super::shared::{OfLight, Sharing};
 use super::state::{MOST_EVENTS, Walk};
 use crate::ray::Hit;
 use crate::sampling::{Frame, Sampler};
@@ -52,7 +52,8 @@ impl WalkMedium {
         };
         let of_flight = random.next_4d(sampler);
         let [_, _, of_first, of_choice] = u;
-        let sharing = Sharing { world, exit, sample, of_first, of_choice, of_light: [0.0; 4], of_flight };
+        let of_light = OfLight::AtSurface(at_the_end);
+        let sharing = Sharing { world, exit, sample, of_first, of_choice, of_light, of_flight };
         let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {
             let flight = walk.turn((&mut random, sampler), entered);
             let end = flight.and_then(|flight| walk.find_end((&mut random, sampler), entered, flight));

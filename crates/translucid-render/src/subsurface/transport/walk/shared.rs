@@ -23,7 +23,7 @@ use glam::Vec3;
 use super::flight_kernel::{FlightKernel, Place};
 use super::state::Walk;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
-use crate::sampling::{Sampler, split_mix};
+use crate::sampling::{Reserved, Sampler, split_mix};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
@@ -55,7 +55,7 @@ pub(super) struct Sharing<'s, 'a> {
     pub(super) sample: usize,
     pub(super) of_first: f32,
     pub(super) of_choice: f32,
-    pub(super) of_light: [f32; 4],
+    pub(super) of_light: OfLight,
     /// Of the direction after a first collision, the length of the flight, and the terms that are picked.
     pub(super) of_flight: [f32; 4],
 }
@@ -65,6 +65,14 @@ const LEAST_THROUGHPUT: f32 = 1e-15;
 
 /// Throughput below which nothing is left of a walk.
 const LEAST_WORTH: f32 = 1e-20;
+
+/// Random numbers of the light that a walk meets first.
+pub(super) enum OfLight {
+    /// Scattered at the first collision.
+    AtCollision([f32; 4]),
+    /// That enters through a matte surface, and of the way on from there.
+    AtSurface([Reserved; 2]),
+}
 
 /// The collisions of a block.
 pub(in crate::subsurface::transport) type SharedCollisions<'a> = Gathering<Collision<'a>>;
@@ -197,8 +205,8 @@ impl<'a> Walk<'a> {
         let count = collided.len() as f32;
         let mut walk = collided[((sharing.of_choice * count) as usize).min(collided.len() - 1)];
         walk.throughput *= count;
-        if !self.ends_diffusely {
-            walk.add_light_at_collision(world, path, sharing.of_light);
+        if let OfLight::AtCollision(u) = sharing.of_light {
+            walk.add_light_at_collision(world, path, u);
         }
         let [a, b, of_flight, of_picks] = sharing.of_flight;
         walk.scatter([a, b]);
@@ -226,9 +234,9 @@ impl<'a> Walk<'a> {
         let mut entered = None;
         if let Some((distance, hit)) = end {
             let throughput = walk.flights.pass(walk.throughput, distance);
-            if self.ends_diffusely {
+            if let OfLight::AtSurface(numbers) = sharing.of_light {
                 let entry = EntryPoint::new(world, world.surface_point(&hit), self.side);
-                let arrivals = arrivals(tracer, path, &entry, throughput, sampler);
+                let arrivals = arrivals(tracer, path, &entry, throughput, sampler, numbers);
                 let position = walk.at.position + walk.direction * distance;
                 let place = Place { position, normal: walk.body.normal(&hit) };
                 let light = arrivals.iter().map(|arrival| arrival.light).sum();
