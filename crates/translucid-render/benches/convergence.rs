@@ -1,13 +1,13 @@
 //! Error against CPU time on the head and the dragon of `scenes/`.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench convergence [-- head dragon --reference-samples 1024 --model random-walk]
+//! cargo bench -p translucid-render --bench convergence [-- head dragon --reference-samples 1024 --model random-walk --alone]
 //! ```
 //!
 //! Prints, for 1, 4, 16 and 64 samples per pixel, CPU seconds, CPU seconds per sample per pixel of the
 //! whole frame, and the relative mean square error against an image of our own with at least 1,024
 //! samples and another seed: relMSE = mean of (x − ref)² / (ref² + 0.01) over all channels of all pixels
-//! that are not background. `--model` takes the place of the scenes' own model.
+//! that are not background. `--model` takes the place of the scenes' own model; `--alone` shares no light between pixels.
 //! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and
 //! skips.
 
@@ -41,7 +41,10 @@ fn main() {
         |case: &Case| !arguments.iter().any(|a| is_case(a)) || arguments.iter().any(|a| a == case.name);
     for case in CASES.iter().filter(|case| chosen(case)) {
         match load(case, model) {
-            Some(scene) => run(case, &scene, reference_samples),
+            Some(mut scene) => {
+                scene.integrator.subsurface_sharing &= !arguments.iter().any(|a| a == "--alone");
+                run(case, &scene, reference_samples);
+            }
             None => println!("{}: skipped, ../shared/assets/{} is not there", case.name, case.mesh),
         }
     }
