@@ -5,7 +5,7 @@ use glam::Vec3;
 use translucid_scene::Scene;
 
 use super::clearance::Clearance;
-use super::geometry::{Geometry, Hit, SurfacePoint};
+use super::geometry::{Geometry, Hit, SurfacePoint, offset_at};
 use super::triangle::Ray;
 
 /// Surfaces between a point in the body and where it ends: meshes of a group that overlap, or that are doubled.
@@ -132,13 +132,17 @@ impl<'a> Body<'a> {
         None
     }
 
-    /// Whether the way from a point to another leads through the body alone.
-    pub(crate) fn connects(&self, from: Inside, to: Vec3) -> bool {
+    /// Whether the way from a point to another leads through the body alone; the other has a normal where it is the body's
+    /// end, and 0 inside.
+    pub(crate) fn connects(&self, from: Inside, to: Vec3, normal: Vec3) -> bool {
         let (direction, length) = (to - from.position).normalize_and_length();
         let is_clear = |clearance: &Clearance| length <= clearance.at(from.position) + clearance.at(to);
-        // Collisions lie that much before the body's end
+        // Collisions lie that much before the body's end, and where the end itself is known to be is no more exact: along a
+        // ray that grazes it that is a long way
+        let offset = self.offset.max(offset_at(to.abs().max_element()));
+        let cosine = if normal == Vec3::ZERO { 1.0 } else { direction.dot(normal).max(f32::EPSILON) };
         self.clearance.is_some_and(is_clear)
-            || matches!(self.fly(from, direction, length - self.offset), FlightEnd::Inside(_))
+            || matches!(self.fly(from, direction, length - offset / cosine), FlightEnd::Inside(_))
     }
 
     /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.
@@ -157,5 +161,151 @@ impl<'a> Body<'a> {
     /// The point just inside a surface at which a walk is reflected.
     pub(crate) fn reflected(&self, hit: &Hit) -> Inside {
         Inside::below(self.geometry.position(hit) - self.normal(hit) * self.offset)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::ops::Range;
+
+    use translucid_scene::{Object, ShapeParameters, build_shape};
+
+    use super::*;
+
+    /// Boxes of one group, by their x and half their height and depth: the first two overlap, the third lies behind a gap.
+    const BOXES: [(Range<f32>, f32); 3] = [(0.0..1.0, 0.5), (0.7..1.9, 0.45), (2.2..3.0, 0.55)];
+
+    /// Boxes that a point is in.
+    fn nesting(at: Vec3) -> u32 {
+        let holds = |(x, half): &&(Range<f32>, f32)| x.contains(&at.x) && at.y.abs().max(at.z.abs()) < *half;
+        BOXES.iter().filter(holds).count() as u32
+    }
+
+    /// Distances between which a line is in each of the boxes that it meets, from near to far.
+    fn ways_through(from: Vec3, direction: Vec3) -> Vec<Range<f64>> {
+        let way = |(x, half): &(Range<f32>, f32)| {
+            let (low, high) = (Vec3::new(x.start, -half, -half), Vec3::new(x.end, *half, *half));
+            let [a, b] = [low, high].map(|corner| (corner - from).as_dvec3() / direction.as_dvec3());
+            a.min(b).max_element()..a.max(b).min_element()
+        };
+        let mut ways: Vec<Range<f64>> = BOXES.iter().map(way).filter(|way| !way.is_empty()).collect();
+        ways.sort_by(|a, b| a.start.total_cmp(&b.start));
+        ways
+    }
+
+    /// Distances between which a line is in any of them.
+    fn union(ways: &[Range<f64>]) -> Vec<Range<f64>> {
+        let mut union: Vec<Range<f64>> = Vec::new();
+        for way in ways {
+            match union.last_mut().filter(|last| last.end >= way.start) {
+                Some(last) => last.end = last.end.max(way.end),
+                None => union.push(way.clone()),
+            }
+        }
+        union
+    }
+
+    /// Flights through boxes against intervals along the line: where they end, what is behind the gaps, and what is seen.
+    #[test]
+    fn flights_are_those_through_a_union_of_boxes() {
+        let objects = BOXES.map(|(x, half)| {
+            let mut mesh =
+                build_shape("box", &ShapeParameters::new().with("edge_radius", 0.0)).expect("a box");
+            let size = Vec3::new(0.5 * (x.end - x.start), half, half);
+            mesh.positions.iter_mut().for_each(|p| *p = *p * size + Vec3::X * (0.5 * (x.start + x.end)));
+            Object { name: "box".into(), mesh: mesh.into(), material: 0, subsurface_group: 7 }
+        });
+        let geometry = Geometry::new(&objects);
+        let clearances = [None, geometry.clearance(&objects, 7)];
+        let (mut behind, mut left) = (0, 0);
+        for i in 0..20_000 {
+            let random = |salt: u32| sobol_burley::sample(i, salt, 5);
+            let place =
+                |salt: u32| Vec3::new(3.0 * random(salt), random(salt + 1) - 0.5, random(salt + 2) - 0.5);
+            let position = place(0);
+            let target = position + (place(3) - position) * (2.0 * random(6));
+            let from = Inside { position, nesting: nesting(position) };
+            let (direction, length) = (target - position).normalize_and_length();
+            let ways = ways_through(position, direction);
+            let mut places: Vec<f64> = ways.iter().flat_map(|way| [way.start, way.end]).collect();
+            places.extend([0.0, f64::from(length)]);
+            places.sort_by(f64::total_cmp);
+            // Surfaces closer to each other than rounding errors count as one, and a grazed one may count twice
+            let is_close = |a: f64, b: f64| (a - b).abs() < 1e-4;
+            let is_grazing = direction.abs().min_element() < 0.05;
+            if from.nesting == 0 || is_grazing || places.windows(2).any(|pair| is_close(pair[0], pair[1])) {
+                continue;
+            }
+            let ways = union(&ways);
+            for clearance in clearances {
+                let body = Body { geometry: &geometry, clearance, group: 7, side: 1.0, offset: 3e-6 };
+                let first = ways.iter().find(|way| way.contains(&0.0)).expect("it is inside").end;
+                let is_seen = first > f64::from(length);
+                let is_inside = nesting(target) > 0;
+                if is_inside {
+                    assert_eq!(body.connects(from, target, Vec3::ZERO), is_seen, "{position} {target}");
+                }
+                let FlightEnd::Boundary { distance, hit } = body.fly(from, direction, length) else {
+                    assert!(is_seen, "{position} {target}");
+                    continue;
+                };
+                assert!(is_close(distance.into(), first) && !is_seen, "{position} {target}");
+                let (end, normal) = (position + direction * distance, body.normal(&hit));
+                assert!(
+                    normal.dot(direction) > 0.0 && body.connects(from, end, normal),
+                    "{position} {target}"
+                );
+                let mut leaves = Vec::new();
+                let found = body
+                    .behind(from, direction, distance, length, |distance, hit| leaves.push((distance, hit)));
+                let expected: Vec<f64> = ways
+                    .iter()
+                    .map(|way| way.end)
+                    .filter(|end| *end > first + 1e-4 && *end < f64::from(length))
+                    .collect();
+                assert_eq!(leaves.len(), expected.len(), "{position} {target}: {leaves:?} {expected:?}");
+                for ((distance, hit), expected) in leaves.into_iter().zip(expected) {
+                    let (end, normal) = (position + direction * distance, body.normal(&hit));
+                    assert!(is_close(distance.into(), expected), "{position} {target}");
+                    assert!(!body.connects(from, end, normal), "{position} {target}");
+                    left += 1;
+                }
+                assert_eq!(
+                    found.map(|at| at.nesting),
+                    is_inside.then(|| nesting(target)),
+                    "{position} {target}"
+                );
+                behind += u32::from(found.is_some());
+            }
+        }
+        assert!(behind > 1000 && left > 100, "{behind} {left}");
+    }
+
+    /// A flight that has met the body's end has seen it: also in a needle, and where the surface that the walk began at is
+    /// so near the origin that its own rounding errors are small.
+    #[test]
+    fn ends_of_flights_are_seen() {
+        for (half, largest) in [(Vec3::ONE, 1e-3), (Vec3::new(1.5, 0.01, 0.01), 1.5)] {
+            let mut mesh =
+                build_shape("box", &ShapeParameters::new().with("edge_radius", 0.0)).expect("a box");
+            mesh.positions.iter_mut().for_each(|p| *p *= half);
+            let objects = [Object { mesh: mesh.into(), ..Object::default() }];
+            let geometry = Geometry::new(&objects);
+            let offset = offset_at(largest);
+            let body = Body { geometry: &geometry, clearance: None, group: 0, side: 1.0, offset };
+            let mut hidden = 0;
+            for i in 0..20_000 {
+                let random = |salt: u32| 2.0 * sobol_burley::sample(i, salt, 5) - 1.0;
+                let from = Inside::below(Vec3::new(random(0), random(1), random(2)) * half * 0.999);
+                let direction = Vec3::new(random(3), random(4), random(5)).normalize();
+                let FlightEnd::Boundary { hit, .. } = body.fly(from, direction, 10.0) else {
+                    panic!("no end from {from:?} toward {direction}");
+                };
+                let end = geometry.position(&hit);
+                hidden += u32::from(!body.connects(from, end, body.normal(&hit)));
+            }
+            // Where edges are a thousandth of a triangle's length, distances along a ray are not always that exact
+            assert!(hidden <= 40, "{half}: {hidden}");
+        }
     }
 }

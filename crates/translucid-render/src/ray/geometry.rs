@@ -222,11 +222,16 @@ fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> Surface
         shading_normal,
         uv: interpolate(&mesh.uvs, corners, weights, Vec2::ZERO),
         color: interpolate(&mesh.colors, corners, weights, Vec3::ONE),
-        offset: largest * 16.0 * f32::EPSILON,
+        offset: offset_at(largest),
         object: leaf.object,
         triangle: leaf.triangle,
         group: leaf.group,
     }
+}
+
+/// Distance \[L\] that clears rounding errors of points with such a largest coordinate.
+pub(super) fn offset_at(largest: f32) -> f32 {
+    largest * 16.0 * f32::EPSILON
 }
 
 /// Coordinates of vertices 1 and 2, clamped into the triangle.

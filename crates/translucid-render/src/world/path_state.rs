@@ -108,6 +108,11 @@ impl PathState {
         self.passes = 0;
     }
 
+    /// Whether it has passed a surface since it was scattered.
+    pub(crate) fn has_passed(&self) -> bool {
+        self.passes > 0
+    }
+
     /// Goes on behind the surface in the same direction; the MIS origin stays. False where nothing is left to go on.
     pub(crate) fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
         self.throughput *= transmittance;

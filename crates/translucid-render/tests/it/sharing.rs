@@ -6,7 +6,7 @@ use glam::Vec3;
 use translucid_profile::Model;
 use translucid_render::FilmSums;
 use translucid_scene::{
-    Camera, ColorInput, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel,
+    Camera, ColorInput, Film, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
     SubsurfaceNormalization, WalkSurface,
 };
 use translucid_testing::{bound, is_thorough};
@@ -172,6 +172,47 @@ fn sharing_keeps_the_mean_of_every_region() {
         // Walks of neighbors are no better for a whole region than its own, and profiles' entries are
         let most = if name.contains("walk") { 1.1 } else { 0.8 };
         assert!(total[0] < most * total[1], "{name}: regions are as noisy, {total:?}");
+    }
+}
+
+/// Plates of one body, one behind another and with holes, in even light: flights go through several, and what is behind a
+/// gap is for those there.
+///
+/// Twelve comparisons of Student's t with 23 degrees of freedom, where |t| > 6 has a probability of 4e-6.
+#[test]
+fn sharing_keeps_the_mean_of_plates() {
+    let plate = |z: f32| {
+        let mut mesh = sphere(1.0, 24);
+        mesh.positions.iter_mut().for_each(|p| *p = *p * Vec3::new(1.0, 1.0, 0.1) + Vec3::Z * z);
+        Mesh { normals: Vec::new(), ..mesh }
+    };
+    let whole_plates = WalkSurface::ALL.map(|surface| (surface, 1.0));
+    for (surface, opacity) in whole_plates.into_iter().chain([(WalkSurface::Diffuse, 0.5)]) {
+        let material = Material {
+            specular_weight: ScalarInput::constant(0.0),
+            geometry_opacity: ScalarInput::constant(opacity),
+            ..translucent(SubsurfaceModel::RandomWalk(surface), Vec3::new(0.9, 0.7, 0.5), 0.5)
+        };
+        let mut scene = scene([0.0, 0.15, 0.5, 0.8].map(plate).to_vec(), material);
+        scene.environment = uniform_environment(Vec3::ONE);
+        scene.camera = Camera { position: Vec3::new(0.0, -2.5, 4.0), horizontal_fov: 24.0, ..scene.camera };
+        scene.film = Film { width: size(), height: size(), ..Film::default() };
+        scene.integrator.max_depth = 4;
+        let shared = pictures(&prepare(scene.clone()), 0..24, 8);
+        scene.integrator.subsurface_sharing = false;
+        let alone = pictures(&prepare(scene), 0..24, 8);
+        for channel in 0..3 {
+            let whole = |film: &FilmSums| {
+                (0..regions()).map(|region| mean_of(film, region, channel)).sum::<f64>()
+                    / f64::from(regions())
+            };
+            let pairs = shared.iter().zip(&alone).map(|(a, b)| whole(a) - whole(b));
+            let (difference, squared) = statistics(pairs);
+            let (mean, error) = (statistics(alone.iter().map(whole)).0, squared.sqrt());
+            assert!(error < 4e-3 * mean, "{surface:?}, channel {channel}: too noisy to tell, {error}");
+            let t = difference / error;
+            assert!(t.abs() < 6.0, "{surface:?}, channel {channel}: {difference} of {mean} off, t = {t}");
+        }
     }
 }
 

@@ -57,7 +57,8 @@ impl Walks {
         exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
-        let number = path.in_block.take().filter(|_| self.share);
+        // Behind a hole in one mesh of a body its others count for less than they do to walks that come through the first
+        let number = path.in_block.take().filter(|_| self.share && !path.has_passed());
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough => {

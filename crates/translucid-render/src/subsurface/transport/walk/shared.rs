@@ -137,7 +137,7 @@ impl Receiver for Collision<'_> {
     }
 
     fn light_from(&self, found: &FlightLight, factor: f32) -> Vec3 {
-        if !self.body.connects(self.at, found.place.position) {
+        if !self.body.connects(self.at, found.place.position, found.place.normal) {
             return Vec3::ZERO;
         }
         found.light * factor * self.kernel.by_channel(&found.place)
@@ -237,8 +237,8 @@ impl<'a> Walk<'a> {
             if let OfLight::AtSurface(numbers) = sharing.of_light {
                 let entry = EntryPoint::new(world, world.surface_point(&hit), self.side);
                 let arrivals = arrivals(tracer, path, &entry, throughput, sampler, numbers);
-                let position = walk.at.position + walk.direction * distance;
-                let place = Place { position, normal: walk.body.normal(&hit) };
+                // In its plane, which the flight's length is not exact enough for in a thin body
+                let place = Place { position: entry.point.position, normal: walk.body.normal(&hit) };
                 let light = arrivals.iter().map(|arrival| arrival.light).sum();
                 entered = Some(FlightLight { place, own_weight: ends as f32, light });
             } else {
