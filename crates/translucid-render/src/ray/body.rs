@@ -137,8 +137,8 @@ impl<'a> Body<'a> {
     pub(crate) fn connects(&self, from: Inside, to: Vec3, normal: Vec3) -> bool {
         let (direction, length) = (to - from.position).normalize_and_length();
         let is_clear = |clearance: &Clearance| length <= clearance.at(from.position) + clearance.at(to);
-        // Collisions lie that much before the body's end, and where the end itself is known to be is no more exact: along a
-        // ray that grazes it that is a long way
+        // Collisions lie that much before the body's end. The place of the end itself is no more exact, which along a ray that
+        // grazes it is a long way
         let offset = self.offset.max(offset_at(to.abs().max_element()));
         let cosine = if normal == Vec3::ZERO { 1.0 } else { direction.dot(normal).max(f32::EPSILON) };
         self.clearance.is_some_and(is_clear)

@@ -175,14 +175,14 @@ fn sharing_keeps_the_mean_of_every_region() {
     }
 }
 
-/// Plates of one body, one behind another and with holes, in even light: flights go through several, and what is behind a
-/// gap is for those there.
+/// Plates of one body, one behind another, in even light: flights go through several, and what is behind a gap is for
+/// those there. The last is in another, seen through its holes.
 ///
 /// Twelve comparisons of Student's t with 23 degrees of freedom, where |t| > 6 has a probability of 4e-6.
 #[test]
 fn sharing_keeps_the_mean_of_plates() {
-    let plate = |z: f32| {
-        let mut mesh = sphere(1.0, 24);
+    let plate = |(z, size): (f32, f32)| {
+        let mut mesh = sphere(size, 24);
         mesh.positions.iter_mut().for_each(|p| *p = *p * Vec3::new(1.0, 1.0, 0.1) + Vec3::Z * z);
         Mesh { normals: Vec::new(), ..mesh }
     };
@@ -193,7 +193,10 @@ fn sharing_keeps_the_mean_of_plates() {
             geometry_opacity: ScalarInput::constant(opacity),
             ..translucent(SubsurfaceModel::RandomWalk(surface), Vec3::new(0.9, 0.7, 0.5), 0.5)
         };
-        let mut scene = scene([0.0, 0.15, 0.5, 0.8].map(plate).to_vec(), material);
+        let mut scene = scene(
+            [(0.0, 1.0), (0.15, 1.0), (0.5, 1.0), (0.8, 1.0), (0.8, 0.8)].map(plate).to_vec(),
+            material,
+        );
         scene.environment = uniform_environment(Vec3::ONE);
         scene.camera = Camera { position: Vec3::new(0.0, -2.5, 4.0), horizontal_fov: 24.0, ..scene.camera };
         scene.film = Film { width: size(), height: size(), ..Film::default() };

@@ -57,7 +57,8 @@ impl Walks {
         exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
-        // Behind a hole in one mesh of a body its others count for less than they do to walks that come through the first
+        // Through a hole in one mesh of a body its others are seen from inside: walks from there count one mesh less than
+        // those that come through the first, and leave where those go on
         let number = path.in_block.take().filter(|_| self.share && !path.has_passed());
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
