@@ -159,7 +159,7 @@ impl Clearance {
     }
 }
 
-/// What is left of a triangle between planes: a convex polygon, of one more corner at most for each plane.
+/// A part of a triangle between planes: a convex polygon, of one more corner at most for each plane.
 struct Polygon {
     corners: [Vec3; 7],
     count: usize,

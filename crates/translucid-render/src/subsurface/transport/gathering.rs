@@ -59,11 +59,11 @@ impl ExitKind {
     }
 }
 
-/// What the light of a block is gathered at.
+/// A point that light of a block is gathered at.
 pub(super) trait Receiver {
-    /// What receivers have in common if they share.
+    /// Everything that receivers have in common if they share.
     type Kind: Ord;
-    /// What one finds and all use.
+    /// A place with light, which one receiver finds and all use.
     type Found: Found;
 
     /// Terms that stand for the sum over all places.
@@ -77,7 +77,7 @@ pub(super) trait Receiver {
     /// g at places with these coordinates, whose number is a multiple of [`LANES`]; adds it to the sums, too.
     fn fill(&self, points: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]);
 
-    /// What light of each channel is worth, roughly.
+    /// Rough worth of light, by channel.
     fn color(&self) -> Vec3;
 
     /// K times the light at a place and a factor.

@@ -4,7 +4,7 @@
 //! Where exits lie closer together than light travels below the surface, all of them could have found all entries, so
 //! each gathers light from every entry, as [`gathering`](super::gathering) says, with K = R(|x − y|) and a rational
 //! stand-in for the profile as g (see [`Nearness`]), cut at the same radius as the probes.
-//! What R is need be evaluated for a few terms only, so all models and their directions are alike to it.
+//! The profile R is evaluated for a few terms only, so models may cost what they like, and follow directions.
 //!
 //! Only exits whose light would have the same bounds share: see [`ExitKind`].
 

@@ -1,7 +1,6 @@
 //! A walk under way: from flight to flight through the volume.
 
 use glam::Vec3;
-use translucid_scene::WalkSurface;
 
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
@@ -31,8 +30,6 @@ pub(super) struct Walk<'a> {
     pub(super) phase: HenyeyGreenstein,
     /// Single-scattering albedo per channel.
     pub(super) alpha: Vec3,
-    /// Whether light enters as into a matte surface.
-    pub(super) ends_diffusely: bool,
     /// Relative index of the boundary, 1 without one.
     pub(super) eta: f32,
     pub(super) at: Inside,
@@ -72,7 +69,6 @@ impl<'a> Walk<'a> {
             flights: Flights::new(sigma_t),
             phase: HenyeyGreenstein::new(medium.g),
             alpha: medium.single_scattering_albedo(surface_albedo),
-            ends_diffusely: medium.surface != WalkSurface::Clear,
             eta: medium.eta,
             at,
             direction,
