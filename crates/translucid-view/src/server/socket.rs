@@ -102,20 +102,19 @@ impl Conversation {
                 packet = self.socket.recv() => {
                     let Some(Ok(packet)) = packet else { return Err(Gone) };
                     if let Packet::Text(text) = packet {
+                        self.tell().await?;
                         self.hear(text.as_str()).await?;
                     }
                     continue;
                 }
                 Some(answer) = self.answers.1.recv() => {
+                    self.tell().await?;
                     self.send(answer).await?;
                     continue;
                 }
                 changed = self.state.changed() => {
                     changed.map_err(|_| Gone)?;
-                    let state = Arc::clone(&self.state.borrow_and_update());
-                    let text = state.message(self.told.as_deref());
-                    self.told = Some(state);
-                    self.send(text).await?;
+                    self.tell().await?;
                     continue;
                 }
                 changed = self.status.changed() => {
@@ -131,10 +130,22 @@ impl Conversation {
             let kind = kind.map_err(|_| Gone)?;
             let frame = self.frames[kind].borrow_and_update().clone();
             if let Some(frame) = frame {
+                self.tell().await?;
                 self.on_their_way[kind] = Some(frame.number);
                 self.socket.send(Packet::Binary(frame.bytes)).await.map_err(|_| Gone)?;
             }
         }
+    }
+
+    /// Sends what has changed of the state: before an answer or a picture that speaks of it.
+    async fn tell(&mut self) -> Result<(), Gone> {
+        let state = Arc::clone(&self.state.borrow_and_update());
+        if self.told.as_ref().is_some_and(|told| Arc::ptr_eq(told, &state)) {
+            return Ok(());
+        }
+        let text = state.message(self.told.as_deref());
+        self.told = Some(state);
+        self.send(text).await
     }
 
     async fn send(&mut self, text: String) -> Result<(), Gone> {
