@@ -50,7 +50,6 @@ pub use albedo::single_scattering_albedo;
 pub use half_space::HalfSpace;
 pub use half_space_profile::HalfSpaceProfile;
 pub use oblique::ObliqueHalfSpace;
-pub(crate) use single_scattering::Entrance;
 pub use single_scattering::SingleScattering;
 
 /// A radius as the formulas need it: at least the least normal number; NaN counts as 0.

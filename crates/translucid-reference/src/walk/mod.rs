@@ -4,7 +4,6 @@ mod at_albedo;
 mod boundary;
 mod edge_search;
 mod exit_buffer;
-mod guided;
 mod instruction_sets;
 mod lanes;
 mod layout;
@@ -30,7 +29,6 @@ mod weights;
 mod white_table;
 
 pub use at_albedo::{AtAlbedo, AtRadius};
-pub use guided::GuidedWalk;
 pub use layout::{Layout, Region};
 #[doc(hidden)]
 pub use measure::Walker;

@@ -13,25 +13,26 @@
 //!
 //! Both are written once, for one stream of `u32` and for the 16 streams of a vector.
 
+use std::ops::{BitOr, BitXor, Shl, Shr};
+
 use fearless_simd::{Simd, SimdBase, SimdFrom, u32x16};
 
 /// Streams that a vector draws from at a time.
 pub(crate) const LANES: usize = 16;
 
-/// Operations on a word or a vector of words that the permutation and the generator need.
-pub(crate) trait Word: Copy {
+/// A word or a vector of words, with the operations that the permutation and the generator need.
+pub(crate) trait Word:
+    Copy + BitXor<Output = Self> + BitOr<Output = Self> + Shl<u32, Output = Self> + Shr<u32, Output = Self>
+{
     /// Sum modulo 2³².
     fn plus(self, other: Self) -> Self;
     /// Sum modulo 2³² with a constant.
     fn plus_constant(self, constant: u32) -> Self;
-    /// Exclusive or.
-    fn xor(self, other: Self) -> Self;
     /// Rotation to the left by `bits` in 1..32.
-    fn rotate(self, bits: u32) -> Self;
-    /// Shift to the left.
-    fn shift_left(self, bits: u32) -> Self;
-    /// Shift to the right, zeros coming in.
-    fn shift_right(self, bits: u32) -> Self;
+    #[inline(always)]
+    fn rotate(self, bits: u32) -> Self {
+        (self << bits) | (self >> (32 - bits))
+    }
 }
 
 impl Word for u32 {
@@ -43,22 +44,6 @@ impl Word for u32 {
     fn plus_constant(self, constant: u32) -> Self {
         self.wrapping_add(constant)
     }
-    #[inline(always)]
-    fn xor(self, other: Self) -> Self {
-        self ^ other
-    }
-    #[inline(always)]
-    fn rotate(self, bits: u32) -> Self {
-        self.rotate_left(bits)
-    }
-    #[inline(always)]
-    fn shift_left(self, bits: u32) -> Self {
-        self << bits
-    }
-    #[inline(always)]
-    fn shift_right(self, bits: u32) -> Self {
-        self >> bits
-    }
 }
 
 impl<S: Simd> Word for u32x16<S> {
@@ -69,22 +54,6 @@ impl<S: Simd> Word for u32x16<S> {
     #[inline(always)]
     fn plus_constant(self, constant: u32) -> Self {
         self + constant
-    }
-    #[inline(always)]
-    fn xor(self, other: Self) -> Self {
-        self ^ other
-    }
-    #[inline(always)]
-    fn rotate(self, bits: u32) -> Self {
-        (self << bits) | (self >> (32 - bits))
-    }
-    #[inline(always)]
-    fn shift_left(self, bits: u32) -> Self {
-        self << bits
-    }
-    #[inline(always)]
-    fn shift_right(self, bits: u32) -> Self {
-        self >> bits
     }
 }
 
@@ -135,19 +104,14 @@ impl<W: Word> Stream<W> {
     pub(crate) fn next(&mut self) -> W {
         let [a, b, c, counter] = self.0;
         let drawn = a.plus(b).plus(counter);
-        self.0 = [
-            b.xor(b.shift_right(9)),
-            c.plus(c.shift_left(3)),
-            c.rotate(21).plus(drawn),
-            counter.plus_constant(1),
-        ];
+        self.0 = [b ^ (b >> 9), c.plus(c << 3), c.rotate(21).plus(drawn), counter.plus_constant(1)];
         drawn
     }
 }
 
 #[inline(always)]
 fn start<W: Word>(index: [W; 4], key: [W; 4]) -> Stream<W> {
-    let xor = |a: [W; 4], b: [W; 4]| [a[0].xor(b[0]), a[1].xor(b[1]), a[2].xor(b[2]), a[3].xor(b[3])];
+    let xor = |a: [W; 4], b: [W; 4]| [a[0] ^ b[0], a[1] ^ b[1], a[2] ^ b[2], a[3] ^ b[3]];
     Stream(xor(permute(xor(index, key)), key))
 }
 
@@ -156,14 +120,14 @@ fn start<W: Word>(index: [W; 4], key: [W; 4]) -> Stream<W> {
 fn permute<W: Word>([mut a, mut b, mut c, mut d]: [W; 4]) -> [W; 4] {
     for _ in 0..8 {
         a = a.plus(b);
-        b = b.rotate(5).xor(a);
+        b = b.rotate(5) ^ a;
         a = a.rotate(16);
         c = c.plus(d);
-        d = d.rotate(8).xor(c);
+        d = d.rotate(8) ^ c;
         a = a.plus(d);
-        d = d.rotate(13).xor(a);
+        d = d.rotate(13) ^ a;
         c = c.plus(b);
-        b = b.rotate(7).xor(c);
+        b = b.rotate(7) ^ c;
         c = c.rotate(16);
     }
     [a, b, c, d]

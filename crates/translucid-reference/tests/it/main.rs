@@ -12,6 +12,7 @@ mod directional_dipole;
 mod exact_half_space;
 mod exact_profile;
 mod guided;
+mod guided_walk;
 mod plain_walk;
 mod solutions;
 mod statistics;

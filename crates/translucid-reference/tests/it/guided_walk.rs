@@ -43,7 +43,7 @@
 //!    beyond which flights reach too far; where the equation asks for more (α < 0.14), every collision takes from
 //!    the weight what the equation lacks.
 //! 2. *From the second collision on:* light scattered once is a closed form
-//!    ([`SingleScattering`](crate::exact::SingleScattering)). So a photon starts at its second collision, at the
+//!    ([`SingleScattering`](translucid_reference::exact::SingleScattering)). So a photon starts at its second collision, at the
 //!    depth τ, reached from below (second flight upwards) or from above. Both cases are products of elementary
 //!    densities once τ takes the place of the first collision's depth: upwards e^{−(1/μ₀+k)τ} e^{−s(1+μ/μ₀)},
 //!    downwards e^{−s₀(1+kμ₀)} e^{−s(1+k|μ|)}.
@@ -64,34 +64,19 @@
 use std::f64::consts::{LN_2, PI, TAU};
 
 use rayon::prelude::*;
-use translucid_profile::{ParameterError, require};
-
-use super::layout::check_radii;
-use crate::exact::{Entrance, SingleScattering};
-use crate::split_mix::SplitMix;
-use crate::{Estimate, Incidence};
+use translucid_reference::exact::{HalfSpace, SingleScattering};
+use translucid_reference::{Estimate, Incidence};
+use translucid_testing::SplitMix;
 
 /// Total and rings of one albedo, by a walk with little variance: of an index-matched half space of isotropic
 /// scatterers, under a pencil along the normal, cosine or uniform incidence.
 ///
 /// All figures are per unit of flux that entered the medium. Their standard errors come from the scatter of chunks
-/// of [`GuidedWalk::CHUNK`] photons; with n chunks they are themselves uncertain by a part of 1/√(2n), and infinite
+/// of 1024 photons; with n chunks they are themselves uncertain by a part of 1/√(2n), and infinite
 /// with less than two. Of rings that few photons reach they know little. A ring that none has reached has the energy
 /// of light scattered once, and the error of one photon.
-///
-/// ```
-/// use translucid_reference::Incidence;
-/// use translucid_reference::walk::GuidedWalk;
-///
-/// let walk = GuidedWalk::run(0.9, Incidence::NORMAL, &[1.0, 3.0], 1, 200)?;
-/// let total = walk.total();
-/// assert!((total.value - 0.41494747913082).abs() < 4.0 * total.error && total.relative_error() < 1e-3);
-/// let ring = walk.ring(1);
-/// assert!((ring.value - 0.136886).abs() < 4.0 * ring.error);
-/// # Ok::<(), translucid_profile::ParameterError>(())
-/// ```
 #[derive(Clone, Debug)]
-pub struct GuidedWalk {
+pub(crate) struct GuidedWalk {
     radii: Vec<f64>,
     /// Profile of the light scattered once.
     single_scattering: SingleScattering,
@@ -102,65 +87,51 @@ pub struct GuidedWalk {
 }
 
 impl GuidedWalk {
-    /// Photons of a chunk.
-    pub const CHUNK: u64 = 1024;
-
-    /// Walks the first chunks of photons of a seed, on all threads of the current rayon pool, and tallies the rings
+    /// Walks the first chunks of photons of a seed in the medium of a solution under its light, and tallies the rings
     /// between increasing radii \[ℓ\]: ring i reaches from radius i − 1 to radius i, ring 0 from the center, the last
     /// one to infinity. Indices past the last are no error: a radius past the last is infinite, a ring past the last
-    /// is empty.
+    /// is empty. Of the solution it takes albedo and light scattered once.
     ///
-    /// The tally's bits do not depend on the threads. Photons that have strayed from all rings are followed less
-    /// often: the larger the last radius, the longer a photon takes, up to some 1/√(1−α) collisions.
-    ///
-    /// # Errors
-    /// α is not in (0, 1), a radius is not in [1e-15, 1e15] or not greater than the one before, or the light is a
-    /// pencil that is not along the normal.
-    pub fn run(
-        single_scattering_albedo: f64,
+    /// Photons that have strayed from all rings are followed less often: the larger the last radius, the longer a
+    /// photon takes, up to some 1/√(1−α) collisions.
+    pub(crate) fn run(
+        exact: &HalfSpace,
         incidence: Incidence,
         radii: &[f64],
         seed: u64,
-        chunks: u32,
-    ) -> Result<Self, ParameterError> {
-        let (alpha, entrance) = (single_scattering_albedo, Entrance::of(incidence)?);
-        require(alpha > 0.0 && alpha < 1.0, "single_scattering_albedo", alpha, "in (0, 1)")?;
-        check_radii(radii)?;
-        let guide = Guide::new(alpha, entrance);
+        chunks: u64,
+    ) -> Self {
+        let guide = Guide::new(exact.single_scattering_albedo(), incidence);
         let mut rings = vec![Samples::default(); radii.len() + 1];
         let mut enclosed = rings.clone();
-        // Threads share a block of chunks; then these count in their order
-        for first in (0..chunks).step_by(BLOCK) {
-            let block = first..first.saturating_add(BLOCK as u32).min(chunks);
-            let energies: Vec<_> =
-                block.into_par_iter().map(|chunk| guide.walk(radii, seed, chunk)).collect();
-            for energies in energies {
-                let mut sum = 0.0;
-                for ((energy, ring), enclosed) in energies.into_iter().zip(&mut rings).zip(&mut enclosed) {
-                    sum += energy;
-                    ring.add(energy);
-                    enclosed.add(sum);
-                }
+        let energies: Vec<_> =
+            (0..chunks).into_par_iter().map(|chunk| guide.walk(radii, seed, chunk)).collect();
+        for energies in energies {
+            let mut sum = 0.0;
+            for ((energy, ring), enclosed) in energies.into_iter().zip(&mut rings).zip(&mut enclosed) {
+                sum += energy;
+                ring.add(energy);
+                enclosed.add(sum);
             }
         }
         let estimates = |samples: Vec<Samples>| {
             samples.into_iter().map(|samples| samples.estimate(guide.greatest_weight())).collect()
         };
-        Ok(Self {
+        Self {
             radii: radii.to_vec(),
-            single_scattering: SingleScattering::new(alpha, entrance),
+            single_scattering: exact.single_scattering().clone(),
             rings: estimates(rings),
             enclosed: estimates(enclosed),
-        })
+        }
     }
 
     /// Surface albedo A = ∫ R 2πr dr.
-    pub fn total(&self) -> Estimate {
+    pub(crate) fn total(&self) -> Estimate {
         self.enclosed(self.radii.len())
     }
 
     /// Energy that leaves through a ring.
-    pub fn ring(&self, ring: usize) -> Estimate {
+    pub(crate) fn ring(&self, ring: usize) -> Estimate {
         let Some(&estimate) = self.rings.get(ring) else { return Estimate::ZERO };
         let single = &self.single_scattering;
         let inner = ring.checked_sub(1).and_then(|i| self.radii.get(i));
@@ -175,7 +146,7 @@ impl GuidedWalk {
     }
 
     /// Energy that leaves within a radius, given by its index.
-    pub fn enclosed(&self, radius: usize) -> Estimate {
+    pub(crate) fn enclosed(&self, radius: usize) -> Estimate {
         let single = &self.single_scattering;
         let once = self.radii.get(radius).map_or(single.total(), |&radius| single.enclosed(radius));
         let estimate = self.enclosed[radius.min(self.radii.len())];
@@ -184,9 +155,7 @@ impl GuidedWalk {
 }
 
 /// Photons of a chunk: they share a lattice, and their mean is one sample of the statistics.
-const CHUNK: usize = GuidedWalk::CHUNK as usize;
-/// Chunks that threads share at a time.
-const BLOCK: usize = 4096;
+const CHUNK: usize = 1024;
 /// Coordinates of the lattice: at most five for the start, three for each of the first flights.
 const DIMENSIONS: usize = 14;
 /// Multiplier of the Korobov lattice, 1024 points i·441ʲ/1024: of all 512 odd ones it gave the least variance of total
@@ -227,6 +196,17 @@ impl Samples {
     }
 }
 
+/// The numbers of an index: a function of the seed and the index alone.
+fn stream(seed: u64, index: u64) -> SplitMix {
+    let mut random = SplitMix(seed.wrapping_mul(0xd134_2543_de82_ef95) ^ index);
+    SplitMix(random.bits() ^ random.bits().rotate_left(32))
+}
+
+/// Uniform in (0, 1).
+fn uniform(random: &mut SplitMix) -> f64 {
+    ((random.bits() >> 12) as f64 + 0.5) / 4_503_599_627_370_496.0
+}
+
 /// Uniform numbers of one photon in [0, 1): the coordinates of its point of the shifted lattice, then random ones.
 struct Numbers<'a> {
     point: usize,
@@ -239,7 +219,7 @@ struct Numbers<'a> {
 
 impl Numbers<'_> {
     fn next(&mut self) -> f64 {
-        let Some(shift) = self.shifts.next() else { return self.random.uniform() };
+        let Some(shift) = self.shifts.next() else { return uniform(&mut self.random) };
         let coordinate = self.point * self.multiplier % CHUNK;
         self.multiplier = self.multiplier * LATTICE % CHUNK;
         (coordinate as f64 / CHUNK as f64 + shift).fract()
@@ -260,9 +240,9 @@ struct Photon {
     weight: f64,
 }
 
-/// Constants of one albedo and one direction of light.
+/// Constants of one albedo and one incidence, of which a pencil is along the normal.
 struct Guide {
-    entrance: Entrance,
+    incidence: Incidence,
     alpha: f64,
     k: f64,
     /// atanh k.
@@ -279,10 +259,10 @@ struct Guide {
 
 impl Guide {
     /// α in (0, 1).
-    fn new(alpha: f64, entrance: Entrance) -> Self {
+    fn new(alpha: f64, incidence: Incidence) -> Self {
         let k = discrete_eigenvalue(alpha).min(K_LIMIT);
         Self {
-            entrance,
+            incidence,
             alpha,
             k,
             atanh_k: k.atanh(),
@@ -299,13 +279,13 @@ impl Guide {
     }
 
     /// Mean energy in each ring of the photons of a chunk.
-    fn walk(&self, radii: &[f64], seed: u64, chunk: u32) -> Vec<f64> {
+    fn walk(&self, radii: &[f64], seed: u64, chunk: u64) -> Vec<f64> {
         // Indices of chunks' shifts count down from the last, those of photons up from 0
-        let mut random = SplitMix::of_photon(seed, u64::MAX - u64::from(chunk));
-        let shifts: [f64; DIMENSIONS] = std::array::from_fn(|_| random.uniform());
+        let mut random = stream(seed, u64::MAX - chunk);
+        let shifts: [f64; DIMENSIONS] = std::array::from_fn(|_| uniform(&mut random));
         let mut rings = vec![0.0; radii.len() + 1];
         for point in 0..CHUNK {
-            let random = SplitMix::of_photon(seed, u64::from(chunk) * GuidedWalk::CHUNK + point as u64);
+            let random = stream(seed, chunk * CHUNK as u64 + point as u64);
             let numbers = Numbers { point, multiplier: 1, shifts: shifts.iter(), random };
             self.walk_photon(radii, numbers, &mut rings);
         }
@@ -324,7 +304,7 @@ impl Guide {
             let distance = (rho2 + photon.z * photon.z).sqrt() / reach;
             if 2.0 * factor <= distance * distance.sqrt() {
                 let expected = factor * photon.weight * self.mean_exit;
-                if numbers.random.uniform() < 0.5 {
+                if uniform(&mut numbers.random) < 0.5 {
                     rings[radii.len()] += expected;
                     return;
                 }
@@ -359,10 +339,10 @@ impl Guide {
     /// Draws the second collision.
     fn second_collision(&self, numbers: &mut Numbers) -> Photon {
         // Cosine μ₀ of the entry, and chances of going up and down from the first collision
-        let entry = match self.entrance {
-            Entrance::Normal => 1.0,
-            Entrance::Cosine => (1.0 - numbers.next()).sqrt(),
-            Entrance::UniformCosine => 1.0 - numbers.next(),
+        let entry = match self.incidence {
+            Incidence::Pencil { .. } => 1.0,
+            Incidence::Cosine => (1.0 - numbers.next()).sqrt(),
+            Incidence::UniformCosine => 1.0 - numbers.next(),
         };
         let rise = entry.recip().ln_1p();
         let up_mass = entry * rise;
@@ -452,121 +432,114 @@ fn mean_exit_factor(alpha: f64, k: f64) -> f64 {
     weighted / flux
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
+#[test]
+fn eigenvalue_solves_its_equation() {
+    for alpha in [1e-3, 0.2, 0.5, 0.9, 0.99, 0.999, 1.0 - 1e-9] {
+        let k = discrete_eigenvalue(alpha);
+        assert!(k > 0.0 && k <= 1.0);
+        // atanh k is not to be had back from a k that rounds to 1
+        if alpha > 0.1 {
+            assert!((alpha * k.atanh() / k - 1.0).abs() < 1e-11, "{alpha}: {k}");
+        }
+    }
+    // Values of the dispersion equation
+    for (alpha, k) in [(0.5, 0.95750), (0.9, 0.52543), (0.99, 0.17251), (0.999, 0.05475)] {
+        assert!((discrete_eigenvalue(alpha) - k).abs() < 5e-6);
+    }
+}
 
-    #[test]
-    fn eigenvalue_solves_its_equation() {
-        for alpha in [1e-3, 0.2, 0.5, 0.9, 0.99, 0.999, 1.0 - 1e-9] {
-            let k = discrete_eigenvalue(alpha);
-            assert!(k > 0.0 && k <= 1.0);
-            // atanh k is not to be had back from a k that rounds to 1
-            if alpha > 0.1 {
-                assert!((alpha * k.atanh() / k - 1.0).abs() < 1e-11, "{alpha}: {k}");
+/// dμ/du = −1/p(μ).
+#[test]
+fn direction_has_its_density() {
+    for alpha in [0.01, 0.5, 0.99, 1.0 - 1e-10] {
+        let guide = Guide::new(alpha, Incidence::NORMAL);
+        assert!((guide.direction(0.0).0 - 1.0).abs() < 1e-9 && (guide.direction(1.0).0 + 1.0).abs() < 1e-9);
+        for i in 1..100 {
+            let u = f64::from(i) / 100.0;
+            let (mu, sigma) = guide.direction(u);
+            assert!((sigma - (1.0 - guide.k * mu)).abs() < 1e-15);
+            let slope = (guide.direction(u + 1e-6).0 - guide.direction(u - 1e-6).0) / 2e-6;
+            let density = guide.k / (2.0 * guide.atanh_k) / sigma;
+            assert!((slope * density + 1.0).abs() < 1e-4, "α = {alpha}, u = {u}: {slope} {density}");
+        }
+    }
+}
+
+/// The mean of weight · e^{kz}/α over all starts is the chance of a second collision, 1 − P₁, with
+/// P₁ = (1 − ln 2)/2, 0.2045685463 and ¼. 2¹⁸ photons, seed fixed; 6 figures within 5 standard errors: false
+/// alarm 3e-6.
+#[test]
+fn start_has_the_chance_of_a_second_collision() {
+    let once = [(1.0 - LN_2) / 2.0, 0.2045685463, 0.25];
+    let incidences = [Incidence::NORMAL, Incidence::Cosine, Incidence::UniformCosine];
+    for (incidence, once) in incidences.into_iter().zip(once) {
+        for alpha in [1.0 - 1e-12, 0.9] {
+            let guide = Guide::new(alpha, incidence);
+            let (mut sum, mut squares, n) = (0.0, 0.0, 1 << 18);
+            for index in 0..n {
+                let random = stream(5, index);
+                let mut numbers = Numbers { point: 0, multiplier: 1, shifts: [].iter(), random };
+                let Photon { z, weight, .. } = guide.second_collision(&mut numbers);
+                assert!(z >= 0.0 && weight <= 1.0001 * guide.greatest_weight());
+                let value = weight * (guide.k * z).exp() / alpha;
+                sum += value;
+                squares += value * value;
             }
-        }
-        // Values of the dispersion equation
-        for (alpha, k) in [(0.5, 0.95750), (0.9, 0.52543), (0.99, 0.17251), (0.999, 0.05475)] {
-            assert!((discrete_eigenvalue(alpha) - k).abs() < 5e-6);
-        }
-    }
-
-    /// dμ/du = −1/p(μ).
-    #[test]
-    fn direction_has_its_density() {
-        for alpha in [0.01, 0.5, 0.99, 1.0 - 1e-10] {
-            let guide = Guide::new(alpha, Entrance::Normal);
-            assert!(
-                (guide.direction(0.0).0 - 1.0).abs() < 1e-9 && (guide.direction(1.0).0 + 1.0).abs() < 1e-9
-            );
-            for i in 1..100 {
-                let u = f64::from(i) / 100.0;
-                let (mu, sigma) = guide.direction(u);
-                assert!((sigma - (1.0 - guide.k * mu)).abs() < 1e-15);
-                let slope = (guide.direction(u + 1e-6).0 - guide.direction(u - 1e-6).0) / 2e-6;
-                let density = guide.k / (2.0 * guide.atanh_k) / sigma;
-                assert!((slope * density + 1.0).abs() < 1e-4, "α = {alpha}, u = {u}: {slope} {density}");
-            }
+            let n = n as f64;
+            let mean = sum / n;
+            let error = ((squares / n - mean * mean) / n).sqrt() + 1e-9;
+            assert!((mean - (1.0 - once)).abs() < 5.0 * error, "{incidence:?} {alpha}: {mean} ± {error}");
         }
     }
+}
 
-    /// The mean of weight · e^{kz}/α over all starts is the chance of a second collision, 1 − P₁, with
-    /// P₁ = (1 − ln 2)/2, 0.2045685463 and ¼. 2¹⁸ photons, seed fixed; 6 figures within 5 standard errors: false
-    /// alarm 3e-6.
-    #[test]
-    fn start_has_the_chance_of_a_second_collision() {
-        let once = [(1.0 - LN_2) / 2.0, 0.2045685463, 0.25];
-        let entrances = [Entrance::Normal, Entrance::Cosine, Entrance::UniformCosine];
-        for (entrance, once) in entrances.into_iter().zip(once) {
-            for alpha in [1.0 - 1e-12, 0.9] {
-                let guide = Guide::new(alpha, entrance);
-                let (mut sum, mut squares, n) = (0.0, 0.0, 1 << 18);
-                for index in 0..n {
-                    let random = SplitMix::of_photon(5, index);
-                    let mut numbers = Numbers { point: 0, multiplier: 1, shifts: [].iter(), random };
-                    let Photon { z, weight, .. } = guide.second_collision(&mut numbers);
-                    assert!(z >= 0.0 && weight <= 1.0001 * guide.greatest_weight());
-                    let value = weight * (guide.k * z).exp() / alpha;
-                    sum += value;
-                    squares += value * value;
-                }
-                let n = n as f64;
-                let mean = sum / n;
-                let error = ((squares / n - mean * mean) / n).sqrt() + 1e-9;
-                assert!((mean - (1.0 - once)).abs() < 5.0 * error, "{entrance:?} {alpha}: {mean} ± {error}");
-            }
+/// Against counting azimuths.
+#[test]
+fn part_inside_agrees_with_counting() {
+    for (rho, aside) in [(1.0, 0.3), (0.2, 0.9), (0.7, 0.7), (1e-3, 1.0)] {
+        for radius in (1..=16).map(|i| 0.13 * f64::from(i)) {
+            let n = 20_000;
+            let inside = (0..n).filter(|&i| {
+                let (sin, cos) = (PI * (f64::from(i) + 0.5) / f64::from(n)).sin_cos();
+                (rho + aside * cos).hypot(aside * sin) < radius
+            });
+            let counted = inside.count() as f64 / f64::from(n);
+            let found = part_inside(rho, aside, radius);
+            assert!((found - counted).abs() < 1e-4, "{rho} {aside} {radius}: {found} {counted}");
         }
     }
+}
 
-    /// Against counting azimuths.
-    #[test]
-    fn part_inside_agrees_with_counting() {
-        for (rho, aside) in [(1.0, 0.3), (0.2, 0.9), (0.7, 0.7), (1e-3, 1.0)] {
-            for radius in (1..=16).map(|i| 0.13 * f64::from(i)) {
-                let n = 20_000;
-                let inside = (0..n).filter(|&i| {
-                    let (sin, cos) = (PI * (f64::from(i) + 0.5) / f64::from(n)).sin_cos();
-                    (rho + aside * cos).hypot(aside * sin) < radius
-                });
-                let counted = inside.count() as f64 / f64::from(n);
-                let found = part_inside(rho, aside, radius);
-                assert!((found - counted).abs() < 1e-4, "{rho} {aside} {radius}: {found} {counted}");
-            }
-        }
+#[test]
+fn lattice_stratifies_every_coordinate() {
+    let shifts = [0.3; DIMENSIONS];
+    for coordinate in 0..DIMENSIONS {
+        let mut strata: Vec<usize> = (0..CHUNK)
+            .map(|point| {
+                let random = stream(1, 0);
+                let mut numbers = Numbers { point, multiplier: 1, shifts: shifts.iter(), random };
+                let number = (0..=coordinate).map(|_| numbers.next()).last().unwrap();
+                (number * CHUNK as f64) as usize
+            })
+            .collect();
+        strata.sort_unstable();
+        assert!(strata.into_iter().eq(0..CHUNK), "{coordinate}");
     }
+}
 
-    #[test]
-    fn lattice_stratifies_every_coordinate() {
-        let shifts = [0.3; DIMENSIONS];
-        for coordinate in 0..DIMENSIONS {
-            let mut strata: Vec<usize> = (0..CHUNK)
-                .map(|point| {
-                    let random = SplitMix::of_photon(1, 0);
-                    let mut numbers = Numbers { point, multiplier: 1, shifts: shifts.iter(), random };
-                    let number = (0..=coordinate).map(|_| numbers.next()).last().unwrap();
-                    (number * CHUNK as f64) as usize
-                })
-                .collect();
-            strata.sort_unstable();
-            assert!(strata.into_iter().eq(0..CHUNK), "{coordinate}");
-        }
-    }
+#[test]
+fn estimate_is_mean_and_its_standard_error() {
+    let values: Vec<f64> = (0..100).map(|i| 700.0 + f64::from(i).sin()).collect();
+    let mut samples = Samples::default();
+    assert_eq!(samples.estimate(0.3).error, f64::INFINITY);
+    values.iter().for_each(|&value| samples.add(value));
+    let mean = values.iter().sum::<f64>() / 100.0;
+    let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 99.0;
+    let found = samples.estimate(0.3);
+    assert!((found.value / mean - 1.0).abs() < 1e-14);
+    assert!((found.error / (variance / 100.0).sqrt() - 1.0).abs() < 1e-9);
 
-    #[test]
-    fn estimate_is_mean_and_its_standard_error() {
-        let values: Vec<f64> = (0..100).map(|i| 700.0 + f64::from(i).sin()).collect();
-        let mut samples = Samples::default();
-        assert_eq!(samples.estimate(0.3).error, f64::INFINITY);
-        values.iter().for_each(|&value| samples.add(value));
-        let mean = values.iter().sum::<f64>() / 100.0;
-        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / 99.0;
-        let found = samples.estimate(0.3);
-        assert!((found.value / mean - 1.0).abs() < 1e-14);
-        assert!((found.error / (variance / 100.0).sqrt() - 1.0).abs() < 1e-9);
-
-        // Of nothing seen: that of one photon
-        let nothing = Samples { count: 4, ..Samples::default() };
-        assert_eq!(nothing.estimate(0.3), Estimate { value: 0.0, error: 0.3 / (4 * CHUNK) as f64 });
-    }
+    // Of nothing seen: that of one photon
+    let nothing = Samples { count: 4, ..Samples::default() };
+    assert_eq!(nothing.estimate(0.3), Estimate { value: 0.0, error: 0.3 / (4 * CHUNK) as f64 });
 }
