@@ -1,5 +1,6 @@
 //! A scene's parts as JSON, for pages.
 
+use serde_json::value::Serializer;
 use serde_json::{Map, Value, json};
 use translucid_render::FilmLayer;
 use translucid_scene::{
@@ -7,18 +8,12 @@ use translucid_scene::{
 };
 
 use crate::look::Look;
-use crate::message::Edited;
+use crate::message::{CameraMessage, Edited, LightMessage};
 use crate::view::Shown;
 
+/// The camera; its plain fields always have a value in JSON.
 pub(crate) fn camera(camera: &Camera) -> Value {
-    json!({
-        "position": camera.position.to_array(),
-        "target": camera.target.to_array(),
-        "up": camera.up.to_array(),
-        "fov": camera.horizontal_fov,
-        "lens_radius": camera.lens_radius,
-        "focus_distance": camera.focus_distance,
-    })
+    CameraMessage::serialize(camera, Serializer).unwrap_or_default()
 }
 
 pub(crate) fn film(film: &Film) -> Value {
@@ -69,41 +64,7 @@ fn material(material: &Material) -> Value {
 }
 
 fn light(light: &Light) -> Value {
-    let mut object = match *light {
-        Light::Rectangle { center, edge_x, edge_y, radiance, visible } => json!({
-            "center": center.to_array(),
-            "edge_x": edge_x.to_array(),
-            "edge_y": edge_y.to_array(),
-            "radiance": radiance.to_array(),
-            "visible": visible,
-        }),
-        Light::Sphere { center, radius, radiance, visible } => json!({
-            "center": center.to_array(),
-            "radius": radius,
-            "radiance": radiance.to_array(),
-            "visible": visible,
-        }),
-        Light::Distant { direction, angular_radius, irradiance } => json!({
-            "direction": direction.to_array(),
-            "angular_radius": angular_radius,
-            "irradiance": irradiance.to_array(),
-        }),
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => json!({
-            "position": position.to_array(),
-            "direction": direction.to_array(),
-            "intensity": intensity.to_array(),
-            "inner_angle": inner_angle,
-            "outer_angle": outer_angle,
-        }),
-        Light::Beam { origin, direction, radius, power } => json!({
-            "origin": origin.to_array(),
-            "direction": direction.to_array(),
-            "radius": radius,
-            "power": power.to_array(),
-        }),
-    };
-    object["kind"] = json!(light.kind());
-    object
+    LightMessage::serialize(light, Serializer).unwrap_or_default()
 }
 
 fn environment(environment: &Environment) -> Value {

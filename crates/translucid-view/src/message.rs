@@ -1,7 +1,7 @@
 //! The messages of pages: JSON to values that are checked later against the scene.
 
 use glam::{Mat3, Vec3};
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 use translucid_scene::{Camera, Environment, Light};
 
@@ -16,11 +16,13 @@ pub(crate) enum Message {
     },
     Light {
         index: usize,
-        light: LightMessage,
+        #[serde(with = "LightMessage")]
+        light: Light,
         gesture: Option<u64>,
     },
     AddLight {
-        light: LightMessage,
+        #[serde(with = "LightMessage")]
+        light: Light,
     },
     RemoveLight {
         index: usize,
@@ -38,7 +40,8 @@ pub(crate) enum Message {
         gesture: Option<u64>,
     },
     Camera {
-        camera: CameraMessage,
+        #[serde(with = "CameraMessage")]
+        camera: Camera,
         #[serde(default)]
         moving: bool,
         gesture: Option<u64>,
@@ -139,76 +142,38 @@ impl Numbered {
     }
 }
 
-/// A camera; angles in degrees.
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
+/// A [`Camera`] in JSON; angles in degrees.
+#[derive(Deserialize, Serialize)]
+#[serde(remote = "Camera", deny_unknown_fields)]
 pub(crate) struct CameraMessage {
-    position: [f32; 3],
-    target: [f32; 3],
-    up: [f32; 3],
-    fov: f32,
+    position: Vec3,
+    target: Vec3,
+    up: Vec3,
+    #[serde(rename = "fov")]
+    horizontal_fov: f32,
     lens_radius: f32,
     focus_distance: f32,
 }
 
-impl From<CameraMessage> for Camera {
-    fn from(message: CameraMessage) -> Self {
-        Self {
-            position: message.position.into(),
-            target: message.target.into(),
-            up: message.up.into(),
-            horizontal_fov: message.fov,
-            lens_radius: message.lens_radius,
-            focus_distance: message.focus_distance,
-        }
-    }
-}
-
-/// A light, field by field as [`Light`].
-#[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+/// A [`Light`] in JSON.
+#[derive(Deserialize, Serialize)]
+#[serde(remote = "Light", tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum LightMessage {
-    Rectangle { center: [f32; 3], edge_x: [f32; 3], edge_y: [f32; 3], radiance: [f32; 3], visible: bool },
-    Sphere { center: [f32; 3], radius: f32, radiance: [f32; 3], visible: bool },
-    Distant { direction: [f32; 3], angular_radius: f32, irradiance: [f32; 3] },
-    Spot { position: [f32; 3], direction: [f32; 3], intensity: [f32; 3], inner_angle: f32, outer_angle: f32 },
-    Beam { origin: [f32; 3], direction: [f32; 3], radius: f32, power: [f32; 3] },
+    Rectangle { center: Vec3, edge_x: Vec3, edge_y: Vec3, radiance: Vec3, visible: bool },
+    Sphere { center: Vec3, radius: f32, radiance: Vec3, visible: bool },
+    Distant { direction: Vec3, angular_radius: f32, irradiance: Vec3 },
+    Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32 },
+    Beam { origin: Vec3, direction: Vec3, radius: f32, power: Vec3 },
 }
 
-impl From<LightMessage> for Light {
-    fn from(message: LightMessage) -> Self {
-        match message {
-            LightMessage::Rectangle { center, edge_x, edge_y, radiance, visible } => Self::Rectangle {
-                center: center.into(),
-                edge_x: edge_x.into(),
-                edge_y: edge_y.into(),
-                radiance: radiance.into(),
-                visible,
-            },
-            LightMessage::Sphere { center, radius, radiance, visible } => {
-                Self::Sphere { center: center.into(), radius, radiance: radiance.into(), visible }
-            }
-            LightMessage::Distant { direction, angular_radius, irradiance } => {
-                Self::Distant { direction: unit(direction), angular_radius, irradiance: irradiance.into() }
-            }
-            LightMessage::Spot { position, direction, intensity, inner_angle, outer_angle } => Self::Spot {
-                position: position.into(),
-                direction: unit(direction),
-                intensity: intensity.into(),
-                inner_angle,
-                outer_angle,
-            },
-            LightMessage::Beam { origin, direction, radius, power } => {
-                Self::Beam { origin: origin.into(), direction: unit(direction), radius, power: power.into() }
-            }
-        }
+/// The light with a direction of length 1; as it is where it has none, which its check refuses.
+pub(crate) fn with_unit_direction(mut light: Light) -> Light {
+    if let Light::Distant { direction, .. } | Light::Spot { direction, .. } | Light::Beam { direction, .. } =
+        &mut light
+    {
+        *direction = direction.as_dvec3().try_normalize().map_or(*direction, |unit| unit.as_vec3());
     }
-}
-
-/// A direction of length 1; as it is where it has none, which a light refuses.
-fn unit(direction: [f32; 3]) -> Vec3 {
-    let direction = Vec3::from(direction);
-    direction.as_dvec3().try_normalize().map_or(direction, |unit| unit.as_vec3())
+    light
 }
 
 /// An environment; its image by its number among the scene's, its rotation about y in degrees.
@@ -280,7 +245,7 @@ mod tests {
         assert!(matches!(numbered.message, Ok(Message::Pick { x: 1.5, y: 2.0 })));
         let text = r#"{"type":"light","index":0,"light":{"kind":"distant","direction":[0,3,4],"angular_radius":1,"irradiance":[1,1,1]}}"#;
         let Ok(Message::Light { light, .. }) = parse(text) else { panic!() };
-        let Light::Distant { direction, .. } = light.into() else { panic!() };
+        let Light::Distant { direction, .. } = with_unit_direction(light) else { panic!() };
         assert_eq!(direction, Vec3::new(0.0, 0.6, 0.8));
     }
 

@@ -11,7 +11,7 @@ use translucid_scene::{
 
 use crate::json;
 use crate::look::Look;
-use crate::message::{Edited, LightMessage, Message, Side, table_of};
+use crate::message::{Edited, Message, Side, table_of, with_unit_direction};
 use crate::page_state::PageState;
 use crate::view::Shown;
 use translucid_render::FilmLayer;
@@ -203,7 +203,7 @@ impl Studio {
                 })?;
             }
             Message::Light { index, light, gesture } => {
-                let light = Light::from(light);
+                let light = with_unit_direction(light);
                 light.validate(index)?;
                 self.edit(gesture, |_, look| {
                     require("light", index, look.lights.len())?;
@@ -240,7 +240,6 @@ impl Studio {
                 self.change(gesture, |setup| setup.film = film);
             }
             Message::Camera { camera, moving, gesture } => {
-                let camera = Camera::from(camera);
                 camera.validate()?;
                 self.moving = moving.then(Instant::now);
                 self.change(gesture, |setup| setup.camera = camera);
@@ -332,8 +331,8 @@ impl Studio {
         }
     }
 
-    fn add_light(&mut self, light: LightMessage) -> Result<(), SceneError> {
-        let light = Light::from(light);
+    fn add_light(&mut self, light: Light) -> Result<(), SceneError> {
+        let light = with_unit_direction(light);
         self.edit(None, |_, look| {
             light.validate(look.lights.len())?;
             if look.lights.len() >= MOST_LIGHTS {
