@@ -9,7 +9,9 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
-use translucid_scene::{Film, LoadOptions, Mesh, SceneBuilder, SubsurfaceModel, Unit, Warning, load_scene};
+use translucid_scene::{
+    Film, LoadOptions, Mesh, Piece, SceneBuilder, SceneError, SubsurfaceModel, Unit, Warning, load_scene,
+};
 
 use crate::arrays::{Any, Numbers, Rule};
 use crate::keys::Keys;
@@ -32,6 +34,12 @@ struct Making {
     /// Images that came as arrays.
     image_count: usize,
     light_count: usize,
+}
+
+/// Keys that were read, and the number of images that came as arrays with theirs.
+struct Read {
+    piece: Piece,
+    image_count: usize,
 }
 
 /// A scene: objects with materials, lights, an environment, a camera.
@@ -98,13 +106,8 @@ impl Scene {
         let making = Making { builder: SceneBuilder::new(unit), image_count: 0, light_count: 0 };
         let scene = Self::of(making);
         if let Some(grouping) = subsurface_grouping {
-            scene.change(py, |making| {
-                let keys = Keys::new("scene", &mut making.image_count).text("subsurface_grouping", grouping);
-                let piece = keys.piece();
-                Ok(move |making: &mut Making, _: &mut Vec<Warning>| {
-                    making.builder.set_subsurface_grouping(&piece)
-                })
-            })?;
+            let read = scene.read(py, "scene", Some(("subsurface_grouping", grouping)), None)?;
+            scene.change(py, &read, |making, piece| making.builder.set_subsurface_grouping(piece))?;
         }
         if film.is_some() {
             scene.set_film(py, film)?;
@@ -208,14 +211,8 @@ impl Scene {
     /// translucid.SceneError: material wax: it has no key subsurface_colour (did you mean subsurface_color? ...
     #[pyo3(signature = (name, **keys))]
     fn add_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change_long(py, |making| {
-            let title = format!("material {name}");
-            let piece =
-                Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
-            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
-                builder.add_material(&piece, warnings)
-            })
-        })
+        let read = self.read(py, &format!("material {name}"), Some(("name", name)), keys)?;
+        self.change_long(py, read, SceneBuilder::add_material)
     }
 
     /// Adds an object that is a mesh.
@@ -261,13 +258,8 @@ impl Scene {
     ) -> PyResult<()> {
         let title = format!("mesh {name}");
         let mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
-        self.change_long(py, |making| {
-            let piece =
-                Keys::new(&title, &mut making.image_count).text("name", name).arguments(keys)?.piece();
-            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
-                builder.add_mesh_object(&piece, mesh, warnings)
-            })
-        })
+        let read = self.read(py, &title, Some(("name", name)), keys)?;
+        self.change_long(py, read, |builder, piece, warnings| builder.add_mesh_object(piece, mesh, warnings))
     }
 
     /// Adds an object that is a built-in shape or in a file.
@@ -291,17 +283,9 @@ impl Scene {
         name: Option<&str>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        self.change_long(py, |making| {
-            let title = name.map_or_else(|| String::from("object"), |name| format!("object {name}"));
-            let mut new = Keys::new(&title, &mut making.image_count);
-            if let Some(name) = name {
-                new = new.text("name", name);
-            }
-            let piece = new.arguments(keys)?.piece();
-            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
-                builder.add_object(&piece, warnings)
-            })
-        })
+        let title = name.map_or_else(|| String::from("object"), |name| format!("object {name}"));
+        let read = self.read(py, &title, name.map(|name| ("name", name)), keys)?;
+        self.change_long(py, read, SceneBuilder::add_object)
     }
 
     /// Adds a light.
@@ -324,18 +308,12 @@ impl Scene {
         r#type: Option<&str>,
         keys: Option<&Bound<'_, PyDict>>,
     ) -> PyResult<()> {
-        self.change(py, |making| {
-            let title = format!("light {}", making.light_count);
-            let mut new = Keys::new(&title, &mut making.image_count);
-            if let Some(name) = r#type {
-                new = new.text("type", name);
-            }
-            let piece = new.arguments(keys)?.piece();
-            Ok(move |making: &mut Making, _: &mut Vec<Warning>| {
-                making.builder.add_light(&piece)?;
-                making.light_count += 1;
-                Ok(())
-            })
+        let title = format!("light {}", py.detach(|| self.lock().light_count));
+        let read = self.read(py, &title, r#type.map(|name| ("type", name)), keys)?;
+        self.change(py, &read, |making, piece| {
+            making.builder.add_light(piece)?;
+            making.light_count += 1;
+            Ok(())
         })
     }
 
@@ -353,12 +331,7 @@ impl Scene {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change_long(py, |making| {
-            let piece = Keys::new("environment", &mut making.image_count).arguments(keys)?.piece();
-            Ok(move |builder: &mut SceneBuilder, warnings: &mut Vec<Warning>| {
-                builder.set_environment(&piece, warnings)
-            })
-        })
+        self.change_long(py, self.read(py, "environment", None, keys)?, SceneBuilder::set_environment)
     }
 
     /// Sets the camera.
@@ -375,10 +348,8 @@ impl Scene {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change(py, |making| {
-            let piece = Keys::new("camera", &mut making.image_count).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_camera(&piece))
-        })
+        let read = self.read(py, "camera", None, keys)?;
+        self.change(py, &read, |making, piece| making.builder.set_camera(piece))
     }
 
     /// Changes the film.
@@ -395,10 +366,8 @@ impl Scene {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_film(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change(py, |making| {
-            let piece = Keys::new("film", &mut making.image_count).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_film(&piece))
-        })
+        let read = self.read(py, "film", None, keys)?;
+        self.change(py, &read, |making, piece| making.builder.set_film(piece))
     }
 
     /// Changes how paths are traced.
@@ -414,10 +383,8 @@ impl Scene {
     ///     A key is unknown or missing, or a value not allowed.
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        self.change(py, |making| {
-            let piece = Keys::new("integrator", &mut making.image_count).arguments(keys)?.piece();
-            Ok(move |making: &mut Making, _: &mut Vec<Warning>| making.builder.set_integrator(&piece))
-        })
+        let read = self.read(py, "integrator", None, keys)?;
+        self.change(py, &read, |making, piece| making.builder.set_integrator(piece))
     }
 
     /// Unit of all lengths: ``'mm'``, ``'cm'`` or ``'m'``.
@@ -476,40 +443,54 @@ impl Scene {
         lock(&self.making)
     }
 
-    /// Changes the scene: `read` makes of Python's values what `apply` does without the interpreter, so that nobody waits
-    /// for the scene who holds the interpreter.
-    fn change<A>(&self, py: Python<'_>, read: impl FnOnce(&mut Making) -> PyResult<A>) -> PyResult<()>
-    where
-        A: FnOnce(&mut Making, &mut Vec<Warning>) -> Result<(), translucid_scene::SceneError> + Send,
-    {
-        let mut counts = self.counts(py);
-        let apply = read(&mut counts)?;
-        let mut warnings = Vec::new();
-        let result = py.detach(|| {
+    /// Reads the keys of a part of the scene, behind a word that is given by itself.
+    fn read(
+        &self,
+        py: Python<'_>,
+        title: &str,
+        word: Option<(&str, &str)>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<Read> {
+        let mut image_count = py.detach(|| self.lock().image_count);
+        let mut new = Keys::new(title, &mut image_count);
+        if let Some((key, text)) = word {
+            new = new.text(key, text);
+        }
+        let piece = new.arguments(keys)?.piece();
+        Ok(Read { piece, image_count })
+    }
+
+    /// Changes the scene by keys, without the interpreter, so that nobody waits for the scene who holds the interpreter.
+    fn change(
+        &self,
+        py: Python<'_>,
+        read: &Read,
+        apply: impl FnOnce(&mut Making, &Piece) -> Result<(), SceneError> + Send,
+    ) -> PyResult<()> {
+        py.detach(|| {
             let mut making = self.lock();
-            making.image_count = making.image_count.max(counts.image_count);
-            apply(&mut making, &mut warnings)
-        });
-        warn(py, &warnings)?;
-        result.map_err(scene_error)
+            making.image_count = making.image_count.max(read.image_count);
+            apply(&mut making, &read.piece)
+        })
+        .map_err(scene_error)
     }
 
     /// As [`change`](Self::change), where files may be read: Ctrl-C ends the call at once, and nothing is added then.
-    fn change_long<A>(&self, py: Python<'_>, read: impl FnOnce(&mut Making) -> PyResult<A>) -> PyResult<()>
-    where
-        A: FnOnce(&mut SceneBuilder, &mut Vec<Warning>) -> Result<(), translucid_scene::SceneError>
-            + Send
-            + 'static,
-    {
-        let mut counts = self.counts(py);
-        let apply = read(&mut counts)?;
+    fn change_long(
+        &self,
+        py: Python<'_>,
+        read: Read,
+        apply: impl FnOnce(&mut SceneBuilder, &Piece, &mut Vec<Warning>) -> Result<(), SceneError>
+        + Send
+        + 'static,
+    ) -> PyResult<()> {
         let making = Arc::clone(&self.making);
         let work = move |_: &AtomicBool, hand_over: &dyn Fn(_) -> bool| {
             let mut making = lock(&making);
-            making.image_count = making.image_count.max(counts.image_count);
+            making.image_count = making.image_count.max(read.image_count);
             making.builder.all_or_nothing(|builder| {
                 let mut warnings = Vec::new();
-                let result = apply(builder, &mut warnings);
+                let result = apply(builder, &read.piece, &mut warnings);
                 let is_done = result.is_ok();
                 hand_over((result, warnings)) && is_done
             });
@@ -517,18 +498,6 @@ impl Scene {
         let (result, warnings) = long_work::run_and_hand_over(py, work, |_| Ok(()))?;
         warn(py, &warnings)?;
         result.map_err(scene_error)
-    }
-
-    /// The numbers of images and lights so far, without the scene.
-    fn counts(&self, py: Python<'_>) -> Making {
-        py.detach(|| {
-            let making = self.lock();
-            Making {
-                builder: SceneBuilder::new(Unit::Millimeter),
-                image_count: making.image_count,
-                light_count: making.light_count,
-            }
-        })
     }
 
     /// The scene as it is now, with what it does not say chosen.
@@ -617,7 +586,7 @@ pub(crate) fn whole_number(name: &str, argument: &Any<'_>, min: u64, max: u64) -
 
 fn unit_of(name: &str) -> PyResult<Unit> {
     let message = || format!("unit is {name:?}, but must be one of \"mm\", \"cm\", \"m\"");
-    Unit::from_name(name).ok_or_else(|| scene_error(translucid_scene::SceneError::new(message())))
+    Unit::from_name(name).ok_or_else(|| scene_error(SceneError::new(message())))
 }
 
 /// A mesh of arrays: vertices, triangles, and if given normals, texture coordinates and colors.
