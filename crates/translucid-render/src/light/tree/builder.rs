@@ -41,7 +41,7 @@ pub(crate) fn build(mut lights: Vec<Item>) -> Vec<Node> {
 /// Adds a node with all that is below it behind `nodes`; returns the bounds of its lights.
 fn add_node(items: &mut [Item], depth: u32, nodes: &mut Vec<Node>) -> LightBounds {
     let place = nodes.len();
-    nodes.push(Node::EMPTY);
+    nodes.push(Node::default());
     let is_large = items.len() > PARALLEL;
     let clusters = clusters(items, depth);
     let children: Vec<(LightBounds, Child)> = if is_large {
@@ -50,7 +50,7 @@ fn add_node(items: &mut [Item], depth: u32, nodes: &mut Vec<Node>) -> LightBound
     } else {
         clusters.into_iter().map(|cluster| add_child(cluster, depth, nodes)).collect()
     };
-    let mut node = Node::EMPTY;
+    let mut node = Node::default();
     for (lane, (bounds, child)) in children.iter().enumerate() {
         node.set(lane, bounds, *child);
     }

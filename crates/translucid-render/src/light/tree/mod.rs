@@ -74,7 +74,7 @@ const LEAST_WEIGHT: f32 = 1e-30;
 type Lanes = [Vec4; WIDTH / 4];
 
 /// Clusters of lights, one in each lane. What is not there has no strength.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
 pub(crate) struct Node {
     center: [Lanes; 3],
@@ -93,8 +93,6 @@ pub(crate) struct Node {
     children: [u32; WIDTH],
 }
 
-const NONE: Lanes = [Vec4::ZERO; WIDTH / 4];
-
 /// The content of a node's lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Child {
@@ -103,21 +101,6 @@ pub(crate) enum Child {
 }
 
 impl Node {
-    pub(crate) const EMPTY: Self = Self {
-        center: [NONE; 3],
-        half_size: [NONE; 3],
-        radius: NONE,
-        axis: [NONE; 3],
-        cos_o: NONE,
-        sin_o: NONE,
-        cos_e: NONE,
-        strength: NONE,
-        mean: NONE,
-        lean: [NONE; 3],
-        alike: NONE,
-        children: [0; WIDTH],
-    };
-
     /// Puts a cluster in a lane.
     pub(crate) fn set(&mut self, lane: usize, bounds: &LightBounds, child: Child) {
         let center = bounds.low.midpoint(bounds.high);
