@@ -33,6 +33,8 @@ use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, 
 const ALBEDOS: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
 /// d over size.
 const THINNESSES: [f64; 5] = [0.01, 0.03, 0.1, 0.3, 1.0];
+/// d over the thickness of slabs that are seen from behind.
+const THINNESSES_FROM_BEHIND: [f64; 5] = [0.08, 0.1, 0.17, 0.3, 1.0];
 const PHOTONS: u64 = 400_000;
 /// Steps of the radius in sums over the surface: of round profiles, and of the oblique one.
 const RADII: [u32; 2] = [4000, 600];
@@ -97,6 +99,18 @@ fn main() {
             println!("{}", models.sphere_row(thinness));
         }
     }
+    println!("\n### From behind\n");
+    println!(
+        "| light along | A | d/size | through | straight | oblique | normalized-diffusion | normalized-diffusion-refined |"
+    );
+    println!("|---|---|---|---|---|---|---|---|");
+    for light in [Lighting::Uniform, Lighting::Distant] {
+        for (models, thinness) in
+            media.iter().flat_map(|m| THINNESSES_FROM_BEHIND.map(|thinness| (m, thinness)))
+        {
+            println!("{}", models.row_from_behind(thinness, light));
+        }
+    }
 }
 
 fn body(kind: Kind, size: f64) -> Shape {
@@ -150,40 +164,66 @@ impl Models {
 
     /// Light that every model returns of even light, the oblique one first.
     fn energies(&self, kind: Kind, size: f64) -> Vec<f64> {
-        let mut energies = vec![self.oblique_energy(kind, size)];
+        let mut energies =
+            vec![self.oblique_energies(kind, size, |r, q| self.oblique_times_r(r, q)).iter().sum()];
         energies.extend(self.radial.iter().map(|profile| radial_energy(profile.as_ref(), kind, size)));
         energies
     }
 
-    /// Light that is returned when it is followed by its direction, which counts by the share q of the way that lies along the surface
-    /// at the entry.
-    fn oblique_energy(&self, kind: Kind, size: f64) -> f64 {
+    /// Light that is returned from each of the body's faces by r R at a distance r, of which the share q lies along the
+    /// surface at the entry.
+    fn oblique_energies(&self, kind: Kind, size: f64, times_r: impl Fn(f64, f64) -> f64 + Sync) -> Vec<f64> {
         let longest = 60.0 * self.d;
         let step = |i: u32| {
             let t = (f64::from(i) + 0.5) / f64::from(RADII[1]);
             let r = longest * t.powi(3);
-            let parts = coverage(kind, size, r);
-            let sum: f64 = parts.iter().map(|&[share, q]| share * self.oblique_times_r(r, q)).sum();
-            TAU * sum * longest * 3.0 * t * t / f64::from(RADII[1])
+            let weight = TAU * longest * 3.0 * t * t / f64::from(RADII[1]);
+            let face = |[share, q]: [f64; 2]| weight * share * times_r(r, q);
+            coverage(kind, size, r).into_iter().map(face).collect::<Vec<f64>>()
         };
-        (0..RADII[1]).into_par_iter().map(step).collect::<Vec<_>>().iter().sum()
+        let steps: Vec<Vec<f64>> = (0..RADII[1]).into_par_iter().map(step).collect();
+        (0..steps[0].len()).map(|face| steps.iter().map(|step| step[face]).sum()).collect()
+    }
+
+    /// The far face of a slab with light on the near one.
+    fn row_from_behind(&self, thinness: f64, light: Lighting) -> String {
+        let size = self.d / thinness;
+        let tally = truth(Kind::Slab, self.a, size, light);
+        let through = tally.scattered_through(1);
+        let oblique = match light {
+            Lighting::Uniform => self.oblique_energies(Kind::Slab, size, |r, q| self.oblique_times_r(r, q)),
+            Lighting::Distant => self.oblique_energies(Kind::Slab, size, |r, q| {
+                self.oblique_times_r_toward(along(q, r), [0.0, 0.0, 1.0])
+            }),
+        };
+        let name = if light == Lighting::Uniform { "all directions" } else { "the normal" };
+        let share = |energy: f64| percent(energy / through.value);
+        let models = [oblique[1], self.radial[0].beyond(size), self.radial[1].beyond(size)].map(share);
+        let truth = format!("{:.2} ± {:.2}", 100.0 * through.value, 100.0 * through.error);
+        let straight = percent(tally.straight().value);
+        format!("| {name} | {} | {thinness} | {truth} | {straight} | {} |", self.a, models.join(" | "))
     }
 
     /// r R averaged over light from everywhere.
     fn oblique_times_r(&self, r: f64, q: f64) -> f64 {
         let [azimuths, angles] = DIRECTIONS;
-        let offset = [q * r, 0.0, -(1.0 - q * q).max(0.0).sqrt() * r].map(|x| x as f32);
+        let offset = along(q, r);
         let mut sum = 0.0;
         for i in 0..angles {
             let sin_theta = ((f64::from(i) + 0.5) / f64::from(angles)).sqrt();
             for j in 0..azimuths {
                 let (sin, cos) = (TAU * (f64::from(j) + 0.5) / f64::from(azimuths)).sin_cos();
                 let toward = [sin_theta * cos, sin_theta * sin, (1.0 - sin_theta * sin_theta).sqrt()];
-                sum +=
-                    f64::from(self.oblique.eval_times_r(offset, toward.map(|x| x as f32), [0.0, 0.0, 1.0]));
+                sum += self.oblique_times_r_toward(offset, toward);
             }
         }
         sum / f64::from(angles * azimuths)
+    }
+
+    /// r R of light that comes from a direction on a surface that faces z.
+    fn oblique_times_r_toward(&self, offset: [f64; 3], toward: [f64; 3]) -> f64 {
+        let single = |v: [f64; 3]| v.map(|x| x as f32);
+        self.oblique.eval_times_r(single(offset), single(toward), [0.0, 0.0, 1.0]).into()
     }
 
     /// Both faces of a slab under parallel light: Σ|model − truth| / Σ truth.
@@ -232,6 +272,11 @@ impl Models {
         let [a, all] = [self.a.to_string(), percent(all)];
         format!("| {name} | {a} | {thinness} | {all} | {} | {} |", columns.join(" | "), percent(normalized))
     }
+}
+
+/// The way from an entry that faces z to an exit at a distance r, of which the share q lies along the surface.
+fn along(q: f64, r: f64) -> [f64; 3] {
+    [q * r, 0.0, -(1.0 - q * q).max(0.0).sqrt() * r]
 }
 
 /// Energy of a profile over the surface of a body: ∫ coverage dE, with the profile's own sums over rings.
