@@ -109,8 +109,9 @@ pub struct Integrator {
     pub max_diffuse_depth: u32,
     /// Whether a glossy or transmissive event after a diffuse one may meet light (caustics).
     pub caustics: bool,
-    /// Energy of a subsurface profile beyond the longest probe, in (0, 0.1]; the profile is renormalized
-    /// to what is left, so no energy is lost.
+    /// Energy of a subsurface profile beyond the longest probe, in (0, 0.1]; the profile is renormalized to what is left,
+    /// so a plane loses none. What comes through a thick body does: of light from beyond a distance the share tail / E is
+    /// missing, E being the profile's energy beyond that distance.
     pub subsurface_tail: f32,
     /// How light under surfaces is found.
     pub subsurface_method: SubsurfaceMethod,
