@@ -210,7 +210,7 @@ fn scene(triangles: u64, length: f32) -> Scene {
         lights: vec![Light::Rectangle {
             center: Vec3::new(4.0, -2.0, 4.0),
             edge_x: Vec3::new(-0.5, 0.7, 0.8),
-            edge_y: Vec3::new(0.9, 0.7, 0.0),
+            edge_y: Vec3::new(0.45, 0.42, -0.086),
             radiance: Vec3::splat(20.0),
             visible: false,
         }],

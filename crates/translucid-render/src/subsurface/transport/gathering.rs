@@ -16,6 +16,19 @@
 //!
 //! The sum over i is itself drawn from: a few of its terms, in proportion to g_j W_i w_i E_i and evenly spaced along the
 //! running sum, stand for all. What K_j is need be evaluated for these only.
+//!
+//! # Even light
+//! Where all E_i are alike there is nothing to share: how many y_i lie near x_j is a matter of chance, while K_j W_j of
+//! its own hardly varies. The light that half of the receivers find tells whether that of the others, A, is worth sharing
+//! with x_j; if not, its own find stands for theirs:
+//!
+//! ```text
+//! Σ_{i∈A} w_i(y_i) K_j(y_i) W_i E_i   or   Σ_{i∈A} w_i(y_j) K_j(y_j) W_j E_j
+//! ```
+//!
+//! Both have the same mean, and the choice knows neither A's places nor, without y_j's, x_j's.
+
+use std::ops::Range;
 
 use glam::Vec3;
 
@@ -82,6 +95,9 @@ pub(super) trait Receiver {
 
     /// K times the light at a place and a factor.
     fn light_from(&self, found: &Self::Found, factor: f32) -> Vec3;
+
+    /// K W E of what it has found itself, if light of this kind is not worth sharing.
+    fn alone(&self, evenness: Evenness, found: Option<&Self::Found>) -> Option<Vec3>;
 }
 
 /// A place that a receiver has found.
@@ -94,6 +110,9 @@ pub(super) trait Found: Copy {
 
     /// All light that is there.
     fn light(&self) -> Vec3;
+
+    /// Normal of the surface, 0 where there is none.
+    fn normal(&self) -> Vec3;
 }
 
 /// Where and how the light of a receiver is added.
@@ -131,10 +150,15 @@ impl<R: Receiver> Default for Gathering<R> {
 
 /// Work space for receivers of one kind.
 struct Sums<F> {
-    /// Places, by coordinate (filled up to whole [`LANES`]), Σ g.
+    /// Places, by coordinate (each half filled up to whole [`LANES`]), Σ g over the receivers of each half.
     found: Vec<F>,
     points: [Vec<f32>; COORDINATES],
-    sums: Vec<f32>,
+    sums: [Vec<f32>; 2],
+    /// Where the second half begins.
+    split: usize,
+    /// What each receiver has found, and the light it has from there in place of that of each half.
+    own: Vec<Option<usize>>,
+    alone: Vec<[Option<Vec3>; 2]>,
     /// w_i W_i, and that times the light, by channel.
     coefficients: Vec<f32>,
     bright: [Vec<f32>; 3],
@@ -151,7 +175,10 @@ impl<F> Default for Sums<F> {
         Self {
             found: Vec::new(),
             points: Default::default(),
-            sums: Vec::new(),
+            sums: Default::default(),
+            split: 0,
+            own: Vec::new(),
+            alone: Vec::new(),
             coefficients: Vec::new(),
             bright: Default::default(),
             terms: Vec::new(),
@@ -202,10 +229,57 @@ impl<R: Receiver> Gathering<R> {
     }
 }
 
+/// Sums over places that tell how even they and their light are.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Evenness {
+    count: f32,
+    light: f32,
+    light_squared: f32,
+    normal: Vec3,
+}
+
+impl Evenness {
+    fn of(found: &impl Found) -> Self {
+        let light = found.light().element_sum();
+        Self { count: 1.0, light, light_squared: light * light, normal: found.normal() }
+    }
+
+    /// These and as many times others.
+    fn plus(self, factor: f32, other: Self) -> Self {
+        Self {
+            count: self.count + factor * other.count,
+            light: self.light + factor * other.light,
+            light_squared: self.light_squared + factor * other.light_squared,
+            normal: self.normal + factor * other.normal,
+        }
+    }
+
+    /// Variance of the light over its mean squared; 0 where nothing is known.
+    pub(super) fn variance(&self) -> f32 {
+        let square = self.light * self.light;
+        if square > 0.0 { self.count * self.light_squared / square - 1.0 } else { 0.0 }
+    }
+
+    /// Variance of the normals.
+    pub(super) fn roughness(&self) -> f32 {
+        if self.count > 0.0 { 1.0 - self.normal.length_squared() / (self.count * self.count) } else { 1.0 }
+    }
+}
+
+/// The half that a receiver belongs to.
+fn half_of(row: usize) -> usize {
+    row % 2
+}
+
 impl<F: Found> Sums<F> {
     /// Number of places, filled up.
     fn width(&self) -> usize {
-        self.sums.len()
+        self.found.len()
+    }
+
+    /// Places of each half.
+    fn halves(&self) -> [Range<usize>; 2] {
+        [0..self.split, self.split..self.width()]
     }
 
     /// Everything that all receivers share.
@@ -219,54 +293,113 @@ impl<F: Found> Sums<F> {
     {
         self.found.clear();
         self.points.iter_mut().for_each(Vec::clear);
-        for &index in alike {
-            for found in found_by(index) {
-                self.found.push(*found);
-                for (points, coordinate) in self.points.iter_mut().zip(found.coordinates()) {
-                    points.push(coordinate);
+        self.own.clear();
+        self.own.resize(alike.len(), None);
+        let mut evenness = [Evenness::default(); 2];
+        for (half, evenness) in evenness.iter_mut().enumerate() {
+            self.split = self.found.len();
+            for row in (half..alike.len()).step_by(2) {
+                for found in found_by(alike[row]) {
+                    self.own[row] = Some(self.found.len());
+                    self.push(found);
+                    *evenness = evenness.plus(1.0, Evenness::of(found));
                 }
             }
+            self.fill_up();
         }
+        self.alone.clear();
+        for (row, &index) in alike.iter().enumerate() {
+            let own = self.own[row].map(|i| &self.found[i]);
+            let mut known = evenness;
+            if let Some(own) = own {
+                known[half_of(row)] = known[half_of(row)].plus(-1.0, Evenness::of(own));
+            }
+            // Each half by what the other knows
+            self.alone.push([known[1], known[0]].map(|known| waiting[index].alone(known, own)));
+        }
+        if self.width() > 0 && self.alone.iter().flatten().any(Option::is_none) {
+            self.weigh(alike, waiting);
+        }
+    }
+
+    fn push(&mut self, found: &F) {
+        self.found.push(*found);
+        for (points, coordinate) in self.points.iter_mut().zip(found.coordinates()) {
+            points.push(coordinate);
+        }
+    }
+
+    /// Adds places that no receiver is near, up to whole [`LANES`].
+    fn fill_up(&mut self) {
+        let Some(&last) = self.found.last() else { return };
         let width = self.found.len().next_multiple_of(LANES);
+        self.found.resize(width, last);
         for (coordinate, values) in self.points.iter_mut().enumerate() {
             values.resize(width, if coordinate < 3 { FAR } else { 0.0 });
         }
-        self.sums.clear();
-        self.sums.resize(width, 0.0);
-        self.nearness.resize(width * alike.len(), 0.0);
-        if width == 0 {
-            return;
+    }
+
+    /// Weights of all places.
+    fn weigh<R: Receiver<Found = F>>(&mut self, alike: &[usize], waiting: &[R]) {
+        let width = self.width();
+        for sums in &mut self.sums {
+            sums.clear();
+            sums.resize(width, 0.0);
         }
+        self.nearness.resize(width * alike.len(), 0.0);
         let points = self.points.each_ref().map(Vec::as_slice);
-        for (row, &index) in self.nearness.chunks_exact_mut(width).zip(alike) {
-            waiting[index].fill(points, row, &mut self.sums);
+        for (row, (near, &index)) in self.nearness.chunks_exact_mut(width).zip(alike).enumerate() {
+            waiting[index].fill(points, near, &mut self.sums[half_of(row)]);
         }
         self.coefficients.clear();
         self.bright.iter_mut().for_each(Vec::clear);
-        for (found, sum) in self.found.iter().zip(&self.sums) {
-            let coefficient = found.own_weight() / sum;
+        for (i, found) in self.found.iter().enumerate() {
+            let coefficient = found.own_weight() / (self.sums[0][i] + self.sums[1][i]);
             let bright = coefficient * found.light();
-            let is_usable = coefficient > 0.0 && bright.max_element() > 0.0 && bright.is_finite();
+            let is_usable = coefficient > 0.0
+                && bright.max_element() > 0.0
+                && bright.is_finite()
+                && self.points[0][i] != FAR;
             self.coefficients.push(if is_usable { coefficient } else { 0.0 });
             for (c, channel) in self.bright.iter_mut().enumerate() {
                 channel.push(if is_usable { bright[c] } else { 0.0 });
             }
         }
-        self.bright.iter_mut().for_each(|channel| channel.resize(width, 0.0));
         self.terms.resize(width, 0.0);
     }
 
     /// Light for the receiver of a row.
     fn gather<R: Receiver<Found = F>>(&mut self, row: usize, receiver: &R) -> Vec3 {
         let width = self.width();
+        let alone = self.alone[row];
+        if let [Some(light), Some(_)] = alone {
+            return light;
+        }
+        if width == 0 {
+            return Vec3::ZERO;
+        }
+        let mut light = Vec3::ZERO;
+        if let Some(i) = self.own[row] {
+            let sums = [self.sums[0][i], self.sums[1][i]];
+            for half in 0..2 {
+                let part = sums[half] / (sums[0] + sums[1]);
+                light += alone[half].filter(|_| part.is_finite()).unwrap_or(Vec3::ZERO) * part;
+            }
+        }
         let near = &self.nearness[row * width..(row + 1) * width];
         let color = receiver.color();
         let most = color.max_element();
         // What has none of this receiver's color is worth nothing to it
         let color = if most > 0.0 { color / most } else { Vec3::ONE };
-        let [red, green, blue] = self.bright.each_ref().map(|channel| &channel[..width]);
-        let terms = &mut self.terms[..width];
-        for i in 0..width {
+        let shared = match alone {
+            [None, None] => 0..width,
+            [None, _] => self.halves()[0].clone(),
+            _ => self.halves()[1].clone(),
+        };
+        let [red, green, blue] = self.bright.each_ref().map(|channel| &channel[shared.clone()]);
+        let near = &near[shared.clone()];
+        let terms = &mut self.terms[..shared.len()];
+        for i in 0..shared.len() {
             terms[i] = near[i] * (red[i] * color.x + green[i] * color.y + blue[i] * color.z);
         }
         self.partial.clear();
@@ -275,10 +408,9 @@ impl<F: Found> Sums<F> {
         }
         let sum: f32 = self.partial.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
-            return Vec3::ZERO;
+            return light;
         }
         let step = sum / R::PICKS as f32;
-        let mut light = Vec3::ZERO;
         // Picks are where the running sum passes (random + k) steps
         let mut passed = 0.0;
         let mut picked = 0;
@@ -302,11 +434,115 @@ impl<F: Found> Sums<F> {
                 }
                 if picked > before {
                     let stands_for = (picked - before) as f32 * step / term;
-                    light += receiver.light_from(&self.found[i], stands_for * self.coefficients[i]);
+                    let place = shared.start + i;
+                    light += receiver.light_from(&self.found[place], stands_for * self.coefficients[place]);
                 }
             }
             passed = end;
         }
         light
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::split_mix;
+
+    /// Finds places on a line, up to 1 away, with light that is (2 + y) times 0.5 or 1.5 there.
+    struct Toy {
+        x: f32,
+        account: Account,
+    }
+
+    #[derive(Clone, Copy)]
+    struct Spot {
+        y: f32,
+        light: f32,
+    }
+
+    impl Found for Spot {
+        fn coordinates(&self) -> [f32; COORDINATES] {
+            [self.y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        }
+
+        fn own_weight(&self) -> f32 {
+            1.0
+        }
+
+        fn light(&self) -> Vec3 {
+            Vec3::splat(self.light)
+        }
+
+        fn normal(&self) -> Vec3 {
+            Vec3::Z
+        }
+    }
+
+    impl Receiver for Toy {
+        type Kind = ();
+        type Found = Spot;
+        const PICKS: usize = 3;
+
+        fn kind(&self) {}
+
+        fn account(&self) -> &Account {
+            &self.account
+        }
+
+        fn fill(&self, [y, ..]: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
+            for (i, y) in y.iter().enumerate() {
+                row[i] = if (y - self.x).abs() < 1.0 { 0.5 } else { 0.0 };
+                sums[i] += row[i];
+            }
+        }
+
+        fn color(&self) -> Vec3 {
+            Vec3::ONE
+        }
+
+        fn light_from(&self, spot: &Spot, factor: f32) -> Vec3 {
+            spot.light() * (factor * (1.0 + 0.3 * (spot.y - self.x)) * 0.5)
+        }
+
+        fn alone(&self, evenness: Evenness, spot: Option<&Spot>) -> Option<Vec3> {
+            (evenness.variance() < 0.3).then(|| spot.map_or(Vec3::ZERO, |spot| self.light_from(spot, 2.0)))
+        }
+    }
+
+    /// Every receiver keeps to its own for one half, for both or for none, as the light falls out.
+    ///
+    /// Nine comparisons of about 4 × 10⁴ trials, where 5 standard errors have a probability of 6e-7.
+    #[test]
+    fn choices_keep_the_mean() {
+        let mut state = 7_u64;
+        let mut random = move || {
+            state = split_mix(state);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        let mut gathering = Gathering::<Toy>::default();
+        let mut moments = [(0.0_f64, 0.0_f64); 9];
+        let trials = 40_000;
+        for _ in 0..trials {
+            for sample in 0..9 {
+                let x = 0.2 * sample as f32;
+                let account =
+                    Account { sample, layer: Layer::Subsurface, throughput: Vec3::ONE, random: random() };
+                let y = x + 2.0 * random() - 1.0;
+                let light = (2.0 + y) * if random() < 0.5 { 0.5 } else { 1.5 };
+                gathering.push(Toy { x, account }, [Spot { y, light }]);
+            }
+            gathering.resolve(|sample, _, light| {
+                let light = f64::from(light.x);
+                moments[sample].0 += light;
+                moments[sample].1 += light * light;
+            });
+        }
+        for (sample, (sum, squared)) in moments.into_iter().enumerate() {
+            let (n, x) = (f64::from(trials), 0.2 * sample as f64);
+            let exact = 2.0 + x + 0.1;
+            let error = ((squared / n - (sum / n).powi(2)) / n).sqrt();
+            assert!((sum / n - exact).abs() < 5.0 * error, "{sample}: {} ± {error}, not {exact}", sum / n);
+        }
     }
 }

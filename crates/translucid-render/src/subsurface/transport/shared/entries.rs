@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::nearness::Nearness;
 use crate::subsurface::entry_point::Arrival;
 use crate::subsurface::kernel::{CutProfile, Directions, Passage};
-use crate::subsurface::transport::gathering::{Account, COORDINATES, ExitKind, Found, Receiver};
+use crate::subsurface::transport::gathering::{Account, COORDINATES, Evenness, ExitKind, Found, Receiver};
 
 /// A point where light has entered.
 #[derive(Clone, Copy, Debug)]
@@ -34,7 +34,23 @@ impl Found for EntryLight {
     fn light(&self) -> Vec3 {
         self.arrivals[0].light + self.arrivals[1].light
     }
+
+    fn normal(&self) -> Vec3 {
+        self.normal
+    }
 }
+
+/// Relative variance of light, times the profile's mean radius in pixels, from which on it is worth sharing.
+///
+/// Measured by the bench `sharing`: at 0.15 the head's variance was 1.04 times that at 0.05, at 0.5 it was 1.17 times that.
+const LEAST_VARIANCE: f32 = 0.05;
+
+/// What is added to this on flat ground, where every probe of a pixel hits, and those of its samples complement each other:
+/// 16 leave a fiftieth of the variance that 16 independent ones would.
+const LEAST_VARIANCE_ON_FLAT: f32 = 2.0;
+
+/// Variance of normals from which on nothing is flat.
+const ROUGHEST: f32 = 0.01;
 
 /// An exit that waits for light.
 pub(crate) struct WaitingExit<'a> {
@@ -48,6 +64,8 @@ pub(crate) struct WaitingExit<'a> {
     pub(crate) directions: Directions<'a>,
     pub(crate) profiles: [CutProfile<'a>; 3],
     pub(crate) nearness: Nearness,
+    /// Mean radius of the widest profile in pixels.
+    pub(crate) mean_radius: f32,
 }
 
 impl Receiver for WaitingExit<'_> {
@@ -87,6 +105,16 @@ impl Receiver for WaitingExit<'_> {
         };
         // The brightest light is that of extreme scenes: what it is multiplied with is about 1
         reflectance * factor * entry.arrivals.iter().map(light).sum::<Vec3>()
+    }
+
+    fn alone(&self, evenness: Evenness, found: Option<&EntryLight>) -> Option<Vec3> {
+        let own = |entry: &EntryLight| {
+            let near = self.nearness.at(self.position.distance_squared(entry.position));
+            if near > 0.0 { self.light_from(entry, entry.own_weight / near) } else { Vec3::ZERO }
+        };
+        let flatness = (1.0 - evenness.roughness() / ROUGHEST).max(0.0);
+        let least = LEAST_VARIANCE + LEAST_VARIANCE_ON_FLAT * flatness;
+        (evenness.variance() * self.mean_radius < least).then(|| found.map_or(Vec3::ZERO, own))
     }
 }
 

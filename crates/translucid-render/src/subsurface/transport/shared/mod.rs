@@ -52,7 +52,8 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let found = tracer.scratch().probes.find_own(&own, world, exit, path.throughput, sampler);
     let reaches = own.profiles.map(|profile| profile.longest());
     let nearness = Nearness::new(own.shares, reaches, probes.tail);
-    if nearness.mean_radius() < LEAST_PIXELS * tracer.pixel_angle() * path.sample.depth {
+    let mean_radius = nearness.mean_radius() / (tracer.pixel_angle() * path.sample.depth);
+    if mean_radius < LEAST_PIXELS {
         let Some((hit, weight)) = found else { return false };
         let found = EntryHit { hit, weight: weight.value, subsurface: exit.subsurface };
         return probes.leave(&found, tracer, world, path, exit, sampler);
@@ -81,6 +82,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         directions: probes.kernel.directions(&exit.subsurface),
         profiles: own.profiles,
         nearness,
+        mean_radius,
     };
     tracer.scratch().shared.push(waiting, entry);
     false

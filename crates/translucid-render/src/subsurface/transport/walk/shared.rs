@@ -27,7 +27,9 @@ use crate::sampling::{Reserved, Sampler, split_mix};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
-use crate::subsurface::transport::gathering::{Account, COORDINATES, ExitKind, Found, Gathering, Receiver};
+use crate::subsurface::transport::gathering::{
+    Account, COORDINATES, Evenness, ExitKind, Found, Gathering, Receiver,
+};
 use crate::subsurface::transport::shared::arrivals;
 use crate::world::{Layer, PathState, World};
 
@@ -111,6 +113,10 @@ impl Found for FlightLight {
     fn light(&self) -> Vec3 {
         self.light
     }
+
+    fn normal(&self) -> Vec3 {
+        self.place.normal
+    }
 }
 
 impl Receiver for Collision<'_> {
@@ -141,6 +147,11 @@ impl Receiver for Collision<'_> {
             return Vec3::ZERO;
         }
         found.light * factor * self.kernel.by_channel(&found.place)
+    }
+
+    /// A flight varies whatever the light is.
+    fn alone(&self, _evenness: Evenness, _found: Option<&FlightLight>) -> Option<Vec3> {
+        None
     }
 }
 
