@@ -145,12 +145,13 @@ impl SubsurfaceSet {
         let recipe = WalkRecipe::of(material, surface);
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
-                let note = Note::of_nearest(material, recipe.g_and_eta());
+                let notes = Note::of_nearest(material, recipe.g_and_eta()).into_iter();
+                let notes = notes.chain(Note::of_walk(scene, material)).collect();
                 let is_even = material.subsurface_color.texture.is_none()
                     && material.subsurface_radius.texture.is_none()
                     && material.subsurface_radius_scale.texture.is_none();
                 let share = scene.integrator.subsurface_sharing && is_even;
-                (SubsurfaceTransport::Walk(Walks { medium, share }), note.into_iter().collect())
+                (SubsurfaceTransport::Walk(Walks { medium, share }), notes)
             }
             Err(error) => self.stand_in(scene, index, &error.to_string()),
         }

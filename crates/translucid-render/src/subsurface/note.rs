@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use translucid_scene::{Light, Material, Scene, SubsurfaceModel, WalkSurface};
+use translucid_scene::{
+    Light, Material, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt,
+    WalkSurface,
+};
 
 use crate::light;
 
@@ -21,6 +24,8 @@ pub enum NoteKind {
     MeanOverDirections,
     /// Walks under a boundary never meet lights without a size.
     LightsWithoutSize,
+    /// A random walk has no profile, which keys of the scene are about.
+    NoProfile,
     /// Shapes do not count in how much light profiles return.
     NoNormalization,
 }
@@ -69,6 +74,22 @@ impl Note {
             material: None,
             message,
         })
+    }
+
+    /// Words on what is asked of a profile where a material walks.
+    pub(crate) fn of_walk(scene: &Scene, material: &Material) -> Option<Remark> {
+        let has_points = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
+        let pairs = material.subsurface_texture_at != SubsurfaceTextureAt::Exit;
+        let normalizes = material.subsurface_normalization != SubsurfaceNormalization::None;
+        let keys = [
+            (has_points, "subsurface_method = \"point-based\""),
+            (pairs, "subsurface_texture_at"),
+            (normalizes, "subsurface_normalization"),
+        ];
+        let keys: Vec<&str> = keys.into_iter().filter(|(is_set, _)| *is_set).map(|(_, key)| key).collect();
+        let model = material.subsurface_model.name();
+        let words = || format!("{model} has no profile: {} does not concern it", keys.join(", "));
+        (!keys.is_empty()).then(|| (NoteKind::NoProfile, words()))
     }
 
     /// Words on the g and η that a material states otherwise than its model uses them; `None` where it does not.

@@ -13,7 +13,7 @@ use translucid_reference::exact::ObliqueHalfSpace;
 use translucid_render::NoteKind;
 use translucid_scene::{
     ColorInput, ColorSpace, Image, Light, Material, Pixels, ProfileRow, ProfileTable, ScalarInput, Scene,
-    SubsurfaceModel, TextureRef, WalkSurface,
+    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt, TextureRef, WalkSurface,
 };
 
 use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
@@ -164,6 +164,29 @@ fn normalized_diffusion_knows_phase_function_and_boundary() {
                 assert_within(&format!("{model} {name} {g} {eta}"), result, expected);
             }
         }
+    }
+}
+
+/// A walk has no profile to gather from points, to pair or to normalize: what asks for one is not passed over in silence.
+#[test]
+fn walk_says_which_keys_do_not_concern_it() {
+    let notes = |material: Material, method| {
+        let mut scene = slab(material, 1.0);
+        scene.integrator.subsurface_method = method;
+        let notes = prepare(scene).notes();
+        notes.iter().map(|note| (note.kind, note.to_string())).collect::<Vec<_>>()
+    };
+    let walk = material(SubsurfaceModel::RandomWalk(WalkSurface::Clear));
+    assert_eq!(notes(walk.clone(), SubsurfaceMethod::RayTraced), []);
+    let asking = Material {
+        subsurface_texture_at: SubsurfaceTextureAt::Both,
+        subsurface_normalization: SubsurfaceNormalization::Energy,
+        ..walk
+    };
+    let [(kind, words)] = &notes(asking, SubsurfaceMethod::PointBased)[..] else { panic!("one note") };
+    assert_eq!(*kind, NoteKind::NoProfile);
+    for key in ["subsurface_method = \"point-based\"", "subsurface_texture_at", "subsurface_normalization"] {
+        assert!(words.contains(key), "{words}");
     }
 }
 
