@@ -371,8 +371,8 @@ def test_names_are_given_once():
 
 @pytest.fixture(scope="module")
 def large_mesh(tmp_path_factory):
-    """A file of three million triangles."""
-    path, side = tmp_path_factory.mktemp("mesh") / "large.ply", 1200
+    """A file of eight million triangles, which takes about a second to load."""
+    path, side = tmp_path_factory.mktemp("mesh") / "large.ply", 2000
     grid = np.arange(side * side, dtype=np.int32).reshape(side, side)
     vertices = np.zeros((side, side, 3), dtype="<f4")
     vertices[..., 0], vertices[..., 2] = np.meshgrid(np.arange(side), np.arange(side))
