@@ -10,7 +10,6 @@
 #![allow(clippy::print_stdout, reason = "a bench prints its table")]
 
 use std::hint::black_box;
-use std::path::Path;
 
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
@@ -19,7 +18,7 @@ use translucid_profile::{
     ParameterError, Parameterization, Profile, TabulatedProfile,
 };
 use translucid_reference::walk::{Parameters, Problem, Walker};
-use translucid_testing::{golden_uniforms, thread_cpu_seconds};
+use translucid_testing::{golden_uniforms, thread_cpu_seconds, write_measured};
 
 /// Vector instructions of the walk's step for 16 photons of η = 1 and g = 0, counted in its source: three random
 /// words 27, exponential flight 21, circle 20, polar angle 7, direction and place 5, end of the flight 4.
@@ -37,9 +36,6 @@ const RUNS: usize = 9;
 /// Numbers in a slice: arguments and results stay in the first cache.
 const COUNT: usize = 1024;
 
-const BEGIN: &str = "<!-- measured: cargo bench -p translucid-reference --bench kernels -- --write -->";
-const END: &str = "<!-- end of what was measured -->";
-
 fn main() {
     let rates = Rates::measure();
     let mut text = String::new();
@@ -48,19 +44,12 @@ fn main() {
     text += &profile_table(&rates);
     println!("{text}");
     if std::env::args().any(|word| word == "--write") {
-        write(&text);
+        write_measured(
+            "docs/speed/kernels.md",
+            "cargo bench -p translucid-reference --bench kernels -- --write",
+            &text,
+        );
     }
-}
-
-/// Puts the tables between the marks of the document.
-fn write(text: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/kernels.md");
-    let document =
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
-    let Some((head, tail)) = marks else { panic!("{} has no marks {BEGIN} … {END}", path.display()) };
-    let document = format!("{head}{BEGIN}\n\n{}\n\n{END}{tail}", text.trim());
-    std::fs::write(&path, document).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
 /// Peak rates of one core, in operations on single elements of a vector per nanosecond, and bytes per nanosecond.

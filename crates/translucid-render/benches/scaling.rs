@@ -10,19 +10,14 @@
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
-use std::f32::consts::{PI, TAU};
+mod common;
+
 use std::fmt::Write;
-use std::path::Path;
 use std::time::Instant;
 
-use glam::{Mat3, Vec3};
-use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    SubsurfaceModel, Unit,
-};
-use translucid_testing::cpu_seconds;
+use translucid_scene::Scene;
+use translucid_testing::{cpu_seconds, write_measured};
 
 /// Edge of the pictures in pixels.
 const SIZE: u32 = 256;
@@ -35,9 +30,6 @@ const USUAL_LENGTH: f32 = 0.01;
 /// Triangles, where they are not what changes.
 const USUAL_TRIANGLES: u64 = 100_000;
 
-const BEGIN: &str = "<!-- measured: cargo bench -p translucid-render --bench scaling -- --write -->";
-const END: &str = "<!-- end of what was measured -->";
-
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
@@ -46,19 +38,12 @@ fn main() {
     let tables = [by_triangles(numbers.collect()), by_length(), by_threads()].concat();
     println!("{tables}");
     if arguments.iter().any(|argument| argument == "--write") {
-        write(&tables);
+        write_measured(
+            "docs/speed/scaling.md",
+            "cargo bench -p translucid-render --bench scaling -- --write",
+            &tables,
+        );
     }
-}
-
-/// Puts the tables between the marks of the document.
-fn write(tables: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/scaling.md");
-    let document =
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
-    let (head, tail) = marks.unwrap_or_else(|| panic!("{} has no marks", path.display()));
-    std::fs::write(&path, format!("{head}{BEGIN}\n\n{tables}{END}{tail}"))
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
 fn by_triangles(numbers: Vec<u64>) -> String {
@@ -176,71 +161,5 @@ fn picture(renderer: &PreparedScene, samples: u32) -> FilmSums {
 
 /// The ball with bumps, of about so many triangles, and a mean free path over its diameter.
 fn scene(triangles: u64, length: f32) -> Scene {
-    let material = Material {
-        name: "wax".into(),
-        specular_weight: ScalarInput::constant(0.0),
-        subsurface_weight: ScalarInput::constant(1.0),
-        subsurface_color: ColorInput::constant(Vec3::new(0.8, 0.6, 0.4)),
-        subsurface_radius: ScalarInput::constant(2.0 * length),
-        subsurface_radius_scale: ColorInput::constant(Vec3::new(1.0, 0.6, 0.4)),
-        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusion),
-        ..Material::default()
-    };
-    Scene {
-        unit: Unit::Centimeter,
-        camera: Camera {
-            position: Vec3::new(0.0, -6.0, 1.0),
-            target: Vec3::ZERO,
-            up: Vec3::Z,
-            horizontal_fov: 22.0,
-            lens_radius: 0.0,
-            focus_distance: 6.0,
-        },
-        film: Film { width: SIZE, height: SIZE, ..Film::default() },
-        integrator: Integrator::default(),
-        objects: vec![Object {
-            name: "ball".into(),
-            mesh: bumpy_ball(triangles).into(),
-            material: 0,
-            subsurface_group: 0,
-        }],
-        materials: vec![material],
-        images: Vec::new(),
-        profile_tables: Vec::new(),
-        lights: vec![Light::Rectangle {
-            center: Vec3::new(4.0, -2.0, 4.0),
-            edge_x: Vec3::new(-0.5, 0.7, 0.8),
-            edge_y: Vec3::new(0.45, 0.42, -0.086),
-            radiance: Vec3::splat(20.0),
-            visible: false,
-        }],
-        environment: Some(Environment {
-            radiance: Vec3::splat(0.2),
-            image: None,
-            world_from_environment: Mat3::IDENTITY,
-            visible: false,
-        }),
-    }
-}
-
-fn bumpy_ball(triangles: u64) -> Mesh {
-    let rows = ((triangles as f64 / 4.0).sqrt().round() as u32).max(4);
-    let columns = 2 * rows;
-    let mut mesh = Mesh::default();
-    for (i, j) in (0..=rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
-        let (theta, phi) = (PI * i as f32 / rows as f32, TAU * j as f32 / columns as f32);
-        let bump = 0.04 * (11.0 * theta).sin() * (9.0 * phi).sin() * theta.sin();
-        let direction = Vec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
-        mesh.positions.push(direction * (0.96 + bump));
-    }
-    for (i, j) in (0..rows).flat_map(|i| (0..columns).map(move |j| (i, j))) {
-        let (a, b) = (i * columns + j, i * columns + (j + 1) % columns);
-        if i > 0 {
-            mesh.triangles.push([a, a + columns, b]);
-        }
-        if i + 1 < rows {
-            mesh.triangles.push([b, a + columns, b + columns]);
-        }
-    }
-    mesh
+    common::scene(common::bumpy_ball(triangles), 2.0 * length, SIZE)
 }

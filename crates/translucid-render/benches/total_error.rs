@@ -28,9 +28,9 @@ use translucid_render::{FilmSums, PreparedScene, layer, measure};
 use translucid_scene::{
     Integrator, LoadOptions, Scene, SceneFile, SubsurfaceModel, WalkSurface, load_scene, still_life,
 };
-use translucid_testing::{asset, cpu_seconds};
+use translucid_testing::{asset, cpu_seconds, write_measured};
 
-/// What is compared. The first is what scenes have that name none.
+/// The models that are compared; the first is that of scenes that name none.
 const MODELS: [SubsurfaceModel; 4] = [
     SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
     SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined),
@@ -46,9 +46,6 @@ const BUDGETS: [f64; 3] = [16.0, 64.0, 256.0];
 const BLOCK: u32 = 16;
 /// Surface albedo of spheres and slabs.
 const ALBEDO: f64 = 0.8;
-
-const BEGIN: &str = "<!-- measured: cargo bench -p translucid-render --bench total_error -- --write -->";
-const END: &str = "<!-- end of what was measured -->";
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -71,19 +68,12 @@ fn main() {
     println!("{tables}\n{size} pixels wide, {samples} samples, {:.0} CPU s", cpu_seconds() - start);
     if arguments.iter().any(|argument| argument == "--write") {
         assert_eq!(results.len(), cases.len(), "the document has all scenes");
-        write(&tables);
+        write_measured(
+            "docs/accuracy/total-error.md",
+            "cargo bench -p translucid-render --bench total_error -- --write",
+            &tables,
+        );
     }
-}
-
-/// Puts the tables between the marks of the document.
-fn write(tables: &str) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/accuracy/total-error.md");
-    let document =
-        std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let marks = document.split_once(BEGIN).and_then(|(head, rest)| Some((head, rest.split_once(END)?.1)));
-    let (head, tail) = marks.unwrap_or_else(|| panic!("{} has no marks", path.display()));
-    std::fs::write(&path, format!("{head}{BEGIN}\n\n{tables}{END}{tail}"))
-        .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
 /// A scene by the name that the tables have for it.
@@ -227,7 +217,7 @@ subsurface_radius_scale = 1
     )
 }
 
-/// What is known of a scene.
+/// Noise, bias and cost of all models in a scene.
 struct Findings {
     /// Noise of a sample of each model over the light of each truth, with its standard error.
     noise: [[(f64, f64); MODELS.len()]; TRUTHS.len()],

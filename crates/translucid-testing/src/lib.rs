@@ -7,6 +7,7 @@
 //! Helpers of one crate's tests stay in that crate.
 
 mod cpu_time;
+mod measured;
 mod mutants;
 mod split_mix;
 
@@ -14,6 +15,7 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 
 pub use cpu_time::{cpu_seconds, thread_cpu_seconds};
+pub use measured::write_measured;
 pub use mutants::mutants;
 pub use split_mix::{SplitMix, golden_uniforms};
 

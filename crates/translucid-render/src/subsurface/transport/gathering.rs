@@ -28,8 +28,6 @@
 //!
 //! Both have the same mean, and the choice knows neither A's places nor, without y_j's, x_j's.
 
-use std::ops::Range;
-
 use glam::Vec3;
 
 use crate::subsurface::exit_point::ExitPoint;
@@ -156,8 +154,9 @@ struct Sums<F> {
     sums: [Vec<f32>; 2],
     /// Where the second half begins.
     split: usize,
-    /// What each receiver has found, and the light it has from there in place of that of each half.
+    /// Place that each receiver has found.
     own: Vec<Option<usize>>,
+    /// Light that each receiver has from there, in place of that of each half.
     alone: Vec<[Option<Vec3>; 2]>,
     /// w_i W_i, and that times the light, by channel.
     coefficients: Vec<f32>,
@@ -277,11 +276,6 @@ impl<F: Found> Sums<F> {
         self.found.len()
     }
 
-    /// Places of each half.
-    fn halves(&self) -> [Range<usize>; 2] {
-        [0..self.split, self.split..self.width()]
-    }
-
     /// Everything that all receivers share.
     fn prepare<'f, R: Receiver<Found = F>>(
         &mut self,
@@ -393,8 +387,8 @@ impl<F: Found> Sums<F> {
         let color = if most > 0.0 { color / most } else { Vec3::ONE };
         let shared = match alone {
             [None, None] => 0..width,
-            [None, _] => self.halves()[0].clone(),
-            _ => self.halves()[1].clone(),
+            [None, _] => 0..self.split,
+            _ => self.split..width,
         };
         let [red, green, blue] = self.bright.each_ref().map(|channel| &channel[shared.clone()]);
         let near = &near[shared.clone()];

@@ -45,8 +45,8 @@ impl Found for EntryLight {
 /// Measured by the bench `sharing`: at 0.15 the head's variance was 1.04 times that at 0.05, at 0.5 it was 1.17 times that.
 const LEAST_VARIANCE: f32 = 0.05;
 
-/// What is added to this on flat ground, where every probe of a pixel hits, and those of its samples complement each other:
-/// 16 leave a fiftieth of the variance that 16 independent ones would.
+/// Addition to [`LEAST_VARIANCE`] on flat ground, where every probe hits and those of a pixel's samples complement each
+/// other.
 const LEAST_VARIANCE_ON_FLAT: f32 = 2.0;
 
 /// Variance of normals from which on nothing is flat.
