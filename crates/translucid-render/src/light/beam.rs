@@ -26,6 +26,11 @@ impl Beam {
         valid.then(|| Self { origin, direction, radius, irradiance, power: luminance(power) })
     }
 
+    /// Direction that the light comes from.
+    pub(crate) fn toward(&self) -> Vec3 {
+        -self.direction
+    }
+
     /// Power (luminance).
     pub(crate) fn power(&self) -> f32 {
         self.power

@@ -55,6 +55,14 @@ impl PlacedLight {
         }
     }
 
+    /// Whether no ray can meet it.
+    pub(crate) fn is_unmet(&self) -> bool {
+        match self {
+            Self::Distant(light) => !light.is_disc(),
+            _ => matches!(self, Self::Spot(_) | Self::Beam(_)),
+        }
+    }
+
     /// Whether it is a surface at some place.
     pub(crate) fn is_surface(&self) -> bool {
         matches!(self, Self::Rectangle(_) | Self::Sphere(_))
@@ -98,16 +106,6 @@ impl PlacedLight {
     }
 }
 
-/// Name of its kind, if no ray can meet it.
-pub(crate) fn kind_without_size(light: &Light) -> Option<&'static str> {
-    match PlacedLight::new(light)? {
-        PlacedLight::Spot(_) => Some("spot"),
-        PlacedLight::Beam(_) => Some("beam"),
-        PlacedLight::Distant(light) if !light.is_disc() => Some("distant"),
-        _ => None,
-    }
-}
-
 /// All lights that shine.
 #[derive(Clone, Debug)]
 pub(crate) struct Emitters {
@@ -147,6 +145,16 @@ impl Emitters {
         match self.sources.get(light) {
             Some(source) => source.power(cross_section),
             None => self.triangles[light - self.sources.len()].power(),
+        }
+    }
+
+    /// Unit normal at a place of a light that is a surface.
+    pub(crate) fn normal_at(&self, light: usize, place: Vec3) -> Option<Vec3> {
+        match self.sources.get(light) {
+            Some(PlacedLight::Rectangle(light)) => Some(light.normal()),
+            Some(PlacedLight::Sphere(light)) => light.normal_at(place),
+            Some(_) => None,
+            None => self.triangles[light - self.sources.len()].normal(),
         }
     }
 

@@ -10,6 +10,7 @@
 //! them is asked for, radiance and density are those of all of them together.
 
 mod beam;
+mod bent;
 mod bounds;
 mod directions;
 mod distant;
@@ -29,12 +30,12 @@ mod weights;
 use glam::Vec3;
 use translucid_scene::Scene;
 
+use bent::Unmet;
 use emitters::{Emitters, PlacedLight};
 use receiver::Receiver;
 use selection::Selection;
 use surfaces::Surfaces;
 
-pub(crate) use emitters::kind_without_size;
 pub use selection::LightSelection;
 pub use triangle::EmissiveTriangle;
 
@@ -90,7 +91,7 @@ impl LightHit {
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
         let density = match lights.emitters.sources.get(self.light) {
             Some(PlacedLight::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
-            Some(PlacedLight::Sphere(sphere)) => sphere.pdf(point),
+            Some(PlacedLight::Sphere(sphere)) => sphere.pdf(point, self.position),
             _ => 0.0,
         };
         finite_product(lights.probability(&Receiver { point, normal }, self.light), density)
@@ -103,6 +104,7 @@ pub struct LightSet {
     emitters: Emitters,
     selection: Selection,
     surfaces: Surfaces,
+    unmet: Option<Unmet>,
     /// The environment and the discs among the sources.
     infinite: Vec<usize>,
     environment: Option<usize>,
@@ -125,6 +127,7 @@ impl LightSet {
         Self {
             selection: Selection::new(&emitters, cross_section, LightSelection::Automatic),
             surfaces: Surfaces::new(&emitters.sources),
+            unmet: Unmet::new(&emitters, cross_section),
             infinite: indices(PlacedLight::is_infinite),
             environment: indices(|source| matches!(source, PlacedLight::Environment(_))).pop(),
             environment_visible: scene.environment.is_some_and(|environment| environment.visible),
@@ -153,19 +156,29 @@ impl LightSet {
     pub fn sample(&self, point: Vec3, normal: Vec3, u: f32, v: [f32; 2]) -> Option<LightSample> {
         let receiver = Receiver { point, normal };
         let (light, probability) = self.selection.choose(&self.emitters, &receiver, f64::from(u))?;
+        self.sample_of(&receiver, (light, probability), v)
+    }
+
+    /// Draws a direction toward a light that was selected with a probability.
+    fn sample_of(
+        &self,
+        receiver: &Receiver,
+        (light, probability): (usize, f32),
+        v: [f32; 2],
+    ) -> Option<LightSample> {
         let direction = match self.emitters.sources.get(light) {
-            Some(PlacedLight::Environment(light)) => Some(light.sample(&receiver, v)),
+            Some(PlacedLight::Environment(light)) => Some(light.sample(receiver, v)),
             Some(PlacedLight::Distant(light)) => light.sample_disc(v),
             _ => None,
         };
         let sample = match direction {
             Some(direction) => {
                 let radiance = self.environment_radiance(direction);
-                let pdf = self.infinite_pdf(&receiver, (light, probability), direction);
+                let pdf = self.infinite_pdf(receiver, (light, probability), direction);
                 LightSample::new(direction, f32::INFINITY, radiance, pdf)
             }
             None => {
-                let mut sample = self.emitters.sample(light, point, v)?;
+                let mut sample = self.emitters.sample(light, receiver.point, v)?;
                 sample.pdf *= probability;
                 sample
             }

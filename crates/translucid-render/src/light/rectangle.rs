@@ -49,6 +49,11 @@ impl Rectangle {
         valid.then_some(Self { corner, x, y, normal, size, radiance, luminance, visible })
     }
 
+    /// Unit normal on the side that emits.
+    pub(crate) fn normal(&self) -> Vec3 {
+        self.normal
+    }
+
     fn area(&self) -> f32 {
         self.size[0] * self.size[1]
     }

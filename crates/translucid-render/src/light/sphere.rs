@@ -9,6 +9,9 @@ use super::bounds::LightBounds;
 use super::directions::{uniform_cone, uniform_cone_pdf};
 use super::receiver::{Receiver, luminance};
 
+/// Cosine up to which a place behind the horizon counts as seen, for rounding.
+const HORIZON: f32 = 1e-3;
+
 /// See [`translucid_scene::Light::Sphere`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sphere {
@@ -59,8 +62,17 @@ impl Sphere {
         Some(LightSample::new(direction, distance, self.radiance, uniform_cone_pdf(one_minus_cos)))
     }
 
-    /// Solid-angle density with which `sample` makes a direction toward the sphere.
-    pub(crate) fn pdf(&self, point: Vec3) -> f32 {
+    /// Unit normal at a place of the sphere.
+    pub(crate) fn normal_at(&self, place: Vec3) -> Option<Vec3> {
+        (place - self.center).try_normalize()
+    }
+
+    /// Solid-angle density with which `sample` makes the direction from `point` to `hit`; 0 behind the horizon.
+    pub(crate) fn pdf(&self, point: Vec3, hit: Vec3) -> f32 {
+        let (outward, toward) = (hit - self.center, point - hit);
+        if outward.dot(toward) < -HORIZON * self.radius * toward.length() {
+            return 0.0;
+        }
         self.sin2(point).map_or(0.0, |sin2| uniform_cone_pdf(one_minus_cos(sin2)))
     }
 

@@ -41,6 +41,15 @@ impl Spot {
         valid.then_some(Self { position, direction, intensity, luminance, cos_inner, cos_outer })
     }
 
+    pub(crate) fn position(&self) -> Vec3 {
+        self.position
+    }
+
+    /// Intensity in a unit direction.
+    pub(crate) fn intensity_toward(&self, direction: Vec3) -> Vec3 {
+        self.intensity * self.falloff(direction.dot(self.direction))
+    }
+
     /// Emitted power (luminance), not less than the true one.
     pub(crate) fn power(&self) -> f32 {
         2.0 * PI * (1.0 - self.cos_outer.max(-1.0)) * luminance(self.intensity)

@@ -37,6 +37,11 @@ impl EmissiveTriangle {
         (b - a).cross(c - a)
     }
 
+    /// Unit normal on the side that emits.
+    pub(crate) fn normal(&self) -> Option<Vec3> {
+        self.cross().try_normalize()
+    }
+
     fn area(&self) -> f32 {
         0.5 * self.cross().length()
     }

@@ -2,9 +2,10 @@
 
 use glam::Vec3;
 
-use translucid_scene::Scene;
+use translucid_scene::{Object, Scene};
 
 use super::clearance::Clearance;
+use super::facets::{Beyond, Crossing, Query};
 use super::geometry::{Geometry, Hit, SurfacePoint, offset_at};
 use super::triangle::Ray;
 
@@ -36,6 +37,9 @@ pub(crate) struct Body<'a> {
 
 /// Diagonals of the scene beyond which a walk has left an open mesh for good: hardly any would find the way back.
 const FARTHEST: f32 = 2.0;
+
+/// Part of the way to a facet after which it has been met, whatever the rounding.
+const BEYOND_CROSSING: f32 = 1.001;
 
 /// The end of a flight.
 #[derive(Clone, Copy, Debug)]
@@ -143,6 +147,32 @@ impl<'a> Body<'a> {
         let cosine = if normal == Vec3::ZERO { 1.0 } else { direction.dot(normal).max(f32::EPSILON) };
         self.clearance.is_some_and(is_clear)
             || matches!(self.fly(from, direction, length - offset / cosine), FlightEnd::Inside(_))
+    }
+
+    /// Calls `found` for every way on which light from outside could reach a point through a facet, refracted, if nothing
+    /// were in the way; `objects` are those of the scene, `eta` > 1 the index inside over that outside.
+    pub(crate) fn crossings(
+        &self,
+        objects: &[Object],
+        (from, reach): (Inside, f32),
+        beyond: Beyond,
+        eta: f32,
+        found: impl FnMut(Crossing),
+    ) {
+        if self.clearance.is_some_and(|clearance| reach + self.offset <= clearance.at(from.position)) {
+            return;
+        }
+        let query = Query { from: from.position, beyond, reach, eta, side: self.side };
+        if let Some(facets) = self.geometry.facets(objects, self.group) {
+            facets.crossings(&query, found);
+        }
+    }
+
+    /// Where the body ends on a way through a facet, if it ends there.
+    pub(crate) fn end_at(&self, from: Inside, crossing: &Crossing) -> Option<Hit> {
+        let beyond = crossing.distance * BEYOND_CROSSING + self.offset;
+        let FlightEnd::Boundary { hit, .. } = self.fly(from, crossing.direction, beyond) else { return None };
+        (self.geometry.object_and_triangle_of(&hit) == crossing.triangle).then_some(hit)
     }
 
     /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.

@@ -7,13 +7,7 @@
 //! The distance transform is that of P. F. Felzenszwalb and D. P. Huttenlocher, *Distance Transforms of Sampled
 //! Functions*, 2012: the lower envelope of parabolas, one axis after the other.
 
-use std::sync::OnceLock;
-
 use glam::{UVec3, Vec3};
-use translucid_scene::Object;
-
-/// Cells of all grids together: two million bytes.
-const CELLS: f32 = 2_097_152.0;
 
 /// Steps of a cell's edge in which distances are kept, rounded down.
 const STEPS: f32 = 2.0;
@@ -23,44 +17,6 @@ const MOST_TRIANGLES: usize = 1 << 21;
 
 /// Rounding errors of a coordinate in cells, generously.
 const ROOM: f32 = 0.01;
-
-/// Grids of the subsurface groups of a scene, each made when it is first asked for.
-pub(crate) struct Clearances(Vec<Group>);
-
-struct Group {
-    number: u32,
-    /// Numbers of its objects.
-    objects: Vec<usize>,
-    grid: OnceLock<Clearance>,
-}
-
-impl Clearances {
-    pub(super) fn new(objects: &[Object]) -> Self {
-        let mut order: Vec<usize> = (0..objects.len()).collect();
-        order.sort_by_key(|&index| objects[index].subsurface_group);
-        let group = |objects_of_group: &[usize]| Group {
-            number: objects[objects_of_group[0]].subsurface_group,
-            objects: objects_of_group.to_vec(),
-            grid: OnceLock::new(),
-        };
-        let is_same = |a: &usize, b: &usize| objects[*a].subsurface_group == objects[*b].subsurface_group;
-        Self(order.chunk_by(is_same).map(group).collect())
-    }
-
-    /// The grid of a group of the objects that this was made for.
-    pub(super) fn of(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
-        let index = self.0.binary_search_by_key(&group, |group| group.number).ok()?;
-        let cells = CELLS / self.0.len() as f32;
-        let Group { objects: numbers, grid, .. } = &self.0[index];
-        let triangles = || {
-            let meshes = numbers.iter().map(|&number| &objects[number].mesh);
-            meshes.flat_map(|mesh| {
-                mesh.triangles.iter().map(|corners| corners.map(|corner| mesh.positions[corner as usize]))
-            })
-        };
-        Some(grid.get_or_init(|| Clearance::new(triangles, cells)))
-    }
-}
 
 /// A grid over the surfaces of a group.
 pub(crate) struct Clearance {
@@ -74,7 +30,7 @@ pub(crate) struct Clearance {
 
 impl Clearance {
     /// The grid of about so many cells over triangles; without cells where there are too many triangles.
-    fn new<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I, cells: f32) -> Self {
+    pub(super) fn new<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I, cells: f32) -> Self {
         let (low, high) = triangles()
             .flatten()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
@@ -223,6 +179,7 @@ fn lower_envelope(f: &[f32], envelope: &mut Vec<(usize, f32)>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ray::groups::CELLS;
 
     /// Every bound is below the distance to all triangles, by points spread over them, and not by more than the diagonals of
     /// a cell at each end, and what is rounded.

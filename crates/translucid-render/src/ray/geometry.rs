@@ -8,7 +8,9 @@ use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 use translucid_scene::{Object, Scene};
 
-use super::clearance::{Clearance, Clearances};
+use super::clearance::Clearance;
+use super::facets::Facets;
+use super::groups::Groups;
 use super::primitive::{Primitive, PrimitiveSource};
 use super::wide_tree::WideTree;
 use crate::ray::Ray;
@@ -70,7 +72,7 @@ pub struct Geometry {
     tree: WideTree,
     /// Number of triangles in the objects before each object, and in all.
     first_triangle: Vec<u32>,
-    clearances: Clearances,
+    groups: Groups,
 }
 
 impl Geometry {
@@ -83,7 +85,7 @@ impl Geometry {
             places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
             first_triangle.push(places.len() as u32);
         }
-        Self { tree: WideTree::new(&places), first_triangle, clearances: Clearances::new(objects) }
+        Self { tree: WideTree::new(&places), first_triangle, groups: Groups::new(objects) }
     }
 
     /// Corners of the box around everything.
@@ -109,7 +111,12 @@ impl Geometry {
 
     /// How far from a point no surface of a group is, which are those of the objects that this was made for.
     pub(super) fn clearance(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
-        self.clearances.of(objects, group)
+        self.groups.clearance(objects, group)
+    }
+
+    /// The facets of a group of the objects that this was made for.
+    pub(super) fn facets(&self, objects: &[Object], group: u32) -> Option<&Facets> {
+        self.groups.facets(objects, group)
     }
 
     /// The object that a hit belongs to.

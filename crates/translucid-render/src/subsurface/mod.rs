@@ -246,7 +246,7 @@ impl SubsurfaceSet {
             };
             notes.iter().map(note)
         });
-        of_materials.chain(Note::of_lights(scene)).chain(self.normalizer_note.clone()).collect()
+        of_materials.chain(self.normalizer_note.clone()).collect()
     }
 
     /// The media that light may pass without being scattered, for each material that has one.

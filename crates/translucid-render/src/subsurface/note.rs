@@ -2,12 +2,7 @@
 
 use std::fmt;
 
-use translucid_scene::{
-    Light, Material, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt,
-    WalkSurface,
-};
-
-use crate::light;
+use translucid_scene::{Material, Scene, SubsurfaceMethod, SubsurfaceNormalization, SubsurfaceTextureAt};
 
 /// A way in which something is not rendered as the scene asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -22,8 +17,6 @@ pub enum NoteKind {
     NoisyBoundary,
     /// Points hold the mean over all directions of light.
     MeanOverDirections,
-    /// Walks under a boundary never meet lights without a size.
-    LightsWithoutSize,
     /// A random walk has no profile, which keys of the scene are about.
     NoProfile,
     /// Shapes do not count in how much light profiles return.
@@ -52,30 +45,6 @@ impl fmt::Display for Note {
 }
 
 impl Note {
-    /// A note on lights that no walk can find: those without a size, through a boundary that refracts.
-    pub(crate) fn of_lights(scene: &Scene) -> Option<Self> {
-        let refracts = |m: &&Material| {
-            let walks = m.subsurface_model == SubsurfaceModel::RandomWalk(WalkSurface::Clear)
-                && m.subsurface_weight.factor > 0.0;
-            walks && m.subsurface_eta > 1.0
-        };
-        let mut lights: Vec<&str> =
-            scene.lights.iter().filter_map(|light: &Light| light::kind_without_size(light)).collect();
-        lights.sort_unstable();
-        lights.dedup();
-        let materials: Vec<&str> = scene.materials.iter().filter(refracts).map(|m| m.name.as_str()).collect();
-        let message = format!(
-            "material {}: random-walk under a boundary (subsurface_eta above 1) meets lights by chance, and never those without a size: {} lights do not shine into it; give them a size, or set subsurface_eta = 1",
-            materials.join(", "),
-            lights.join(", ")
-        );
-        (!lights.is_empty() && !materials.is_empty()).then_some(Self {
-            kind: NoteKind::LightsWithoutSize,
-            material: None,
-            message,
-        })
-    }
-
     /// Words on what is asked of a profile where a material walks.
     pub(crate) fn of_walk(scene: &Scene, material: &Material) -> Option<Remark> {
         let has_points = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;

@@ -8,13 +8,13 @@ use std::sync::LazyLock;
 use glam::Vec3;
 use translucid_profile::{AlbedoInversion, Configuration, half_space_surface_albedo};
 use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, Tally};
-use translucid_reference::exact::HalfSpace;
+use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace};
 use translucid_reference::{Estimate, Incidence};
 use translucid_render::measure::Frame;
-use translucid_render::measure::bsdf::Ggx;
+use translucid_render::measure::bsdf::{Ggx, fresnel_dielectric};
 use translucid_scene::{
-    ColorInput, Environment, Light, Material, Mesh, ScalarInput, Scene, SubsurfaceModel, SubsurfaceParameter,
-    WalkSurface,
+    ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
+    SubsurfaceParameter, WalkSurface,
 };
 use translucid_testing::power;
 
@@ -284,8 +284,170 @@ fn notes_tell_what_a_walk_cannot_do() {
             "material translucent: random-walk does not reach so far: subsurface_scatter_anisotropy is 0.99, taken for 0.95; subsurface_eta is 0.9, taken for 1"
         ]
     );
-    let notes = notes(0.0, 1.4);
-    assert!(notes.len() == 1 && notes[0].contains("distant lights do not shine into it"), "{notes:?}");
+    assert!(notes(0.0, 1.4).is_empty());
+}
+
+/// The material below a smooth interface of its own index, as dielectrics are.
+fn dielectric(eta: f32) -> Material {
+    Material {
+        specular_weight: ScalarInput::constant(1.0),
+        specular_ior: eta,
+        specular_roughness: ScalarInput::constant(0.0),
+        subsurface_eta: eta,
+        ..material()
+    }
+}
+
+/// Media of a [`dielectric`]'s channels.
+fn interiors(eta: f32) -> [Interior; 3] {
+    let eta = f64::from(eta);
+    let inversion = AlbedoInversion::new(0.0, eta, Configuration::Diffuse).unwrap();
+    ALBEDO.to_array().map(|a| Interior {
+        single_scattering_albedo: inversion.single_scattering_albedo(f64::from(a)),
+        g: 0.0,
+        eta,
+    })
+}
+
+/// Share of light from an angle of this cosine that a boundary lets in.
+fn let_in(cosine: f32, eta: f32) -> f32 {
+    1.0 - fresnel_dielectric(cosine, eta)
+}
+
+/// Light from one direction, which no ray can meet, comes to collisions refracted: a plane returns what the transfer
+/// equation says.
+#[test]
+fn dielectric_plane_in_parallel_light_returns_the_exact_albedo() {
+    for (eta, cosine) in [(1.05, 0.6_f32), (1.33, 1.0), (1.4, 0.5), (1.8, 0.2)] {
+        let mut scene = plane(dielectric(eta));
+        let toward = Vec3::new((1.0 - cosine * cosine).sqrt(), 0.0, cosine);
+        scene.lights.push(distant(toward));
+        let result = flux(&prepare(scene), samples(1 << 15), on_plane);
+        let expected = per_channel(|c| {
+            let alpha = interiors(eta)[c].single_scattering_albedo;
+            let exact = ObliqueHalfSpace::new(alpha, eta.into(), cosine.into()).unwrap();
+            exact.total().value * f64::from(cosine * let_in(cosine, eta))
+        });
+        assert_within(&format!("eta {eta} cos {cosine}"), scaled(result, std::f32::consts::PI), expected);
+    }
+}
+
+/// A beam that falls perpendicularly: in its middle leaves what a pencil sends within its radius.
+#[test]
+fn beam_on_a_dielectric_returns_the_enclosed_energy_of_the_exact_profile() {
+    let eta = 1.4;
+    let exact = interiors(eta)
+        .map(|interior| ObliqueHalfSpace::new(interior.single_scattering_albedo, interior.eta, 1.0).unwrap());
+    for radius in [0.3_f32, 1.0] {
+        let mut scene = plane(dielectric(eta));
+        let irradiance = 1.0 / (std::f32::consts::PI * radius * radius);
+        let origin = Vec3::new(3.3, 1.1, 50.0);
+        scene.lights.push(Light::Beam { origin, direction: Vec3::NEG_Z, radius, power: Vec3::ONE });
+        let expected = per_channel(|c| exact[c].enclosed(f64::from(radius / LENGTH[c])).value);
+        let result = flux(&prepare(scene), samples(1 << 15), on_plane);
+        let result = scaled(result, std::f32::consts::PI / (irradiance * let_in(1.0, eta)));
+        assert_within(&format!("radius {radius}"), result, expected);
+    }
+}
+
+/// A dielectric sphere in light from one direction, which no ray can meet, or from a disc of the sky, which shadow rays and
+/// paths both find, against an independent walk. Left out for the first: light that crosses the sphere unscattered and is
+/// reflected inside before it collides, 1e-3 of what enters.
+#[test]
+fn dielectric_sphere_agrees_with_an_independent_walk() {
+    let (radius, eta) = (2.0_f32, 1.4);
+    let tallies: [Tally; 3] = std::array::from_fn(|c| {
+        let shape = Shape::Sphere { radius: f64::from(radius / LENGTH[c]) };
+        Body::new(shape, interiors(eta)[c], Lighting::Distant).unwrap().walk(power(1_600_000), 3)
+    });
+    // Of a cross section πρ²
+    let steps = 10_000_u16;
+    let cosine = |i: u16| ((f32::from(i) + 0.5) / f32::from(steps)).sqrt();
+    let entering = (0..steps).map(|i| let_in(cosine(i), eta)).sum::<f32>() / f32::from(steps);
+    for angular_radius in [0.0, 1.0] {
+        let mut scene = scene(vec![sphere(radius, 96)], dielectric(eta));
+        scene.lights.push(Light::Distant { direction: Vec3::Z, angular_radius, irradiance: Vec3::ONE });
+        let renderer = prepare(scene);
+        for ring in [0, 4, 9] {
+            let place = |[x, y]: [f64; 2]| {
+                let z = 1.0 - 2.0 * (f64::from(ring) + x) / SPHERE_RINGS as f64;
+                let (r, phi) = ((1.0 - z * z).sqrt(), std::f64::consts::TAU * y);
+                let normal = Vec3::new((r * phi.cos()) as f32, (r * phi.sin()) as f32, z as f32).normalize();
+                (normal * radius, normal)
+            };
+            let result = scaled(flux(&renderer, samples(1 << 14), place), std::f32::consts::PI);
+            let expected = estimates(|c| tallies[c].scattered_through(ring as usize));
+            let expected = scaled(expected, entering * SPHERE_RINGS as f32 / 4.0);
+            assert_agree(&format!("{angular_radius}, ring {ring}"), result, expected);
+        }
+    }
+}
+
+/// Lights of each kind near a dielectric that absorbs nothing: in a closed box that shines it cannot be seen, whether the
+/// box is made of rectangle lights or of triangles that emit.
+#[test]
+fn white_dielectric_in_a_box_of_light_cannot_be_seen() {
+    let faces = [Vec3::X, Vec3::NEG_X, Vec3::Y, Vec3::NEG_Y, Vec3::Z, Vec3::NEG_Z].map(|normal| {
+        let (x, y) = normal.any_orthonormal_pair();
+        // Facing inward
+        let (x, y) = if x.cross(y).dot(normal) < 0.0 { (x, y) } else { (y, x) };
+        (normal * 2.5, x * 2.5, y * 2.5)
+    });
+    let mut white_dielectric = white(material());
+    white_dielectric.subsurface_eta = 1.5;
+    let body = || {
+        let mut scene = scene(vec![sphere(1.5, 24)], white_dielectric.clone());
+        scene.integrator.max_depth = 64;
+        scene.integrator.max_diffuse_depth = 64;
+        scene
+    };
+    let mut of_rectangles = body();
+    of_rectangles.lights = faces
+        .map(|(center, x, y)| Light::Rectangle {
+            center,
+            edge_x: 2.0 * x,
+            edge_y: 2.0 * y,
+            radiance: Vec3::ONE,
+            visible: true,
+        })
+        .to_vec();
+    let mut of_triangles = body();
+    let lamp = Material {
+        base_weight: 0.0,
+        specular_weight: ScalarInput::constant(0.0),
+        emission_luminance: 1.0,
+        ..matte(Vec3::ZERO)
+    };
+    of_triangles.materials.push(lamp);
+    for (center, x, y) in faces {
+        let object =
+            Object { mesh: quad(center, x, y).into(), material: 1, subsurface_group: 1, ..Object::default() };
+        of_triangles.objects.push(object);
+    }
+    for (name, scene) in [("rectangles", of_rectangles), ("triangles", of_triangles)] {
+        let result = measure(&prepare(scene), Vec3::new(2.2, 0.3, 0.4), Vec3::NEG_X, samples(1 << 14));
+        assert_within(name, result, Vec3::ONE);
+    }
+}
+
+/// A small ball of light is a point of light, and both light a dielectric from near by.
+#[test]
+fn small_lamp_lights_a_dielectric_as_a_point_does() {
+    let position = Vec3::new(0.4, -0.3, 2.9);
+    let lit = |light: Light| {
+        let mut scene = scene(vec![sphere(2.0, 48)], dielectric(1.4));
+        scene.lights.push(light);
+        let renderer = prepare(scene);
+        flux(&renderer, samples(1 << 14), |_| (Vec3::Z * 2.0, Vec3::Z))
+    };
+    let radius = 0.05_f32;
+    let intensity = Vec3::splat(std::f32::consts::PI * radius * radius);
+    let lamp = lit(Light::Sphere { center: position, radius, radiance: Vec3::ONE, visible: false });
+    for outer_angle in [180.0, 60.0] {
+        let direction = Vec3::NEG_Z;
+        let point = Light::Spot { position, direction, intensity, inner_angle: 59.0, outer_angle };
+        assert_agree(&format!("{outer_angle}"), lamp, lit(point));
+    }
 }
 
 /// Exponential integral E₃(x) = ∫₁^∞ e^{−xt} t⁻³ dt by the midpoint rule in 1/t.

@@ -15,6 +15,12 @@ use glam::Vec3;
 
 use crate::sampling::choose;
 
+/// Length of flights toward lights over that of the walk's own.
+///
+/// More of them get out, with a smaller weight: measured on head and dragon, error times CPU time are 0.82 and 0.92 times
+/// those without. Without end (every light is looked at, weighted by its transmittance) they are above 1.
+pub(super) const STRETCH: f32 = 2.0;
+
 /// Extinction coefficients per channel \[L⁻¹\], 0 in channels whose throughput is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flights {

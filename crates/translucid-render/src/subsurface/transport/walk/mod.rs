@@ -26,6 +26,7 @@ mod flight;
 mod flight_kernel;
 mod phase_function;
 mod random;
+mod refracted;
 mod shared;
 mod state;
 

@@ -23,9 +23,12 @@ impl WalkRandom {
             return sampler.next_4d();
         }
         let (first, second) = (self.next_u64(), self.next_u64());
-        // 24 bits are what a single-precision number in [0, 1) holds
-        let unit = |bits: u64| (bits & 0xff_ffff) as f32 * (1.0 / 16_777_216.0);
         [unit(first), unit(first >> 32), unit(second), unit(second >> 32)]
+    }
+
+    /// One more number, independent of all others.
+    pub(crate) fn next_1d(&mut self) -> f32 {
+        unit(self.next_u64())
     }
 
     fn next_u64(&mut self) -> u64 {
@@ -33,6 +36,11 @@ impl WalkRandom {
         self.state = self.state.wrapping_add(SPLIT_MIX_STEP);
         bits
     }
+}
+
+/// A number in [0, 1) from the lowest 24 bits, which are what a single-precision number there holds.
+fn unit(bits: u64) -> f32 {
+    (bits & 0xff_ffff) as f32 * (1.0 / 16_777_216.0)
 }
 
 #[cfg(test)]

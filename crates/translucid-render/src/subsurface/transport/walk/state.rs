@@ -39,7 +39,7 @@ pub(super) struct Walk<'a> {
     pub(super) events: u32,
     /// Whether there was a collision.
     pub(super) has_scattered: bool,
-    /// Solid-angle density of the direction, infinite before it was drawn at a collision.
+    /// Solid-angle density of the direction, infinite where it was not drawn at a collision.
     pub(super) pdf: f32,
     /// Way from the surface to the point below it where the walk began \[L\], 0 after the first flight.
     pub(super) skipped: f32,
@@ -102,9 +102,7 @@ impl<'a> Walk<'a> {
     /// Draws the direction after a collision.
     pub(super) fn scatter(&mut self, u: [f32; 2]) {
         let direction = self.phase.sample(self.direction, u);
-        if self.eta == 1.0 {
-            self.pdf = self.phase.pdf(self.direction.dot(direction));
-        }
+        self.pdf = self.phase.pdf(self.direction.dot(direction));
         self.direction = direction;
     }
 

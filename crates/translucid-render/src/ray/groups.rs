@@ -1,0 +1,68 @@
+//! What walks have to know of the surfaces of each subsurface group, made when it is first asked for.
+
+use std::sync::OnceLock;
+
+use translucid_scene::Object;
+
+use super::clearance::Clearance;
+use super::facets::{Facet, Facets};
+
+/// Cells of all grids together: two million bytes.
+pub(super) const CELLS: f32 = 2_097_152.0;
+
+/// The subsurface groups of a scene.
+pub(super) struct Groups(Vec<Group>);
+
+struct Group {
+    number: u32,
+    /// Numbers of its objects.
+    objects: Vec<usize>,
+    clearance: OnceLock<Clearance>,
+    facets: OnceLock<Facets>,
+}
+
+impl Groups {
+    pub(super) fn new(objects: &[Object]) -> Self {
+        let mut order: Vec<usize> = (0..objects.len()).collect();
+        order.sort_by_key(|&index| objects[index].subsurface_group);
+        let group = |objects_of_group: &[usize]| Group {
+            number: objects[objects_of_group[0]].subsurface_group,
+            objects: objects_of_group.to_vec(),
+            clearance: OnceLock::new(),
+            facets: OnceLock::new(),
+        };
+        let is_same = |a: &usize, b: &usize| objects[*a].subsurface_group == objects[*b].subsurface_group;
+        Self(order.chunk_by(is_same).map(group).collect())
+    }
+
+    /// How far from a point no surface of a group is, which are those of the objects that this was made for.
+    pub(super) fn clearance(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
+        let group = self.of(group)?;
+        let cells = CELLS / self.0.len() as f32;
+        let vertices = || group.facets(objects).map(|facet| facet.vertices);
+        Some(group.clearance.get_or_init(|| Clearance::new(vertices, cells)))
+    }
+
+    /// The facets of a group of the objects that this was made for.
+    pub(super) fn facets(&self, objects: &[Object], group: u32) -> Option<&Facets> {
+        let group = self.of(group)?;
+        Some(group.facets.get_or_init(|| Facets::new(group.facets(objects).collect())))
+    }
+
+    fn of(&self, group: u32) -> Option<&Group> {
+        let index = self.0.binary_search_by_key(&group, |group| group.number).ok()?;
+        Some(&self.0[index])
+    }
+}
+
+impl Group {
+    fn facets<'a>(&'a self, objects: &'a [Object]) -> impl Iterator<Item = Facet> + 'a {
+        self.objects.iter().flat_map(|&number| {
+            let mesh = &objects[number].mesh;
+            (0..).zip(&mesh.triangles).map(move |(triangle, corners)| Facet {
+                vertices: corners.map(|corner| mesh.positions[corner as usize]),
+                triangle: (number as u32, triangle),
+            })
+        })
+    }
+}
