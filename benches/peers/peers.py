@@ -95,8 +95,11 @@ class Translucid:
     def image(self, scene, size, spp, seed, options=None):
         options = self.options if options is None else options
         with tempfile.TemporaryDirectory() as folder:
-            out = Path(folder) / "image.exr"
-            command = [self.program, "render", ROOT / "scenes" / f"{scene}.toml"]
+            out, file = Path(folder) / "image.exr", Path(folder) / "scene.toml"
+            # As many bounces as Cycles has
+            bounces = "[integrator]\nmax_depth = 12\nmax_diffuse_depth = 4\n"
+            file.write_text(f"extends = {json.dumps(str(ROOT / 'scenes' / f'{scene}.toml'))}\n{bounces}")
+            command = [self.program, "render", file]
             command += ["--mesh", SHARED / "assets" / MESHES[scene], "--size", f"{size}x{size}", "--spp", str(spp)]
             command += ["--seed", str(seed), "--threads", "2", "--quiet", "-o", out, *options]
             process = subprocess.Popen(list(map(str, command)))

@@ -13,16 +13,19 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use translucid_profile::Model;
 use translucid_render::measure::sample_ray;
 use translucid_render::{Edit, PreparedScene, View};
-use translucid_scene::{Camera, LoadOptions, Material, Scene, load_scene, still_life};
+use translucid_scene::{Camera, LoadOptions, Material, Scene, SubsurfaceModel, load_scene, still_life};
 
 const RUNS: usize = 21;
 
 fn main() {
     println!("| scene | triangles | prepare | camera | material | textured material | lights | object |");
     println!("|---|---|---|---|---|---|---|---|");
-    report("still-life", still_life(&LoadOptions::default()).expect("built in"));
+    let profile = Some(SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique));
+    let options = LoadOptions { subsurface_model: profile, ..LoadOptions::default() };
+    report("still-life", still_life(&options).expect("built in"));
     for (name, file, mesh) in [
         ("head", "scenes/head.toml", "head/head_70k.ply"),
         ("dragon-870k", "scenes/dragon.toml", "dragon/dragon_870k.ply"),

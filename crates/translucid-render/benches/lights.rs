@@ -23,11 +23,12 @@ use std::hint::black_box;
 use std::path::Path;
 
 use glam::{Mat3, Vec3};
+use translucid_profile::Model;
 use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    ShapeParameters, Unit, build_shape,
+    ShapeParameters, SubsurfaceModel, Unit, build_shape,
 };
 use translucid_testing::{SplitMix, cpu_seconds};
 
@@ -110,6 +111,7 @@ fn hall(lamps: usize) -> Scene {
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.7, 0.5)),
         subsurface_radius: ScalarInput::constant(0.2),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
         ..Material::default()
     };
     let ball = build_shape("sphere", &ShapeParameters::new()).expect("a sphere is built in");

@@ -16,10 +16,13 @@ use std::path::Path;
 
 use common::{DISTANCE, FIELD_OF_VIEW, bumpy_ball, scene};
 use glam::Vec3;
+use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{Light, LoadOptions, Mesh, Scene, load_scene};
+use translucid_scene::{Light, LoadOptions, Mesh, Scene, SubsurfaceModel, load_scene};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
+/// Model of the still life, which names none.
+const PROFILE: SubsurfaceModel = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
 /// Edge of the pictures in pixels.
 const SIZE: u32 = 192;
 /// Samples of a pixel in a picture.
@@ -163,8 +166,9 @@ fn load(name: &str, mesh: Option<&str>) -> Option<Scene> {
         return None;
     }
     let options = LoadOptions {
-        mesh_overrides: mesh.map(|mesh| (None, mesh)).into_iter().collect(),
         size: Some([SIZE; 2]),
+        subsurface_model: mesh.is_none().then_some(PROFILE),
+        mesh_overrides: mesh.map(|mesh| (None, mesh)).into_iter().collect(),
         ..LoadOptions::default()
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));

@@ -18,10 +18,11 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use translucid_profile::Model;
 use translucid_render::measure::bsdf::MaterialTables;
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
-    LoadOptions, Scene, ShapeParameters, build_shape, load_scene, shape_names, still_life,
+    LoadOptions, Scene, ShapeParameters, SubsurfaceModel, build_shape, load_scene, shape_names, still_life,
 };
 
 /// A scene by name: its file and the mesh that goes into it; neither for the still life.
@@ -80,7 +81,12 @@ fn root() -> PathBuf {
 
 /// How to load a case; none where its mesh is not there.
 fn options(case: &Case) -> Option<LoadOptions> {
-    let mut options = LoadOptions { size: Some([96, 54]), ..LoadOptions::default() };
+    let profile = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
+    let mut options = LoadOptions {
+        size: Some([96, 54]),
+        subsurface_model: case.files.is_none().then_some(profile),
+        ..LoadOptions::default()
+    };
     if let Some([_, mesh]) = case.files {
         let mesh = root().join("../shared/assets").join(mesh);
         if !mesh.is_file() {
