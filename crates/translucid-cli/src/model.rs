@@ -27,12 +27,7 @@ impl ValueEnum for ModelName {
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
-        let description = match self.0 {
-            SubsurfaceModel::Profile(model) => model.description(),
-            SubsurfaceModel::RandomWalk(surface) => surface.description_of_walk(),
-            SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => "No transport under the surface",
-        };
-        Some(PossibleValue::new(self.0.name()).help(description))
+        Some(PossibleValue::new(self.0.name()).help(self.0.description()))
     }
 }
 
@@ -183,8 +178,11 @@ impl ModelArguments {
                 let help = "use it with render; the exact profile of the same medium is --model exact";
                 return Err(Failure::input(message).with_help(help));
             }
-            SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => {
-                return Err(Failure::input("the model none has no profile"));
+            SubsurfaceModel::Default | SubsurfaceModel::Tabulated(_) | SubsurfaceModel::None => {
+                return Err(Failure::input(format!(
+                    "the model {} has no profile",
+                    self.model.model().name()
+                )));
             }
         };
         self.require_known(model)?;

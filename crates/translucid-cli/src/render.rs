@@ -98,7 +98,8 @@ pub(crate) struct Arguments {
     /// How often an unfinished rendering is saved for --resume, against power cuts and kills [default: 30]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
-    /// Model of the transport under all surfaces, in place of the scene's; several are rendered side by side
+    /// Model of the transport under all surfaces [default: the scene's, which for materials that name none is
+    /// random-walk, or a profile where they ask for what walks do not do]; several are rendered side by side
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
     subsurface: Vec<ModelName>,
     /// The model that the others are compared with [default: random-walk or else exact, if among them, else the first]
@@ -132,7 +133,7 @@ pub(crate) struct Arguments {
     /// Print errors and warnings only
     #[arg(short, long, conflicts_with = "verbose")]
     quiet: bool,
-    /// Print what takes how long
+    /// Print what takes how long, and the model of each material that light goes under
     #[arg(short, long)]
     verbose: bool,
 }

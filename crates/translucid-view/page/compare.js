@@ -134,6 +134,6 @@ export class Compare {
 /** The models of a side's translucent materials, each once. */
 function modelsOf({ materials }) {
     const translucent = materials.filter(({ parameters: { subsurface_weight: { value, image } } }) => value > 0 || image);
-    const models = [...new Set(translucent.map(({ subsurface_model }) => subsurface_model))];
+    const models = [...new Set(translucent.map(({ model }) => model))];
     return models.length > 2 ? `${models.length} models` : models.join(", ");
 }

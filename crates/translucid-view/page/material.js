@@ -182,8 +182,9 @@ export class MaterialPanel {
             row.show(parameter ? parameter.value : material[key]);
             if (parameter && row.mark) markTexture(row, parameter);
         }
-        const model = this.#session.hello.models.find(({ name }) => name === material.subsurface_model);
-        setText(this.description, model?.description ?? "");
+        const model = this.#session.hello.models.find(({ name }) => name === material.model);
+        const chosen = material.model === material.subsurface_model ? "" : `${material.model}. `;
+        setText(this.description, `${chosen}${model?.description ?? ""}`);
     }
 
     #list(materials) {

@@ -209,6 +209,8 @@ function patchMaterial(material, set) {
         if (key in material.parameters) material.parameters[key].value = value;
         else if (key in material) material[key] = value;
     }
+    // Which model a default is, the server says
+    if (material.subsurface_model !== "default") material.model = material.subsurface_model;
     const { subsurface_radius: radius, subsurface_radius_scale: scale } = material.parameters;
     material.mfp = scale.value.map((factor) => factor * radius.value);
 }

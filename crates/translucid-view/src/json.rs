@@ -31,14 +31,14 @@ pub(crate) fn image(image: &Image) -> Value {
 
 pub(crate) fn look(look: &Look) -> Value {
     json!({
-        "materials": look.materials.iter().map(material).collect::<Vec<_>>(),
+        "materials": look.materials.iter().map(|each| material(each, &look.integrator)).collect::<Vec<_>>(),
         "lights": look.lights.iter().map(light).collect::<Vec<_>>(),
         "environment": look.environment.as_ref().map(environment),
         "integrator": integrator(&look.integrator),
     })
 }
 
-fn material(material: &Material) -> Value {
+fn material(material: &Material, integrator: &Integrator) -> Value {
     let parameters: Map<String, Value> = material
         .parameters()
         .into_iter()
@@ -57,6 +57,7 @@ fn material(material: &Material) -> Value {
         .collect();
     let mfp = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
     let mut object = json!({ "name": material.name, "parameters": parameters, "mfp": mfp.to_array() });
+    object["model"] = json!(material.model(integrator).name());
     for word in material.words() {
         object[word.name] = json!(word.word);
     }
@@ -105,15 +106,7 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
         plain.words().into_iter().map(|word| (word.name.to_owned(), json!(word.words))).collect();
     words.insert("subsurface_method".to_owned(), json!(["ray-traced", "point-based"]));
     words.insert("tone_mapping".to_owned(), json!(["srgb", "neutral", "agx"]));
-    let model = |model: SubsurfaceModel| {
-        let description = match model {
-            SubsurfaceModel::Profile(model) => model.description(),
-            SubsurfaceModel::RandomWalk(surface) => surface.description_of_walk(),
-            SubsurfaceModel::Tabulated(_) => "The profile of a file",
-            SubsurfaceModel::None => "No light under the surface: a Lambertian color",
-        };
-        json!({ "name": model.name(), "description": description })
-    };
+    let model = |model: SubsurfaceModel| json!({ "name": model.name(), "description": model.description() });
     let objects: Vec<Value> = scene
         .objects
         .iter()

@@ -32,7 +32,7 @@ struct Channel {
     eta: f64,
 }
 
-/// The curves of a material: R(r) per mm² over r in mm, or why there are none.
+/// The curves of a material with the model that it names: R(r) per mm² over r in mm, or why there are none.
 pub(crate) fn profile(material: &Material, tables: &[ProfileTable], unit: Unit) -> Value {
     let channels = channels(material, unit);
     let mut notes = Vec::new();
@@ -139,6 +139,7 @@ fn model_curve(material: &Material, tables: &[ProfileTable], channel: &Channel) 
         SubsurfaceModel::RandomWalk(_) => {
             return Err("a random walk has no profile: on a half space it returns the exact one".to_owned());
         }
+        SubsurfaceModel::Default => return Err("no model is named".to_owned()),
         SubsurfaceModel::None => return Err("a Lambertian color has no profile".to_owned()),
         SubsurfaceModel::Tabulated(index) => {
             let table = tables.get(index).ok_or("the table is not there")?;

@@ -10,7 +10,7 @@ use translucid_render::{
     CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, SessionError,
     load_checkpoint,
 };
-use translucid_scene::Scene;
+use translucid_scene::{Scene, SubsurfaceModel};
 
 use super::outputs::Outputs;
 use super::tev::{Showing, Tev};
@@ -71,12 +71,23 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
         if arguments.verbose {
             let seconds = start.elapsed().as_secs_f64();
             messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
+            print_models(prepared.scene());
         }
         let view = prepared.view()?;
         let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
         let prepared = points::prepare(prepared, arguments.points.as_deref(), arguments.quiet)?;
         Work::start(Session::new(prepared, view), task)?.finish()
     })
+}
+
+/// The model of each material that light goes under.
+fn print_models(scene: &Scene) {
+    for material in scene.materials.iter().filter(|material| material.subsurface_weight.factor > 0.0) {
+        let model = material.model(&scene.integrator).name();
+        let is_named = material.subsurface_model != SubsurfaceModel::Default;
+        let choice = if is_named { "" } else { ", by default" };
+        messages::line(&format!("material {}: {model}{choice}", material.name));
+    }
 }
 
 /// A picture on its way.

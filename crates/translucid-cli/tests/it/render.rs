@@ -247,6 +247,20 @@ fn verbose_says_what_takes_how_long() {
 }
 
 #[test]
+fn verbose_says_which_model_a_material_has() {
+    let (_keep, directory) = directory_with_ball();
+    for (options, model) in [
+        ("", "random-walk, by default"),
+        ("--subsurface-method point-based", "normalized-diffusion-oblique, by default"),
+        ("--subsurface default", "random-walk, by default"),
+        ("--subsurface dipole", "dipole"),
+    ] {
+        let message = stderr(&run(&directory, &format!("render ball.toml -v --spp 1 {options}")));
+        assert!(message.lines().any(|line| line == format!("material stuff: {model}")), "{message}");
+    }
+}
+
+#[test]
 fn subsurface_option_changes_the_picture() {
     let (_keep, directory) = directory_with_ball();
     stdout(&directory, "render ball.toml -q --spp 2 -o with.png");

@@ -330,6 +330,7 @@ fn wrong_options_are_refused_with_a_reason() {
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model random-walk", "random-walk has no profile"),
         ("sample --surface-albedo 0.8 --mfp 1 --count 1 --model random-walk", "random-walk has no profile"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model none", "has no profile"),
+        ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model default", "the model default has no profile"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --eta 99", "--eta is 99"),
         ("profile --surface-albedo 0.8 --mfp 1 --at 1 --model dipole --g 1", "--g is 1"),
         ("profile --surface-albedo 0.8 --mfp 0 --at 1 --model dipole", "Lambertian"),

@@ -273,6 +273,7 @@ mod tests {
             name = \"wax\"
             subsurface_weight = 1.0
             subsurface_radius = 0.2
+            subsurface_model = \"normalized-diffusion-oblique\"
             [[object]]
             shape = \"sphere\"
             material = \"wax\"

@@ -127,11 +127,10 @@ impl SubsurfaceSet {
     fn prepare(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let is_absent = material.subsurface_weight.factor <= 0.0;
-        match material.subsurface_model {
+        match material.model(&scene.integrator) {
             _ if is_absent => (SubsurfaceTransport::Lambertian, Vec::new()),
-            SubsurfaceModel::None => (SubsurfaceTransport::Lambertian, Vec::new()),
             SubsurfaceModel::RandomWalk(surface) => self.prepare_walk(scene, index, surface),
-            SubsurfaceModel::Profile(_) | SubsurfaceModel::Tabulated(_) => self.prepare_profile(scene, index),
+            model => self.prepare_profile(scene, index, model),
         }
     }
 
@@ -145,7 +144,8 @@ impl SubsurfaceSet {
         let recipe = WalkRecipe::of(material, surface);
         match self.media.get(recipe, WalkRecipe::make) {
             Ok(medium) => {
-                let notes = Note::of_nearest(material, recipe.g_and_eta()).into_iter();
+                let notes =
+                    Note::of_nearest(material, surface.name_of_walk(), recipe.g_and_eta()).into_iter();
                 let notes = notes.chain(Note::of_walk(scene, material)).collect();
                 let is_even = material.subsurface_color.texture.is_none()
                     && material.subsurface_radius.texture.is_none()
@@ -153,21 +153,26 @@ impl SubsurfaceSet {
                 let share = scene.integrator.subsurface_sharing && is_even;
                 (SubsurfaceTransport::Walk(Walks { medium, share }), notes)
             }
-            Err(error) => self.stand_in(scene, index, &error.to_string()),
+            Err(error) => self.stand_in(scene, index, surface.name_of_walk(), &error.to_string()),
         }
     }
 
-    fn prepare_profile(&mut self, scene: &Scene, index: usize) -> (SubsurfaceTransport, Vec<Remark>) {
+    fn prepare_profile(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        model: SubsurfaceModel,
+    ) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
-        let Some(recipe) = KernelRecipe::of(material) else {
+        let Some(recipe) = KernelRecipe::of(material, model) else {
             return (SubsurfaceTransport::Lambertian, Vec::new());
         };
         let kernel = match self.kernels.get(recipe, |recipe| recipe.make(&scene.profile_tables)) {
             Ok(kernel) => kernel,
-            Err(error) => return self.stand_in(scene, index, &error),
+            Err(error) => return self.stand_in(scene, index, model.name(), &error),
         };
-        let model = material.subsurface_model.name();
-        let mut notes: Vec<Remark> = kernel::unfitted(material).into_iter().collect();
+        let mut notes: Vec<Remark> = kernel::unfitted(material, model).into_iter().collect();
+        let model = model.name();
         notes.extend(kernel.notes().iter().map(|(kind, words)| (*kind, format!("{model} {words}"))));
         let is_point_based = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
         if is_point_based && kernel.knows_directions() {
@@ -179,10 +184,15 @@ impl SubsurfaceSet {
     }
 
     /// Burley's profile in place of one that cannot be made.
-    fn stand_in(&mut self, scene: &Scene, index: usize, error: &str) -> (SubsurfaceTransport, Vec<Remark>) {
+    fn stand_in(
+        &mut self,
+        scene: &Scene,
+        index: usize,
+        model: &str,
+        error: &str,
+    ) -> (SubsurfaceTransport, Vec<Remark>) {
         let material = &scene.materials[index];
         let recipe = KernelRecipe::stand_in(material);
-        let model = material.subsurface_model.name();
         let words = format!("{model}: {error}; normalized-diffusion stands in for it");
         let notes = vec![(NoteKind::StandIn, words)];
         match self.kernels.get(recipe, |recipe| recipe.make(&[])) {

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use translucid_scene::{Material, Scene, SubsurfaceMethod, SubsurfaceNormalization, SubsurfaceTextureAt};
+use translucid_scene::{Material, Scene};
 
 /// A way in which something is not rendered as the scene asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -47,29 +47,20 @@ impl fmt::Display for Note {
 impl Note {
     /// Words on what is asked of a profile where a material walks.
     pub(crate) fn of_walk(scene: &Scene, material: &Material) -> Option<Remark> {
-        let has_points = scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
-        let pairs = material.subsurface_texture_at != SubsurfaceTextureAt::Exit;
-        let normalizes = material.subsurface_normalization != SubsurfaceNormalization::None;
-        let keys = [
-            (has_points, "subsurface_method = \"point-based\""),
-            (pairs, "subsurface_texture_at"),
-            (normalizes, "subsurface_normalization"),
-        ];
-        let keys: Vec<&str> = keys.into_iter().filter(|(is_set, _)| *is_set).map(|(_, key)| key).collect();
-        let model = material.subsurface_model.name();
+        let keys = material.keys_of_profiles(&scene.integrator);
+        let model = material.model(&scene.integrator).name();
         let words = || format!("{model} has no profile: {} does not concern it", keys.join(", "));
         (!keys.is_empty()).then(|| (NoteKind::NoProfile, words()))
     }
 
-    /// Words on the g and η that a material states otherwise than its model uses them; `None` where it does not.
-    pub(crate) fn of_nearest(material: &Material, used: [f64; 2]) -> Option<Remark> {
+    /// Words on the g and η that a material states otherwise than its model of a name uses them; `None` where it does not.
+    pub(crate) fn of_nearest(material: &Material, model: &str, used: [f64; 2]) -> Option<Remark> {
         let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
         let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];
         let changes: Vec<String> = (0..2)
             .filter(|&i| f64::from(stated[i]) != used[i])
             .map(|i| format!("{} is {}, taken for {}", names[i], stated[i], used[i] as f32))
             .collect();
-        let model = material.subsurface_model.name();
         let words = || format!("{model} does not reach so far: {}", changes.join("; "));
         (!changes.is_empty()).then(|| (NoteKind::NearestParameters, words()))
     }

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::{Mat3, Vec3};
+use translucid_profile::Model;
 use translucid_render::{FilmSums, Goal, Outcome, Progress};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
@@ -39,6 +40,7 @@ fn scene() -> Scene {
         subsurface_weight: ScalarInput::constant(0.7),
         subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
         subsurface_radius: ScalarInput::constant(0.3),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
         ..Material::default()
     };
     Scene {

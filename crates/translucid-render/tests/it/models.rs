@@ -16,7 +16,9 @@ use translucid_scene::{
     SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceTextureAt, TextureRef, WalkSurface,
 };
 
-use crate::common::{assert_within, distant, measure, prepare, quad, samples, scene, uniform_environment};
+use crate::common::{
+    assert_within, distant, measure, prepare, quad, sample_ray, samples, scene, uniform_environment,
+};
 
 const DIRECTIONAL: SubsurfaceModel = SubsurfaceModel::Profile(Model::DirectionalDipole);
 const OBLIQUE: SubsurfaceModel = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
@@ -84,9 +86,10 @@ fn slab(material: Material, thickness: f32) -> Scene {
 #[test]
 fn plane_under_uniform_light_returns_surface_albedo() {
     for model in SubsurfaceModel::ALL {
-        // Their energy depends on where light comes from, or goes
+        // Their energy depends on where light comes from, or goes; the default is one of them
         let follows_directions = [WalkSurface::Clear, WalkSurface::Rough].map(SubsurfaceModel::RandomWalk);
-        if model == DIRECTIONAL || follows_directions.contains(&model) {
+        let is_other = [DIRECTIONAL, SubsurfaceModel::Default].contains(&model);
+        if is_other || follows_directions.contains(&model) {
             continue;
         }
         let mut plain = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], material(model));
@@ -187,6 +190,33 @@ fn walk_says_which_keys_do_not_concern_it() {
     assert_eq!(*kind, NoteKind::NoProfile);
     for key in ["subsurface_method = \"point-based\"", "subsurface_texture_at", "subsurface_normalization"] {
         assert!(words.contains(key), "{words}");
+    }
+}
+
+/// Where no model is named, the picture is that of the model that the scene decides on, and all that is asked for is done.
+#[test]
+fn default_renders_what_it_stands_for() {
+    let sample = |scene: &Scene| {
+        let prepared = prepare(scene.clone());
+        assert_eq!(prepared.notes(), []);
+        let sample =
+            |index| sample_ray(&prepared, Vec3::new(3.3, 1.1, 1.0), Vec3::NEG_Z, 1, index).radiance();
+        (0..64).map(sample).sum::<Vec3>()
+    };
+    let plain = material(SubsurfaceModel::Default);
+    let both = Material { subsurface_texture_at: SubsurfaceTextureAt::Both, ..plain.clone() };
+    let glazed = Material { subsurface_eta: 1.4, ..plain.clone() };
+    for (material, model) in [
+        (plain, SubsurfaceModel::RandomWalk(WalkSurface::Clear)),
+        (both, OBLIQUE),
+        (glazed, SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined)),
+    ] {
+        let mut scene = slab(material, 1.0);
+        scene.lights.push(distant(Vec3::Z));
+        let by_default = sample(&scene);
+        scene.materials[0].subsurface_model = model;
+        assert_eq!(by_default, sample(&scene), "{}", model.name());
+        assert!(by_default.min_element() > 0.0, "{by_default}");
     }
 }
 

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use glam::Vec3;
+use translucid_profile::Model;
 use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
 use translucid_scene::{
     Camera, ColorInput, ColorSpace, Environment, Image, Integrator, Light, Material, Mesh, Object, Pixels,
@@ -17,6 +18,7 @@ fn wax(radius: f32) -> Material {
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
         subsurface_radius: ScalarInput::constant(radius),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
         ..Material::default()
     }
 }
@@ -75,6 +77,7 @@ fn edits() -> Vec<(&'static str, Edit, Renewed)> {
     let material = Renewed { materials: 1, ..none };
     let emissive = Material { emission_luminance: 3.0, ..matte(Vec3::ONE) };
     let walk = Material { subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear), ..wax(0.3) };
+    let default = Material { subsurface_model: SubsurfaceModel::Default, ..wax(0.3) };
     let normalized = Material { subsurface_normalization: SubsurfaceNormalization::Energy, ..wax(0.4) };
     let moved = Mesh {
         positions: sphere(1.0, 16).positions.into_iter().map(|p| p + Vec3::X).collect(),
@@ -106,6 +109,8 @@ fn edits() -> Vec<(&'static str, Edit, Renewed)> {
         ("no environment", Edit::Environment(None), Renewed { lights: true, ..none }),
         ("object", Edit::Object(0, Box::new(object)), Renewed { geometry: true, lights: true, ..none }),
         ("integrator", Edit::Integrator(clear), Renewed { materials: 2, ..none }),
+        // A walk, until points are asked for
+        ("default", Edit::Material(0, Box::new(default)), material),
         ("points", Edit::Integrator(point_based), Renewed { materials: 2, points: true, ..none }),
     ]
 }

@@ -257,8 +257,12 @@ fn across_materials_the_exit_counts() {
     let [albedo, length] = [Vec3::splat(0.5), Vec3::ONE];
     let both = material(Model::NormalizedDiffusion, SubsurfaceTextureAt::Both);
     let mut scene = textured(both, vec![plane], &[albedo], &[length]);
-    scene.materials.push(Material { subsurface_weight: ScalarInput::constant(1.0), ..Material::default() });
-    scene.materials[1].specular_weight = ScalarInput::constant(0.0);
+    scene.materials.push(Material {
+        subsurface_weight: ScalarInput::constant(1.0),
+        specular_weight: ScalarInput::constant(0.0),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusion),
+        ..Material::default()
+    });
     scene.objects.push(Object { name: "other".into(), mesh: other.into(), material: 1, subsurface_group: 0 });
     scene.environment = uniform_environment(Vec3::ONE);
     let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 15);

@@ -6,8 +6,10 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
+use translucid_profile::Model;
 use translucid_scene::{
-    ColorInput, ColorSpace, Image, Light, Material, Mesh, NormalMap, Object, Pixels, ScalarInput, TextureRef,
+    ColorInput, ColorSpace, Image, Light, Material, Mesh, NormalMap, Object, Pixels, ScalarInput,
+    SubsurfaceModel, TextureRef,
 };
 
 use crate::common::{
@@ -189,6 +191,7 @@ fn layers_hold_what_their_names_say() {
     let glossy = Material {
         subsurface_weight: ScalarInput::constant(0.5),
         subsurface_radius: ScalarInput::constant(0.01),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
         ..Material::default()
     };
     let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], glossy);

@@ -3,8 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use translucid_profile::Model;
 use translucid_render::{FilmLayer, FilmSums, Fraction, Goal, LiveFilm, PreparedScene, View};
-use translucid_scene::{ColorInput, Integrator, Material, ScalarInput, Scene};
+use translucid_scene::{ColorInput, Integrator, Material, ScalarInput, Scene, SubsurfaceModel};
 
 use crate::common::{distant, scene, sphere, uniform_environment};
 
@@ -14,6 +15,7 @@ fn ball(sharing: bool) -> Scene {
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_color: ColorInput::constant(Vec3::new(0.9, 0.6, 0.3)),
         subsurface_radius: ScalarInput::constant(0.5),
+        subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
         ..Material::default()
     };
     let mut scene = scene(vec![sphere(1.0, 24)], wax);

@@ -12,7 +12,7 @@ use std::path::Path;
 use exr::prelude::*;
 use glam::Vec3;
 use translucid_profile::roots::falling_root;
-use translucid_profile::{Configuration, half_space_surface_albedo};
+use translucid_profile::{Configuration, Model, half_space_surface_albedo};
 use translucid_render::FilmSums;
 use translucid_scene::{
     ColorInput, Integrator, LoadOptions, Scene, SubsurfaceModel, WalkSurface, load_scene,
@@ -142,7 +142,8 @@ with_shared_assets! {
 
     fn default_depths_lose_hardly_any_light() {
         let mut scene = walked("scenes/dragon.toml", "dragon/dragon_198k.ply");
-        for model in [SubsurfaceModel::RandomWalk(WalkSurface::Clear), SubsurfaceModel::default()] {
+        let oblique = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
+        for model in [SubsurfaceModel::RandomWalk(WalkSurface::Clear), oblique] {
             scene.materials[0].subsurface_model = model;
             let Integrator { max_depth, max_diffuse_depth, .. } = Integrator::default();
             let light = |scene: &Scene| -> Vec3 {

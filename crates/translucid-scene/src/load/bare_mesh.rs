@@ -142,6 +142,7 @@ mod tests {
         assert_eq!(scene.unit, Unit::Millimeter);
         let [mesh, backdrop] = [0, 1].map(|i| &scene.materials[scene.objects[i].material]);
         assert_eq!((mesh.name.as_str(), mesh.subsurface_weight), ("marble", ScalarInput::constant(1.0)));
+        assert_eq!(mesh.model(&scene.integrator).name(), "random-walk");
         assert_eq!(backdrop.subsurface_weight, ScalarInput::constant(0.0));
         assert_ne!(scene.objects[0].subsurface_group, scene.objects[1].subsurface_group);
         assert!(scene.lights.len() == 2 && scene.environment.is_some());

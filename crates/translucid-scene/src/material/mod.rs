@@ -6,14 +6,17 @@ use glam::Vec3;
 use translucid_profile::Model;
 pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParameter};
 
-use crate::{ColorInput, ScalarInput, TextureRef};
+use crate::{ColorInput, Integrator, ScalarInput, SubsurfaceMethod, TextureRef};
 
 pub(crate) use parameters::{PARAMETERS, Slot};
 pub use parameters::{ParameterValue, WordValue};
 
 /// How light under the surface is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum SubsurfaceModel {
+    /// None is named: [`Material::model`] chooses.
+    #[default]
+    Default,
     /// A reflectance profile.
     Profile(Model),
     /// The profile of a file: index into [`Scene::profile_tables`](crate::Scene::profile_tables).
@@ -51,7 +54,7 @@ impl WalkSurface {
     }
 
     /// What the walk between such surfaces is, in a line.
-    pub const fn description_of_walk(self) -> &'static str {
+    const fn description_of_walk(self) -> &'static str {
         match self {
             Self::Clear => "No profile: a walk through the volume itself, for pictures only",
             Self::Diffuse => "A walk through the volume that begins and ends at a diffuse surface",
@@ -62,30 +65,10 @@ impl WalkSurface {
     }
 }
 
-/// The default of a plain medium (g = 0, η = 1).
-impl Default for SubsurfaceModel {
-    fn default() -> Self {
-        Self::default_of(0.0, 1.0)
-    }
-}
-
 impl SubsurfaceModel {
-    /// The model that materials have which name none: the one that is nearest to the truth for a mean cosine g and a
-    /// relative index η.
-    ///
-    /// Oblique light is solved for isotropic scattering without a boundary only; the refined profile knows the rest.
-    pub fn default_of(g: f32, eta: f32) -> Self {
-        let plain = g == 0.0 && eta == 1.0;
-        Self::Profile(if plain {
-            Model::NormalizedDiffusionOblique
-        } else {
-            Model::NormalizedDiffusionRefined
-        })
-    }
-
     /// Every model that can be asked for by its name alone.
-    pub const ALL: [Self; Model::ALL.len() + 4] = {
-        let mut all = [Self::None; Model::ALL.len() + 4];
+    pub const ALL: [Self; Model::ALL.len() + 5] = {
+        let mut all = [Self::None; Model::ALL.len() + 5];
         let mut i = 0;
         while i < WalkSurface::ALL.len() {
             all[Model::ALL.len() + i] = Self::RandomWalk(WalkSurface::ALL[i]);
@@ -96,16 +79,29 @@ impl SubsurfaceModel {
             all[i] = Self::Profile(Model::ALL[i]);
             i += 1;
         }
+        all[Model::ALL.len() + 4] = Self::Default;
         all
     };
 
     /// The model's name as scene files and the command line write it.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Default => "default",
             Self::Profile(model) => model.name(),
             Self::Tabulated(_) => "tabulated",
             Self::RandomWalk(surface) => surface.name_of_walk(),
             Self::None => "none",
+        }
+    }
+
+    /// What the model is, in a line.
+    pub const fn description(self) -> &'static str {
+        match self {
+            Self::Default => "random-walk, or a profile where a scene asks for what walks do not do",
+            Self::Profile(model) => model.description(),
+            Self::Tabulated(_) => "The profile of a file",
+            Self::RandomWalk(surface) => surface.description_of_walk(),
+            Self::None => "No light under the surface: a Lambertian color",
         }
     }
 
@@ -192,7 +188,7 @@ pub struct Material {
     pub subsurface_radius_scale: ColorInput,
     /// Mean cosine of the phase function, in (−1, 1).
     pub subsurface_scatter_anisotropy: f32,
-    /// Model of the transport under the surface.
+    /// Model of the transport under the surface, as it is named: see [`Material::model`].
     pub subsurface_model: SubsurfaceModel,
     /// Meaning of `subsurface_radius`.
     pub subsurface_parameter: SubsurfaceParameter,
@@ -257,5 +253,53 @@ impl Default for Material {
             geometry_opacity: ScalarInput::constant(1.0),
             geometry_normal: None,
         }
+    }
+}
+
+impl Material {
+    /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
+    /// picture in the same time, but a profile where walks cannot do what is asked for, or it is not known which is better.
+    ///
+    /// Of the profiles, oblique light is solved for isotropic scattering without a boundary only; the refined one knows the
+    /// rest.
+    ///
+    /// ```
+    /// use translucid_scene::{Integrator, Material, SubsurfaceMethod};
+    ///
+    /// let (marble, probes) = (Material::default(), Integrator::default());
+    /// assert_eq!(marble.model(&probes).name(), "random-walk");
+    /// let points = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..probes };
+    /// assert_eq!(marble.model(&points).name(), "normalized-diffusion-oblique");
+    /// let glazed = Material { subsurface_eta: 1.4, ..marble };
+    /// assert_eq!(glazed.model(&probes).name(), "normalized-diffusion-refined");
+    /// ```
+    pub fn model(&self, integrator: &Integrator) -> SubsurfaceModel {
+        if self.subsurface_model != SubsurfaceModel::Default {
+            return self.subsurface_model;
+        }
+        let is_matched = self.subsurface_eta == 1.0;
+        // What walks through a boundary that refracts are worth in the same time has not been measured
+        if is_matched && self.keys_of_profiles(integrator).is_empty() {
+            return SubsurfaceModel::RandomWalk(WalkSurface::Clear);
+        }
+        let is_isotropic = self.subsurface_scatter_anisotropy == 0.0;
+        SubsurfaceModel::Profile(if is_isotropic && is_matched {
+            Model::NormalizedDiffusionOblique
+        } else {
+            Model::NormalizedDiffusionRefined
+        })
+    }
+
+    /// The keys, with a value other than their default, that say something of profiles alone.
+    pub fn keys_of_profiles(&self, integrator: &Integrator) -> Vec<&'static str> {
+        let has_points = integrator.subsurface_method == SubsurfaceMethod::PointBased;
+        let pairs = self.subsurface_texture_at != SubsurfaceTextureAt::Exit;
+        let normalizes = self.subsurface_normalization != SubsurfaceNormalization::None;
+        let keys = [
+            (has_points, "subsurface_method = \"point-based\""),
+            (pairs, "subsurface_texture_at"),
+            (normalizes, "subsurface_normalization"),
+        ];
+        keys.into_iter().filter(|(is_set, _)| *is_set).map(|(_, key)| key).collect()
     }
 }

@@ -14,7 +14,7 @@ use axum::response::{IntoResponse, Response};
 use glam::Vec3;
 use serde_json::{Value, json};
 use tokio::sync::{Semaphore, mpsc, watch};
-use translucid_scene::{Camera, SceneError};
+use translucid_scene::{Camera, Material, SceneError};
 
 use super::Context;
 use crate::message::{Message, Numbered};
@@ -214,7 +214,12 @@ impl Conversation {
 }
 
 fn about_material(shared: &Shared, what: usize, id: Option<u32>, index: usize) -> String {
-    let Some(material) = shared.studio(|studio| studio.active_look().materials.get(index).cloned()) else {
+    let material = shared.studio(|studio| {
+        let look = studio.active_look();
+        let material = look.materials.get(index)?;
+        Some(Material { subsurface_model: material.model(&look.integrator), ..material.clone() })
+    });
+    let Some(material) = material else {
         return error(id, &SceneError::new(format!("material {index} is not there")));
     };
     let unit = shared.origin.unit;

@@ -23,8 +23,21 @@ const ink = () => page.locator("#profile-plot canvas").evaluate((canvas) => {
     return count;
 });
 
-test("the profile is drawn with its error for each channel", async () => {
+test("a default model says which it is, and a walk that it has no profile", async () => {
     await shown("profile");
+    const described = async (start) => page.waitForFunction(
+        (start) => document.querySelector("#material-rows .description").textContent.startsWith(start), start);
+    await described("random-walk. ");
+    await page.locator("#profile-plot.empty").waitFor();
+    assert.match(await text("profile-plot"), /a random walk has no profile/);
+    await view.check("material-subsurface_normalization-energy");
+    await described("normalized-diffusion-oblique. ");
+    assert.equal(await page.locator("#material-subsurface_model").inputValue(), "default");
+    await view.reset();
+});
+
+test("the profile is drawn with its error for each channel", async () => {
+    await view.choose("material-subsurface_model", "normalized-diffusion-oblique");
     await page.locator("#profile-errors li").nth(2).waitFor();
     assert.match(await text("profile-errors"), /Red.*%Green.*%Blue.*%/);
     assert.match(await text("profile-model"), /normalized-diffusion/);

@@ -5,7 +5,7 @@ import { join } from "node:path";
 import { launch, serve } from "./view.mjs";
 
 const [folder, samples = "72"] = process.argv.slice(2);
-const server = await serve("--size", "960x540", "--spp", samples);
+const server = await serve("--size", "960x540", "--spp", samples, "--subsurface", "normalized-diffusion-oblique");
 const browser = await launch();
 const page = await browser.newPage({ viewport: { width: 1440, height: 900 }, colorScheme: "dark" });
 page.setDefaultTimeout(3_600_000);

@@ -96,6 +96,38 @@ fn saved_scene_renders_to_the_pixels_of_the_page() {
 }
 
 #[test]
+fn state_says_which_model_a_default_is() {
+    let served = Served::new(small_still_life());
+    let mut client = served.connect();
+    for (edit, named, model) in [
+        (json!({"type":"film","set":{"exposure":0.5}}), "default", "random-walk"),
+        (
+            json!({"type":"integrator","set":{"subsurface_method":"point-based"}}),
+            "default",
+            "normalized-diffusion-oblique",
+        ),
+        (
+            json!({"type":"material","index":MARBLE,"set":{"subsurface_eta":1.4}}),
+            "default",
+            "normalized-diffusion-refined",
+        ),
+        (json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"dipole"}}), "dipole", "dipole"),
+        (
+            json!({"type":"material","index":MARBLE,"set":{"subsurface_model":"default"}}),
+            "default",
+            "normalized-diffusion-refined",
+        ),
+    ] {
+        client.apply(edit);
+        let profile = client.ask(json!({"type":"profile","index":MARBLE}));
+        assert_eq!(profile["model"], model, "{profile}");
+        // The state came before the answer
+        let material = &client.state["sides"]["a"]["materials"][MARBLE];
+        assert_eq!((&material["subsurface_model"], &material["model"]), (&json!(named), &json!(model)));
+    }
+}
+
+#[test]
 fn sides_are_rendered_beside_each_other() {
     let served = Served::new(small_still_life());
     let mut client = served.connect();
@@ -268,6 +300,8 @@ fn questions_are_answered() {
     assert!(picked["object"].is_string() && picked["position"][2].is_number(), "{picked}");
     assert!(picked["sides"]["a"]["radiance"][0].as_f64().unwrap() > 0.0, "{picked}");
     assert!(client.ask(json!({"type":"pick","x":-500,"y":1e30}))["sides"]["a"].is_null());
+    let set = json!({"subsurface_model":"normalized-diffusion-oblique"});
+    client.apply(json!({"type":"material","index":MARBLE,"set":set}));
     let profile = client.ask(json!({"type":"profile","index":MARBLE}));
     assert_eq!((profile["type"].as_str(), profile["index"].as_u64()), (Some("profile"), Some(MARBLE as u64)));
     assert!(profile["channels"][0]["error_percent"].as_f64().unwrap() < 3.0, "{profile}");

@@ -41,12 +41,12 @@ pub(crate) struct ModelRecipe {
 }
 
 impl KernelRecipe {
-    /// The recipe of a material's own model; `None` where that is no profile.
-    pub(crate) fn of(material: &Material) -> Option<Self> {
-        match material.subsurface_model {
-            SubsurfaceModel::None | SubsurfaceModel::RandomWalk(_) => None,
+    /// The recipe of a material with a model; `None` where that is no profile.
+    pub(crate) fn of(material: &Material, model: SubsurfaceModel) -> Option<Self> {
+        match model {
             SubsurfaceModel::Profile(model) => Some(Self::Model(ModelRecipe::of(model, material))),
             SubsurfaceModel::Tabulated(index) => Some(Self::File(index)),
+            SubsurfaceModel::Default | SubsurfaceModel::None | SubsurfaceModel::RandomWalk(_) => None,
         }
     }
 
@@ -84,9 +84,10 @@ fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
 }
 
 /// Words on the g and η that a material asks for and its model is not fitted for.
-pub(crate) fn unfitted(material: &Material) -> Option<Remark> {
-    let SubsurfaceModel::Profile(model) = material.subsurface_model else { return None };
-    model.knows_boundary().then(|| Note::of_nearest(material, nearest_known(model, material)))?
+pub(crate) fn unfitted(material: &Material, model: SubsurfaceModel) -> Option<Remark> {
+    let SubsurfaceModel::Profile(model) = model else { return None };
+    let used = nearest_known(model, material);
+    model.knows_boundary().then(|| Note::of_nearest(material, model.name(), used))?
 }
 
 impl ModelRecipe {

@@ -20,7 +20,7 @@ use serde::Deserialize;
 
 use super::document::TextureInfo;
 use super::materials::{MaterialReader, white};
-use crate::{Channel, ColorInput, Material, ScalarInput, SceneError, SubsurfaceModel};
+use crate::{Channel, ColorInput, Material, ScalarInput, SceneError};
 
 /// KHR_materials_transmission.
 #[derive(Deserialize)]
@@ -167,7 +167,6 @@ impl MaterialReader<'_> {
             let g = scatter.scatter_anisotropy;
             let g = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
             material.subsurface_scatter_anisotropy = g;
-            material.subsurface_model = SubsurfaceModel::default_of(g, material.subsurface_eta);
         }
     }
 }

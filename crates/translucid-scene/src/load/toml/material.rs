@@ -83,7 +83,6 @@ pub(super) fn read_material(
     unit: Unit,
     images: &mut FileList,
 ) -> Result<Material, SceneError> {
-    let is_default = base.subsurface_model == default_model(&base);
     let mut material = table.read("preset", base, |item| read_preset(item, unit))?;
     table.update("name", &mut material.name, Item::name)?;
     for parameter in PARAMETERS {
@@ -99,9 +98,6 @@ pub(super) fn read_material(
                 table.update(name, input, |item| read_color(item, base, range, images))?;
             }
         }
-    }
-    if is_default || table.get("preset").is_some() {
-        material.subsurface_model = default_model(&material);
     }
     read_model(table, &mut material, images)?;
     for WordParameter { key, read, .. } in &WORDS {
@@ -119,11 +115,6 @@ fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {
         Ok(preset) => Ok(preset.material(unit)),
         Err(error) => Err(SceneError { place: Some(item.place()), ..error }),
     }
-}
-
-/// The model that the medium decides on where none is named.
-fn default_model(material: &Material) -> SubsurfaceModel {
-    SubsurfaceModel::default_of(material.subsurface_scatter_anisotropy, material.subsurface_eta)
 }
 
 /// Reads `subsurface_model` or `subsurface_table`.

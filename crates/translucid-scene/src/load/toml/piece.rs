@@ -526,12 +526,15 @@ mod tests {
         let mut builder = SceneBuilder::new(Unit::Millimeter);
         pieces(&mut builder).unwrap();
         let wax = builder.scene().materials[0].clone();
-        let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_scatter_anisotropy = 0");
+        let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_eta = 1.3");
         let edited = edit.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
-        // The medium had decided on the model, and does so again.
-        assert_eq!(edited.subsurface_model, SubsurfaceModel::default());
-        assert_ne!(edited.subsurface_model, wax.subsurface_model);
+        // The scene had decided on the model, and does so again; a model that is named stays.
+        let model = |material: &Material| material.model(&Integrator::default()).name();
+        assert_eq!([model(&wax), model(&edited)], ["random-walk", "normalized-diffusion-refined"]);
+        let named = Piece::new("material wax", "subsurface_model = 'random-walk'");
+        let named = named.material(&wax, Unit::Millimeter).unwrap();
+        assert_eq!(model(&edit.material(&named, Unit::Millimeter).unwrap()), "random-walk");
         for (text, message, with_images) in [
             (
                 "base_color = {file = 'a.png'}",

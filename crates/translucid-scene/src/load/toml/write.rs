@@ -195,13 +195,10 @@ fn color_input(old: &ColorInput, new: &ColorInput) -> Option<String> {
     })
 }
 
-/// The model, where it or what decides on it differs.
+/// The model, where it differs.
 fn model(from: &Material, to: &Material) -> Result<String, SceneError> {
-    let medium = |material: &Material| (material.subsurface_scatter_anisotropy, material.subsurface_eta);
     match (from.subsurface_model, to.subsurface_model) {
-        // It stays, whatever the medium is
-        (SubsurfaceModel::Tabulated(old), SubsurfaceModel::Tabulated(new)) if old == new => Ok(String::new()),
-        (old, new) if old == new && medium(from) == medium(to) => Ok(String::new()),
+        (old, new) if old == new => Ok(String::new()),
         (_, SubsurfaceModel::Tabulated(_)) => Err(unsaid(&format!("the table of material {}", to.name))),
         (_, new) => Ok(format!("subsurface_model = {}\n", quoted(new.name()))),
     }

@@ -3,7 +3,8 @@
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use translucid_scene::{
-    Channel, ColorInput, ColorSpace, Material, Pixels, ScalarInput, TextureRef, Unit, Wrap, load_gltf,
+    Channel, ColorInput, ColorSpace, Material, Pixels, ScalarInput, SubsurfaceModel, TextureRef, Unit, Wrap,
+    load_gltf,
 };
 
 use super::builder::{File, png};
@@ -221,6 +222,7 @@ fn volume_scattering_becomes_subsurface_scattering() {
     assert_eq!(material.subsurface_weight, ScalarInput::constant(0.75));
     assert_eq!(material.subsurface_color.factor, Vec3::new(0.572, 0.227, 0.075));
     assert_eq!(material.subsurface_scatter_anisotropy, 0.3);
+    assert_eq!(material.subsurface_model, SubsurfaceModel::Default);
     let path = material.subsurface_radius.factor * material.subsurface_radius_scale.factor;
     // After 10 mm the attenuation color is left: exp(−10/ℓ).
     let left = Vec3::from_array((-10.0 / path).to_array().map(f32::exp));

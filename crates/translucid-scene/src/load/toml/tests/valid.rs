@@ -130,15 +130,37 @@ fn material_reads_every_constant() {
     assert_eq!(material(""), Material { name: String::from("m"), ..Material::default() });
 }
 
-/// Oblique light is solved without phase function and boundary; the round profile knows both.
+/// The walk; where a key asks for profiles or there is a boundary, the profile that knows the medium: oblique light is solved
+/// without phase function and boundary, the round profile knows both.
 #[test]
-fn material_without_a_model_takes_the_one_that_knows_its_medium() {
-    let model = |text: &str| material(text).subsurface_model.name();
-    assert_eq!(model(""), "normalized-diffusion-oblique");
-    assert_eq!(model("preset = \"skin1\""), "normalized-diffusion-oblique");
-    assert_eq!(model("subsurface_scatter_anisotropy = 0.5"), "normalized-diffusion-refined");
-    assert_eq!(model("subsurface_eta = 1.4"), "normalized-diffusion-refined");
-    assert_eq!(model("subsurface_eta = 1.4\nsubsurface_model = \"dipole\""), "dipole");
+fn material_without_a_model_walks_but_where_it_asks_for_a_profile() {
+    let probes = Integrator::default();
+    let points = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..probes };
+    let (oblique, refined) = ("normalized-diffusion-oblique", "normalized-diffusion-refined");
+    for (text, with_probes, with_points) in [
+        ("", "random-walk", oblique),
+        ("preset = \"skin1\"", "random-walk", oblique),
+        ("subsurface_model = \"default\"", "random-walk", oblique),
+        ("subsurface_configuration = \"searchlight\"", "random-walk", oblique),
+        ("subsurface_scatter_anisotropy = 0.5", "random-walk", refined),
+        ("subsurface_eta = 1.4", refined, refined),
+        ("subsurface_eta = 0.9", refined, refined),
+        ("subsurface_texture_at = \"entry\"", oblique, oblique),
+        ("subsurface_texture_at = \"both\"\nsubsurface_scatter_anisotropy = 0.5", refined, refined),
+        ("subsurface_normalization = \"energy\"", oblique, oblique),
+        ("subsurface_eta = 1.4\nsubsurface_model = \"dipole\"", "dipole", "dipole"),
+        ("subsurface_model = \"random-walk\"\nsubsurface_eta = 1.4", "random-walk", "random-walk"),
+        (
+            "subsurface_model = \"random-walk\"\nsubsurface_texture_at = \"both\"",
+            "random-walk",
+            "random-walk",
+        ),
+        ("subsurface_model = \"none\"", "none", "none"),
+    ] {
+        let material = material(text);
+        let models = [probes, points].map(|integrator| material.model(&integrator).name());
+        assert_eq!(models, [with_probes, with_points], "{text}");
+    }
 }
 
 #[test]
