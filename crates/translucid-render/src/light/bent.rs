@@ -15,6 +15,17 @@ use crate::ray::Beyond;
 /// Share of the draws that goes to lights that no ray can meet, where there are others.
 const UNMET_SHARE: f32 = 0.5;
 
+/// Solid-angle density of light samples \[1/sr\] from which on they are followed to where their way bends.
+///
+/// To look for bent ways takes several times as long as to walk on, and light that is no smaller than a few degrees is met
+/// by chance as well.
+const LEAST_DENSITY: f32 = 32.0;
+
+/// Density with which light that has such a solid-angle density on a straight way is sampled on a bent one.
+pub(crate) fn bent_pdf(pdf: f32) -> f32 {
+    if pdf < LEAST_DENSITY { 0.0 } else { pdf }
+}
+
 /// Lights that no ray can meet, by their power.
 #[derive(Clone, Debug)]
 pub(super) struct Unmet {
@@ -55,7 +66,8 @@ impl BentLight {
 }
 
 impl LightSet {
-    /// Draws a light and a place of it by `u` and `v`, all in [0, 1), for a point that its light may reach bent.
+    /// Draws a light and a place of it by `u` and `v`, all in [0, 1), for a point that its light may reach bent; `None` if
+    /// the light is large enough to be met by chance.
     pub(crate) fn sample_bent(&self, point: Vec3, u: f32, v: [f32; 2]) -> Option<BentLight> {
         let share = self.unmet.as_ref().map_or(0.0, |unmet| if unmet.is_all { 1.0 } else { UNMET_SHARE });
         if u < share {
@@ -64,7 +76,9 @@ impl LightSet {
         let receiver = Receiver { point, normal: Vec3::ZERO };
         let u = (u - share) / (1.0 - share);
         let (light, probability) = self.selection.choose(&self.emitters, &receiver, u.into())?;
-        let sample = self.sample_of(&receiver, (light, probability), v).filter(|sample| !sample.is_delta)?;
+        let sample = self
+            .sample_of(&receiver, (light, probability), v)
+            .filter(|sample| !sample.is_delta && bent_pdf(sample.pdf) > 0.0)?;
         let beyond = if sample.distance.is_finite() {
             Beyond::At(point + sample.direction * sample.distance)
         } else {
@@ -120,5 +134,89 @@ impl LightSet {
         };
         let sample = LightSample { pdf: sample.pdf * bent.share, ..sample };
         sample.is_usable().then_some(sample)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f32::consts::PI;
+
+    use translucid_scene::{Light, Scene};
+
+    use super::*;
+    use crate::light::EmissiveTriangle;
+
+    /// Drawn for one point and seen from a bend on the way to it, each kind of light shines on the bend as its solid angle,
+    /// or its intensity, says.
+    #[test]
+    fn light_at_a_bend_is_that_of_the_light_as_seen_from_there() {
+        let (point, bend) = (Vec3::new(0.1, 0.2, -1.0), Vec3::new(-0.3, 0.1, 0.5));
+        let center = Vec3::new(0.2, -0.1, 4.0);
+        let (edge_x, edge_y) = (Vec3::new(0.3, 0.0, 0.1), Vec3::new(0.0, -0.2, 0.0));
+        let (radiance, visible) = (Vec3::ONE, true);
+        let corners = [center, center + edge_x, center + edge_y];
+        let [a, b, c] = corners.map(|corner| (corner - bend).normalize());
+        // [A. Van Oosterom & J. Strackee 1983]
+        let solid_angle = 2.0 * (a.dot(b.cross(c)).abs() / (1.0 + a.dot(b) + b.dot(c) + c.dot(a))).atan();
+        let parallelogram = [center - 0.5 * edge_x - 0.5 * edge_y, edge_x, edge_y];
+        let of_rectangle = {
+            let [corner, x, y] = parallelogram;
+            let n = 200_u16;
+            let at = |i: u16, j: u16| {
+                corner + x * ((f32::from(i) + 0.5) / 200.0) + y * ((f32::from(j) + 0.5) / 200.0)
+            };
+            let area = x.cross(y) / 40_000.0;
+            let seen =
+                |place: Vec3| (place - bend).normalize().dot(area).abs() / place.distance_squared(bend);
+            (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| seen(at(i, j))).sum::<f32>()
+        };
+        let sphere =
+            |radius: f32| 2.0 * PI * (1.0 - (1.0 - radius * radius / bend.distance_squared(center)).sqrt());
+        let near_axis = (bend - center).normalize() * 1e-4;
+        let spot = |outer_angle| Light::Spot {
+            position: center,
+            direction: near_axis,
+            intensity: Vec3::ONE,
+            inner_angle: 1.0,
+            outer_angle,
+        };
+        let intensity = bend.distance_squared(center).recip();
+        let triangle = vec![EmissiveTriangle { vertices: corners, radiance, primitive: 0 }];
+        let cases = [
+            ("rectangle", Some(Light::Rectangle { center, edge_x, edge_y, radiance, visible }), of_rectangle),
+            ("sphere", Some(Light::Sphere { center, radius: 0.2, radiance, visible }), sphere(0.2)),
+            // The point is outside its cone, the bend is not
+            ("spot", Some(spot(2.0)), intensity),
+            ("triangle", None, solid_angle),
+        ];
+        for (name, light, expected) in cases {
+            let emissive = if light.is_none() { triangle.clone() } else { Vec::new() };
+            let scene = Scene { lights: light.into_iter().collect(), environment: None, ..Scene::default() };
+            let lights = LightSet::new(&scene, emissive, (Vec3::splat(-2.0), Vec3::splat(2.0)));
+            let n = 1 << 14;
+            let shine = |i: u32| {
+                let u = sobol_burley::sample_4d(i, 0, 3);
+                let bent = lights.sample_bent(point, u[0], [u[1], u[2]])?;
+                let sample = lights.toward_bend(&bent, point, bend)?;
+                Some(sample.radiance.x / (sample.pdf * sample.distance * sample.distance))
+            };
+            let mean = (0..n).filter_map(shine).sum::<f32>() / n as f32;
+            assert!((mean / expected - 1.0).abs() < 5e-3, "{name}: {mean} {expected}");
+        }
+    }
+
+    #[test]
+    fn beams_shine_where_their_way_bends() {
+        let beam =
+            |radius| Light::Beam { origin: Vec3::Z * 9.0, direction: Vec3::NEG_Z, radius, power: Vec3::ONE };
+        let scene = Scene { lights: vec![beam(0.5)], environment: None, ..Scene::default() };
+        let lights = LightSet::new(&scene, Vec::new(), (Vec3::splat(-2.0), Vec3::splat(2.0)));
+        let bent = lights.sample_bent(Vec3::X * 1.5, 0.3, [0.5; 2]).expect("drawn by its power alone");
+        let bend = |x: f32| lights.toward_bend(&bent, Vec3::X * 1.5, Vec3::new(x, 0.0, 1.0));
+        assert_eq!(bent.beyond, Beyond::Along(Vec3::Z));
+        assert!(bend(0.6).is_none());
+        let sample = bend(0.4).expect("in the beam");
+        assert_eq!((sample.distance, sample.pdf), (8.0, 1.0));
+        assert!((sample.radiance.x * PI * 0.25 - 1.0).abs() < 1e-6);
     }
 }

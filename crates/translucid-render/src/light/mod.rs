@@ -31,6 +31,7 @@ use glam::Vec3;
 use translucid_scene::Scene;
 
 use bent::Unmet;
+pub(crate) use bent::bent_pdf;
 use emitters::{Emitters, PlacedLight};
 use receiver::Receiver;
 use selection::Selection;

@@ -4,7 +4,7 @@ use translucid_scene::Material;
 
 use crate::ray::{Hit, SurfacePoint};
 use crate::surface;
-use crate::world::{Origin, PathState, World, absorbed, power_heuristic};
+use crate::world::{PathState, World, absorbed};
 
 /// Emission of the surface that the path has met.
 pub(super) fn add_emission(
@@ -18,22 +18,17 @@ pub(super) fn add_emission(
         return;
     }
     let radiance = surface::emission_at(&world.scene, material, point);
-    let weight = if path.origin.pdf.is_finite() {
+    let weight = path.origin.weight(|from, normal| {
         let primitive = world.geometry.primitive(point.object, point.triangle);
-        let Origin { point: from, normal, pdf } = path.origin;
         let position = world.geometry.position(hit);
-        let light = world.lights.triangle_pdf(primitive, from, normal, position, point.geometric_normal);
-        power_heuristic(pdf, light)
-    } else {
-        1.0
-    };
+        world.lights.triangle_pdf(primitive, from, normal, position, point.geometric_normal)
+    });
     path.add(radiance * weight);
 }
 
 /// Adds an analytic light nearer than any surface; true if there is one.
 pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f32) -> bool {
     let ray = &path.ray;
-    let Origin { point, normal, pdf } = path.origin;
     let lights = &world.lights;
     let light = if path.depth == 0 {
         lights.intersect_visible(ray.origin, ray.direction, t_max)
@@ -41,7 +36,7 @@ pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f
         lights.intersect(ray.origin, ray.direction, t_max)
     };
     let Some(light) = light else { return false };
-    let weight = if pdf.is_finite() { power_heuristic(pdf, light.pdf(lights, point, normal)) } else { 1.0 };
+    let weight = path.origin.weight(|point, normal| light.pdf(lights, point, normal));
     let absorbed = absorbed(path.absorption, light.t);
     if path.depth == 0 {
         path.sample.alpha = 1.0;
@@ -53,7 +48,6 @@ pub(super) fn add_light_in_the_way(world: &World, path: &mut PathState, t_max: f
 /// Adds the environment behind everything.
 pub(super) fn add_environment(world: &World, path: &mut PathState) {
     let lights = &world.lights;
-    let Origin { point, normal, pdf } = path.origin;
     if path.depth == 0 && !lights.environment_visible() {
         return;
     }
@@ -63,11 +57,7 @@ pub(super) fn add_environment(world: &World, path: &mut PathState) {
     } else {
         lights.environment_radiance(direction)
     };
-    let weight = if pdf.is_finite() {
-        power_heuristic(pdf, lights.environment_pdf(point, normal, direction))
-    } else {
-        1.0
-    };
+    let weight = path.origin.weight(|point, normal| lights.environment_pdf(point, normal, direction));
     if path.depth == 0 {
         path.sample.alpha = 1.0;
     }

@@ -283,6 +283,7 @@ fn follow_surface(path: &mut PathState, vertex: &Vertex<'_>, next: &Next) -> boo
         point: vertex.point.position,
         normal: vertex.light_normal(path.ray.direction),
         pdf: if next.pdf > 0.0 { next.pdf } else { f32::INFINITY },
+        is_bent: false,
     };
     let ray = Ray::new(vertex.point.ray_origin(direction), direction);
     path.diffuse_depth += u32::from(next.is_diffuse);

@@ -81,7 +81,7 @@ impl<'a> EntryPoint<'a> {
         if direction.dot(geometric) <= 0.0 {
             return None;
         }
-        let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z) };
+        let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z), is_bent: false };
         path.diffuse_depth += 1;
         path.soft |= !self.world.scene.integrator.caustics;
         let ray = Ray::new(point.ray_origin(direction), direction);

@@ -3,6 +3,8 @@
 use glam::Vec3;
 
 use super::PixelSample;
+use super::direct_light::power_heuristic;
+use crate::light::bent_pdf;
 use crate::ray::{Ray, SurfacePoint};
 
 /// Surfaces that a path may pass straight through in a row, against endless loops.
@@ -38,6 +40,20 @@ pub(crate) struct Origin {
     pub(crate) normal: Vec3,
     /// Solid-angle density of the direction taken; infinite where lights could not be sampled instead.
     pub(crate) pdf: f32,
+    /// Whether the way of light samples to there bends at a surface.
+    pub(crate) is_bent: bool,
+}
+
+impl Origin {
+    /// Weight of light that the path has met, given the density with which lights are sampled for it at a point with a
+    /// normal.
+    pub(crate) fn weight(&self, light_pdf: impl FnOnce(Vec3, Vec3) -> f32) -> f32 {
+        if !self.pdf.is_finite() {
+            return 1.0;
+        }
+        let density = light_pdf(self.point, self.normal);
+        power_heuristic(self.pdf, if self.is_bent { bent_pdf(density) } else { density })
+    }
 }
 
 /// A path from the camera, or from an entry point of light.
@@ -66,7 +82,7 @@ impl PathState {
             ray,
             throughput: Vec3::ONE,
             layer: Layer::Emission,
-            origin: Origin { point: ray.origin, normal: Vec3::ZERO, pdf: f32::INFINITY },
+            origin: Origin { point: ray.origin, normal: Vec3::ZERO, pdf: f32::INFINITY, is_bent: false },
             depth: 0,
             diffuse_depth: 0,
             passes: 0,

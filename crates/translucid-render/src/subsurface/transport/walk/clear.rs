@@ -130,7 +130,8 @@ impl Walk<'_> {
             }
             return path.pass(&point, weight);
         }
-        let origin = Origin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf };
+        let is_bent = self.eta != 1.0;
+        let origin = Origin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf, is_bent };
         path.diffuse_depth += u32::from(self.has_scattered);
         path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
