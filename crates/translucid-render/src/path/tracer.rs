@@ -1,5 +1,7 @@
 //! The loop over a path's vertices.
 
+use std::sync::atomic::AtomicBool;
+
 use glam::Vec3;
 use translucid_scene::Material;
 
@@ -10,8 +12,8 @@ use crate::subsurface::{ExitPoint, SubsurfaceSet, Tracing, TransportScratch};
 use crate::surface;
 use crate::surface::bsdf::{Bsdf, BsdfSample, Lobe, SurfaceParameters};
 use crate::world::{
-    Layer, Origin, PathState, PixelSample, ShadowMedium, World, absorbed, absorption_behind, power_heuristic,
-    straight_transmittance, weighed,
+    BlockPlace, Layer, Origin, PathState, PixelSample, ShadowMedium, World, absorbed, absorption_behind,
+    power_heuristic, straight_transmittance, weighed,
 };
 
 /// Scattering events after which paths of little throughput are ended at random.
@@ -61,18 +63,23 @@ impl<'a> PathTracer<'a> {
         path.sample
     }
 
-    /// Traces the sample of this number in a block of pixels. Light that has entered below others in the block comes with
+    /// Traces the sample of a pixel in a block. Light that has entered below others in the block comes with
     /// [`finish_block`](Self::finish_block).
-    pub(crate) fn trace_in_block(&mut self, ray: Ray, sampler: &mut Sampler, number: usize) -> PixelSample {
+    pub(crate) fn trace_in_block(
+        &mut self,
+        ray: Ray,
+        sampler: &mut Sampler,
+        place: BlockPlace,
+    ) -> PixelSample {
         let mut path = PathState::new(ray);
-        path.in_block = Some(number);
+        path.in_block = Some(place);
         self.follow(&mut path, sampler);
         path.sample
     }
 
-    /// Adds the light that the samples of a block share.
-    pub(crate) fn finish_block(&mut self, samples: &mut [PixelSample]) {
-        self.scratch.finish_block(|number, layer, light| layer.add(&mut samples[number], light));
+    /// Adds the light that the samples of a block share; some of it, if stopped.
+    pub(crate) fn finish_block(&mut self, samples: &mut [PixelSample], stop: &AtomicBool) {
+        self.scratch.finish_block(stop, |number, layer, light| layer.add(&mut samples[number], light));
     }
 
     /// Forgets a block that is not to be finished.

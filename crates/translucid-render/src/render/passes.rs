@@ -9,12 +9,12 @@ use translucid_image::PixelRect;
 
 use super::film::{FilmSums, TILE_SIZE};
 use super::live_film::LiveFilm;
-use super::pixel_blocks::BlockGrid;
+use super::pixel_blocks::{BlockGrid, number_in, pixels_of};
 use super::prepared::PreparedScene;
 use super::view::View;
 use crate::path::PathTracer;
 use crate::sampling::Sampler;
-use crate::world::{PixelSample, layer};
+use crate::world::{BlockPlace, PixelSample, layer};
 
 /// Samples that may wait until all before them are done, in pixels: 84 MB, or one sample of each pixel if that is more.
 const MOST_PENDING: u64 = 1 << 20;
@@ -140,7 +140,7 @@ impl PreparedScene {
         Outcome::Finished
     }
 
-    /// Traces sample `number` of every pixel of a rectangle, row by row; `None` when stopped.
+    /// Traces sample `number` of every pixel of a block; `None` when stopped.
     fn trace_block(
         &self,
         tracer: &mut PathTracer<'_>,
@@ -151,7 +151,7 @@ impl PreparedScene {
     ) -> Option<Vec<PixelSample>> {
         let shares = self.world.scene.integrator.subsurface_sharing;
         let mut samples = Vec::with_capacity(rect.area() as usize);
-        for (x, y) in rect.pixels() {
+        for (x, y) in pixels_of(rect) {
             if stop.load(Ordering::Relaxed) {
                 tracer.drop_block();
                 return None;
@@ -159,13 +159,15 @@ impl PreparedScene {
             let mut sampler = Sampler::new(view.seed(), x, y, number);
             let ray = view.ray(x, y, sampler.next_4d());
             samples.push(if shares {
-                tracer.trace_in_block(ray, &mut sampler, samples.len())
+                let at = [x - rect.left, y - rect.top];
+                let place = BlockPlace { number: samples.len(), at, size: [rect.width, rect.height] };
+                tracer.trace_in_block(ray, &mut sampler, place)
             } else {
                 tracer.trace(ray, &mut sampler)
             });
         }
-        tracer.finish_block(&mut samples);
-        Some(samples)
+        tracer.finish_block(&mut samples, stop);
+        (!stop.load(Ordering::Relaxed)).then_some(samples)
     }
 }
 
@@ -197,10 +199,8 @@ fn add_samples(
         }
         for (sums, (x, y)) in tile.pixels.iter_mut().zip(rect.pixels()) {
             let block = grid.block_of(x, y);
-            let PixelRect { left, top, width, .. } = grid.rect(block);
-            let place = (y - top) * width + (x - left);
             if let Some(samples) = &blocks[block] {
-                add(sums, &samples[place as usize]);
+                add(sums, &samples[number_in(grid.rect(block), x, y)]);
             }
         }
         tile.samples = number + 1;

@@ -1,5 +1,6 @@
 //! The scene as all paths know it, and light between two of its points.
 
+mod block_place;
 mod direct_light;
 mod passage;
 mod path_state;
@@ -14,6 +15,7 @@ use crate::light::LightSet;
 use crate::ray::{Geometry, Hit, SurfacePoint};
 use crate::surface::SurfaceTables;
 
+pub(crate) use block_place::{BLOCK_SIZE, BlockPlace, COHORT_SIZE};
 pub(crate) use direct_light::{power_heuristic, weighed};
 pub(crate) use passage::Media;
 pub(crate) use path_state::{Layer, Origin, PathState};

@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
-use super::PixelSample;
 use super::direct_light::power_heuristic;
+use super::{BlockPlace, PixelSample};
 use crate::light::bent_pdf;
 use crate::ray::{Ray, SurfacePoint};
 
@@ -72,8 +72,8 @@ pub(crate) struct PathState {
     /// Absorption coefficient of the clear medium around the ray [1/L].
     pub(crate) absorption: Vec3,
     pub(crate) sample: PixelSample,
-    /// Number of the sample in its block, until its light under a surface is left to the block.
-    pub(crate) in_block: Option<usize>,
+    /// Its pixel's place among those that share, until its light under a surface is left to them.
+    pub(crate) in_block: Option<BlockPlace>,
 }
 
 impl PathState {

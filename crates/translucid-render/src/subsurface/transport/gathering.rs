@@ -28,6 +28,8 @@
 //!
 //! Both have the same mean, and the choice knows neither A's places nor, without y_j's, x_j's.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use glam::Vec3;
 
 use crate::subsurface::exit_point::ExitPoint;
@@ -195,14 +197,17 @@ impl<R: Receiver> Gathering<R> {
         self.found.extend(found);
     }
 
-    /// Calls `add` with the number of the sample, the layer and the light for every receiver that gets some, and forgets
-    /// all receivers.
-    pub(super) fn resolve(&mut self, mut add: impl FnMut(usize, Layer, Vec3)) {
+    /// Calls `add` with the number of the sample, the layer and the light for every receiver that gets some, or for some of
+    /// them if stopped, and forgets all receivers.
+    pub(super) fn resolve(&mut self, stop: &AtomicBool, mut add: impl FnMut(usize, Layer, Vec3)) {
         self.order.clear();
         self.order.extend(0..self.waiting.len());
         self.order.sort_by_key(|&i| self.waiting[i].kind());
         let waiting = &self.waiting;
         for alike in self.order.chunk_by(|&a, &b| waiting[a].kind() == waiting[b].kind()) {
+            if stop.load(Ordering::Relaxed) {
+                break;
+            }
             let of = |index: usize| {
                 let end = self.firsts.get(index + 1).map_or(self.found.len(), |first| *first);
                 &self.found[self.firsts[index]..end]
@@ -526,7 +531,7 @@ mod tests {
                 let light = (2.0 + y) * if random() < 0.5 { 0.5 } else { 1.5 };
                 gathering.push(Toy { x, account }, [Spot { y, light }]);
             }
-            gathering.resolve(|sample, _, light| {
+            gathering.resolve(&AtomicBool::new(false), |sample, _, light| {
                 let light = f64::from(light.x);
                 moments[sample].0 += light;
                 moments[sample].1 += light * light;

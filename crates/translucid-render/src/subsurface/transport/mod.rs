@@ -18,6 +18,7 @@ mod shared;
 pub(crate) mod walk;
 
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_scene::{Material, Scene};
@@ -74,10 +75,10 @@ pub(crate) struct TransportScratch<'a> {
 
 impl TransportScratch<'_> {
     /// Calls `add` with the number of the sample, the layer and the light for every exit point of a block that others
-    /// have light for, and forgets the block.
-    pub(crate) fn finish_block(&mut self, mut add: impl FnMut(usize, Layer, Vec3)) {
-        self.shared.resolve(&mut add);
-        self.collisions.resolve(add);
+    /// have light for, or for some if stopped, and forgets the block.
+    pub(crate) fn finish_block(&mut self, stop: &AtomicBool, mut add: impl FnMut(usize, Layer, Vec3)) {
+        self.shared.resolve(stop, &mut add);
+        self.collisions.resolve(stop, add);
     }
 
     /// Forgets a block without its light.

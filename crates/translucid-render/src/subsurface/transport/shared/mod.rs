@@ -22,7 +22,7 @@ use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
-use crate::world::{Layer, PathState, World};
+use crate::world::{BLOCK_SIZE, Layer, PathState, World};
 use entries::{EntryLight, WaitingExit};
 use nearness::Nearness;
 
@@ -35,6 +35,14 @@ pub(super) type SharedEntries<'a> = Gathering<WaitingExit<'a>>;
 /// a pixel is known before any entry is, so the choice changes no mean.
 const LEAST_PIXELS: f32 = 1.5;
 
+/// How far from its own place an exit may go, over the mean radius of its widest profile, to find those that it shares with.
+///
+/// Squares of pixels that share have errors of their own, and borders that show; where each pixel goes a random way off, up
+/// to so far, squares that light crosses easily dissolve into each other. Those who share lie less close together then:
+/// measured by the benches `structure` and `sharing`, with 0.1 borders at 16 pixels of mean free path are 1.18 times as
+/// high as steps elsewhere in place of 1.06 times, without any 1.36 times; with 1 the noise there is 1.3 times as great.
+const SPREAD: f32 = 0.25;
+
 /// Leaves a surface through the medium below: the light of a path in a block is left to the block, any other finds an entry
 /// point for itself. False where the path is over.
 pub(super) fn scatter<'a, T: Tracing<'a>>(
@@ -45,7 +53,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     exit: &ExitPoint<'_>,
     sampler: &mut Sampler,
 ) -> bool {
-    let Some(number) = path.in_block.take().filter(|_| can_share(&exit.subsurface, path.throughput)) else {
+    let Some(place) = path.in_block.take().filter(|_| can_share(&exit.subsurface, path.throughput)) else {
         return probes.scatter(tracer, world, path, exit, sampler);
     };
     let Some(own) = probes.strategy(exit, path.throughput) else { return false };
@@ -58,7 +66,10 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         let found = EntryHit { hit, weight: weight.value, subsurface: exit.subsurface };
         return probes.leave(&found, tracer, world, path, exit, sampler);
     }
-    let random = (sampler.fork() >> 40) as f32 * (1.0 / (1 << 24) as f32);
+    let bits = sampler.fork();
+    let random = (bits >> 40) as f32 * (1.0 / (1 << 24) as f32);
+    let spread = (SPREAD * mean_radius).min(BLOCK_SIZE as f32);
+    let offset = [bits as u16, (bits >> 16) as u16].map(|u| spread * (f32::from(u) / 32768.0 - 1.0));
     let throughput = path.throughput * tracer.shape_factor(exit);
     let entry = found.map(|(hit, weight)| {
         let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
@@ -74,8 +85,13 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         }
     });
     let waiting = WaitingExit {
-        kind: ExitKind::new(exit, path),
-        account: Account { sample: number, layer: path.layer_after(Layer::Subsurface), throughput, random },
+        kind: (ExitKind::new(exit, path), place.cohort(offset)),
+        account: Account {
+            sample: place.number,
+            layer: path.layer_after(Layer::Subsurface),
+            throughput,
+            random,
+        },
         position: exit.point.position,
         normal: exit.normal * exit.side,
         albedo: exit.subsurface.scattering_albedo(),

@@ -60,7 +60,8 @@ impl Walks {
     ) -> bool {
         // Through a hole in one mesh of a body its others are seen from inside: walks from there count one mesh less than
         // those that come through the first, and leave where those go on
-        let number = path.in_block.take().filter(|_| self.share && !path.has_passed());
+        let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
+        let number = place.map(|place| place.number);
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough => {

@@ -1,0 +1,186 @@
+//! How the noise of shared light looks: steps at the borders of blocks, correlation, and the means of regions.
+//!
+//! ```text
+//! cargo bench -p translucid-render --bench structure [-- CASE…] [--samples N] [--write]
+//! ```
+//!
+//! Prints the table of `docs/speed/noise.md`, which says what its columns are; `--write` puts it there.
+
+#![allow(clippy::print_stdout, reason = "the table is the bench's output")]
+
+mod common;
+
+use std::fmt::Write;
+
+use common::{bumpy_ball, scene};
+use translucid_profile::Model;
+use translucid_render::{FilmSums, PreparedScene, layer, measure};
+use translucid_scene::{Scene, SubsurfaceModel, WalkSurface};
+use translucid_testing::write_measured;
+
+/// Edge of the pictures in pixels.
+const SIZE: u32 = 128;
+/// Diameter of the ball in pixels.
+const BALL: f32 = 110.0;
+/// Period of the borders that are looked at: that of the blocks of exits that share.
+const BLOCK: u32 = 16;
+/// Edge of a region in pixels; regions lie half a region off the blocks.
+const REGION: u32 = 16;
+
+fn main() {
+    let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
+    let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
+    let samples: Option<u32> = value("--samples").map(|n| n.parse().expect("a number of samples"));
+    let is_word = |a: &&String| !a.starts_with("--") && a.parse::<u32>().is_err();
+    let words: Vec<&String> = arguments.iter().filter(is_word).collect();
+    let mut table = String::from(
+        "| light | samples | noise over that without sharing | step at a border | … without | correlation at 1, 8, 24 pixels | block means over independent pixels' | … without | error of region means over that without |\n|---|---|---|---|---|---|---|---|---|\n",
+    );
+    for (name, scene) in cases() {
+        if !words.is_empty() && !words.iter().any(|word| name.contains(word.as_str())) {
+            continue;
+        }
+        for count in samples.map_or(vec![1, 16], |count| vec![count]) {
+            // 24, 6 and 3 for 1, 16 and 64
+            let seeds = (24.0 / f64::from(count).sqrt()).max(3.0) as u64;
+            let [shared, alone] = [true, false].map(|shares| Noise::of(&scene, shares, count, seeds));
+            let _ = writeln!(
+                table,
+                "| {name} | {count} | {:.2} | {:.2} | {:.2} | {:.2}, {:.2}, {:.2} | {:.2} | {:.2} | {:.2} |",
+                shared.pixel / alone.pixel,
+                shared.step,
+                alone.step,
+                shared.correlation[0],
+                shared.correlation[1],
+                shared.correlation[2],
+                shared.region / shared.pixel * f64::from(REGION),
+                alone.region / alone.pixel * f64::from(REGION),
+                shared.region / alone.region,
+            );
+        }
+    }
+    println!("{table}");
+    if arguments.iter().any(|argument| argument == "--write") {
+        write_measured(
+            "docs/speed/noise.md",
+            "cargo bench -p translucid-render --bench structure -- --write",
+            &table,
+        );
+    }
+}
+
+fn cases() -> Vec<(String, Scene)> {
+    let profile = SubsurfaceModel::Profile(Model::NormalizedDiffusion);
+    let walk = SubsurfaceModel::RandomWalk(WalkSurface::Diffuse);
+    let mut cases = Vec::new();
+    for (name, model) in [("profile", profile), ("walk", walk)] {
+        for pixels in [1.0, 4.0, 16.0, 64.0, 4.0 * BALL] {
+            let mut scene = scene(bumpy_ball(20_000), 2.0 * pixels / BALL, SIZE);
+            scene.materials[0].subsurface_model = model;
+            cases.push((format!("{name}, {pixels} pixels"), scene));
+        }
+    }
+    cases
+}
+
+/// What there is to say of the errors of pictures, relative to the mean of all.
+struct Noise {
+    /// Root mean square of a pixel.
+    pixel: f64,
+    /// … of the difference of neighbors across a border over that elsewhere.
+    step: f64,
+    /// Correlation along rows and columns.
+    correlation: [f64; 3],
+    /// Root mean square of the mean of a region.
+    region: f64,
+}
+
+impl Noise {
+    fn of(scene: &Scene, shares: bool, samples: u32, seeds: u64) -> Self {
+        let films: Vec<FilmSums> = (0..seeds)
+            .map(|seed| {
+                let mut scene = scene.clone();
+                scene.integrator.seed = seed;
+                scene.integrator.subsurface_sharing = shares;
+                let prepared = PreparedScene::new(scene).expect("a valid scene");
+                let mut film = FilmSums::new(SIZE, SIZE);
+                measure::add_samples(&prepared, &mut film, samples).expect("a valid view");
+                film
+            })
+            .collect();
+        let errors: Vec<Errors> = (0..3).flat_map(|channel| Errors::of(&films, channel)).collect();
+        let mean = |of: &dyn Fn(&Errors, u32, u32) -> Option<f64>| {
+            let (mut sum, mut count) = (0.0, 0.0);
+            for errors in &errors {
+                for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
+                    if let Some(value) = of(errors, x, y) {
+                        sum += value;
+                        count += 1.0;
+                    }
+                }
+            }
+            sum / count
+        };
+        let square = mean(&|e, x, y| e.at(x, y).map(|v| v * v));
+        let step = |at_border: bool| {
+            let along = |horizontal: bool| {
+                mean(&|e, x, y| {
+                    let at = if horizontal { x } else { y };
+                    let is_border = at % BLOCK == 0;
+                    if at == 0 || is_border != at_border {
+                        return None;
+                    }
+                    let (px, py) = if horizontal { (x - 1, y) } else { (x, y - 1) };
+                    Some((e.at(x, y)? - e.at(px, py)?).powi(2))
+                })
+            };
+            (along(true) + along(false)).sqrt()
+        };
+        let correlation = [1, 8, 24].map(|lag| {
+            let rows = mean(&|e, x, y| Some(e.at(x, y)? * e.at(x + lag, y)?));
+            let columns = mean(&|e, x, y| Some(e.at(x, y)? * e.at(x, y + lag)?));
+            (rows + columns) / (2.0 * square)
+        });
+        let region = mean(&|e, x, y| {
+            if x % REGION != REGION / 2 || y % REGION != REGION / 2 {
+                return None;
+            }
+            let mut sum = 0.0;
+            for i in 0..REGION * REGION {
+                sum += e.at(x + i % REGION, y + i / REGION)?;
+            }
+            Some((sum / f64::from(REGION * REGION)).powi(2))
+        });
+        Self { pixel: square.sqrt(), step: step(true) / step(false), correlation, region: region.sqrt() }
+    }
+}
+
+/// Errors of a channel of a picture relative to the mean, where the ball fills the pixel.
+struct Errors(Vec<Option<f64>>);
+
+impl Errors {
+    fn of(films: &[FilmSums], channel: usize) -> Vec<Self> {
+        let n = films.len() as f64;
+        let pixels = || (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE));
+        let means: Vec<Option<f64>> = pixels()
+            .map(|(x, y)| {
+                let mean = films.iter().map(|film| film.radiance(x, y)[channel]).sum::<f64>() / n;
+                films.iter().all(|film| film.mean(x, y)[layer::ALPHA] == 1.0).then_some(mean)
+            })
+            .collect();
+        // What the mean has of a picture's own error
+        let scale = (n / (n - 1.0)).sqrt();
+        let of_film = |film: &FilmSums| {
+            let error = |((x, y), mean): ((u32, u32), &Option<f64>)| {
+                let mean = mean.filter(|mean| *mean > 0.0)?;
+                Some((film.radiance(x, y)[channel] - mean) / mean.max(0.02) * scale)
+            };
+            Self(pixels().zip(&means).map(error).collect())
+        };
+        films.iter().map(of_film).collect()
+    }
+
+    fn at(&self, x: u32, y: u32) -> Option<f64> {
+        if x < SIZE && y < SIZE { self.0[(y * SIZE + x) as usize] } else { None }
+    }
+}

@@ -1,0 +1,87 @@
+//! Where a pixel is among those that are traced together, and with which of them it shares light.
+
+/// Edge \[pixels\] of a square of as many pixels as share light.
+///
+/// With 8 the variance at 512², 4 samples was 1.25 times as great on the head and 1.5 times on the dragon; the cost of
+/// sharing goes with the square.
+pub(crate) const COHORT_SIZE: u32 = 16;
+
+/// Edge \[pixels\] of a block of pixels that are traced together.
+///
+/// Pixels share with 1/16 of it at most. At the edge of a region whole blocks are traced, so they should not be larger.
+pub(crate) const BLOCK_SIZE: u32 = 4 * COHORT_SIZE;
+
+/// A pixel's place in the block of pixels that are traced together.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct BlockPlace {
+    /// Number of its sample in the block.
+    pub(crate) number: usize,
+    /// Column and row in the block.
+    pub(crate) at: [u32; 2],
+    /// Width and height of the block.
+    pub(crate) size: [u32; 2],
+}
+
+impl BlockPlace {
+    /// The rectangle whose pixels a pixel shares with: that of the place so far \[pixels\] from it, as seen in mirrors that
+    /// stand at the block's edges.
+    ///
+    /// A block that the picture cuts has fewer of them rather than smaller ones: with 12 × 12 pixels in place of 24 × 24 the
+    /// error of regions of a small picture was 1.07 times as great.
+    pub(crate) fn cohort(&self, offset: [f32; 2]) -> [u32; 2] {
+        [0, 1].map(|axis| {
+            let size = self.size[axis] as f32;
+            let count = (size / COHORT_SIZE as f32).floor().max(1.0);
+            let at = (self.at[axis] as f32 + 0.5 + offset[axis]).rem_euclid(2.0 * size);
+            (at.min(2.0 * size - at) * count / size).min(count - 1.0) as u32
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Cohorts of the pixels of a row, each so far off.
+    fn cohorts(width: u32, offset: f32) -> Vec<u32> {
+        let place = |x| BlockPlace { number: 0, at: [x, 0], size: [width, 1] };
+        (0..width).map(|x| place(x).cohort([offset, 0.0])[0]).collect()
+    }
+
+    #[test]
+    fn cohorts_are_16_pixels_wide_or_little_more() {
+        let widths = |width| {
+            let all = cohorts(width, 0.0);
+            all.chunk_by(|a, b| a == b).map(<[u32]>::len).collect::<Vec<_>>()
+        };
+        assert_eq!(widths(64), [16; 4]);
+        assert_eq!(widths(37), [18, 19]);
+        assert_eq!(widths(31), [31]);
+        assert_eq!(widths(32), [16; 2]);
+        assert_eq!(widths(1), [1]);
+    }
+
+    #[test]
+    fn cohorts_of_places_beyond_the_block_are_mirrored() {
+        assert_eq!(
+            cohorts(64, -16.0)[..34],
+            [[0; 16], [0; 16]].concat().into_iter().chain([1; 2]).collect::<Vec<_>>()
+        );
+        assert_eq!(cohorts(64, 64.0), cohorts(64, -64.0));
+        assert!(cohorts(64, 64.0).iter().eq(cohorts(64, 0.0).iter().rev()));
+    }
+
+    /// Wherever a pixel is, offsets that reach as far as the block is wide lead to all cohorts alike.
+    #[test]
+    fn far_offsets_lead_everywhere() {
+        for x in [0, 5, 40, 63] {
+            let mut counts = [0; 4];
+            for i in 0..1024 {
+                let offset = 64.0 * ((i as f32 + 0.5) / 512.0 - 1.0);
+                counts[BlockPlace { number: 0, at: [x, 0], size: [64, 64] }.cohort([offset, 0.0])[0]
+                    as usize] += 1;
+            }
+            assert_eq!(counts, [256; 4], "column {x}");
+        }
+    }
+}
