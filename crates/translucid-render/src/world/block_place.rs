@@ -23,18 +23,19 @@ pub(crate) struct BlockPlace {
 }
 
 impl BlockPlace {
-    /// The rectangle whose pixels a pixel shares with: that of the place so far \[pixels\] from it, as seen in mirrors that
+    /// Number of the rectangle whose pixels a pixel shares with: that of the place so far \[pixels\] from it, as seen in mirrors that
     /// stand at the block's edges.
     ///
     /// A block that the picture cuts has fewer of them rather than smaller ones: with 12 × 12 pixels in place of 24 × 24 the
     /// error of regions of a small picture was 1.07 times as great.
-    pub(crate) fn cohort(&self, offset: [f32; 2]) -> [u32; 2] {
-        [0, 1].map(|axis| {
+    pub(crate) fn cohort(&self, offset: [f32; 2]) -> usize {
+        let [column, row] = [0, 1].map(|axis| {
             let size = self.size[axis] as f32;
             let count = (size / COHORT_SIZE as f32).floor().max(1.0);
             let at = (self.at[axis] as f32 + 0.5 + offset[axis]).rem_euclid(2.0 * size);
-            (at.min(2.0 * size - at) * count / size).min(count - 1.0) as u32
-        })
+            (at.min(2.0 * size - at) * count / size).min(count - 1.0) as usize
+        });
+        row * (BLOCK_SIZE / COHORT_SIZE) as usize + column
     }
 }
 
@@ -43,16 +44,16 @@ mod tests {
     use super::*;
 
     /// Cohorts of the pixels of a row, each so far off.
-    fn cohorts(width: u32, offset: f32) -> Vec<u32> {
+    fn cohorts(width: u32, offset: f32) -> Vec<usize> {
         let place = |x| BlockPlace { number: 0, at: [x, 0], size: [width, 1] };
-        (0..width).map(|x| place(x).cohort([offset, 0.0])[0]).collect()
+        (0..width).map(|x| place(x).cohort([offset, 0.0])).collect()
     }
 
     #[test]
     fn cohorts_are_16_pixels_wide_or_little_more() {
         let widths = |width| {
             let all = cohorts(width, 0.0);
-            all.chunk_by(|a, b| a == b).map(<[u32]>::len).collect::<Vec<_>>()
+            all.chunk_by(|a, b| a == b).map(<[usize]>::len).collect::<Vec<_>>()
         };
         assert_eq!(widths(64), [16; 4]);
         assert_eq!(widths(37), [18, 19]);
@@ -78,8 +79,7 @@ mod tests {
             let mut counts = [0; 4];
             for i in 0..1024 {
                 let offset = 64.0 * ((i as f32 + 0.5) / 512.0 - 1.0);
-                counts[BlockPlace { number: 0, at: [x, 0], size: [64, 64] }.cohort([offset, 0.0])[0]
-                    as usize] += 1;
+                counts[BlockPlace { number: 0, at: [x, 0], size: [64, 64] }.cohort([offset, 0.0])] += 1;
             }
             assert_eq!(counts, [256; 4], "column {x}");
         }

@@ -126,25 +126,33 @@ pub(super) struct Account {
     pub(super) random: f32,
 }
 
-/// The receivers of a block; keeps its memory from block to block.
+/// The receivers of a block, cohort by cohort; keeps its memory from block to block.
 pub(super) struct Gathering<R: Receiver> {
-    waiting: Vec<R>,
-    /// Places, by receiver, and the first one of each.
-    found: Vec<R::Found>,
-    firsts: Vec<usize>,
+    cohorts: Vec<Cohort<R>>,
     order: Vec<usize>,
     sums: Sums<R::Found>,
 }
 
+/// Receivers that may share with each other, and with no others.
+///
+/// Each cohort has memory of its own: that of a block is more than is near a processor, and a cohort's receivers come from
+/// all over the block.
+struct Cohort<R: Receiver> {
+    waiting: Vec<R>,
+    /// Places, by receiver, and the first one of each.
+    found: Vec<R::Found>,
+    firsts: Vec<usize>,
+}
+
+impl<R: Receiver> Default for Cohort<R> {
+    fn default() -> Self {
+        Self { waiting: Vec::new(), found: Vec::new(), firsts: Vec::new() }
+    }
+}
+
 impl<R: Receiver> Default for Gathering<R> {
     fn default() -> Self {
-        Self {
-            waiting: Vec::new(),
-            found: Vec::new(),
-            firsts: Vec::new(),
-            order: Vec::new(),
-            sums: Sums::default(),
-        }
+        Self { cohorts: Vec::new(), order: Vec::new(), sums: Sums::default() }
     }
 }
 
@@ -190,35 +198,45 @@ impl<F> Default for Sums<F> {
 }
 
 impl<R: Receiver> Gathering<R> {
-    /// Adds a receiver and the places that it has found.
+    /// Adds a receiver to the only cohort, and the places that it has found.
     pub(super) fn push(&mut self, receiver: R, found: impl IntoIterator<Item = R::Found>) {
-        self.waiting.push(receiver);
-        self.firsts.push(self.found.len());
-        self.found.extend(found);
+        self.push_to(0, receiver, found);
+    }
+
+    /// Adds a receiver to the cohort of this number, and the places that it has found.
+    pub(super) fn push_to(&mut self, cohort: usize, receiver: R, found: impl IntoIterator<Item = R::Found>) {
+        if cohort >= self.cohorts.len() {
+            self.cohorts.resize_with(cohort + 1, Cohort::default);
+        }
+        let cohort = &mut self.cohorts[cohort];
+        cohort.waiting.push(receiver);
+        cohort.firsts.push(cohort.found.len());
+        cohort.found.extend(found);
     }
 
     /// Calls `add` with the number of the sample, the layer and the light for every receiver that gets some, or for some of
     /// them if stopped, and forgets all receivers.
     pub(super) fn resolve(&mut self, stop: &AtomicBool, mut add: impl FnMut(usize, Layer, Vec3)) {
-        self.order.clear();
-        self.order.extend(0..self.waiting.len());
-        self.order.sort_by_key(|&i| self.waiting[i].kind());
-        let waiting = &self.waiting;
-        for alike in self.order.chunk_by(|&a, &b| waiting[a].kind() == waiting[b].kind()) {
-            if stop.load(Ordering::Relaxed) {
-                break;
-            }
-            let of = |index: usize| {
-                let end = self.firsts.get(index + 1).map_or(self.found.len(), |first| *first);
-                &self.found[self.firsts[index]..end]
-            };
-            self.sums.prepare(alike, waiting, of);
-            for (row, &index) in alike.iter().enumerate() {
-                let receiver = &waiting[index];
-                let light = self.sums.gather(row, receiver);
-                if light != Vec3::ZERO {
-                    let Account { sample, layer, throughput, .. } = *receiver.account();
-                    add(sample, layer, throughput * light);
+        for Cohort { waiting, found, firsts } in &self.cohorts {
+            self.order.clear();
+            self.order.extend(0..waiting.len());
+            self.order.sort_by_key(|&i| waiting[i].kind());
+            for alike in self.order.chunk_by(|&a, &b| waiting[a].kind() == waiting[b].kind()) {
+                if stop.load(Ordering::Relaxed) {
+                    break;
+                }
+                let of = |index: usize| {
+                    let end = firsts.get(index + 1).map_or(found.len(), |first| *first);
+                    &found[firsts[index]..end]
+                };
+                self.sums.prepare(alike, waiting, of);
+                for (row, &index) in alike.iter().enumerate() {
+                    let receiver = &waiting[index];
+                    let light = self.sums.gather(row, receiver);
+                    if light != Vec3::ZERO {
+                        let Account { sample, layer, throughput, .. } = *receiver.account();
+                        add(sample, layer, throughput * light);
+                    }
                 }
             }
         }
@@ -227,9 +245,11 @@ impl<R: Receiver> Gathering<R> {
 
     /// Forgets all receivers.
     pub(super) fn clear(&mut self) {
-        self.waiting.clear();
-        self.found.clear();
-        self.firsts.clear();
+        for Cohort { waiting, found, firsts } in &mut self.cohorts {
+            waiting.clear();
+            found.clear();
+            firsts.clear();
+        }
     }
 }
 

@@ -85,7 +85,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         }
     });
     let waiting = WaitingExit {
-        kind: (ExitKind::new(exit, path), place.cohort(offset)),
+        kind: ExitKind::new(exit, path),
         account: Account {
             sample: place.number,
             layer: path.layer_after(Layer::Subsurface),
@@ -100,7 +100,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         nearness,
         mean_radius,
     };
-    tracer.scratch().shared.push(waiting, entry);
+    tracer.scratch().shared.push_to(place.cohort(offset), waiting, entry);
     false
 }
 
