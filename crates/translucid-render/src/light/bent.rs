@@ -19,7 +19,7 @@ const UNMET_SHARE: f32 = 0.5;
 ///
 /// To look for bent ways takes several times as long as to walk on, and light that is no smaller than a few degrees is met
 /// by chance as well.
-const LEAST_DENSITY: f32 = 32.0;
+const LEAST_DENSITY: f32 = 2.0;
 
 /// Density with which light that has such a solid-angle density on a straight way is sampled on a bent one.
 pub(crate) fn bent_pdf(pdf: f32) -> f32 {

@@ -15,7 +15,8 @@
 //! Under a boundary (η > 1) the surface is a smooth dielectric from inside: it reflects by Fresnel's formula, also totally,
 //! and lets the rest out refracted. That loss of what goes out is, by reciprocity, the loss of light which goes in; the
 //! interface above says how much goes in on average, so T(ωi)/T̄ is left out here, or it would count twice. From outside,
-//! toward the camera, T(ωo) stands alone for the same reason.
+//! toward the camera, T(ωo) stands alone for the same reason. Lights are joined to collisions by the ways on which the surface
+//! refracts their light.
 //!
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
 //! walk is in tells when it is out.
