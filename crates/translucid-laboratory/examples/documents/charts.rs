@@ -68,6 +68,39 @@ pub(crate) fn samples(references: &References) -> Result<Chart, String> {
     ))
 }
 
+/// Errors against samples, from the first table of a page whose first column is headed "samples".
+pub(crate) fn noise(page: &str) -> Result<Chart, String> {
+    fn cells(line: &str) -> impl Iterator<Item = &str> {
+        line.trim().trim_matches('|').split('|').map(str::trim)
+    }
+    let mut lines = page.lines().skip_while(|line| !line.starts_with("| samples |"));
+    let labels: Vec<&str> = cells(lines.next().ok_or("the page has no table of samples")?).skip(1).collect();
+    let rows: Vec<Vec<f64>> = lines
+        .take_while(|line| line.starts_with('|'))
+        .filter_map(|line| cells(line).map(|cell| cell.parse().ok()).collect())
+        .collect();
+    let mut chart = Chart::new(
+        "noise",
+        "The head's error against samples",
+        Axis::logarithmic("samples per pixel", ""),
+        Axis::logarithmic("relMSE", ""),
+    );
+    for (column, label) in labels.iter().enumerate() {
+        let points: Vec<[f64; 2]> =
+            rows.iter().filter_map(|row| Some([*row.first()?, *row.get(column + 1)?])).collect();
+        if let ([first, .., last], 0) = (&points[..], column) {
+            let guide = vec![*first, [last[0], first[1] * first[0] / last[0]]];
+            chart = chart.with(Series::new("1/N", Ink::Guide, Mark::Line, guide));
+        }
+        chart = chart.with(Series::new(label, Ink::Numbered(column), Mark::Points, points.clone()));
+        chart = chart.with(Series::new("", Ink::Numbered(column), Mark::Line, points));
+    }
+    Ok(chart.with_caption(
+        "Relative mean square error of a part of the head against samples per pixel, as in the table above. \
+         The straight line falls like 1/N.",
+    ))
+}
+
 fn energy_chart(name: &str, title: &str) -> Chart {
     Chart::new(name, title, Axis::logarithmic("r", "ℓ"), Axis::linear("2πr² R(r)", ""))
 }

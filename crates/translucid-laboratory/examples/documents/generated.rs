@@ -16,6 +16,9 @@ pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchligh
 /// Photons that walk for the figures, in each configuration: as many as leave error bars that one can see.
 const PHOTONS: u64 = 1_000_000;
 
+/// Page with errors against samples, which a bench of the renderer writes.
+pub(crate) const NOISE_PAGE: &str = "docs/speed/noise.md";
+
 /// The comparison that the documentation shows.
 pub(crate) fn settings(has_times: bool) -> Settings {
     let all = Settings::default();
@@ -32,8 +35,8 @@ pub(crate) struct Generated {
 }
 
 impl Generated {
-    /// Lays out a comparison, with times if it has them.
-    pub(crate) fn new(comparison: &Comparison) -> Result<Self, String> {
+    /// Lays out a comparison, with times if it has them, and what a bench has left in [`NOISE_PAGE`].
+    pub(crate) fn new(comparison: &Comparison, noise_page: &str) -> Result<Self, String> {
         let Comparison { errors, settings, .. } = comparison;
         let contenders = &settings.contenders;
         let references = References::new()?;
@@ -58,6 +61,7 @@ impl Generated {
         generated.add("tables/errors", tables::errors_of_tables(&references)?);
         generated.add("tables/samples", tables::errors_of_samples(&references)?);
         generated.add_chart(&charts::samples(&references)?);
+        generated.add_chart(&charts::noise(noise_page)?);
         for (name, inversion, configuration) in tables::ALL_ERRORS {
             generated.add(name, tables::all_errors(contenders, errors, configuration, inversion));
         }

@@ -20,7 +20,7 @@ mod tables;
 use std::path::Path;
 use std::process::ExitCode;
 
-use generated::Generated;
+use generated::{Generated, NOISE_PAGE};
 use pages::Documents;
 use translucid_laboratory::comparison::{Comparison, Watch};
 
@@ -52,7 +52,8 @@ fn run(is_check: bool, has_times: bool) -> Result<(), Vec<String>> {
     let mut documents = Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../.."))?;
     let comparison = Comparison::new(generated::settings(has_times), Watch::default());
     let comparison = comparison.map_err(|stopped| vec![stopped.to_string()])?;
-    let generated = Generated::new(&comparison).map_err(|error| vec![error])?;
+    let noise_page = documents.page(NOISE_PAGE).map_err(|error| vec![error])?;
+    let generated = Generated::new(&comparison, noise_page).map_err(|error| vec![error])?;
     let changed = documents.update(&generated)?;
     if changed.is_empty() {
         println!("everything is as it was");

@@ -68,6 +68,11 @@ impl Documents {
         Ok(Self { root: root.to_owned(), pages, figures })
     }
 
+    /// Text of a page, whose path begins at the root.
+    pub(crate) fn page(&self, path: &str) -> Result<&str, String> {
+        self.pages.get(path).map(String::as_str).ok_or_else(|| format!("{path}: there is no such page"))
+    }
+
     /// Changes that make pages and figures what is generated; the texts here are so already.
     ///
     /// # Errors

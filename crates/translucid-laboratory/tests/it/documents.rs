@@ -20,7 +20,8 @@ use crate::whole::WHOLE;
 #[test]
 fn documentation_is_what_is_generated() {
     let mut documents = pages::Documents::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..")).unwrap();
-    let generated = generated::Generated::new(&WHOLE.0).unwrap();
+    let noise_page = documents.page(generated::NOISE_PAGE).unwrap();
+    let generated = generated::Generated::new(&WHOLE.0, noise_page).unwrap();
     let changed = documents.update(&generated).unwrap();
     let changed: Vec<&str> = changed.iter().map(|change| change.path.as_str()).collect();
     let command = "cargo run --release -p translucid-laboratory --example documents -- --except-times";
