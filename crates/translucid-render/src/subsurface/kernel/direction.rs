@@ -37,7 +37,7 @@ pub(crate) enum DirectedProfiles {
 pub(crate) struct Directions<'a>(pub(super) Option<(DirectedProfiles, RadialMean<'a>)>);
 
 /// The weight of light by its direction, per channel; none where all directions are alike.
-pub(crate) struct DirectionalWeight(Option<(DirectedProfiles, Passage, Vec3)>);
+pub(crate) struct DirectionalWeight<'a>(Option<(&'a DirectedProfiles, Passage, Vec3)>);
 
 /// The profiles that entries are found by, of the shape that their table has.
 #[derive(Clone, Copy)]
@@ -64,9 +64,9 @@ impl RadialMean<'_> {
 
 impl Directions<'_> {
     /// The weights of light that goes a way below the surface.
-    pub(crate) fn along(&self, passage: Passage) -> DirectionalWeight {
+    pub(crate) fn along(&self, passage: Passage) -> DirectionalWeight<'_> {
         let distance = passage.offset.length();
-        DirectionalWeight(self.0.map(|(profiles, mean)| {
+        DirectionalWeight(self.0.as_ref().map(|(profiles, mean)| {
             // 1/R(|x_o − x_i|), or 1/(r R(r)), of the profile that the entry was found by
             let inverse = match profiles {
                 DirectedProfiles::Dipole(_) => mean.inverse(|view| view.pdf_area(distance)),
@@ -77,7 +77,7 @@ impl Directions<'_> {
     }
 }
 
-impl DirectionalWeight {
+impl DirectionalWeight<'_> {
     /// All directions alike.
     pub(crate) const RADIAL: Self = Self(None);
 

@@ -78,6 +78,7 @@ pub(super) trait Receiver {
     type Kind: Ord;
     /// A place with light, which one receiver finds and all use.
     type Found: Found;
+    type Response;
 
     /// Terms that stand for the sum over all places.
     const PICKS: usize;
@@ -93,11 +94,14 @@ pub(super) trait Receiver {
     /// Rough worth of light, by channel.
     fn color(&self) -> Vec3;
 
-    /// K times the light at a place and a factor.
-    fn light_from(&self, found: &Self::Found, factor: f32) -> Vec3;
+    /// What K is evaluated with, for all places.
+    fn response(&self) -> Self::Response;
 
-    /// K W E of what it has found itself, if light of this kind is not worth sharing.
-    fn alone(&self, evenness: Evenness, found: Option<&Self::Found>) -> Option<Vec3>;
+    /// K times the light at a place and a factor.
+    fn light_from(&self, response: &Self::Response, found: &Self::Found, factor: f32) -> Vec3;
+
+    /// K W E of what it has found itself, for each kind of light that is not worth sharing.
+    fn alone(&self, kinds: [Evenness; 2], found: Option<&Self::Found>) -> [Option<Vec3>; 2];
 }
 
 /// A place that a receiver has found.
@@ -334,7 +338,7 @@ impl<F: Found> Sums<F> {
                 known[half_of(row)] = known[half_of(row)].plus(-1.0, Evenness::of(own));
             }
             // Each half by what the other knows
-            self.alone.push([known[1], known[0]].map(|known| waiting[index].alone(known, own)));
+            self.alone.push(waiting[index].alone([known[1], known[0]], own));
         }
         if self.width() > 0 && self.alone.iter().flatten().any(Option::is_none) {
             self.weigh(alike, waiting);
@@ -430,6 +434,7 @@ impl<F: Found> Sums<F> {
             return light;
         }
         let step = sum / R::PICKS as f32;
+        let response = receiver.response();
         // Picks are where the running sum passes (random + k) steps
         let mut passed = 0.0;
         let mut picked = 0;
@@ -454,7 +459,8 @@ impl<F: Found> Sums<F> {
                 if picked > before {
                     let stands_for = (picked - before) as f32 * step / term;
                     let place = shared.start + i;
-                    light += receiver.light_from(&self.found[place], stands_for * self.coefficients[place]);
+                    let factor = stands_for * self.coefficients[place];
+                    light += receiver.light_from(&response, &self.found[place], factor);
                 }
             }
             passed = end;
@@ -501,6 +507,7 @@ mod tests {
     impl Receiver for Toy {
         type Kind = ();
         type Found = Spot;
+        type Response = ();
         const PICKS: usize = 3;
 
         fn kind(&self) {}
@@ -520,12 +527,15 @@ mod tests {
             Vec3::ONE
         }
 
-        fn light_from(&self, spot: &Spot, factor: f32) -> Vec3 {
+        fn response(&self) {}
+
+        fn light_from(&self, (): &(), spot: &Spot, factor: f32) -> Vec3 {
             spot.light() * (factor * (1.0 + 0.3 * (spot.y - self.x)) * 0.5)
         }
 
-        fn alone(&self, evenness: Evenness, spot: Option<&Spot>) -> Option<Vec3> {
-            (evenness.variance() < 0.3).then(|| spot.map_or(Vec3::ZERO, |spot| self.light_from(spot, 2.0)))
+        fn alone(&self, kinds: [Evenness; 2], spot: Option<&Spot>) -> [Option<Vec3>; 2] {
+            let own = || spot.map_or(Vec3::ZERO, |spot| self.light_from(&(), spot, 2.0));
+            kinds.map(|evenness| (evenness.variance() < 0.3).then(own))
         }
     }
 

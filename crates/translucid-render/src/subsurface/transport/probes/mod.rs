@@ -113,8 +113,8 @@ impl Probes {
             entry_normal: entry.normal,
             exit_normal: exit.normal * exit.side,
         };
-        let directional = self.kernel.directions(&found.subsurface).along(passage);
-        entry.enter(path, &directional, [sampler.reserve(), sampler.reserve()])
+        let directions = self.kernel.directions(&found.subsurface);
+        entry.enter(path, &directions.along(passage), [sampler.reserve(), sampler.reserve()])
     }
 
     /// Draws an entry point; `None` where the probes meet nothing. `importance` is what the result will be multiplied

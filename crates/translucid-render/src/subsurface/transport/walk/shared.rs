@@ -122,6 +122,7 @@ impl Found for FlightLight {
 impl Receiver for Collision<'_> {
     type Kind = WalkKind;
     type Found = FlightLight;
+    type Response = ();
 
     /// Each may need a ray. Measured on head and dragon: error 1.02 to 1.04 times that with 8.
     const PICKS: usize = 2;
@@ -142,7 +143,9 @@ impl Receiver for Collision<'_> {
         self.account.throughput
     }
 
-    fn light_from(&self, found: &FlightLight, factor: f32) -> Vec3 {
+    fn response(&self) {}
+
+    fn light_from(&self, (): &(), found: &FlightLight, factor: f32) -> Vec3 {
         if !self.body.connects(self.at, found.place.position, found.place.normal) {
             return Vec3::ZERO;
         }
@@ -150,8 +153,8 @@ impl Receiver for Collision<'_> {
     }
 
     /// A flight varies whatever the light is.
-    fn alone(&self, _evenness: Evenness, _found: Option<&FlightLight>) -> Option<Vec3> {
-        None
+    fn alone(&self, _kinds: [Evenness; 2], _found: Option<&FlightLight>) -> [Option<Vec3>; 2] {
+        [None; 2]
     }
 }
 
