@@ -1,7 +1,7 @@
 //! What can be told of eight boxes or facets at once, with the widest vectors that the processor has.
 //!
 //! Loops over lanes without branches, which the compiler turns into vectors; without fused operations, so that every
-//! processor finds the same. What is no number passes: it is left to the exact test.
+//! processor finds the same. What is no number passes, as it is left to the exact test, but for facets whose normal is none.
 
 use glam::Vec3;
 

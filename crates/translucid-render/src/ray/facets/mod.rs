@@ -19,9 +19,6 @@ pub(crate) use crossing::{Beyond, Crossing};
 pub(super) use crossing::{Facet, Query};
 use lanes::{LANES, Leaf, Node};
 
-/// Facets below which a branch is built by one thread.
-const PIECE: usize = 4096;
-
 /// Nodes that wait at most on the way down: all but one child on each level of a tree over 2³² facets.
 const MOST_WAITING: usize = 96;
 
@@ -40,6 +37,8 @@ pub(super) struct Facets {
 
 impl Facets {
     /// The tree over facets; those without an area are left out.
+    ///
+    /// On one thread: others may wait for it, and a thread that waits for help may be given work that waits for it, too.
     pub(super) fn new(mut facets: Vec<Facet>) -> Self {
         facets.retain(|facet| facet.normal().is_some());
         let count = facets.len();
@@ -125,15 +124,8 @@ fn split(facets: &mut [Facet], count: usize, (level, place): (u32, usize), level
         a.middle()[axis].total_cmp(&b.middle()[axis]).then(a.triangle.cmp(&b.triangle))
     });
     let (left, right) = facets.split_at_mut(middle);
-    let is_large = left.len() >= PIECE;
-    let mut left = || split(left, count, (level + 1, 2 * place), levels);
-    let mut right = || split(right, count, (level + 1, 2 * place + 1), levels);
-    if is_large {
-        rayon::join(left, right);
-    } else {
-        left();
-        right();
-    }
+    split(left, count, (level + 1, 2 * place), levels);
+    split(right, count, (level + 1, 2 * place + 1), levels);
 }
 
 /// Least and greatest coordinates.
