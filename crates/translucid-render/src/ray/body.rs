@@ -75,12 +75,17 @@ impl<'a> Body<'a> {
         (cosine > 0.0).then(|| (Inside::below(start), skipped))
     }
 
+    /// Whether a flight is known to end inside, whatever its direction: without a ray.
+    pub(crate) fn surely_holds(&self, from: Inside, length: f32) -> bool {
+        self.clearance.is_some_and(|clearance| length + self.offset <= clearance.at(from.position))
+    }
+
     /// Follows a flight from a point inside.
     ///
     /// A collision nearer to the body's end than rounding allows counts as a little before it: on the other side the walk
     /// would never leave again.
     pub(crate) fn fly(&self, from: Inside, direction: Vec3, length: f32) -> FlightEnd {
-        if self.clearance.is_some_and(|clearance| length + self.offset <= clearance.at(from.position)) {
+        if self.surely_holds(from, length) {
             return FlightEnd::Inside(Inside { position: from.position + direction * length, ..from });
         }
         let mut nesting = from.nesting;
@@ -159,7 +164,7 @@ impl<'a> Body<'a> {
         eta: f32,
         found: impl FnMut(Crossing),
     ) {
-        if self.clearance.is_some_and(|clearance| reach + self.offset <= clearance.at(from.position)) {
+        if self.surely_holds(from, reach) {
             return;
         }
         let query = Query { from: from.position, beyond, reach, eta, side: self.side };

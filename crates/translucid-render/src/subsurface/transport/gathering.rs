@@ -406,7 +406,8 @@ impl<F: Found> Sums<F> {
             let sums = [self.sums[0][i], self.sums[1][i]];
             for half in 0..2 {
                 let part = sums[half] / (sums[0] + sums[1]);
-                light += alone[half].filter(|_| part.is_finite()).unwrap_or(Vec3::ZERO) * part;
+                // Not a number where nobody is near
+                light += alone[half].filter(|_| part.is_finite()).map_or(Vec3::ZERO, |alone| alone * part);
             }
         }
         let near = &self.nearness[row * width..(row + 1) * width];
@@ -537,6 +538,23 @@ mod tests {
             let own = || spot.map_or(Vec3::ZERO, |spot| self.light_from(&(), spot, 2.0));
             kinds.map(|evenness| (evenness.variance() < 0.3).then(own))
         }
+    }
+
+    /// Half of the light is not worth sharing, and what stands for it nobody is near.
+    #[test]
+    fn what_nobody_is_near_is_worth_nothing() {
+        let mut gathering = Gathering::<Toy>::default();
+        for (sample, (y, light)) in [(5.0, 1.0), (0.1, 0.01), (5.0, 1.0), (0.1, 10.0)].into_iter().enumerate()
+        {
+            let account = Account { sample, layer: Layer::Subsurface, throughput: Vec3::ONE, random: 0.5 };
+            gathering.push(Toy { x: 0.0, account }, [Spot { y, light }]);
+        }
+        let mut count = 0;
+        gathering.resolve(&AtomicBool::new(false), |sample, _, light| {
+            assert!(light.is_finite(), "{sample}: {light}");
+            count += 1;
+        });
+        assert!(count > 0);
     }
 
     /// Every receiver keeps to its own for one half, for both or for none, as the light falls out.

@@ -143,11 +143,15 @@ impl Walk<'_> {
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
     /// walk's own are, but longer, and only if it gets out of the body the way to the light is looked at.
     pub(super) fn add_light_at_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
+        let flights = self.flights.stretched(STRETCH);
+        let length = flights.sample(self.throughput, u[3]);
+        // A light is not even chosen where no flight gets out
+        if self.body.surely_holds(self.at, length) {
+            return;
+        }
         let Some(light) = world.lights.sample(self.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
             return;
         };
-        let flights = self.flights.stretched(STRETCH);
-        let length = flights.sample(self.throughput, u[3]);
         let end = self.body.fly(self.at, light.direction, length);
         let FlightEnd::Boundary { distance, hit } = end else { return };
         // What shines inside the body is no part of what the walk sees
