@@ -66,7 +66,7 @@ Examples:
 #[derive(Args, Debug, Default)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Arguments {
-    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply)
+    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)
     #[arg(value_name = "SCENE|MESH")]
     pub(crate) scene: Option<PathBuf>,
     /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]; with several

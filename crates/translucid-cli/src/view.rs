@@ -26,7 +26,7 @@ Examples:
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ViewArguments {
-    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply) [default: the built-in still life]
+    /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl) [default: the built-in still life]
     #[arg(value_name = "SCENE|MESH")]
     scene: Option<PathBuf>,
     /// Port of the page's address; 0 takes one that is free

@@ -131,7 +131,7 @@ impl Scene {
         Ok(scene)
     }
 
-    /// Loads a scene file (``.toml``) or a mesh (``.glb``, ``.gltf``, ``.obj``, ``.ply``).
+    /// Loads a scene file (``.toml``) or a mesh (``.glb``, ``.gltf``, ``.obj``, ``.ply``, ``.stl``).
     ///
     /// A mesh alone gets a material, a camera, lights and a backdrop where it has none. Whatever had to be repaired is
     /// said by a ``UserWarning``.

@@ -41,8 +41,8 @@ pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
 pub use load::{
     ExrChannels, ExtendedBase, LoadOptions, MeshFile, Piece, SceneBuilder, SceneFile, decode_image, load_exr,
-    load_gltf, load_image, load_obj, load_ply, load_profile_table, load_scene, parse_gltf, parse_obj,
-    parse_ply, parse_profile_table,
+    load_gltf, load_image, load_obj, load_ply, load_profile_table, load_scene, load_stl, parse_gltf,
+    parse_obj, parse_ply, parse_profile_table, parse_stl,
 };
 pub use material::{
     Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,

@@ -217,14 +217,17 @@ mod tests {
     #[test]
     fn files_that_are_no_scenes_are_refused() {
         for (name, message) in [
-            ("a.stl", "a .stl file is neither a scene nor a mesh"),
+            ("a.fbx", "a .fbx file is neither a scene nor a mesh"),
             ("a", "a file without extension is neither a scene nor a mesh"),
         ] {
             let (_folder, path) = file(name, "");
             let error = refuse(&path, &LoadOptions::default());
             assert_eq!(error.message, message);
             assert_eq!(error.place.unwrap().path, path);
-            assert_eq!(error.help.as_deref(), Some("scenes are .toml, meshes are .glb, .gltf, .obj or .ply"));
+            assert_eq!(
+                error.help.as_deref(),
+                Some("scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl")
+            );
         }
         for name in ["absent.toml", "absent.ply", "absent.obj", "absent.glb"] {
             let error = refuse(Path::new(name), &LoadOptions::default());

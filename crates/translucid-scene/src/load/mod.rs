@@ -11,6 +11,7 @@ mod ply;
 mod polygon;
 mod profile_table;
 mod stage;
+mod stl;
 mod toml;
 
 use std::ffi::OsStr;
@@ -22,9 +23,10 @@ pub use mesh_file::MeshFile;
 pub use obj::{load_obj, parse_obj};
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
+pub use stl::{load_stl, parse_stl};
 pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
 
-use crate::{Film, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
+use crate::{Film, Mesh, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
 /// Wishes of the caller in place of the file's own values.
 #[derive(Clone, Debug, Default)]
@@ -59,7 +61,7 @@ impl LoadOptions {
     }
 }
 
-/// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`) as a scene of its own.
+/// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`, `.stl`) as a scene of its own.
 ///
 /// A mesh file gets a material, a camera, lights and a backdrop where it has none.
 ///
@@ -111,15 +113,21 @@ fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, Scen
     if extension(path) == "obj" {
         return load_obj(path, warnings);
     }
+    let of_one_object = |mesh: Mesh| {
+        let object = Object { name: stem(path), mesh: mesh.into(), ..Object::default() };
+        MeshFile { objects: vec![object], ..MeshFile::default() }
+    };
     if extension(path) == "ply" {
-        let object = Object { name: stem(path), mesh: load_ply(path, warnings)?.into(), ..Object::default() };
-        return Ok(MeshFile { objects: vec![object], ..MeshFile::default() });
+        return load_ply(path, warnings).map(of_one_object);
+    }
+    if extension(path) == "stl" {
+        return load_stl(path, warnings).map(of_one_object);
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),
         other => format!("a .{other} file is neither a scene nor a mesh"),
     };
-    let help = "scenes are .toml, meshes are .glb, .gltf, .obj or .ply";
+    let help = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
     Err(SceneError::at(Place::file(path), message).with_help(help))
 }
 

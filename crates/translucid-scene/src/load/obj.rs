@@ -1,6 +1,6 @@
 //! Wavefront OBJ meshes (Wavefront Technologies, "Advanced Visualizer Manual", appendix B1, 1995).
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use glam::{Vec2, Vec3};
@@ -241,8 +241,9 @@ impl ObjFile {
                 }
             }
         }
+        let known: HashSet<&str> = materials.iter().map(|material| material.name.as_str()).collect();
         let mut missing: Vec<_> =
-            self.uses.iter().filter(|(name, _)| !materials.iter().any(|m| m.name == **name)).collect();
+            self.uses.iter().filter(|(name, _)| !known.contains(name.as_str())).collect();
         missing.sort_by_key(|(_, line)| **line);
         for (name, line) in missing {
             let message = format!("there is no material \"{name}\" in the material libraries");
@@ -262,13 +263,15 @@ impl ObjFile {
         let mut builder = Builder::new(&self, &smooth);
         let (mut objects, mut fault) = (Vec::new(), None);
         let mut groups = HashMap::new();
+        // The last definition of a name counts.
+        let named: HashMap<&str, usize> =
+            materials.iter().enumerate().map(|(number, material)| (material.name.as_str(), number)).collect();
         for faces in &self.faces {
             let mut mesh = builder.build(faces);
             match repair_mesh(&mut mesh, &Place::file(path), warnings) {
                 Ok(()) => {
-                    // The last definition of a name counts.
-                    let named = |material: &Material| Some(&material.name) == faces.material.as_ref();
-                    let material = materials.iter().rposition(named).unwrap_or(materials.len());
+                    let name = faces.material.as_deref();
+                    let material = name.and_then(|name| named.get(name)).copied().unwrap_or(materials.len());
                     let next = groups.len() as u32; // A file's parts are far fewer than 2³².
                     let subsurface_group = *groups.entry(&faces.name).or_insert(next);
                     let name = if faces.name.is_empty() { stem(path) } else { faces.name.clone() };

@@ -1,16 +1,27 @@
 //! Cuts polygons into triangles.
 
+use std::collections::HashMap;
+
+use earcut::{Earcut, Refiner};
 use glam::{DVec3, Vec3};
 
-/// Most corners of a polygon that is clipped by ears, which takes the square of their number.
-const MOST_EARS: usize = 1_000;
+use crate::Triangle;
 
-/// Cuts a polygon, given as its vertices in order, into triangles of the same winding.
+/// Most corners of a polygon that becomes a fan: the triangles of a larger one would all be slivers.
+const MOST_OF_FAN: usize = 16;
+
+/// Part of a large polygon's area that may be covered twice: corners on a circle are not exactly on it.
+const MOST_FOLDED: f64 = 1e-4;
+
+/// Most corners that are cut well: `earcut` counts some tens of millions.
+const MOST_TO_CUT: usize = 10_000_000;
+
+/// Cuts a polygon, given as its vertices in order, into triangles of the same winding that have each of them as a corner.
 ///
 /// A vertex without a position counts as lying in the origin.
-/// A convex polygon becomes a fan about its first vertex, a concave one is clipped ear by ear
-/// (G. H. Meisters, "Polygons have ears", 1975).
-/// A polygon that cannot be cut well (self-intersecting, more than 1,000 concave corners) becomes a fan.
+/// A convex polygon becomes a fan about its first vertex, or is halved again and again if it is large, any other is
+/// clipped ear by ear (G. H. Meisters, "Polygons have ears", 1975).
+/// A polygon that cannot be cut so (self-intersecting, not finite) is taken for convex.
 pub(super) fn triangulate<T: Copy>(
     vertices: &[T],
     position: impl Fn(T) -> Option<Vec3>,
@@ -21,16 +32,17 @@ pub(super) fn triangulate<T: Copy>(
     }
     let corners: Vec<DVec3> =
         vertices.iter().map(|&vertex| position(vertex).unwrap_or_default().as_dvec3()).collect();
-    let mut polygon =
-        Polygon { normal: newell_normal(&corners), corners, rest: (0..vertices.len()).collect() };
-    if vertices.len() <= MOST_EARS {
-        while let Some(ear) = polygon.clip_ear() {
-            emit(ear.map(|corner| vertices[corner]));
-        }
+    let normal = newell_normal(&corners);
+    let count = corners.len() as u32;
+    let mut triangles: Vec<Triangle> = (2..count).map(|i| [0, i - 1, i]).collect();
+    if corners.len() > MOST_OF_FAN {
+        triangles.clear();
+        halve(0, count - 1, &mut triangles);
     }
-    for pair in polygon.rest.windows(2).skip(1) {
-        emit([polygon.rest[0], pair[0], pair[1]].map(|corner| vertices[corner]));
+    if !covers(&triangles, &corners, normal) {
+        triangles = clip_ears(&corners, normal).unwrap_or(triangles);
     }
+    triangles.into_iter().for_each(|triangle| emit(triangle.map(|i| vertices[i as usize])));
 }
 
 /// Normal times twice the area (M. E. Newell; I. E. Sutherland et al. 1974).
@@ -39,53 +51,78 @@ fn newell_normal(corners: &[DVec3]) -> DVec3 {
     corners.windows(2).map(|pair| (pair[0] - origin).cross(pair[1] - origin)).sum()
 }
 
-/// Rest of a polygon, as numbers of corners.
-struct Polygon {
-    corners: Vec<DVec3>,
-    normal: DVec3,
-    rest: Vec<usize>,
+/// Cuts the part of a convex polygon between two corners and those between them.
+fn halve(first: u32, last: u32, triangles: &mut Vec<Triangle>) {
+    if last - first > 1 {
+        let middle = first.midpoint(last);
+        triangles.push([first, middle, last]);
+        halve(first, middle, triangles);
+        halve(middle, last, triangles);
+    }
 }
 
-impl Polygon {
-    /// Cuts off one ear; `None` if the rest is convex or has no ear.
-    fn clip_ear(&mut self) -> Option<[usize; 3]> {
-        let count = self.rest.len();
-        let reflex: Vec<usize> = (0..count).filter(|&i| self.turn(self.around(i)) < 0.0).collect();
-        if count < 4 || reflex.is_empty() {
-            return None;
+/// Whether triangles cover a polygon once.
+fn covers(triangles: &[Triangle], corners: &[DVec3], normal: DVec3) -> bool {
+    let area = |triangle: &Triangle| {
+        let [a, b, c] = triangle.map(|i| corners[i as usize]);
+        (b - a).cross(c - a).dot(normal)
+    };
+    let folded: f64 = triangles.iter().map(|triangle| (-area(triangle)).max(0.0)).sum();
+    let is_large = corners.len() > MOST_OF_FAN;
+    triangles.iter().all(|triangle| area(triangle) > 0.0)
+        || is_large && folded <= MOST_FOLDED * normal.length_squared()
+}
+
+/// Triangles of a polygon, as numbers of its corners; `None` if they are fewer than a simple polygon has.
+fn clip_ears(corners: &[DVec3], normal: DVec3) -> Option<Vec<Triangle>> {
+    let normal = normal.try_normalize().filter(|_| corners.len() <= MOST_TO_CUT)?;
+    let (x, y) = normal.any_orthonormal_pair();
+    let points: Vec<[f64; 2]> = corners.iter().map(|corner| [corner.dot(x), corner.dot(y)]).collect();
+    let mut numbers: Vec<u32> = Vec::new();
+    Earcut::new().earcut_slice(&points, &[], &mut numbers);
+    let mut triangles: Vec<Triangle> = numbers.as_chunks().0.iter().copied().map(along_polygon).collect();
+    restore_corners(&mut triangles, corners.len());
+    Refiner::new().refine(triangles.as_flattened_mut(), &points);
+    (triangles.len() + 2 == corners.len()).then_some(triangles)
+}
+
+/// The triangle with its corners in the order in which the polygon has them.
+fn along_polygon([a, b, c]: Triangle) -> Triangle {
+    let steps_forward = [a < b, b < c, c < a].into_iter().filter(|&forward| forward).count();
+    if steps_forward == 2 { [a, b, c] } else { [a, c, b] }
+}
+
+/// Cuts triangles at the corners of a polygon that lie on their edges, and which no triangle has: without them there
+/// would be gaps to a neighbor that has them.
+fn restore_corners(triangles: &mut Vec<Triangle>, count: usize) {
+    let mut is_used = vec![false; count];
+    triangles.iter().flatten().for_each(|&i| is_used[i as usize] = true);
+    let Some(first) = is_used.iter().position(|&used| used).filter(|_| is_used.contains(&false)) else {
+        return;
+    };
+    let mut owners = HashMap::new();
+    for (number, &[a, b, c]) in triangles.iter().enumerate() {
+        owners.extend([((a, b), (number, c)), ((b, c), (number, a)), ((c, a), (number, b))]);
+    }
+    let mut edge = vec![first as u32];
+    for i in (first + 1..=first + count).map(|i| i % count) {
+        edge.push(i as u32);
+        if !is_used[i] {
+            continue;
         }
-        let ear = (0..count).find(|&i| {
-            let around = self.around(i);
-            self.turn(around) > 0.0 && !reflex.iter().any(|&other| self.holds(around, self.rest[other]))
-        })?;
-        let triangle = self.around(ear);
-        self.rest.remove(ear);
-        Some(triangle)
-    }
-
-    /// A corner of the rest between its neighbors.
-    fn around(&self, i: usize) -> [usize; 3] {
-        let count = self.rest.len();
-        [self.rest[(i + count - 1) % count], self.rest[i], self.rest[(i + 1) % count]]
-    }
-
-    /// Positive if the polygon's boundary turns to the left.
-    fn turn(&self, [a, b, c]: [usize; 3]) -> f64 {
-        let [a, b, c] = [a, b, c].map(|corner| self.corners[corner]);
-        (b - a).cross(c - b).dot(self.normal)
-    }
-
-    /// Whether a triangle holds another corner, its boundary included.
-    fn holds(&self, [a, b, c]: [usize; 3], corner: usize) -> bool {
-        let inside = |from, to| self.turn([from, to, corner]) >= 0.0;
-        ![a, b, c].contains(&corner) && inside(a, b) && inside(b, c) && inside(c, a)
+        let (start, end) = (edge[0], i as u32);
+        if let Some(&(number, apex)) = owners.get(&(start, end)).filter(|_| edge.len() > 2) {
+            triangles[number] = [start, edge[1], apex];
+            triangles.extend(edge[1..].windows(2).map(|part| [part[0], part[1], apex]));
+            owners.insert((end, apex), (triangles.len() - 1, start));
+        }
+        edge = vec![end];
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Triangle;
 
     /// Triangles of a polygon in the plane z = x.
     fn cut(points: &[[f32; 2]]) -> (Vec<Vec3>, Vec<Triangle>) {
@@ -144,6 +181,51 @@ mod tests {
                 let (positions, triangles) = cut(&points);
                 assert!(self::areas(&positions, &triangles).iter().all(|&a| a < 0.0));
             }
+        }
+    }
+
+    /// A neighbor may have the corners on straight edges.
+    #[test]
+    fn triangulate_keeps_corners_on_straight_edges() {
+        // An L whose edges are cut into parts
+        let turns = [[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [1.0, 1.0], [1.0, 4.0], [0.0, 4.0_f32]];
+        let mut points = Vec::new();
+        for (i, [x, y]) in turns.into_iter().enumerate() {
+            let [to_x, to_y] = turns[(i + 1) % turns.len()];
+            points.extend((0..4).map(|k| 0.25 * k as f32).map(|t| [x + t * (to_x - x), y + t * (to_y - y)]));
+        }
+        let (positions, triangles) = cut(&points);
+        assert_eq!(triangles.len(), points.len() - 2);
+        let areas = areas(&positions, &triangles);
+        assert!(areas.iter().all(|&a| a > 0.0), "{areas:?}");
+        assert!((areas.iter().sum::<f32>() - 7.0).abs() < 1e-4, "{areas:?}");
+        let is_side = |&[a, b, c]: &Triangle, from, to| [(a, b), (b, c), (c, a)].contains(&(from, to));
+        for from in 0..points.len() as u32 {
+            let to = (from + 1) % points.len() as u32;
+            assert_eq!(triangles.iter().filter(|t| is_side(t, from, to)).count(), 1, "{from}");
+        }
+    }
+
+    /// The triangles of a fan would measure 3.3 around, on average.
+    #[test]
+    fn triangulate_cuts_large_polygons_into_short_edges() {
+        for (inner, most) in [(1.0, 0.1), (0.9, 1.2)] {
+            let count = 60_000_u16;
+            let points: Vec<[f32; 2]> = (0..count)
+                .map(|i| {
+                    let (sin, cos) = (f64::from(i) * std::f64::consts::TAU / f64::from(count)).sin_cos();
+                    let radius = if i.is_multiple_of(2) { 1.0 } else { inner };
+                    [(radius * cos) as f32, (radius * sin) as f32]
+                })
+                .collect();
+            let (positions, triangles) = cut(&points);
+            assert_eq!(triangles.len(), points.len() - 2);
+            let point = |i: u32| positions[i as usize];
+            let around = |&[a, b, c]: &Triangle| {
+                point(a).distance(point(b)) + point(b).distance(point(c)) + point(c).distance(point(a))
+            };
+            let mean = triangles.iter().map(around).sum::<f32>() / triangles.len() as f32;
+            assert!(mean < most, "{inner}: {mean}");
         }
     }
 

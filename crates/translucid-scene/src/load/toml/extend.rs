@@ -77,7 +77,7 @@ impl Origin {
             "toml" => Ok(Self::Scene(path)),
             "glb" | "gltf" | "obj" | "ply" => Ok(Self::Mesh(path)),
             _ => {
-                let files = "a scene (.toml) or mesh (.glb, .gltf, .obj, .ply)";
+                let files = "a scene (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)";
                 Err(item.refuse(&format!("\"{STILL_LIFE}\" or the path of {files}")))
             }
         }

@@ -278,7 +278,7 @@ fn options_reach_through_a_row_of_files() {
 #[test]
 fn broken_extends_is_refused() {
     let folder = Folder::new();
-    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply)";
+    let paths = "\"still-life\" or the path of a scene (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)";
     folder.refuse(
         "extends = \"a.stl\"",
         &format!("extends is \"a.stl\", but must be {paths}"),
