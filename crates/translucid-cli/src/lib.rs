@@ -5,6 +5,7 @@
 
 mod command_line;
 mod compare;
+mod completions;
 mod convert;
 mod failure;
 mod files;
@@ -13,6 +14,7 @@ mod interrupt;
 mod machine;
 mod messages;
 mod model;
+mod models;
 mod profile;
 mod progress;
 mod radii;
@@ -24,7 +26,8 @@ mod view;
 
 use std::ffi::OsString;
 
-use clap::{Parser, Subcommand};
+use clap::builder::UnknownArgumentValueParser;
+use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::failure::Failure;
 
@@ -48,6 +51,9 @@ enum Verb {
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
     View(view::ViewArguments),
+    /// Lists the models of subsurface scattering, a line each
+    Models,
+    Completions(completions::CompletionsArguments),
 }
 
 const EXAMPLES: &str = "\
@@ -68,11 +74,16 @@ Examples:
 /// twice while something is rendered or computed.
 pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
-    let cli = match Cli::try_parse_from(&words) {
+    let matches = with_foreign_options(Cli::command()).try_get_matches_from(&words);
+    let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
         Err(answer) => {
-            // Help and versions are such an answer, too. Nobody is left to be told when the output is closed.
-            let _ = answer.print();
+            // Help and versions are such an answer, too
+            if let Err(error) = answer.print()
+                && error.kind() != std::io::ErrorKind::BrokenPipe
+            {
+                return 1;
+            }
             return u8::try_from(answer.exit_code()).unwrap_or(1);
         }
     };
@@ -93,6 +104,24 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     }
 }
 
+/// Options of `render` by their names in other renderers, and what they are called here.
+const FOREIGN_OPTIONS: [(&str, &str); 6] = [
+    ("crop", "--region"),
+    ("height", "--size"),
+    ("material", "--preset"),
+    ("model", "--subsurface"),
+    ("resolution", "--size"),
+    ("width", "--size"),
+];
+
+/// The command, which refuses other renderers' options with a hint.
+fn with_foreign_options(command: Command) -> Command {
+    let option = |(name, own): (&'static str, &'static str)| {
+        Arg::new(name).long(name).hide(true).value_parser(UnknownArgumentValueParser::suggest_arg(own))
+    };
+    command.mut_subcommand("render", |render| render.args(FOREIGN_OPTIONS.map(option)))
+}
+
 fn run_verb(cli: Cli) -> Result<(), Failure> {
     match cli.verb {
         None => render::run(&render::Arguments::default()),
@@ -104,5 +133,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Some(Verb::Compare(arguments)) => compare::run(&arguments),
         Some(Verb::Convert(arguments)) => convert::run(&arguments),
         Some(Verb::View(arguments)) => view::run(&arguments),
+        Some(Verb::Models) => models::run(),
+        Some(Verb::Completions(arguments)) => completions::run(&arguments, Cli::command()),
     }
 }

@@ -82,8 +82,8 @@ impl From<UnitName> for Unit {
 /// The options that describe a profile.
 #[derive(Args, Debug)]
 pub(crate) struct ModelArguments {
-    /// Model of the profile
-    #[arg(long, value_name = "MODEL", default_value = Model::default().name())]
+    /// Model of the profile; `translucid models` lists them
+    #[arg(long, value_name = "MODEL", default_value = Model::default().name(), hide_possible_values = true)]
     model: ModelName,
     /// CSV file of a profile of your own in place of a model: columns r, reflectance and optionally surface_albedo,
     /// radii in units of --mfp

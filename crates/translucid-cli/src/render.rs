@@ -99,11 +99,12 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
     /// Model of the transport under all surfaces [default: the scene's, which for materials that name none is
-    /// random-walk, or a profile where they ask for what walks do not do]; several are rendered side by side
-    #[arg(long, value_name = "MODEL,...", value_delimiter = ',')]
+    /// random-walk, or a profile where they ask for what walks do not do]; several are rendered side by side. `translucid models`
+    /// lists them
+    #[arg(long, value_name = "MODEL,...", value_delimiter = ',', hide_possible_values = true)]
     subsurface: Vec<ModelName>,
     /// The model that the others are compared with [default: random-walk or else exact, if among them, else the first]
-    #[arg(long, value_name = "MODEL")]
+    #[arg(long, value_name = "MODEL", hide_possible_values = true)]
     against: Option<ModelName>,
     /// How light under surfaces is found: ray-traced or point-based [default: the scene's]
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]

@@ -95,7 +95,7 @@ impl Denoiser {
                 for name in NAMES {
                     match open(Path::new(name)) {
                         Ok(library) => return Self::from_library(library, name),
-                        Err(error) => failures.push(format!("{name}: {}", reason(&error))),
+                        Err(error) => failures.push(reason(&error)),
                     }
                 }
                 let tried = failures.join("; ");
@@ -124,6 +124,8 @@ impl Denoiser {
         {
             std::mem::forget(library);
         }
+        // Of a bare name the loader would look in the system's folders only
+        let file = std::path::absolute(&file).unwrap_or(file);
         let library = open(&file).map_err(|error| wrong(&reason(&error)))?;
         Self::from_library(library, &file.display().to_string())
     }

@@ -148,7 +148,10 @@ fn report(path: &Path, samples: &[Sample], errors: Errors, fits: &[Fit]) -> Stri
         };
         text += &format!("{}: {residual}\n", fit.name);
         for (name, Estimate { value, error }) in &fit.parameters {
-            text += &format!("  {name:<22}{value:>12.6e} +- {error:.1e}\n");
+            text += &match error.is_finite() {
+                true => format!("  {name:<22}{value:>12.6e} +- {error:.1e}\n"),
+                false => format!("  {name:<22}not determined\n"),
+            };
         }
     }
     text

@@ -192,6 +192,11 @@ impl<'a> WalkWork<'a> {
                 .map_err(|error| Failure::input(format!("{} cannot be merged: {error}", path.display())))?;
         }
         work.check_albedos()?;
+        if work.table.photons() == 0 && arguments.walk.photons == Some(0) {
+            return Err(Failure::input(String::from(
+                "--photons is 0, and there are none in a table to go on from",
+            )));
+        }
         Ok(work)
     }
 

@@ -1,6 +1,7 @@
 //! The command from outside: what it prints and writes, how it ends, and what the documentation says of it.
 
 mod broken_files;
+mod command_line;
 mod common;
 mod compare;
 mod convert;

@@ -169,6 +169,9 @@ fn tables_are_kept_continued_and_joined() {
     let output = run(path, &format!("{walk} --photons 0 --merge a.npz,a.npz"));
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("twice"), "{}", stderr(&output));
+    let output = run(path, &format!("{walk} --photons 0"));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(stderr(&output).contains("--photons is 0, and there are none"), "{}", stderr(&output));
     let output = run(path, &format!("{walk} --photons 10 --table a.npz"));
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));

@@ -226,7 +226,7 @@ fn read_face(
             Kind::List { count, item } if number == list => {
                 polygon.clear();
                 for _ in 0..values.list_length(count)? {
-                    polygon.push(index(values.value(item)?));
+                    polygon.push(index(values.value(item)?)?);
                 }
             }
             kind => skip(values, kind)?,
@@ -242,9 +242,13 @@ fn read_face(
     Ok(())
 }
 
-/// An index; what is none becomes one that is out of range in any mesh.
-fn index(value: f64) -> u32 {
-    if value >= 0.0 { value as u32 } else { u32::MAX }
+/// An index; a negative one becomes one that is out of range in any mesh.
+fn index(value: f64) -> Result<u32, Fault> {
+    match value {
+        value if value.fract() != 0.0 => Err(Fault::NotWhole),
+        value if value >= 0.0 => Ok(value as u32),
+        _ => Ok(u32::MAX),
+    }
 }
 
 #[cfg(test)]
@@ -444,6 +448,8 @@ mod tests {
             (text("1 1 0\n", "1 one 0\n"), ["a.ply:13", "\"one\" in vertex 2 is not a number"]),
             (text("3 0 1 2\n", "-3 0 1 2\n"), ["a.ply:15", "face 0 has a list of length -3"]),
             (text("3 0 1 2\n", "9 0 1 2\n"), ["a.ply:15", "face 0 has fewer values"]),
+            (text("3 0 1 2\n", "3 0 1.5 2\n"), ["a.ply:15", "face 0 has the index 1.5"]),
+            (text("element face 2", "element vertex 2"), ["a.ply:8", "there are two elements \"vertex\""]),
             (text("3 0 1 2\n3 0 2 3\n", "3 0 1 2         \n"), ["a.ply:15", "the file ends before face 1"]),
             (text("3 0 1 2\n3 0 2 3\n", "3 0 1 7\n3 0 0 3\n"), ["a.ply", "none of the mesh's 2 triangles"]),
             (text("element face 2", "element face 0"), ["a.ply", "no triangles"]),

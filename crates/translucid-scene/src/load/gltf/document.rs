@@ -377,13 +377,17 @@ fn reason(error: &serde_json::Error) -> String {
 
 fn check_version(root: &Extensions, path: &Path) -> Result<(), SceneError> {
     let place = || Place::part(path, "asset");
-    let version = root.get("asset").and_then(|asset| asset.get("version")).and_then(Value::as_str);
-    match version {
-        Some(version) if version.starts_with("2.") => Ok(()),
-        Some(version) => {
+    let stated = |key: &str| root.get("asset").and_then(|asset| asset.get(key)).and_then(Value::as_str);
+    match (stated("version"), stated("minVersion")) {
+        (Some(_), Some(least)) if least != "2.0" => {
+            let message = format!("the file needs a reader of glTF {}, but this one reads 2.0", clip(least));
+            Err(SceneError::at(place(), message))
+        }
+        (Some(version), _) if version.starts_with("2.") => Ok(()),
+        (Some(version), _) => {
             Err(SceneError::at(place(), format!("glTF version \"{}\" is not read, only 2.x", clip(version))))
         }
-        None => Err(SceneError::at(place(), "this is not glTF: \"version\" is missing")),
+        (None, _) => Err(SceneError::at(place(), "this is not glTF: \"version\" is missing")),
     }
 }
 
@@ -458,5 +462,7 @@ mod tests {
         assert!(failure(&"[".repeat(100_000)).contains("this is not glTF"));
         assert!(failure(r#"{"asset":{"version":"1.0"}}"#).contains("glTF version \"1.0\" is not read"));
         assert!(failure("{}").contains("\"version\" is missing"));
+        let later = failure(r#"{"asset":{"version":"2.1","minVersion":"2.1"}}"#);
+        assert!(later.contains("the file needs a reader of glTF 2.1, but this one reads 2.0"), "{later}");
     }
 }

@@ -17,14 +17,15 @@ const MOST_CHANNELS: usize = 64;
 
 /// Reads the first layer: its channels R, G, B (and A), or Y as grey, or else the first three.
 ///
+/// A file of nothing but a depth is refused: it is no picture.
+///
 /// Channels of a group ("beauty.R") are taken if there are none without.
 /// Pixels of the display window that the data window does not cover are black and clear.
 pub(super) fn decode(source: &ImageBytes<'_>) -> Decoded {
     let image = read_first_layer(source)?;
     let window = image.attributes.display_window;
     let start = image.layer_data.attributes.layer_position;
-    let planes =
-        Planes::choose(&image.layer_data).ok_or_else(|| source.error("the OpenEXR file has no channels"))?;
+    let planes = Planes::choose(&image.layer_data).map_err(|message| source.error(message))?;
     let [width, height] = [window.size.0, window.size.1];
     let mut pixels = Vec::with_capacity(source.check_size(width, height)?);
     for y in 0..height {
@@ -118,7 +119,7 @@ struct Planes<'a> {
 }
 
 impl<'a> Planes<'a> {
-    fn choose(layer: &'a Layer<AnyChannels<FlatSamples>>) -> Option<Self> {
+    fn choose(layer: &'a Layer<AnyChannels<FlatSamples>>) -> Result<Self, String> {
         let names: Vec<String> =
             layer.channel_data.list.iter().map(|channel| channel.name.to_string()).collect();
         let plane = |i: usize| layer.channel_data.list.get(i).map(|channel| &channel.sample_data);
@@ -136,12 +137,16 @@ impl<'a> Planes<'a> {
         let color = match (member("R"), member("Y")) {
             (Some(red), _) => [Some(red), member("G"), member("B")],
             (None, Some(grey)) => [Some(grey); 3],
+            (None, None) if names.is_empty() => return Err(String::from("the OpenEXR file has no channels")),
+            (None, None) if names.iter().all(|name| is_depth(name)) => {
+                let names = names.join(", ");
+                return Err(format!("the OpenEXR file is no picture, but a depth: its channels are {names}"));
+            }
             (None, None) if names.len() == 1 => [plane(0); 3],
-            (None, None) if names.is_empty() => return None,
             (None, None) => [plane(0), plane(1), plane(2)],
         };
         let [width, height] = [layer.size.0, layer.size.1].map(|edge| edge as i64);
-        Some(Self { color, alpha: member("A"), width, height })
+        Ok(Self { color, alpha: member("A"), width, height })
     }
 
     fn pixel(&self, x: i64, y: i64) -> [f32; 4] {
@@ -152,6 +157,11 @@ impl<'a> Planes<'a> {
         let [r, g, b] = self.color.map(|plane| plane.map_or(0.0, |plane| sample(plane, index)));
         [r, g, b, self.alpha.map_or(1.0, |plane| sample(plane, index))]
     }
+}
+
+/// Whether a channel holds distances, by the names that OpenEXR and programs have for it.
+fn is_depth(name: &str) -> bool {
+    matches!(name.rsplit('.').next(), Some("Z" | "ZBack" | "depth" | "Depth"))
 }
 
 fn sample(plane: &FlatSamples, index: usize) -> f32 {
@@ -226,7 +236,9 @@ mod tests {
         assert_eq!(texel(&["R", "G", "B"]), [1.0, 11.0, 21.0, 1.0]);
         assert_eq!(texel(&["A", "B", "G", "R", "Z"]), [31.0, 21.0, 11.0, 1.0]);
         assert_eq!(texel(&["Y"]), [1.0, 1.0, 1.0, 1.0]);
-        assert_eq!(texel(&["depth"]), [1.0, 1.0, 1.0, 1.0]);
+        assert_eq!(texel(&["mask"]), [1.0, 1.0, 1.0, 1.0]);
+        let error = decoded(&plain(&["Z", "ZBack"])).unwrap_err().to_string();
+        assert!(error.ends_with("is no picture, but a depth: its channels are Z, ZBack"), "{error}");
         assert_eq!(texel(&["x", "y", "z", "zz"]), [1.0, 11.0, 21.0, 1.0]);
         assert_eq!(texel(&["u", "v"]), [1.0, 11.0, 0.0, 1.0]);
         let grouped = ["albedo.B", "albedo.G", "albedo.R", "B", "G", "R"];

@@ -104,6 +104,9 @@ impl Header {
                 return Err(format!("PLY version {version} is not known, only 1.0 is"));
             }
             ["format", name, _] => *format = Some(parse_format(name)?),
+            ["element", name, _] if self.elements.iter().any(|element| element.name == name) => {
+                return Err(format!("there are two elements \"{name}\""));
+            }
             ["element", name, count] => self.elements.push(parse_element(name, count)?),
             ["property", ref words @ ..] => {
                 let property = parse_property(words)?;

@@ -18,6 +18,8 @@ pub(super) enum Fault {
     NotANumber,
     /// A list of fewer than no items.
     NegativeCount,
+    /// An index that is no whole number.
+    NotWhole,
 }
 
 /// A reader of values; `f64` holds each of PLY's types exactly.
@@ -82,6 +84,7 @@ impl<const BIG_ENDIAN: bool> Values for Binary<'_, BIG_ENDIAN> {
     fn error(&self, path: &Path, fault: Fault, row: &str) -> SceneError {
         let message = match fault {
             Fault::NegativeCount => format!("{row} has a list of negative length"),
+            Fault::NotWhole => format!("{row} has an index that is no whole number"),
             _ => format!("the file ends in {row}"),
         };
         SceneError::at(Place::part(path, format!("byte {}", self.position)), message)
@@ -155,6 +158,7 @@ impl Values for Ascii<'_> {
             Fault::LongLine => format!("{row} has more values than its properties, from \"{word}\" on"),
             Fault::NotANumber => format!("\"{word}\" in {row} is not a number"),
             Fault::NegativeCount => format!("{row} has a list of length {word}"),
+            Fault::NotWhole => format!("{row} has the index {word}, which is no whole number"),
         };
         SceneError::at(Place::line(path, self.line), message)
     }
