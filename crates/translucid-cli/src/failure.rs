@@ -22,7 +22,7 @@ pub(crate) enum FailureKind {
     Input,
     /// The input was right, but the work could not be done.
     Work,
-    /// Ctrl-C: what there is has been written.
+    /// Ctrl-C or another signal to stop: what there is has been written.
     Interrupted,
 }
 
@@ -53,9 +53,13 @@ impl Failure {
         Self { help: Some(advice.into()), ..self }
     }
 
-    /// 2 where the input is wrong, else 1.
-    pub(crate) fn exit_code(&self) -> u8 {
-        if self.kind == FailureKind::Input { 2 } else { 1 }
+    /// 2 where the input is wrong, 1 where the work could not be done; of an interruption the signal decides.
+    pub(crate) fn exit_code(&self) -> Option<u8> {
+        match self.kind {
+            FailureKind::Input => Some(2),
+            FailureKind::Work => Some(1),
+            FailureKind::Interrupted => None,
+        }
     }
 }
 

@@ -7,18 +7,22 @@ use std::path::{Path, PathBuf};
 use translucid_image::{OutputError, write_atomically};
 
 use crate::failure::Failure;
+use crate::output_lock::OutputLock;
 
 /// A file's name and content.
 pub(crate) type NamedFile = (String, Vec<u8>);
 
-/// A directory that results are written to.
-pub(crate) struct Directory(PathBuf);
+/// A directory that results are written to, by one process at a time.
+pub(crate) struct Directory {
+    path: PathBuf,
+    _lock: OutputLock,
+}
 
 impl Directory {
     /// Makes the directory, unless it is there.
     pub(crate) fn make(path: &Path) -> Result<Self, Failure> {
         match fs::create_dir_all(path) {
-            Ok(()) => Ok(Self(path.to_owned())),
+            Ok(()) => Ok(Self { path: path.to_owned(), _lock: OutputLock::take(path)? }),
             Err(error) => Err(refusal(path, format!("cannot make the directory: {error}"))),
         }
     }
@@ -36,12 +40,12 @@ impl Directory {
 
     /// The directory.
     pub(crate) fn path(&self) -> &Path {
-        &self.0
+        &self.path
     }
 
     /// A file in it.
     pub(crate) fn file(&self, name: &str) -> PathBuf {
-        self.0.join(name)
+        self.path.join(name)
     }
 
     /// Writes files one after the other.

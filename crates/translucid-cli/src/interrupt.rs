@@ -1,27 +1,41 @@
-//! Ctrl-C: the first asks the work to stop, the second ends the process at once.
+//! Signals that ask the work to stop: Ctrl-C, SIGTERM of a queue or container, SIGHUP of a terminal that closes.
+//!
+//! The first asks the work to stop, the second ends the process at once.
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 use crate::messages;
 
-/// Set by the first Ctrl-C.
+/// Set by the first signal.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+
+/// Number of the signal that came last.
+static SIGNAL: AtomicU8 = AtomicU8::new(SIGINT);
 
 /// Set once the work has stopped and only its results remain to be written.
 static WRITING: AtomicBool = AtomicBool::new(false);
 
-/// Whether Ctrl-C was pressed. From now on what has been asked to stop may write its results undisturbed; the next
-/// Ctrl-C ends the process at once.
+/// Numbers of signals, which POSIX fixes.
+const SIGHUP: u8 = 1;
+const SIGINT: u8 = 2;
+
+/// Exit code of work that was stopped, as shells have it: 129 for SIGHUP, 130 for Ctrl-C, 143 for SIGTERM.
+pub(crate) fn exit_code() -> u8 {
+    128 + SIGNAL.load(Ordering::Relaxed)
+}
+
+/// Whether the work was asked to stop. From now on what has been asked to stop may write its results undisturbed; the
+/// next Ctrl-C ends the process at once.
 pub(crate) fn settle() -> bool {
     let stopped = STOP.swap(false, Ordering::Relaxed);
     WRITING.store(stopped, Ordering::Relaxed);
     stopped
 }
 
-/// Forgets a Ctrl-C of an earlier command in the same process.
+/// Forgets the signals of an earlier command in the same process.
 pub(crate) fn forget() {
     STOP.store(false, Ordering::Relaxed);
     WRITING.store(false, Ordering::Relaxed);
@@ -31,26 +45,68 @@ pub(crate) fn forget() {
 /// group.
 const ONE_PRESS: Duration = Duration::from_millis(300);
 
-/// Words to print at the first Ctrl-C; none before it is caught.
+/// Words to print at the first signal; none before signals are caught.
 static MESSAGE: Mutex<Option<&'static str>> = Mutex::new(None);
 
-/// From now on the first Ctrl-C prints `message` and sets [`STOP`].
+/// From now on the first signal prints `message` and sets [`STOP`].
 pub(crate) fn catch(message: &'static str) -> Result<(), Failure> {
-    let lock = || MESSAGE.lock().unwrap_or_else(PoisonError::into_inner);
-    if lock().replace(message).is_some() {
+    if words().replace(message).is_some() {
         return Ok(());
     }
-    let mut pressed: Option<Instant> = None;
-    ctrlc::set_handler(move || {
-        let again = pressed.replace(Instant::now()).is_some_and(|before| before.elapsed() < ONE_PRESS);
+    let mut before: Option<Instant> = None;
+    listen(move |signal| {
+        let again = before.replace(Instant::now()).is_some_and(|before| before.elapsed() < ONE_PRESS);
         if again {
             return;
         }
+        SIGNAL.store(signal, Ordering::Relaxed);
         if STOP.swap(true, Ordering::Relaxed) || WRITING.load(Ordering::Relaxed) {
-            std::process::exit(1);
+            // A closing terminal may say so more than once: its shell and the system both do
+            if signal != SIGHUP {
+                std::process::exit(exit_code().into());
+            }
+            return;
         }
-        let message = *lock();
+        let message = *words();
         messages::line(message.unwrap_or_default());
     })
     .map_err(|error| Failure::work(format!("cannot catch Ctrl-C: {error}")))
+}
+
+fn words() -> std::sync::MutexGuard<'static, Option<&'static str>> {
+    MESSAGE.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Calls `hear` with the number of every signal that asks to stop, on a thread of its own.
+#[cfg(unix)]
+fn listen(mut hear: impl FnMut(u8) + Send + 'static) -> std::io::Result<()> {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+
+    // A file that grows beyond `ulimit -f` is then an error of the write, and no end of the process
+    let mut caught = vec![SIGINT, SIGTERM, SIGXFSZ];
+    if !is_ignored(SIGHUP) {
+        caught.push(SIGHUP);
+    }
+    let mut signals = signal_hook::iterator::Signals::new(caught)?;
+    let hear = move || {
+        for signal in signals.forever().filter(|signal| *signal != SIGXFSZ) {
+            hear(signal as u8);
+        }
+    };
+    std::thread::Builder::new().name(String::from("signals")).spawn(hear).map(drop)
+}
+
+/// Whether the process was started with a signal ignored, as `nohup` does; where the system does not say, it is taken
+/// for ignored.
+#[cfg(unix)]
+fn is_ignored(signal: std::ffi::c_int) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"));
+    let mask = mask.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok());
+    mask.is_none_or(|mask| mask >> (signal - 1) & 1 == 1)
+}
+
+#[cfg(not(unix))]
+fn listen(mut hear: impl FnMut(u8) + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || hear(SIGINT))
 }

@@ -1,7 +1,8 @@
 //! The `translucid` command: renders, profiles and samples translucent materials, and knows their ground truth.
 //!
 //! Thin verbs over the crates: data goes to files and stdout, messages and progress to stderr.
-//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 1 anything else.
+//! Exit codes: 0 done, 2 the input is wrong (the message says what and where), 130, 143, 129 stopped by Ctrl-C, SIGTERM,
+//! SIGHUP, 1 anything else.
 
 mod command_line;
 mod compare;
@@ -15,6 +16,7 @@ mod machine;
 mod messages;
 mod model;
 mod models;
+mod output_lock;
 mod profile;
 mod progress;
 mod radii;
@@ -66,7 +68,9 @@ Examples:
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
-  translucid help render";
+  translucid help render
+
+Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 1 anything else.";
 
 /// Runs the command of these words, the program's own first, and returns its exit code.
 ///
@@ -95,7 +99,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
         Ok(Ok(())) => 0,
         Ok(Err(failure)) => {
             messages::print_failure(&failure);
-            failure.exit_code()
+            failure.exit_code().unwrap_or_else(interrupt::exit_code)
         }
         Err(_) => {
             messages::print_note("this is a defect of translucid: please report it with the message above");

@@ -32,6 +32,11 @@ pub(crate) fn print_warnings(warnings: &[Warning]) {
     }
 }
 
+/// Prints what went wrong without ending the work.
+pub(crate) fn print_warning(message: &str) {
+    print(Level::WARNING, message, None, None);
+}
+
 /// Prints something worth knowing that needs no action.
 pub(crate) fn print_note(message: &str) {
     print(Level::NOTE, message, None, None);

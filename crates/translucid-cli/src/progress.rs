@@ -96,6 +96,14 @@ impl Meter {
         }
     }
 
+    /// Does something that prints without the bar in its way.
+    pub(crate) fn suspend<T>(&self, print: impl FnOnce() -> T) -> T {
+        match &self.display {
+            Display::Bar(bar) => bar.suspend(print),
+            _ => print(),
+        }
+    }
+
     /// Takes the bar away, so that messages start on a clean line.
     pub(crate) fn finish(&self) {
         if let Display::Bar(bar) = &self.display {

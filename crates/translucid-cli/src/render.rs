@@ -35,7 +35,8 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
-Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then. So do
+SIGTERM, by which queues and containers end a process, and SIGHUP of a terminal that closes, but not under nohup.
 --resume goes on from there; the result is the same as if nothing had happened.
 --tev[=HOST:PORT] shows the picture under the name of its file in tev (https://github.com/Tom94/tev), twice a second, or less
 often where that would take more than a hundredth of the time. A tev that goes or reads too slowly stops nothing.
@@ -95,7 +96,8 @@ pub(crate) struct Arguments {
     /// Go on from the checkpoint of an unfinished rendering, and keep one at the end
     #[arg(long)]
     resume: bool,
-    /// How often an unfinished rendering is saved for --resume, against power cuts and kills [default: 30]
+    /// How often an unfinished rendering is saved for --resume, against power cuts and kills, the first time after as
+    /// long [default: 30]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
     /// Model of the transport under all surfaces [default: the scene's, which for materials that name none is
@@ -180,6 +182,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let outputs = outputs(arguments)?;
     outputs.check()?;
+    let _lock = outputs.lock()?;
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }

@@ -58,6 +58,12 @@ impl KeptFile {
         })
     }
 
+    /// Whether a file begins as those of this format do, whatever their version.
+    pub fn is_at(&self, path: &Path) -> bool {
+        let mut magic = [0; 8];
+        File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == self.magic
+    }
+
     /// Reads a file back, if it belongs to what has this fingerprint; `read` reads its data.
     ///
     /// # Errors

@@ -10,8 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, SessionError, View,
-    available_memory,
+    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, View, available_memory,
 };
 use translucid_scene::{Image, Light, Mesh, SceneError, Warning, repair_mesh};
 
@@ -520,15 +519,6 @@ impl From<SceneError> for Failure {
     }
 }
 
-impl From<SessionError> for Failure {
-    fn from(error: SessionError) -> Self {
-        match error {
-            SessionError::Points(error) => Self::Scene(error),
-            SessionError::Checkpoint(_) => Self::work(error),
-        }
-    }
-}
-
 impl From<Failure> for PyErr {
     fn from(failure: Failure) -> Self {
         match failure {
@@ -587,8 +577,7 @@ impl Session {
         py: Python<'_>,
         how: impl FnOnce(
             RunningSession,
-        )
-            -> (translucid_render::Session, Result<translucid_render::Outcome, SessionError>)
+        ) -> (translucid_render::Session, Result<translucid_render::Outcome, SceneError>)
         + Send,
     ) -> PyResult<()> {
         py.detach(|| end(&mut self.lock(), how))?;
@@ -676,7 +665,7 @@ fn end(
     state: &mut State,
     how: impl FnOnce(
         RunningSession,
-    ) -> (translucid_render::Session, Result<translucid_render::Outcome, SessionError>),
+    ) -> (translucid_render::Session, Result<translucid_render::Outcome, SceneError>),
 ) -> Result<(), Failure> {
     match std::mem::replace(state, State::Lost) {
         State::Running(running) => {

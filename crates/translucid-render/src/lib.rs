@@ -79,11 +79,10 @@ mod world;
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
     CheckpointInfo, Edit, FilmLayer, FilmSums, Fraction, Goal, ImageInfo, LiveFilm, Outcome, Picked, Picker,
-    PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, load_checkpoint, save_checkpoint,
+    PreparedScene, Progress, Renewed, TILE_SIZE, TileSums, View, is_checkpoint, load_checkpoint,
+    save_checkpoint,
 };
-pub use session::{
-    CheckpointPlan, Event, Observer, Plan, RunningSession, Session, SessionError, available_memory,
-};
+pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, available_memory};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
 pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

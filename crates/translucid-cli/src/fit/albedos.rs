@@ -25,7 +25,7 @@ fn unexpected(error: ParameterError) -> Failure {
 
 /// Normalized diffusion: the best s for each surface albedo, and polynomials through them.
 pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failure> {
-    output.check(&BURLEY_FILES, None)?;
+    let _directory = output.check(&BURLEY_FILES, None)?;
     let fit = ScalingCase::new(case.parameterization, case.configuration, case.max_radius);
     let fit = fit.map_err(unexpected)?;
     output.write(&burley_report(case, &fit), &burley_tables(&fit))
@@ -33,7 +33,7 @@ pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failur
 
 /// Fits normalized diffusion in the three cases that the talk has polynomials for; the columns begin with the case.
 pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> Result<(), Failure> {
-    output.check(&BURLEY_FILES, None)?;
+    let _directory = output.check(&BURLEY_FILES, None)?;
     let cases = Case::of_the_talk(max_radius);
     let fits: Result<Vec<ScalingCase>, ParameterError> = cases
         .par_iter()
@@ -104,7 +104,7 @@ fn burley_report(case: &Case, fit: &ScalingCase) -> String {
 /// A sum of exponentials for each surface albedo.
 pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) -> Result<(), Failure> {
     let files = ["points.csv", "errors.csv"];
-    output.check(&files, None)?;
+    let _directory = output.check(&files, None)?;
     let albedos = talk_albedos();
     let meter = Meter::new(Unit::Albedos);
     let done = AtomicU64::new(0);

@@ -7,9 +7,9 @@ use translucid_image::check_writable;
 use translucid_laboratory::{Chart, DataTable};
 
 use crate::failure::Failure;
-use crate::files::{Directory, input_among, refusal, write_file};
-use crate::messages;
+use crate::files::{Directory, input_among, is_own, refusal, write_file};
 use crate::table::{TableFormat, print};
+use crate::{command_line, messages};
 
 #[derive(Args, Debug)]
 pub(super) struct OutputArguments {
@@ -25,15 +25,21 @@ pub(super) struct OutputArguments {
 const REPORT: &str = "report.txt";
 
 impl OutputArguments {
-    /// Makes the directory and finds out whether its files can be written, before the work.
-    pub(super) fn check(&self, files: &[&str], input: Option<&Path>) -> Result<(), Failure> {
-        let Some(path) = &self.output else { return Ok(()) };
+    /// Makes the directory and finds out whether its files can be written, before the work, and refuses to write over
+    /// those that are not of an earlier fit. Others keep off it until it is dropped.
+    pub(super) fn check(&self, files: &[&str], input: Option<&Path>) -> Result<Option<Directory>, Failure> {
+        let Some(path) = &self.output else { return Ok(None) };
         let directory = Directory::make(path)?;
         let paths: Vec<PathBuf> = files.iter().chain([&REPORT]).map(|file| directory.file(file)).collect();
         paths.iter().try_for_each(|path| check_writable(path))?;
-        match input_among(paths.iter().map(PathBuf::as_path), input.into_iter()) {
-            Some(path) => Err(refusal(path, "is a file that is read, and would be written over")),
-            None => Ok(()),
+        if let Some(path) = input_among(paths.iter().map(PathBuf::as_path), input.into_iter()) {
+            return Err(refusal(path, "is a file that is read, and would be written over"));
+        }
+        match paths.iter().find(|path| path.exists()) {
+            Some(path) if !is_own(&directory.file(REPORT)) => {
+                Err(refusal(path, "is there already, and translucid has not made it"))
+            }
+            _ => Ok(Some(directory)),
         }
     }
 
@@ -43,11 +49,15 @@ impl OutputArguments {
             messages::line(report.trim_end());
             return print(&self.format.text(&tables[0].columns, &tables[0].rows));
         };
+        // The report comes first: it says whose the others are
+        let report =
+            format!("translucid {}: {}\n\n{report}", env!("CARGO_PKG_VERSION"), command_line::shown());
+        write_file(&directory.join(REPORT), report.as_bytes())?;
         for table in tables {
             let text = TableFormat::Csv.text(&table.columns, &table.rows);
             write_file(&directory.join(format!("{}.csv", table.name)), text.as_bytes())?;
         }
-        write_file(&directory.join(REPORT), report.as_bytes())
+        Ok(())
     }
 
     /// Writes a chart to the directory, if there is one, as SVG and as PNG.

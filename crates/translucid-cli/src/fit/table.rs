@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
         );
         return Err(SceneError::at(Place::file(path), message).with_help("choose fewer --terms").into());
     }
-    arguments.output.check(&files, Some(path))?;
+    let _directory = arguments.output.check(&files, Some(path))?;
     let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
     let fits = fits(&samples, errors, terms).map_err(fail)?;
 

@@ -11,6 +11,7 @@ use translucid_reference::walk::{
 
 use super::{COLUMNS, ReferenceArguments};
 use crate::failure::Failure;
+use crate::output_lock::OutputLock;
 use crate::progress::{Meter, Unit, duration};
 use crate::table::exact;
 use crate::{interrupt, machine, messages};
@@ -99,6 +100,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     if let Some(path) = &walk.table_file {
         translucid_image::check_writable(path)?;
     }
+    let _lock = walk.table_file.as_deref().map(OutputLock::take).transpose()?;
     arguments.table.spare(walk.table_file.iter().chain(&walk.merge).map(PathBuf::as_path))?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 

@@ -4,11 +4,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use translucid_image::{DisplayTransform, OutputError, check_writable};
-use translucid_render::{FilmSums, ImageInfo};
+use translucid_render::{FilmSums, ImageInfo, is_checkpoint};
 use translucid_scene::Film;
 
 use crate::failure::Failure;
 use crate::files::{input_among, is_own};
+use crate::output_lock::OutputLock;
 
 /// The files that a rendering writes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -55,9 +56,16 @@ impl Outputs {
         self.exr.iter().map(PathBuf::as_path).chain([self.png.as_path()])
     }
 
-    /// Finds out before the work whether its result can be written.
+    /// Finds out before the work whether its result can be written, and refuses to write over what is no checkpoint
+    /// where one may come to be: nobody has named that file.
     pub(crate) fn check(&self) -> Result<(), OutputError> {
-        self.images().chain([self.checkpoint.as_path()]).try_for_each(check_writable)
+        self.images().chain([self.checkpoint.as_path()]).try_for_each(check_writable)?;
+        spare_others_than_checkpoints([self.checkpoint.as_path()])
+    }
+
+    /// Keeps other processes off the files until it is dropped: all have a PNG.
+    pub(crate) fn lock(&self) -> Result<OutputLock, Failure> {
+        OutputLock::take(&self.png)
     }
 
     /// Refuses to write over a file that the scene was read from, whatever paths both go by.
@@ -87,7 +95,23 @@ impl Outputs {
     pub(crate) fn write(&self, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), Failure> {
         let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
         let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
-        exr.and_then(|()| film.display_picture(info).save_png(&self.png, display)).map_err(Failure::late)
+        // A disk that has no room for the first may have it for the second
+        let png = film.display_picture(info).save_png(&self.png, display);
+        exr.and(png).map_err(Failure::late)
+    }
+}
+
+/// Refuses files that are there and are no checkpoints.
+pub(crate) fn spare_others_than_checkpoints<'a>(
+    paths: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), OutputError> {
+    match paths.into_iter().find(|path| path.exists() && !is_checkpoint(path)) {
+        Some(path) => {
+            let message = "is there already, and is no checkpoint of translucid";
+            Err(OutputError::new(path, message)
+                .with_help("move it away, or name another picture with -o FILE"))
+        }
+        None => Ok(()),
     }
 }
 

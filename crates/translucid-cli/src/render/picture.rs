@@ -3,12 +3,12 @@
 use std::fs;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use translucid_image::{Denoiser, PixelRect};
+use translucid_image::{Denoiser, OutputError, PixelRect};
 use translucid_render::{
-    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, SessionError,
-    load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, load_checkpoint,
 };
 use translucid_scene::{Scene, SubsurfaceModel};
 
@@ -98,6 +98,8 @@ struct Work<'a> {
     first_half: Option<FilmSums>,
     /// Seconds that earlier runs spent.
     seconds_before: f64,
+    /// Whether it has been said that the rendering cannot be saved.
+    is_warned: AtomicBool,
 }
 
 impl<'a> Work<'a> {
@@ -110,7 +112,8 @@ impl<'a> Work<'a> {
             }
         }
         let seconds_before = session.seconds();
-        let mut work = Self { session, task, first_half: None, seconds_before };
+        let is_warned = AtomicBool::new(false);
+        let mut work = Self { session, task, first_half: None, seconds_before, is_warned };
         work.first_half = work.load_first_half();
         Ok(work)
     }
@@ -155,16 +158,19 @@ impl<'a> Work<'a> {
         let paths = self.session.film().sums().paths();
         self.require_paths(paths, outcome)?;
         self.write_images()?;
-        self.settle_checkpoint(outcome)?;
+        let is_kept = self.settle_checkpoint(outcome);
         if let Some(showing) = showing {
             showing.finish();
         }
         if !self.task.arguments.quiet {
-            self.print_summary(cpu_seconds, paths - paths_before);
+            self.print_summary(cpu_seconds, paths - paths_before, is_kept);
         }
         if outcome == Outcome::Interrupted {
             let checkpoint = self.task.outputs.checkpoint.display();
-            let help = format!("repeat the command with --resume to go on from {checkpoint}");
+            let help = match is_kept {
+                true => format!("repeat the command with --resume to go on from {checkpoint}"),
+                false => String::from("the picture was written as far as it is"),
+            };
             return Err(Failure::interrupted(help));
         }
         Ok(Rendering {
@@ -220,7 +226,9 @@ impl<'a> Work<'a> {
             if outcome != Outcome::Finished {
                 return Ok(outcome);
             }
-            self.session.save(&part.first_half).map_err(Failure::late)?;
+            // Without it a later run has no estimate of the noise
+            let _ =
+                self.session.save(&part.first_half).inspect_err(|error| warn_once(&self.is_warned, error));
             self.first_half = Some(self.session.film().sums().clone());
         }
         self.run(self.goal(), meter, deadline)
@@ -235,25 +243,25 @@ impl<'a> Work<'a> {
         let denoiser = self.task.denoiser.clone();
         let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(samples) };
         let total = u64::from(self.goal()) * self.session.view().region().area();
-        let observer = |event: &Event<'_>| {
-            if let Event::Samples(progress) = event {
-                meter.update(progress.samples_done, total);
-            }
+        let is_warned = &self.is_warned;
+        let observer = |event: &Event<'_>| match event {
+            Event::Samples(progress) => meter.update(progress.samples_done, total),
+            Event::Unsaved(error) => meter.suspend(|| warn_once(is_warned, error)),
+            _ => {}
         };
-        self.session.run(&plan, &observer, &interrupt::STOP).map_err(|error| match error {
-            SessionError::Points(error) => Failure::from(error),
-            SessionError::Checkpoint(error) => Failure::late(error),
-        })
+        Ok(self.session.run(&plan, &observer, &interrupt::STOP)?)
     }
 
-    /// Keeps the state where there is something to go on with, else removes what an earlier slice left.
-    fn settle_checkpoint(&self, outcome: Outcome) -> Result<(), Failure> {
+    /// Keeps the state where there is something to go on with, else removes what an earlier slice left. Says whether it
+    /// is kept: a disk that has room for the picture only does not cost the picture.
+    fn settle_checkpoint(&self, outcome: Outcome) -> bool {
         if outcome != Outcome::Finished || self.task.arguments.resume || self.task.part.is_some() {
-            return self.session.save(&self.task.outputs.checkpoint).map_err(Failure::late);
+            let saved = self.session.save(&self.task.outputs.checkpoint);
+            return saved.inspect_err(|error| warn_once(&self.is_warned, error)).is_ok();
         }
         // It is not there when the rendering was short.
         let _ = fs::remove_file(&self.task.outputs.checkpoint);
-        Ok(())
+        false
     }
 
     fn write_images(&mut self) -> Result<(), Failure> {
@@ -284,7 +292,7 @@ impl<'a> Work<'a> {
         })
     }
 
-    fn print_summary(&self, cpu_seconds: Option<f64>, paths: u64) {
+    fn print_summary(&self, cpu_seconds: Option<f64>, paths: u64, is_kept: bool) {
         let seconds = self.session.seconds() - self.seconds_before;
         let PixelRect { width, height, .. } = self.session.view().region();
         let label = self.task.part.as_ref().map_or_else(String::new, |part| format!("{}: ", part.label));
@@ -306,9 +314,19 @@ impl<'a> Work<'a> {
         messages::line(&text);
         let files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
         messages::line(&format!("wrote {}", files.join(" and ")));
-        if self.task.part.is_none() && self.task.outputs.checkpoint.exists() {
+        if self.task.part.is_none() && is_kept {
             messages::line(&format!("kept {}", self.task.outputs.checkpoint.display()));
         }
+    }
+}
+
+/// Says, if it has not been said, that a rendering cannot be saved for a later run.
+fn warn_once(is_warned: &AtomicBool, error: &OutputError) {
+    if !is_warned.swap(true, Ordering::Relaxed) {
+        let message = error.located_message();
+        messages::print_warning(&format!(
+            "{message}; the rendering goes on, but --resume could not go on from here"
+        ));
     }
 }
 
@@ -321,8 +339,10 @@ fn is_to_resume(task: &Task<'_>) -> bool {
             messages::line(&format!("there is no {} yet: starting anew", path.display()));
         }
         (false, true) => {
-            let message =
-                format!("{} is there and will be replaced: --resume would go on from it", path.display());
+            let message = format!(
+                "the unfinished rendering {} will be replaced; --resume goes on from one of the same scene and settings",
+                path.display()
+            );
             messages::print_note(&message);
         }
         (_, false) => {}

@@ -14,5 +14,6 @@ mod points;
 mod reference;
 mod render;
 mod side_by_side;
+mod stopped;
 mod tables;
 mod tev;

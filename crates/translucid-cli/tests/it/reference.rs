@@ -230,7 +230,7 @@ fn interrupted_walk_keeps_what_it_has() {
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
     // What was found so far is printed, and is what the file says
     let printed = String::from_utf8(output.stdout).unwrap();

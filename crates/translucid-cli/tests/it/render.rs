@@ -155,7 +155,7 @@ fn interrupt_keeps_the_picture_and_the_way_on() {
     std::thread::sleep(Duration::from_millis(1500));
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
     assert_eq!(files(&directory), ["ball.toml", "long.exr", "long.exr.checkpoint", "long.png"]);
     assert!(!exr_values(&directory.join("long.exr")).is_empty());

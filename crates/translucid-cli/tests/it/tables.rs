@@ -291,7 +291,7 @@ fn interrupted_table_leaves_no_file() {
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
     assert!(stderr(&output).contains("radii.csv was not written"), "{}", stderr(&output));
     assert!(crate::common::files(directory.path()).is_empty());
 }

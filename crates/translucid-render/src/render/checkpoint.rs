@@ -70,6 +70,11 @@ pub fn save_checkpoint(path: &Path, film: &FilmSums, info: &CheckpointInfo) -> R
     })
 }
 
+/// Whether a file is a checkpoint, of whatever rendering.
+pub fn is_checkpoint(path: &Path) -> bool {
+    FORMAT.is_at(path)
+}
+
 /// Reads a checkpoint back, if it belongs to the scene and settings with this fingerprint.
 ///
 /// # Errors

@@ -11,7 +11,7 @@ mod pixel_blocks;
 mod prepared;
 mod view;
 
-pub use checkpoint::{CheckpointInfo, load_checkpoint, save_checkpoint};
+pub use checkpoint::{CheckpointInfo, is_checkpoint, load_checkpoint, save_checkpoint};
 pub use film::{FilmSums, TILE_SIZE, TileSums};
 pub use live_film::{FilmLayer, LiveFilm};
 pub use passes::{Goal, Outcome, Progress};

@@ -40,6 +40,8 @@ pub enum Event<'a> {
     Preview(Fraction, &'a FilmSums),
     /// The film was saved for a later run.
     Checkpoint(&'a Path),
+    /// The film could not be saved for a later run; the rendering goes on, and tries again after the same time.
+    Unsaved(&'a OutputError),
     /// All samples are there, and the picture is being denoised.
     Denoising,
 }
@@ -86,26 +88,6 @@ pub struct CheckpointPlan {
     /// Time between two savings: what a power cut may cost.
     pub interval: Duration,
 }
-
-/// Something that keeps a session from going on.
-#[derive(Debug)]
-pub enum SessionError {
-    /// The points would not fit.
-    Points(SceneError),
-    /// The film cannot be saved.
-    Checkpoint(OutputError),
-}
-
-impl std::fmt::Display for SessionError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Points(error) => error.fmt(f),
-            Self::Checkpoint(error) => error.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for SessionError {}
 
 /// A prepared scene, a view of it and its film.
 pub struct Session {
@@ -202,19 +184,19 @@ impl Session {
     /// A stopped session goes on where it was, with the bits of one that was not stopped.
     ///
     /// # Errors
-    /// Points do not fit into memory, or a checkpoint cannot be written.
+    /// Points do not fit into memory.
     pub fn run(
         &mut self,
         plan: &Plan,
         observer: &Observer<'_>,
         stop: &AtomicBool,
-    ) -> Result<Outcome, SessionError> {
+    ) -> Result<Outcome, SceneError> {
         if !self.make_points(plan, observer, stop)? {
             return Ok(Outcome::Interrupted);
         }
         let start = Instant::now();
         self.preview(plan, observer, stop);
-        let outcome = self.render_in_slices(plan, observer, stop, start)?;
+        let outcome = self.render_in_slices(plan, observer, stop, start);
         self.seconds += start.elapsed().as_secs_f64();
         self.denoise(plan, observer);
         Ok(outcome)
@@ -255,14 +237,14 @@ impl Session {
         plan: &Plan,
         observer: &Observer<'_>,
         stop: &AtomicBool,
-    ) -> Result<bool, SessionError> {
+    ) -> Result<bool, SceneError> {
         if !self.prepared.wants_points() {
             return Ok(true);
         }
         let allowed = u64::from(self.prepared.scene().integrator.point_memory) << 20;
         let report = |progress| observer(&Event::Points(progress));
         let points = self.prepared.make_points(allowed.min(plan.point_memory), &report, stop);
-        let Some(points) = points.map_err(SessionError::Points)? else { return Ok(false) };
+        let Some(points) = points? else { return Ok(false) };
         self.prepared.set_points(&points);
         Ok(true)
     }
@@ -290,7 +272,7 @@ impl Session {
         observer: &Observer<'_>,
         stop: &AtomicBool,
         start: Instant,
-    ) -> Result<Outcome, SessionError> {
+    ) -> Outcome {
         let mut interval = plan.checkpoint.as_ref().map(|checkpoint| checkpoint.interval);
         loop {
             let paths = self.film.sums().paths();
@@ -299,9 +281,9 @@ impl Session {
             let report = |progress| observer(&Event::Samples(progress));
             let outcome = self.prepared.render(&self.view, &self.film, goal, &report, stop);
             let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);
-            let Some(checkpoint) = &plan.checkpoint else { return Ok(outcome) };
+            let Some(checkpoint) = &plan.checkpoint else { return outcome };
             if outcome != Outcome::TimeUp || time_is_up || stop.load(Ordering::Relaxed) {
-                return Ok(outcome);
+                return outcome;
             }
             if self.film.sums().paths() == paths {
                 // Not even time for one tile: a longer slice will do.
@@ -309,8 +291,10 @@ impl Session {
                 continue;
             }
             let seconds = start.elapsed().as_secs_f64();
-            self.save_after(&checkpoint.path, seconds).map_err(SessionError::Checkpoint)?;
-            observer(&Event::Checkpoint(&checkpoint.path));
+            match self.save_after(&checkpoint.path, seconds) {
+                Ok(()) => observer(&Event::Checkpoint(&checkpoint.path)),
+                Err(error) => observer(&Event::Unsaved(&error)),
+            }
         }
     }
 }

@@ -5,14 +5,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
-use super::{Event, Plan, Session, SessionError};
+use translucid_scene::SceneError;
+
+use super::{Event, Plan, Session};
 use crate::render::{LiveFilm, Outcome};
 
 /// A session that runs in the background. Dropping it stops it.
 pub struct RunningSession {
     film: Arc<LiveFilm>,
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<(Session, Result<Outcome, SessionError>)>>,
+    thread: Option<JoinHandle<(Session, Result<Outcome, SceneError>)>>,
 }
 
 impl RunningSession {
@@ -43,13 +45,13 @@ impl RunningSession {
     }
 
     /// Ends the rendering within the time of a few paths and gives the session back, to be edited or to go on.
-    pub fn stop(self) -> (Session, Result<Outcome, SessionError>) {
+    pub fn stop(self) -> (Session, Result<Outcome, SceneError>) {
         self.stop.store(true, Ordering::Relaxed);
         self.wait()
     }
 
     /// Waits for the rendering to end.
-    pub fn wait(mut self) -> (Session, Result<Outcome, SessionError>) {
+    pub fn wait(mut self) -> (Session, Result<Outcome, SceneError>) {
         let Some(thread) = self.thread.take() else { unreachable!("only this takes the thread") };
         match thread.join() {
             Ok(ended) => ended,

@@ -105,7 +105,7 @@ fn observer_hears_of_points_previews_and_samples() {
                 assert!(progress.samples_done <= progress.samples_total);
                 String::from("samples")
             }
-            Event::Checkpoint(_) | Event::Denoising => String::from("other"),
+            Event::Checkpoint(_) | Event::Unsaved(_) | Event::Denoising => String::from("other"),
         };
         let mut heard = heard.lock().expect("no panic");
         if heard.last() != Some(&word) {

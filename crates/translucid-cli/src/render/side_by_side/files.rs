@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use translucid_image::check_writable;
 use translucid_scene::SubsurfaceModel;
 
-use super::super::outputs::Outputs;
+use super::super::outputs::{Outputs, spare_others_than_checkpoints};
 use crate::failure::Failure;
 use crate::files::{Directory, input_among, is_own, is_own_page, refusal};
 
@@ -54,6 +54,7 @@ pub(super) fn check<'a>(
     if let Some(path) = image.or_else(text) {
         return Err(refusal(path, "is there already, and is not a file of pictures side by side"));
     }
+    spare_others_than_checkpoints(kept.iter().map(PathBuf::as_path))?;
     match input_among(images.iter().chain(&texts).map(PathBuf::as_path), inputs) {
         Some(path) => Err(refusal(path, "is a file that the scene is read from, and would be written over")),
         None => Ok(()),

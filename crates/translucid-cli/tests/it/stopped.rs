@@ -1,0 +1,167 @@
+//! Signals of terminals and queues, disks that are full, and outputs that are somebody else's.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::common::{directory_with_ball, exr_values, files, run, stderr, stdout};
+
+/// A rendering that would take hours.
+const LONG: &str = "render ball.toml --spp 4000000 --threads 1 -o long.exr";
+
+/// Starts the command by a line of a shell, which ends in its words.
+fn start(directory: &Path, before: &str, words: &str) -> Child {
+    let mut command = Command::new("sh");
+    let program = env!("CARGO_BIN_EXE_translucid");
+    command.args(["-c", &format!("{before} {program} {words}")]).current_dir(directory);
+    command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
+}
+
+/// Sends a signal to a command once it renders, and waits for its end.
+fn signal(directory: &Path, child: Child, name: &str) -> Output {
+    // The lock is there before signals are caught, which is at once
+    wait_for(&directory.join(".long.png.lock"));
+    std::thread::sleep(Duration::from_millis(1500));
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+    child.wait_with_output().unwrap()
+}
+
+fn wait_for(path: &Path) {
+    let start = Instant::now();
+    while !path.exists() {
+        assert!(start.elapsed().as_secs() < 60, "{} does not come", path.display());
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn signals_that_end_jobs_keep_the_picture_and_have_their_exit_codes() {
+    for (name, code) in [("-INT", 130), ("-TERM", 143), ("-HUP", 129)] {
+        let (_keep, directory) = directory_with_ball();
+        // Who runs the tests may have told them to ignore SIGHUP
+        let child = start(&directory, "exec env --default-signal=HUP", LONG);
+        let output = signal(&directory, child, name);
+        assert_eq!(output.status.code(), Some(code), "{name}: {}", stderr(&output));
+        assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+        assert_eq!(files(&directory), ["ball.toml", "long.exr", "long.exr.checkpoint", "long.png"]);
+        assert!(!exr_values(&directory.join("long.exr")).is_empty());
+    }
+}
+
+#[test]
+fn nohup_goes_on_where_the_terminal_closes() {
+    let (_keep, directory) = directory_with_ball();
+    let words = "render ball.toml --spp 4000000 --time 4 --threads 1 -o long.exr";
+    let output = signal(&directory, start(&directory, "trap '' HUP; exec", words), "-HUP");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("interrupted"), "{}", stderr(&output));
+}
+
+/// The limit on the size of files stands for a disk that has room for the picture, but not for its sums.
+#[test]
+fn checkpoint_that_cannot_be_written_does_not_cost_the_picture() {
+    let (_keep, directory) = directory_with_ball();
+    // 2 s in which some hundred checkpoints are tried; blocks of 512 bytes or, of some shells, of 1024
+    let words = "render ball.toml --size 96x96 --spp 4000000 --time 2 --checkpoint 0.01 -o picture.png";
+    let output = start(&directory, "ulimit -f 200; exec", words).wait_with_output().unwrap();
+    let text = stderr(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}");
+    assert_eq!(text.matches("warning:").count(), 1, "{text}");
+    assert!(text.contains("picture.png.checkpoint: cannot write the file"), "{text}");
+    assert_eq!(files(&directory), ["ball.toml", "picture.png"]);
+    // It has what the time gave it
+    let samples = text.split(" samples per pixel").next().unwrap().lines().last().unwrap();
+    assert!(samples.parse::<u32>().unwrap() > 1, "{text}");
+}
+
+/// The larger of two pictures does not fit: the other is written all the same.
+#[test]
+fn picture_that_fits_is_written_where_the_other_does_not() {
+    let (_keep, directory) = directory_with_ball();
+    let words = "render ball.toml -q --size 96x96 --spp 1 -o picture.exr";
+    let output = start(&directory, "ulimit -f 100; exec", words).wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("picture.exr: cannot write the file"), "{}", stderr(&output));
+    assert_eq!(files(&directory), ["ball.toml", "picture.png"]);
+}
+
+#[test]
+fn short_renderings_leave_no_checkpoint() {
+    let (_keep, directory) = directory_with_ball();
+    let output = run(&directory, "render ball.toml --spp 64 -o short.exr");
+    assert_eq!(output.status.code(), Some(0));
+    assert!(!stderr(&output).contains("checkpoint"), "{}", stderr(&output));
+    assert_eq!(files(&directory), ["ball.toml", "short.exr", "short.png"]);
+}
+
+#[test]
+fn file_that_is_no_checkpoint_is_not_replaced_by_one() {
+    let (_keep, directory) = directory_with_ball();
+    let foreign = directory.join("a.png.checkpoint");
+    fs::write(&foreign, "somebody's game").unwrap();
+    for words in ["render ball.toml -o a.png", "render ball.toml --resume -o a.png"] {
+        let output = run(&directory, words);
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
+        assert!(stderr(&output).contains("a.png.checkpoint"), "{}", stderr(&output));
+    }
+    assert_eq!(fs::read(&foreign).unwrap(), b"somebody's game");
+    assert_eq!(files(&directory), ["a.png.checkpoint", "ball.toml"]);
+    let words = "render ball.toml --spp 1 --subsurface dipole,none -o two";
+    fs::create_dir(directory.join("two")).unwrap();
+    fs::write(directory.join("two/none.half.checkpoint"), "x").unwrap();
+    let output = run(&directory, words);
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("none.half.checkpoint"), "{}", stderr(&output));
+}
+
+#[test]
+fn fit_replaces_files_of_earlier_fits_only() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    let rows: String = (1..40).map(|r| format!("{r},{}\n", (-0.3 * f64::from(r)).exp())).collect();
+    fs::write(directory.join("measured.csv"), format!("r,reflectance\n{rows}")).unwrap();
+    let words = "fit --table measured.csv -o fits";
+    stdout(directory, words);
+    stdout(directory, words);
+    let found = files(&directory.join("fits"));
+    assert_eq!(found, ["parameters.csv", "report.txt", "residuals.csv", "residuals.png", "residuals.svg"]);
+    for name in ["report.txt", "residuals.svg"] {
+        let other = directory.join("other");
+        fs::create_dir(&other).unwrap();
+        fs::write(other.join(name), "somebody's thesis").unwrap();
+        let output = run(directory, "fit --table measured.csv -o other");
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).contains(name), "{}", stderr(&output));
+        assert_eq!(fs::read(other.join(name)).unwrap(), b"somebody's thesis");
+        assert_eq!(files(&other), [name]);
+        fs::remove_dir_all(other).unwrap();
+    }
+}
+
+#[test]
+fn second_process_of_an_output_says_who_has_it() {
+    let (_keep, directory) = directory_with_ball();
+    for (long, second) in [
+        (LONG, "render ball.toml --spp 1 -o long.png"),
+        ("render ball.toml --spp 4000000 --subsurface dipole,none -o two", "compare -o two"),
+    ] {
+        let mut first = start(&directory, "exec", long);
+        let lock = if long == LONG { ".long.png.lock" } else { "two/.translucid.lock" };
+        wait_for(&directory.join(lock));
+        std::thread::sleep(Duration::from_millis(200));
+        let output = run(&directory, second);
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        let text = stderr(&output);
+        assert!(text.contains(&format!("process {} (translucid {long})", first.id())), "{text}");
+        // Killed, it keeps nothing
+        first.kill().unwrap();
+        first.wait().unwrap();
+        let mut text = String::new();
+        first.stderr.take().unwrap().read_to_string(&mut text).unwrap();
+    }
+    stdout(&directory, "render ball.toml -q --spp 1 -o long.png");
+    assert!(!directory.join(".long.png.lock").exists());
+}
