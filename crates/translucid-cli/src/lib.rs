@@ -93,6 +93,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     };
     command_line::set(words);
     interrupt::forget();
+    messages::speak_json(false);
     // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
     // fault. The message has then been printed by the panic itself.
     match std::panic::catch_unwind(|| run_verb(cli)) {

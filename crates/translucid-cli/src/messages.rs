@@ -1,9 +1,11 @@
-//! Messages on stderr, with the excerpt of the file that they are about.
+//! Messages on stderr, with the excerpt of the file that they are about; for programs as JSON, an object a line.
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
+use serde_json::{Value, json};
 use translucid_scene::{Place, Warning};
 
 use crate::failure::{Failure, FailureKind};
@@ -11,16 +13,38 @@ use crate::failure::{Failure, FailureKind};
 /// Excerpts of warnings that are printed before the rest is only counted.
 const WARNINGS_SHOWN: usize = 20;
 
+/// Whether a program reads the messages.
+static IS_JSON: AtomicBool = AtomicBool::new(false);
+
+/// From now on messages are JSON, or words.
+pub(crate) fn speak_json(is_json: bool) {
+    IS_JSON.store(is_json, Ordering::Relaxed);
+}
+
+/// Whether messages are JSON.
+pub(crate) fn is_json() -> bool {
+    IS_JSON.load(Ordering::Relaxed)
+}
+
+/// Prints an object with the name of an event, if a program reads the messages.
+pub(crate) fn event(name: &str, mut fields: Value) {
+    if is_json() {
+        fields["event"] = name.into();
+        // Nobody is left to be told when stderr is closed.
+        let _ = writeln!(io::stderr().lock(), "{fields}");
+    }
+}
+
 /// Prints why a verb failed and what to do about it.
 pub(crate) fn print_failure(failure: &Failure) {
-    let level = if failure.kind == FailureKind::Interrupted { Level::WARNING } else { Level::ERROR };
-    print(level, &failure.message, failure.place.as_ref(), failure.help.as_deref());
+    let weight = if failure.kind == FailureKind::Interrupted { Weight::Warning } else { Weight::Error };
+    print(weight, &failure.message, failure.place.as_ref(), failure.help.as_deref());
 }
 
 /// Prints what a loader repaired or left out, and how many such warnings there are.
 pub(crate) fn print_warnings(warnings: &[Warning]) {
     for warning in warnings.iter().take(WARNINGS_SHOWN) {
-        print(Level::WARNING, &warning.message, warning.place.as_ref(), None);
+        print(Weight::Warning, &warning.message, warning.place.as_ref(), None);
     }
     match warnings.len() {
         0 => {}
@@ -34,26 +58,46 @@ pub(crate) fn print_warnings(warnings: &[Warning]) {
 
 /// Prints what went wrong without ending the work.
 pub(crate) fn print_warning(message: &str) {
-    print(Level::WARNING, message, None, None);
+    print(Weight::Warning, message, None, None);
 }
 
 /// Prints something worth knowing that needs no action.
 pub(crate) fn print_note(message: &str) {
-    print(Level::NOTE, message, None, None);
+    print(Weight::Note, message, None, None);
 }
 
 /// Prints a plain line.
 pub(crate) fn line(text: &str) {
+    if is_json() {
+        return event("message", json!({ "text": text.trim() }));
+    }
     // Nobody is left to be told when stderr is closed.
     let _ = writeln!(io::stderr().lock(), "{text}");
 }
 
 /// Whether stderr shows colors and can be redrawn.
 pub(crate) fn is_interactive() -> bool {
-    io::stderr().is_terminal()
+    !is_json() && io::stderr().is_terminal()
 }
 
-fn print(level: Level<'_>, message: &str, place: Option<&Place>, help: Option<&str>) {
+/// Weight of a message, as the name of its event.
+#[derive(Clone, Copy)]
+enum Weight {
+    Error,
+    Warning,
+    Note,
+}
+
+fn print(weight: Weight, message: &str, place: Option<&Place>, help: Option<&str>) {
+    let (name, level) = match weight {
+        Weight::Error => ("error", Level::ERROR),
+        Weight::Warning => ("warning", Level::WARNING),
+        Weight::Note => ("note", Level::NOTE),
+    };
+    if is_json() {
+        let place = place.map(ToString::to_string);
+        return event(name, json!({ "text": message, "place": place, "help": help }));
+    }
     let colored = is_interactive() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let renderer = if colored { Renderer::styled() } else { Renderer::plain() };
     line(&format(&renderer, level, message, place, help));

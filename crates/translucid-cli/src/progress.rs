@@ -1,14 +1,19 @@
-//! Progress of long work on stderr: a bar on a terminal, a line now and then elsewhere.
+//! Progress of long work on stderr: a bar on a terminal, JSON for programs, a line now and then elsewhere.
 
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde_json::{Value, json};
 
 use crate::messages;
 
-/// Time between two lines where there is no terminal.
+/// Least time between two lines where there is no terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Least time between two lines in parts of the time passed: an hour has 27 of them.
+const LINE_SHARE: u32 = 4;
+/// Time between two objects for a program.
+const EVENT_INTERVAL: Duration = Duration::from_millis(500);
 /// Steps of the bar.
 const STEPS: u64 = 1000;
 
@@ -25,6 +30,18 @@ pub(crate) enum Unit {
     Parts,
 }
 
+impl Unit {
+    /// The unit's name for programs.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Samples => "samples",
+            Self::Photons => "photons",
+            Self::Albedos => "albedos",
+            Self::Parts => "parts",
+        }
+    }
+}
+
 /// Shows how far a piece of work is.
 pub(crate) struct Meter {
     unit: Unit,
@@ -33,8 +50,8 @@ pub(crate) struct Meter {
     done_before: u64,
     /// When the time is up, if it is limited.
     deadline: Option<Instant>,
-    /// Name of the piece of work, with a colon; empty where there is one only.
-    name: String,
+    /// Name of the piece of work, where there are several.
+    name: Option<String>,
     display: Display,
 }
 
@@ -42,12 +59,15 @@ enum Display {
     Quiet,
     Bar(ProgressBar),
     Lines { next: Mutex<Instant> },
+    Events { next: Mutex<Instant> },
 }
 
 impl Meter {
     /// A meter that draws a bar on a terminal and prints lines elsewhere.
     pub(crate) fn new(unit: Unit) -> Self {
-        let display = if messages::is_interactive() {
+        let display = if messages::is_json() {
+            Display::Events { next: Mutex::new(Instant::now()) }
+        } else if messages::is_interactive() {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{bar:32} {percent:>3} % {msg}");
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -55,7 +75,7 @@ impl Meter {
         } else {
             Display::Lines { next: Mutex::new(Instant::now() + LINE_INTERVAL) }
         };
-        Self { unit, start: Instant::now(), done_before: 0, deadline: None, name: String::new(), display }
+        Self { unit, start: Instant::now(), done_before: 0, deadline: None, name: None, display }
     }
 
     /// The meter, showing nothing if that is asked for.
@@ -70,7 +90,7 @@ impl Meter {
 
     /// The meter with the name of what is being worked at before everything it shows.
     pub(crate) fn named(self, name: &str) -> Self {
-        Self { name: format!("{name}: "), ..self }
+        Self { name: Some(name.to_owned()), ..self }
     }
 
     /// Shows that `done` of `total` units are done. Any thread may call it at any time.
@@ -80,20 +100,44 @@ impl Meter {
             Display::Bar(bar) => {
                 let state = self.state(done, total);
                 bar.set_position((state.fraction * STEPS as f64) as u64);
-                bar.set_message(format!("{}{}", self.name, state.text(self.unit)));
+                bar.set_message(format!("{}{}", self.title(), state.text(self.unit)));
             }
             Display::Lines { next } => {
-                // Another thread that is printing has just said the same.
-                let Ok(mut next) = next.try_lock() else { return };
-                let now = Instant::now();
-                if now >= *next {
-                    *next = now + LINE_INTERVAL;
+                let interval = line_interval(self.start.elapsed());
+                if is_time(next, interval) {
                     let state = self.state(done, total);
-                    let (name, percent) = (&self.name, 100.0 * state.fraction);
-                    messages::line(&format!("{name}{percent:3.0} % {}", state.text(self.unit)));
+                    let (title, percent) = (self.title(), 100.0 * state.fraction);
+                    messages::line(&format!("{title}{percent:3.0} % {}", state.text(self.unit)));
+                }
+            }
+            Display::Events { next } => {
+                if is_time(next, EVENT_INTERVAL) {
+                    messages::event("progress", self.fields(done, total));
                 }
             }
         }
+    }
+
+    /// The state for a program.
+    fn fields(&self, done: u64, total: u64) -> Value {
+        let state = self.state(done, total);
+        let mut fields = json!({
+            "unit": self.unit.name(),
+            "done": done,
+            "total": total,
+            "fraction": state.fraction,
+            "seconds": state.elapsed,
+            "seconds_left": state.left,
+        });
+        if let Some(name) = &self.name {
+            fields["label"] = name.as_str().into();
+        }
+        fields
+    }
+
+    /// The name before everything that is shown.
+    fn title(&self) -> String {
+        self.name.as_ref().map_or_else(String::new, |name| format!("{name}: "))
     }
 
     /// Does something that prints without the bar in its way.
@@ -125,6 +169,23 @@ impl Meter {
         };
         State { fraction: fraction.clamp(0.0, 1.0), rate, elapsed, left: by_samples.min(by_time) }
     }
+}
+
+/// Whether something is to be shown; if so, the next time is later by the interval.
+fn is_time(next: &Mutex<Instant>, interval: Duration) -> bool {
+    // Another thread that is printing has just said the same.
+    let Ok(mut next) = next.try_lock() else { return false };
+    let now = Instant::now();
+    let is_time = now >= *next;
+    if is_time {
+        *next = now + interval;
+    }
+    is_time
+}
+
+/// Time from one line to the next, some time after the start.
+fn line_interval(elapsed: Duration) -> Duration {
+    LINE_INTERVAL.max(elapsed / LINE_SHARE)
 }
 
 /// State of the work, as it is shown.
@@ -178,6 +239,19 @@ mod tests {
             (f64::NAN, "many hours"),
         ] {
             assert_eq!(duration(seconds), text);
+        }
+    }
+
+    #[test]
+    fn lines_come_soon_and_then_ever_more_rarely() {
+        // Lines of work that takes a minute, five, and an hour
+        for (minutes, expected) in [(1, 8), (5, 16), (60, 27)] {
+            let (mut time, mut lines) = (LINE_INTERVAL, 0);
+            while time < Duration::from_secs(60 * minutes) {
+                lines += 1;
+                time += line_interval(time);
+            }
+            assert_eq!(lines, expected, "{minutes} minutes");
         }
     }
 

@@ -4,8 +4,12 @@ mod outputs;
 mod picture;
 mod points;
 mod presets;
+mod preview;
+mod showing;
 mod side_by_side;
+mod statistics;
 mod tev;
+mod watch;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -26,6 +30,7 @@ use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
 use tev::Tev;
+use watch::WatchArguments;
 
 /// Most samples per pixel, as the scene's settings have it.
 pub(crate) const MAX_SAMPLES: u32 = 1 << 24;
@@ -59,13 +64,14 @@ Examples:
   translucid render scene.toml --mesh head=head.obj --size 512x512 --spp 256
   translucid render scene.toml --time 60
   translucid render scene.toml --tev
+  translucid render scene.toml --preview so-far.png --stats statistics.json
   translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
   translucid render scene.toml --subsurface-method point-based --points scene.points
   translucid render --preset list";
 
 /// Renders a scene file or a mesh; without one the built-in still life
 #[derive(Args, Debug, Default)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = format!("{EXAMPLES}\n\n{}", watch::HELP))]
 pub(crate) struct Arguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)
     #[arg(value_name = "SCENE|MESH")]
@@ -130,6 +136,8 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
         default_missing_value = tev::DEFAULT_ADDRESS, value_parser = parse_address)]
     tev: Option<String>,
+    #[command(flatten)]
+    watch: WatchArguments,
     /// Denoise the picture at the end by Intel Open Image Denoise, which must be installed
     #[arg(long)]
     denoise: bool,
@@ -158,12 +166,14 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.preset.as_deref() == Some("list") {
         return print_presets();
     }
+    messages::speak_json(arguments.watch.json_progress);
     let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
         for (given, option) in [
             (arguments.region.is_some(), "--region"),
             (arguments.points.is_some(), "--points"),
             (arguments.denoise, "--denoise"),
+            (arguments.watch.stats.is_some(), "--stats"),
         ] {
             if given {
                 let message = format!("{option} is not for comparisons, but --subsurface has several models");
@@ -182,6 +192,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     let outputs = outputs(arguments)?;
     outputs.check()?;
+    arguments.watch.check(outputs.files())?;
     let _lock = outputs.lock()?;
     if arguments.output.is_none() {
         outputs.spare_others()?;
@@ -192,6 +203,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
     outputs.spare(inputs(arguments, &scene))?;
+    arguments.watch.spare(inputs(arguments, &scene))?;
     points::check(&scene, arguments.points.as_deref())?;
     if arguments.verbose {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
@@ -206,7 +218,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         PixelRect::whole([scene.film.width, scene.film.height]),
         Session::BYTES_PER_PIXEL,
     )?;
-    picture::render(scene, &Task { arguments, outputs, denoiser, tev: tev.as_ref(), part: None }).map(drop)
+    let loading = start.elapsed();
+    picture::render(scene, &Task { arguments, outputs, denoiser, tev: tev.as_ref(), part: None, loading })
+        .map(drop)
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.

@@ -56,10 +56,15 @@ impl Outputs {
         self.exr.iter().map(PathBuf::as_path).chain([self.png.as_path()])
     }
 
+    /// All files.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        self.images().chain([self.checkpoint.as_path()])
+    }
+
     /// Finds out before the work whether its result can be written, and refuses to write over what is no checkpoint
     /// where one may come to be: nobody has named that file.
     pub(crate) fn check(&self) -> Result<(), OutputError> {
-        self.images().chain([self.checkpoint.as_path()]).try_for_each(check_writable)?;
+        self.files().try_for_each(check_writable)?;
         spare_others_than_checkpoints([self.checkpoint.as_path()])
     }
 
@@ -70,7 +75,7 @@ impl Outputs {
 
     /// Refuses to write over a file that the scene was read from, whatever paths both go by.
     pub(crate) fn spare<'a>(&self, inputs: impl Iterator<Item = &'a Path>) -> Result<(), OutputError> {
-        match input_among(self.images().chain([self.checkpoint.as_path()]), inputs) {
+        match input_among(self.files(), inputs) {
             Some(path) => {
                 let message = "is a file that the scene is read from, and would be written over";
                 Err(OutputError::new(path, message).with_help("name another picture with -o FILE"))
@@ -93,12 +98,17 @@ impl Outputs {
 
     /// Writes the images: the layers with a denoised picture beside them, and for a display that in their place.
     pub(crate) fn write(&self, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), Failure> {
-        let display = DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping };
+        let display = display_transform(settings);
         let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
         // A disk that has no room for the first may have it for the second
         let png = film.display_picture(info).save_png(&self.png, display);
         exr.and(png).map_err(Failure::late)
     }
+}
+
+/// How a picture with these settings is made ready for a display.
+pub(crate) fn display_transform(settings: &Film) -> DisplayTransform {
+    DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping }
 }
 
 /// Refuses files that are there and are no checkpoints.

@@ -12,9 +12,11 @@ use translucid_render::{
 };
 use translucid_scene::{Scene, SubsurfaceModel};
 
-use super::outputs::Outputs;
-use super::tev::{Showing, Tev};
-use super::{Arguments, points, scene_name};
+use super::outputs::{Outputs, display_transform};
+use super::showing::Showing;
+use super::statistics::{self, Statistics};
+use super::tev::Tev;
+use super::{Arguments, points, preview, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
 use crate::{command_line, interrupt, machine, messages};
@@ -31,6 +33,15 @@ pub(crate) struct Task<'a> {
     pub(crate) tev: Option<&'a Tev>,
     /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
+    /// Time that the scene took to load.
+    pub(crate) loading: Duration,
+}
+
+impl Task<'_> {
+    /// Whether anybody wants to know what it took.
+    fn wants_statistics(&self) -> bool {
+        self.arguments.watch.stats.is_some() || messages::is_json()
+    }
 }
 
 /// One of several renderings that belong together.
@@ -76,7 +87,7 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
         let view = prepared.view()?;
         let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
         let prepared = points::prepare(prepared, arguments.points.as_deref(), arguments.quiet)?;
-        Work::start(Session::new(prepared, view), task)?.finish()
+        Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
     })
 }
 
@@ -100,11 +111,13 @@ struct Work<'a> {
     seconds_before: f64,
     /// Whether it has been said that the rendering cannot be saved.
     is_warned: AtomicBool,
+    /// Time that the scene took to be prepared.
+    preparing: Duration,
 }
 
 impl<'a> Work<'a> {
     /// An empty film, or that of the checkpoint.
-    fn start(mut session: Session, task: &'a Task<'a>) -> Result<Self, Failure> {
+    fn start(mut session: Session, task: &'a Task<'a>, preparing: Duration) -> Result<Self, Failure> {
         if is_to_resume(task) {
             session.resume(&task.outputs.checkpoint)?;
             if !task.arguments.quiet {
@@ -113,7 +126,7 @@ impl<'a> Work<'a> {
         }
         let seconds_before = session.seconds();
         let is_warned = AtomicBool::new(false);
-        let mut work = Self { session, task, first_half: None, seconds_before, is_warned };
+        let mut work = Self { session, task, first_half: None, seconds_before, is_warned, preparing };
         work.first_half = work.load_first_half();
         Ok(work)
     }
@@ -126,8 +139,11 @@ impl<'a> Work<'a> {
     /// Number of samples after which the film is kept as its first half; none where there is no use for it.
     fn half(&self) -> Option<u32> {
         // Without a goal of its own, work that ends with the time has no middle
-        (self.task.part.is_some() && self.task.arguments.time.is_none() && self.goal() > 1)
-            .then_some(self.goal() / 2)
+        let task = self.task;
+        // A denoised picture would be denoised in its middle, too
+        let is_wanted =
+            task.part.is_some() || task.arguments.watch.stats.is_some() && task.denoiser.is_none();
+        (is_wanted && self.task.arguments.time.is_none() && self.goal() > 1).then_some(self.goal() / 2)
     }
 
     /// The first half that an earlier run has left, where this one begins beyond it.
@@ -150,17 +166,20 @@ impl<'a> Work<'a> {
         if let Some(part) = &self.task.part {
             meter = meter.named(&part.label);
         }
-        let showing = self.show()?;
+        let showings = self.show()?;
         let outcome = self.render_to_the_end(&meter, deadline);
         let cpu_seconds = cpu_before.zip(machine::cpu_seconds()).map(|(before, after)| after - before);
         meter.finish();
         let outcome = outcome?;
         let paths = self.session.film().sums().paths();
         self.require_paths(paths, outcome)?;
+        let start = Instant::now();
         self.write_images()?;
         let is_kept = self.settle_checkpoint(outcome);
-        if let Some(showing) = showing {
-            showing.finish();
+        let writing = start.elapsed();
+        showings.into_iter().for_each(Showing::finish);
+        if self.task.wants_statistics() {
+            self.write_statistics(outcome, [paths_before, paths], writing, cpu_seconds)?;
         }
         if !self.task.arguments.quiet {
             self.print_summary(cpu_seconds, paths - paths_before, is_kept);
@@ -182,14 +201,50 @@ impl<'a> Work<'a> {
         })
     }
 
-    /// Begins to show the film in a tev, if that is asked for, by the name of its file.
-    fn show(&self) -> Result<Option<Showing>, Failure> {
-        let Some(tev) = self.task.tev else { return Ok(None) };
+    /// Begins to show the film in a tev, by the name of its file, and in a preview, as far as they are asked for.
+    fn show(&self) -> Result<Vec<Showing>, Failure> {
         let (outputs, view) = (&self.task.outputs, self.session.view());
-        let name = outputs.exr.as_ref().unwrap_or(&outputs.png).to_string_lossy();
         let region = view.region();
         let place = view.place().unwrap_or((region, [region.width, region.height]));
-        tev.show(&name, self.session.film(), place).map(Some)
+        let mut showings = Vec::new();
+        if let Some(tev) = self.task.tev {
+            let name = outputs.exr.as_ref().unwrap_or(&outputs.png).to_string_lossy();
+            showings.push(tev.show(&name, self.session.film(), place)?);
+        }
+        if let Some(path) = &self.task.arguments.watch.preview {
+            let display = display_transform(&self.session.prepared().scene().film);
+            showings.push(preview::show(path, self.session.film(), place, display)?);
+        }
+        Ok(showings)
+    }
+
+    /// Writes what the rendering took, to the file and the program that ask for it.
+    fn write_statistics(
+        &self,
+        outcome: Outcome,
+        [paths_before, paths]: [u64; 2],
+        writing: Duration,
+        cpu_seconds: Option<f64>,
+    ) -> Result<(), Failure> {
+        let (film, scene) = (self.session.film(), self.session.prepared().scene());
+        let files = self.task.outputs.images().map(|path| path.display().to_string()).collect();
+        let statistics = Statistics {
+            scene_name: scene_name(self.task.arguments),
+            label: self.task.part.as_ref().map(|part| part.label.clone()),
+            files,
+            outcome,
+            threads: rayon::current_num_threads(),
+            loading: self.task.loading.as_secs_f64(),
+            preparing: self.preparing.as_secs_f64(),
+            rendering: self.session.seconds() - self.seconds_before,
+            rendering_before: self.seconds_before,
+            writing: writing.as_secs_f64(),
+            cpu_seconds,
+            samples_now: paths - paths_before,
+            first_half: self.first_half.as_ref(),
+        };
+        let statistics = statistics.json(scene, &film.sums());
+        statistics::write(self.task.arguments.watch.stats.as_deref(), statistics)
     }
 
     /// Refuses to write an empty picture, which must not take the place of one that may be there.
@@ -219,7 +274,7 @@ impl<'a> Work<'a> {
 
     /// Renders until the goal, by way of the first half where that is to be kept.
     fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
-        if let (Some(part), Some(half)) = (&self.task.part, self.half())
+        if let Some(half) = self.half()
             && self.session.film().sums().tiles.iter().all(|tile| tile.samples <= half)
         {
             let outcome = self.run(half, meter, deadline)?;
@@ -227,8 +282,10 @@ impl<'a> Work<'a> {
                 return Ok(outcome);
             }
             // Without it a later run has no estimate of the noise
-            let _ =
-                self.session.save(&part.first_half).inspect_err(|error| warn_once(&self.is_warned, error));
+            if let Some(part) = &self.task.part {
+                let saved = self.session.save(&part.first_half);
+                let _ = saved.inspect_err(|error| warn_once(&self.is_warned, error));
+            }
             self.first_half = Some(self.session.film().sums().clone());
         }
         self.run(self.goal(), meter, deadline)

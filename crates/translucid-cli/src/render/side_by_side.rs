@@ -5,13 +5,14 @@ mod report;
 
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
 
-use translucid_image::{PixelRect, display_from_linear};
-use translucid_laboratory::picture::{Picture, PicturePixel};
-use translucid_render::{FilmSums, Session, layer};
+use translucid_image::PixelRect;
+use translucid_render::Session;
 use translucid_scene::{Film, Scene, SubsurfaceModel};
 
 use super::picture::{self, Part, Rendering, Task};
+use super::statistics::compared;
 use super::tev::Tev;
 use super::{Arguments, inputs, scene, scene_name, stem};
 use crate::failure::Failure;
@@ -34,13 +35,17 @@ pub(super) fn run(arguments: &Arguments, models: &[SubsurfaceModel]) -> Result<(
     require_distinct(models)?;
     let judge = judge(models, arguments.against)?;
     let path = directory_path(arguments)?;
+    arguments.watch.check(std::iter::empty())?;
     let tev = arguments.connect_to_tev()?;
+    let start = Instant::now();
     let (first, warnings) = scene(arguments, models.first().copied())?;
+    let loading = start.elapsed();
     messages::print_warnings(&warnings);
     require_size(&first, models.len())?;
+    arguments.watch.spare(inputs(arguments, &first))?;
     Directory::fill(&path, |directory| {
         files::check(directory, models, inputs(arguments, &first))?;
-        let entries = render_all(arguments, models, first, directory, tev.as_ref())?;
+        let entries = render_all(arguments, models, (first, loading), directory, tev.as_ref())?;
         write(arguments, directory, entries, judge)
     })
 }
@@ -106,7 +111,7 @@ fn require_size(scene: &Scene, models: usize) -> Result<(), Failure> {
 fn render_all(
     arguments: &Arguments,
     models: &[SubsurfaceModel],
-    first: Scene,
+    first: (Scene, Duration),
     directory: &Directory,
     tev: Option<&Tev>,
 ) -> Result<Vec<Entry>, Failure> {
@@ -116,10 +121,11 @@ fn render_all(
         if interrupt::STOP.load(Ordering::Relaxed) {
             return Err(Failure::interrupted("repeat the command with --resume to go on"));
         }
-        let scene = match loaded.take() {
-            Some(scene) => scene,
+        let start = Instant::now();
+        let (scene, loading) = match loaded.take() {
+            Some(first) => first,
             // Its warnings are those that the first has had
-            None => scene(arguments, Some(model))?.0,
+            None => (scene(arguments, Some(model))?.0, start.elapsed()),
         };
         let film = scene.film;
         let goal = scene.integrator.samples_per_pixel;
@@ -128,7 +134,7 @@ fn render_all(
             first_half: files::first_half(directory, model.name()),
         };
         let outputs = files::outputs(directory, model.name());
-        let task = Task { arguments, outputs, denoiser: None, tev, part: Some(part) };
+        let task = Task { arguments, outputs, denoiser: None, tev, part: Some(part), loading };
         entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
     }
     Ok(entries)
@@ -146,20 +152,6 @@ fn entry(model: SubsurfaceModel, rendering: &Rendering, settings: &Film, goal: u
         cpu_seconds: rendering.cpu_seconds,
         is_finished: rendering.is_finished,
     }
-}
-
-/// A film as a picture; its background is black.
-fn compared(film: &FilmSums, settings: &Film) -> Picture {
-    let exposure = settings.exposure.exp2();
-    let pixels = PixelRect::whole([film.width, film.height]).pixels().map(|(x, y)| {
-        let radiance = film.radiance(x, y).map(|value| value as f32);
-        PicturePixel {
-            radiance,
-            alpha: film.mean(x, y)[layer::ALPHA] as f32,
-            display: display_from_linear(settings.tone_mapping, radiance.map(|value| value * exposure)),
-        }
-    });
-    Picture::new(film.width as usize, film.height as usize, pixels)
 }
 
 /// Compares the pictures, writes what that gives, and takes away what was kept for an interruption.

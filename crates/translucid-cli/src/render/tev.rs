@@ -1,33 +1,25 @@
 //! `--tev`: the picture as it grows, in a running tev.
 //!
-//! A thread of its own looks at the film now and then and sends what has changed. The rendering waits for it nowhere:
-//! it reads the film a block at a time, looks the less often the longer that takes, and a tev that reads slowly gets
-//! fewer states of the picture.
+//! A thread of its own looks at the film now and then and sends what has changed, a block at a time. A tev that reads
+//! slowly gets fewer states of the picture.
 
 mod packet;
 
-use std::fs;
 use std::io::{self, Write};
 use std::net::{TcpStream, ToSocketAddrs};
-use std::sync::mpsc::{self, Receiver, RecvTimeoutError, Sender, TryRecvError};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 use translucid_image::PixelRect;
 use translucid_render::{LiveFilm, TILE_SIZE};
 
+use super::showing::{Screen, Showing};
 use crate::failure::Failure;
 use crate::messages;
 
 /// Where tev listens unless it is told otherwise.
 pub(crate) const DEFAULT_ADDRESS: &str = "127.0.0.1:14158";
 
-/// Least time between two states of a picture.
-const INTERVAL: Duration = Duration::from_millis(500);
-/// Least pause over the time of a processor that a state takes, of as many as there are threads, for all of them together to
-/// lose one percent.
-const PAUSES: u32 = 100;
 /// Edge of the blocks that a picture is sent in, as tev's own client has it.
 const BLOCK: u32 = 128;
 /// A tile of the film lies in one block.
@@ -70,24 +62,10 @@ impl Tev {
         film: Arc<LiveFilm>,
         (place, size): (PixelRect, [u32; 2]),
     ) -> Result<Showing, Failure> {
-        let (ended, end) = mpsc::channel();
-        let cost = Duration::ZERO;
-        let screen = Screen { tev: self.clone(), name: name.to_owned(), film, place, shown: 0, cost };
-        // On a pool's thread it is that pool's number
-        let threads = rayon::current_num_threads() as u32;
-        let show = move || screen.show(size, threads, &end);
-        let thread = thread::Builder::new().name(String::from("tev")).spawn(show);
-        let failure = |error| Failure::work(format!("--tev: no thread can be started: {error}"));
-        Ok(Showing { ended, thread: thread.map_err(failure)? })
+        let screen = TevScreen { tev: self.clone(), name: name.to_owned(), film, place, size, shown: 0 };
+        Showing::start(screen)
+            .map_err(|error| Failure::work(format!("--tev: no thread can be started: {error}")))
     }
-}
-
-/// Time that this thread has had a processor; all time since its beginning where the system does not say, which counts
-/// waiting for tev, too.
-fn computed(began: Instant) -> Duration {
-    let account = fs::read_to_string("/proc/thread-self/schedstat").ok();
-    let nanoseconds = account.and_then(|text| text.split_whitespace().next()?.parse().ok());
-    nanoseconds.map_or_else(|| began.elapsed(), Duration::from_nanos)
 }
 
 fn connect(address: &str) -> io::Result<TcpStream> {
@@ -104,62 +82,38 @@ fn connect(address: &str) -> io::Result<TcpStream> {
     Err(failure)
 }
 
-/// A film that is being shown.
-pub(crate) struct Showing {
-    ended: Sender<()>,
-    thread: JoinHandle<()>,
-}
-
-impl Showing {
-    /// Shows the last state of the film and waits until it is sent, but not for long.
-    pub(crate) fn finish(self) {
-        if self.ended.send(()).is_ok() {
-            // It has no more to say, even if it panicked
-            let _ = self.thread.join();
-        }
-    }
-}
-
-/// The thread that looks at a film and sends it.
-struct Screen {
+/// A picture in a tev.
+struct TevScreen {
     tev: Tev,
     name: String,
     film: Arc<LiveFilm>,
+    /// The film's place in the picture.
     place: PixelRect,
+    /// Width and height of the picture.
+    size: [u32; 2],
     /// The film's change that was shown last.
     shown: u64,
-    /// Time of a processor that showing the last state took.
-    cost: Duration,
 }
 
-impl Screen {
-    /// Makes a picture of this size and shows the film in it until the end comes.
-    fn show(mut self, size: [u32; 2], threads: u32, end: &Receiver<()>) {
-        let began = Instant::now();
+impl Screen for TevScreen {
+    const NAME: &'static str = "tev";
+    const INTERVAL: Duration = Duration::from_millis(500);
+
+    fn begin(&mut self) {
         self.send(&packet::close_image(&self.name), None);
-        self.send(&packet::create_image(&self.name, size), None);
-        loop {
-            let pause = (self.cost * PAUSES / threads.max(1)).max(INTERVAL);
-            match end.recv_timeout(pause) {
-                Err(RecvTimeoutError::Timeout) => {}
-                Ok(()) => break,
-                // The rendering has failed
-                Err(RecvTimeoutError::Disconnected) => return,
-            }
-            let before = computed(began);
-            let mut is_ended = false;
-            self.show_changes(None, || {
-                is_ended = end.try_recv() != Err(TryRecvError::Empty);
-                is_ended
-            });
-            if is_ended {
-                break;
-            }
-            self.cost = computed(began).saturating_sub(before);
-        }
-        self.show_changes(Instant::now().checked_add(LAST_LIMIT), || false);
+        self.send(&packet::create_image(&self.name, self.size), None);
     }
 
+    fn show(&mut self, is_to_stop: &mut dyn FnMut() -> bool) {
+        self.show_changes(None, is_to_stop);
+    }
+
+    fn finish(&mut self) {
+        self.show_changes(Instant::now().checked_add(LAST_LIMIT), || false);
+    }
+}
+
+impl TevScreen {
     /// Sends all blocks that have changed, unless it is to stop on the way.
     fn show_changes(&mut self, deadline: Option<Instant>, mut is_to_stop: impl FnMut() -> bool) {
         let change = self.film.changes();

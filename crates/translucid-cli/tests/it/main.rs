@@ -17,3 +17,4 @@ mod side_by_side;
 mod stopped;
 mod tables;
 mod tev;
+mod watch;

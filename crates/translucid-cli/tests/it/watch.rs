@@ -1,0 +1,149 @@
+//! A rendering that is followed: previews, progress and statistics.
+
+use std::fs::{self, File};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::Stdio;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::{directory_with_ball, files, run, stderr, stdout, translucid};
+
+/// Codes of a PNG, whole to its end.
+fn codes(path: &Path) -> Vec<u8> {
+    let mut reader = png::Decoder::new(BufReader::new(File::open(path).unwrap())).read_info().unwrap();
+    let mut codes = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut codes).unwrap();
+    reader.finish().unwrap();
+    codes
+}
+
+#[test]
+fn preview_grows_while_it_renders_and_is_the_picture_in_the_end() {
+    let (_keep, directory) = directory_with_ball();
+    let words =
+        "render ball.toml -q --spp 4000000 --time 7 --preview so-far.png --region 3,2,33,20 -o end.png";
+    let mut child = translucid(&directory).args(words.split_whitespace()).spawn().unwrap();
+    let preview = directory.join("so-far.png");
+    let mut states = Vec::new();
+    while child.try_wait().unwrap().is_none() {
+        // Whole at any moment
+        if preview.exists() {
+            let state = codes(&preview);
+            if states.last() != Some(&state) {
+                states.push(state);
+            }
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    assert!(child.wait().unwrap().success());
+    // Every 2 s of 7, and that is a picture of the region
+    assert!(states.len() >= 2, "{}", states.len());
+    assert_eq!(codes(&preview), codes(&directory.join("end.png")));
+    assert_eq!(codes(&preview).len() % (30 * 18), 0);
+    assert_eq!(files(&directory), ["ball.toml", "end.png", "end.png.checkpoint", "so-far.png"]);
+}
+
+#[test]
+fn files_of_followers_are_their_own() {
+    let (_keep, directory) = directory_with_ball();
+    for (options, named) in [
+        ("--preview so-far.jpg", "must end in .png"),
+        ("--preview a.png", "--preview is a.png, which is written as well"),
+        ("--stats a.exr.checkpoint", "--stats is a.exr.checkpoint, which is written as well"),
+        ("--preview b.png --stats b.png", "--stats is b.png, which is written as well"),
+        ("--stats ball.toml", "--stats is ball.toml, a file that the scene is read from"),
+        ("--preview missing/b.png", "missing"),
+        ("--stats s.json --subsurface dipole,none", "--stats is not for comparisons"),
+        ("--json-progress -q", "cannot be used with"),
+    ] {
+        let output = run(&directory, &format!("render ball.toml --spp 1 -o a.exr {options}"));
+        assert_eq!(output.status.code(), Some(2), "{options}: {}", stderr(&output));
+        assert!(stderr(&output).contains(named), "{options}: {}", stderr(&output));
+    }
+    assert_eq!(files(&directory), ["ball.toml"]);
+}
+
+#[test]
+fn programs_get_an_object_a_line() {
+    let (_keep, directory) = directory_with_ball();
+    let words = "render ball.toml --spp 4000000 --time 3 --json-progress -o a.png";
+    let mut command = translucid(&directory);
+    let mut child = command.args(words.split_whitespace()).stderr(Stdio::piped()).spawn().unwrap();
+    let start = Instant::now();
+    let mut first = None;
+    let mut events: Vec<Value> = Vec::new();
+    for line in BufReader::new(child.stderr.take().unwrap()).lines() {
+        let event: Value = serde_json::from_str(&line.unwrap()).unwrap();
+        if event["event"] == "progress" {
+            first.get_or_insert(start.elapsed());
+        }
+        events.push(event);
+    }
+    assert!(child.wait().unwrap().success());
+    let named =
+        |name: &str| -> Vec<&Value> { events.iter().filter(|event| event["event"] == name).collect() };
+    let progress = named("progress");
+    // Twice a second for 3 s, and not only in the end
+    assert!((3..=8).contains(&progress.len()) && first.unwrap().as_secs_f64() < 2.5, "{events:?}");
+    let number = |event: &Value, name: &str| event[name].as_f64().unwrap();
+    for pair in progress.windows(2) {
+        for name in ["done", "seconds", "fraction"] {
+            assert!(number(pair[0], name) <= number(pair[1], name), "{pair:?}");
+        }
+    }
+    let last = progress.last().unwrap();
+    assert!(number(last, "fraction") > 0.5 && number(last, "fraction") <= 1.0, "{last:?}");
+    assert!(last["unit"] == "samples" && number(last, "seconds_left") < 2.0, "{last:?}");
+    let statistics = named("statistics");
+    assert!(statistics.len() == 1 && statistics[0]["outcome"] == "time-up", "{statistics:?}");
+    assert!(!named("message").is_empty());
+
+    let output = run(&directory, "render missing.toml --json-progress");
+    assert_eq!(output.status.code(), Some(2));
+    let error: Value = serde_json::from_str(stderr(&output).trim()).unwrap();
+    assert_eq!(error["event"], "error");
+    assert!(
+        error["text"].is_string() && error["place"].as_str().unwrap().contains("missing.toml"),
+        "{error}"
+    );
+}
+
+#[test]
+fn statistics_are_those_of_the_rendering() {
+    let (_keep, directory) = directory_with_ball();
+    let read = |name: &str| -> Value {
+        serde_json::from_str(&fs::read_to_string(directory.join(name)).unwrap()).unwrap()
+    };
+    let render = |options: &str| stdout(&directory, &format!("render ball.toml -q {options}"));
+    render("--spp 16 --threads 2 --stats a.json -o a.png");
+    let a = read("a.json");
+    assert_eq!(a["samples"], 16 * 40 * 24);
+    assert_eq!([&a["width"], &a["height"], &a["samples_per_pixel"], &a["threads"]], [40, 24, 16, 2]);
+    assert!(a["outcome"] == "finished" && a["objects"] == 1 && a["files"] == serde_json::json!(["a.png"]));
+    assert!(a["command"].as_str().unwrap().starts_with("translucid render ball.toml"), "{a}");
+    for part in ["loading", "preparing", "rendering", "writing"] {
+        assert!(a["seconds"][part].as_f64().unwrap() > 0.0, "{part}");
+    }
+    assert_eq!(a["seconds"]["rendering_before"], 0.0);
+    // Bits do not depend on whether anybody follows
+    render("--spp 16 -o quiet.png");
+    assert_eq!(codes(&directory.join("a.png")), codes(&directory.join("quiet.png")));
+    // Sixteen times the samples have a sixteenth of the noise, as far as it can be told from 2880 values; samples that
+    // are spread evenly, and those that pixels share, leave between a fourth and a hundredth of it
+    render("--spp 256 --stats b.json -o b.png");
+    let noise = |statistics: &Value| statistics["relative_noise"].as_f64().unwrap();
+    let ratio = noise(&a) / noise(&read("b.json"));
+    assert!(noise(&a) > 0.0 && (4.0..100.0).contains(&ratio), "{ratio}");
+
+    // Of two runs
+    render("--spp 4 --resume -o c.png");
+    render("--spp 8 --resume --stats c.json -o c.png");
+    let c = read("c.json");
+    assert_eq!([&c["samples"], &c["samples_now"]], [8 * 960, 4 * 960]);
+    assert!(c["seconds"]["rendering_before"].as_f64().unwrap() > 0.0);
+    // Without a goal there is no half
+    render("--time 0.2 --stats d.json -o d.png");
+    assert!(read("d.json")["relative_noise"].is_null() && read("d.json")["outcome"] == "time-up");
+}
