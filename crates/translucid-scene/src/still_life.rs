@@ -4,7 +4,7 @@ use crate::{LoadOptions, Scene, SceneError, SceneFile};
 
 /// The built-in still life: a marble bust, fruit, milk in a glass, a candle and toys by a window.
 ///
-/// It is `scenes/still-life.toml`, made of built-in shapes; of the options `size` and
+/// It is `scenes/still-life.toml` of this crate, made of built-in shapes; of the options `size` and
 /// `subsurface_model` apply to it.
 ///
 /// # Errors

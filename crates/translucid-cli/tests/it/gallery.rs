@@ -9,10 +9,11 @@ fn root() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").canonicalize().unwrap()
 }
 
-/// The commands of the gallery that render a scene of `scenes/`.
+/// The commands of the gallery that render the still life or a scene of `scenes/`.
 fn commands() -> Vec<Vec<String>> {
     let page = fs::read_to_string(root().join("docs/guide/gallery.md")).unwrap();
-    let lines = page.lines().filter(|line| line.starts_with("translucid render scenes/"));
+    let scenes = ["translucid render scenes/", "translucid render --"];
+    let lines = page.lines().filter(|line| scenes.iter().any(|start| line.starts_with(start)));
     lines.map(|line| line.split_whitespace().skip(1).map(str::to_owned).collect()).collect()
 }
 
@@ -28,7 +29,7 @@ fn every_command_renders() {
         let directory = tempfile::tempdir().unwrap();
         let picture = directory.path().join("picture.png");
         let mut command = translucid(&root());
-        command.args(["render", &words[1]]);
+        command.arg("render").args(words[1..].iter().take_while(|word| !word.starts_with("--")));
         for (name, value) in words.iter().zip(words.iter().skip(1)) {
             match name.as_str() {
                 "--size" => command.args(["--size", "16x9"]),

@@ -183,7 +183,7 @@ impl SceneFile {
     /// # Errors
     /// None: it is valid.
     pub(crate) fn still_life() -> Result<Self, SceneError> {
-        let text = include_str!("../../../../../scenes/still-life.toml");
+        let text = include_str!("../../../scenes/still-life.toml");
         Self::parse(text, Path::new("scenes/still-life.toml"))
     }
 
