@@ -422,3 +422,32 @@ def test_loaded_scene_takes_more(tmp_path):
     assert scene.objects == ["ball", "box"]
     assert scene.size == (20, 10)
     assert picture(scene)["radiance"].shape == (16, 24, 3)
+
+
+def test_transforms_are_tables_or_matrices():
+    matrices = np.tile(np.eye(4), (80, 1, 1))
+    matrices[:, 0, 3] = np.arange(80) * 20
+    tables = [{"translate": [20 * i, 0, 0]} for i in range(80)]
+    pictures = []
+    for transforms in (matrices, tables):
+        scene = wax()
+        scene.add_mesh("body", TETRAHEDRON, FACES, material="wax", transforms=transforms)
+        assert scene.objects == [f"body[{i}]" for i in range(80)]
+        pictures.append(picture(scene))
+    assert same(*pictures)
+    scene = wax()
+    scene.add_object("ball", shape="sphere", material="wax", transforms=np.float32(matrices))
+    assert len(scene.objects) == 80
+
+
+def test_transforms_that_are_none_are_refused():
+    for transforms, words in [
+        (np.eye(4), r"transforms has the shape \[4, 4\], but an array of places must have \(n, 4, 4\)"),
+        (np.zeros((2, 4, 4)), r"last row is 0, 0, 0, 1"),
+        (np.full((1, 4, 4), np.nan), r"transforms\[0\].matrix\[0\] is nan"),
+        ([], r"transforms is empty, but must have at least one table"),
+        ([{"moved": 1}], r"transforms\[0\] has no key moved"),
+        (3, r"must be an array of tables"),
+    ]:
+        with pytest.raises(SceneError, match=words):
+            wax().add_object("ball", shape="sphere", transforms=transforms)

@@ -12,20 +12,25 @@ mod tev;
 mod watch;
 
 use std::ffi::OsStr;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::Session;
 use translucid_scene::{
-    LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning, load_scene, still_life,
+    LoadOptions, LoadProgress, LoadWatch, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning,
+    load_scene, still_life,
 };
 
 use crate::failure::Failure;
+use crate::interrupt::STOP;
 use crate::messages;
 use crate::model::{ModelName, UnitName};
+use crate::progress::{Meter, Unit as CountedIn};
 use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
@@ -37,6 +42,9 @@ pub(crate) const MAX_SAMPLES: u32 = 1 << 24;
 
 /// Time between two checkpoints where none is asked for.
 const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
+
+/// Time after which it is shown how far loading is.
+const SOON: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
 Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
@@ -228,14 +236,22 @@ pub(crate) fn scene(
     arguments: &Arguments,
     model: Option<SubsurfaceModel>,
 ) -> Result<(Scene, Vec<Warning>), Failure> {
-    let options = load_options(arguments, model);
+    let meter = Arc::new(OnceLock::new());
+    let options =
+        LoadOptions { watch: watch(arguments.quiet, Arc::clone(&meter)), ..load_options(arguments, model) };
     let mut warnings = Vec::new();
-    let mut scene = match &arguments.scene {
-        Some(path) => {
-            load_scene(path, &options, &mut warnings).inspect_err(|_| messages::print_warnings(&warnings))?
-        }
-        None => built_in(arguments, &options)?,
+    let loaded = match &arguments.scene {
+        Some(path) => load_scene(path, &options, &mut warnings).map_err(Failure::from),
+        None => built_in(arguments, &options),
     };
+    meter.get().into_iter().for_each(Meter::finish);
+    if loaded.is_err() {
+        if STOP.load(Ordering::Relaxed) {
+            return Err(Failure::interrupted("nothing was rendered yet"));
+        }
+        messages::print_warnings(&warnings);
+    }
+    let mut scene = loaded?;
     if let Some(seed) = arguments.seed {
         scene.integrator.seed = seed;
     }
@@ -274,7 +290,23 @@ fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOp
         mesh_overrides: arguments.mesh.clone(),
         size: arguments.size,
         subsurface_model: model,
+        watch: LoadWatch::default(),
     }
+}
+
+/// Shows on a meter how far loading is where it takes long, and ends it where Ctrl-C was pressed.
+fn watch(is_quiet: bool, meter: Arc<OnceLock<Meter>>) -> LoadWatch {
+    let start = Instant::now();
+    LoadWatch::new(move |LoadProgress { done, total }| {
+        if STOP.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
+        if start.elapsed() > SOON {
+            let new = || Meter::new(CountedIn::Parts).quiet(is_quiet).named("loading");
+            meter.get_or_init(new).update(done as u64, total as u64);
+        }
+        ControlFlow::Continue(())
+    })
 }
 
 /// The files that a picture of the scene must not replace.

@@ -12,8 +12,11 @@ use translucid_scene::{ColorSpace, Image, Piece, Pixels};
 use crate::arrays::{Any, Numbers, Rule};
 use crate::scene_error::{in_scene, scene_error, wrong};
 
-/// Most values of a list: sixteen are the longest that a key takes.
+/// Most values of a list: sixteen are the longest that a key takes, but for [`PLACES`].
 const LONGEST_LIST: usize = 64;
+
+/// The key of an object's places, of which there may be many: a list of tables, or an array of matrices.
+const PLACES: &str = "transforms";
 
 /// Lists and tables within each other that a value may have.
 const DEEPEST: usize = 8;
@@ -97,7 +100,7 @@ impl<'a> Keys<'a> {
 
     fn list(&mut self, name: &str, list: &Any<'_>, depth: usize, out: &mut String) -> PyResult<()> {
         let length = list.len()?;
-        if length > LONGEST_LIST {
+        if length > LONGEST_LIST && name != PLACES {
             let message =
                 format!("has {length} values, but may have {LONGEST_LIST}; an image must be an array");
             return Err(self.wrong(name, &message));
@@ -151,6 +154,7 @@ impl<'a> Keys<'a> {
                 }
                 self.value(name, &array.call_method0("tolist")?, depth + 1, out)
             }
+            _ if name == PLACES => self.matrices(&array, out),
             _ if name == "matrix" => self.value(name, &array.call_method0("ravel")?, depth + 1, out),
             _ => {
                 let image = quoted(&self.image(name, &array)?);
@@ -158,6 +162,28 @@ impl<'a> Keys<'a> {
                 Ok(())
             }
         }
+    }
+
+    /// Writes an array of matrices as places.
+    fn matrices(&self, array: &Any<'_>, out: &mut String) -> PyResult<()> {
+        let shape: Vec<usize> = array.getattr("shape")?.extract()?;
+        if shape.len() != 3 || shape[1..] != [4, 4] {
+            let message = format!("has the shape {shape:?}, but an array of places must have (n, 4, 4)");
+            return Err(self.wrong(PLACES, &message));
+        }
+        let numbers = Numbers::extract(PLACES, array)?;
+        out.push('[');
+        for (i, number) in numbers.iter().enumerate() {
+            *out += if i % 16 == 0 { "{matrix = [" } else { ", " };
+            // As Rust prints it, it comes back bit for bit; NaN is lower case in TOML
+            let number = format!("{number:?}");
+            *out += if number == "NaN" { "nan" } else { &number };
+            if i % 16 == 15 {
+                *out += "]}, ";
+            }
+        }
+        out.push(']');
+        Ok(())
     }
 
     /// Takes an image along; returns the name by which the key `file` knows it.

@@ -236,7 +236,8 @@ impl Scene {
     ///     Linear colors, used by materials whose color is ``'vertex'``.
     /// **keys
     ///     As in an ``[[object]]`` of a scene file: ``material`` (a name), ``translate``, ``rotate``, ``scale`` or
-    ///     ``matrix``, ``subsurface_group``.
+    ///     ``matrix``, ``subsurface_group``; ``transforms`` for many objects that share the mesh, a list of dictionaries
+    ///     with those keys or an array of matrices of shape (n, 4, 4).
     ///
     /// Raises
     /// ------
@@ -271,7 +272,7 @@ impl Scene {
     ///     Its name, which no other object has; by default that of the shape or file.
     /// **keys
     ///     As in an ``[[object]]`` of a scene file: ``shape`` and its parameters or ``file``, ``material``,
-    ///     ``translate`` …
+    ///     ``translate``, ``transforms`` …
     ///
     /// Raises
     /// ------

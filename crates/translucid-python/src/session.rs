@@ -360,7 +360,13 @@ impl Session {
             let index = index_of("object", name, names)?;
             let old = &scene.objects[index];
             let (name, material, subsurface_group) = (old.name.clone(), old.material, old.subsurface_group);
-            let object = translucid_scene::Object { name, mesh: mesh.into(), material, subsurface_group };
+            let object = translucid_scene::Object {
+                name,
+                mesh: mesh.into(),
+                material,
+                subsurface_group,
+                ..Default::default()
+            };
             session.edit(Edit::Object(index, Box::new(object))).map(drop)
         })
     }

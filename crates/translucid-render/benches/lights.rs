@@ -158,7 +158,13 @@ fn hall(lamps: usize) -> Scene {
 }
 
 fn object(mesh: Mesh, material: usize, subsurface_group: u32) -> Object {
-    Object { name: format!("object {subsurface_group}"), mesh: mesh.into(), material, subsurface_group }
+    Object {
+        name: format!("object {subsurface_group}"),
+        mesh: mesh.into(),
+        material,
+        subsurface_group,
+        ..Object::default()
+    }
 }
 
 fn add_quad(mesh: &mut Mesh, center: Vec3, x: Vec3, y: Vec3) {
@@ -290,7 +296,7 @@ fn calls(options: &Options) -> String {
             .map(|index| EmissiveTriangle {
                 vertices: shards.triangles[index].map(|corner| shards.positions[corner as usize]),
                 radiance: Vec3::splat(scene.materials[2].emission_luminance),
-                primitive: index as u32,
+                primitive: index as u64,
             })
             .collect();
         let bounds = (Vec3::new(-11.0, -11.0, 0.0), Vec3::new(11.0, 11.0, 4.0));

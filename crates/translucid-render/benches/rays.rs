@@ -108,7 +108,13 @@ impl Bench {
             return None;
         }
         let mesh = load_ply(&path, &mut Vec::new()).unwrap_or_else(|error| panic!("{error}"));
-        let object = Object { name: name.into(), mesh: mesh.into(), material: 0, subsurface_group: 0 };
+        let object = Object {
+            name: name.into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        };
         let start = Instant::now();
         let geometry = Geometry::new(std::slice::from_ref(&object));
         let build_seconds = start.elapsed().as_secs_f64();

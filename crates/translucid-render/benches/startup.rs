@@ -1,13 +1,15 @@
 //! Time from nothing to the first pixels, stage by stage.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench startup [-- still-life head dragon dragon-870k --runs 7 --shapes]
+//! cargo bench -p translucid-render --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
 //! ```
 //!
-//! For the built-in still life and, where `../shared/assets` is there, for the scenes of a head and of a dragon,
+//! For the built-in still life, a thousand spheres, a hundred busts and, where `../shared/assets` is there, for the scenes
+//! of a head and of a dragon,
 //! prints the wall time and the CPU time of loading, of preparing and of the first sample of each pixel at
 //! 96×54, on all processors, and what the tables of the materials alone take.
-//! Each figure is the least of `--runs` runs, which are in one process; `--shapes` adds each shape of the still life.
+//! Each figure is the least of `--runs` runs, which are in one process, whose most memory so far is that of a scene only
+//! where it is the first; `--shapes` adds each shape of the still life.
 //! A process's own start and the writing of the picture (a few milliseconds) are not in it.
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
@@ -22,20 +24,32 @@ use translucid_profile::Model;
 use translucid_render::measure::bsdf::MaterialTables;
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
-    LoadOptions, Scene, ShapeParameters, SubsurfaceModel, build_shape, load_scene, shape_names, still_life,
+    LoadOptions, Scene, SceneFile, ShapeParameters, SubsurfaceModel, build_shape, load_scene, shape_names,
+    still_life,
 };
 
-/// A scene by name: its file and the mesh that goes into it; neither for the still life.
+/// A scene by name.
 struct Case {
     name: &'static str,
-    files: Option<[&'static str; 2]>,
+    source: Source,
 }
 
-const CASES: [Case; 4] = [
-    Case { name: "still-life", files: None },
-    Case { name: "head", files: Some(["scenes/head.toml", "head/head_70k.ply"]) },
-    Case { name: "dragon", files: Some(["scenes/dragon.toml", "dragon/dragon_198k.ply"]) },
-    Case { name: "dragon-870k", files: Some(["scenes/dragon.toml", "dragon/dragon_870k.ply"]) },
+/// Where a scene comes from.
+enum Source {
+    StillLife,
+    /// A file, and the mesh that goes into it.
+    Files([&'static str; 2]),
+    /// So many of a shape, each an object of its own, so far apart.
+    Many(&'static str, u32, f32),
+}
+
+const CASES: [Case; 6] = [
+    Case { name: "still-life", source: Source::StillLife },
+    Case { name: "head", source: Source::Files(["scenes/head.toml", "head/head_70k.ply"]) },
+    Case { name: "dragon", source: Source::Files(["scenes/dragon.toml", "dragon/dragon_198k.ply"]) },
+    Case { name: "dragon-870k", source: Source::Files(["scenes/dragon.toml", "dragon/dragon_870k.ply"]) },
+    Case { name: "spheres", source: Source::Many("sphere", 1000, 3.0) },
+    Case { name: "busts", source: Source::Many("bust", 100, 40.0) },
 ];
 
 /// Wall and CPU seconds.
@@ -61,9 +75,9 @@ fn main() {
     let is_case = |argument: &String| CASES.iter().any(|case| case.name == argument);
     let any = arguments.iter().any(is_case);
     println!(
-        "| scene | triangles | load | prepare | first pixels | wall in all | CPU in all | tables of materials |"
+        "| scene | triangles | load | prepare | first pixels | wall in all | CPU in all | tables of materials | peak memory |"
     );
-    println!("|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|");
     for case in CASES.iter().filter(|case| !any || arguments.iter().any(|a| a == case.name)) {
         match options(case) {
             Some(options) => run(case, &options, runs),
@@ -84,10 +98,10 @@ fn options(case: &Case) -> Option<LoadOptions> {
     let profile = SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique);
     let mut options = LoadOptions {
         size: Some([96, 54]),
-        subsurface_model: case.files.is_none().then_some(profile),
+        subsurface_model: matches!(case.source, Source::StillLife).then_some(profile),
         ..LoadOptions::default()
     };
-    if let Some([_, mesh]) = case.files {
+    if let Source::Files([_, mesh]) = case.source {
         let mesh = root().join("../shared/assets").join(mesh);
         if !mesh.is_file() {
             return None;
@@ -98,11 +112,30 @@ fn options(case: &Case) -> Option<LoadOptions> {
 }
 
 fn load(case: &Case, options: &LoadOptions) -> Scene {
-    let scene = match case.files {
-        Some([file, _]) => load_scene(&root().join(file), options, &mut Vec::new()),
-        None => still_life(options),
+    let scene = match case.source {
+        Source::Files([file, _]) => load_scene(&root().join(file), options, &mut Vec::new()),
+        Source::StillLife => still_life(options),
+        Source::Many(shape, count, step) => {
+            let text = many(shape, count, step);
+            SceneFile::parse(&text, Path::new("many.toml"))
+                .and_then(|file| file.load(options, &mut Vec::new()))
+        }
     };
     scene.unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// A scene file of a square of equal shapes of marble, each turned otherwise.
+fn many(shape: &str, count: u32, step: f32) -> String {
+    let side = count.isqrt().max(1);
+    let object = |i: u32| {
+        let (x, z) = ((i % side) as f32 * step, (i / side) as f32 * step);
+        format!(
+            "[[object]]\nshape = \"{shape}\"\nmaterial = \"marble\"\ntranslate = [{x:?}, 0, {z:?}]\nrotate = [0, {}, 0]\n",
+            37 * i % 360
+        )
+    };
+    let material = "unit = \"cm\"\n[[material]]\nname = \"marble\"\npreset = \"marble\"\n";
+    format!("{material}{}", (0..count).map(object).collect::<String>())
 }
 
 fn run(case: &Case, options: &LoadOptions, runs: usize) {
@@ -127,14 +160,15 @@ fn run(case: &Case, options: &LoadOptions, runs: usize) {
         black_box(film);
     }
     println!(
-        "| {} | {triangles} | {} | {} | {} | {:.0} ms | {:.0} ms | {} |",
+        "| {} | {triangles} | {} | {} | {} | {:.0} ms | {:.0} ms | {} | {:.0} MB |",
         case.name,
         cell(loading),
         cell(preparing),
         cell(rendering),
         1e3 * all.wall,
         1e3 * all.cpu,
-        cell(tables)
+        cell(tables),
+        peak_memory() as f64 * 1e-6
     );
 }
 
@@ -148,6 +182,15 @@ fn cost_of_tables(scene: &Scene) -> Cost {
         }
     }
     between(start, now())
+}
+
+/// Most memory that the process has had, in bytes; 0 where the system does not tell.
+fn peak_memory() -> u64 {
+    let kilobytes = |text: String| -> Option<u64> {
+        let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        line.split_whitespace().next()?.parse().ok()
+    };
+    fs::read_to_string("/proc/self/status").ok().and_then(kilobytes).map_or(0, |kb| kb * 1024)
 }
 
 fn shapes(runs: usize) {

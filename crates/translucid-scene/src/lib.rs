@@ -1,7 +1,7 @@
 //! Scene description and loaders: files in, validated data out.
 //!
-//! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in
-//! world space, materials with OpenPBR names, images, lights.
+//! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in their
+//! places, materials with OpenPBR names, images, lights.
 //! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or from code.
 //! A scene from a file is valid, and one that is made in code if [`Scene::validate`] says so: every index is in range,
 //! every number finite and within its documented range, so a renderer needs no checks of its own.
@@ -24,6 +24,7 @@ mod light;
 mod load;
 mod material;
 mod mesh;
+mod object;
 mod preset;
 mod profile_table;
 mod scene;
@@ -40,18 +41,19 @@ pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
 pub use load::{
-    ExrChannels, ExtendedBase, LoadOptions, MeshFile, Piece, SceneBuilder, SceneFile, decode_image, load_exr,
-    load_gltf, load_image, load_obj, load_ply, load_profile_table, load_scene, load_stl, parse_gltf,
-    parse_obj, parse_ply, parse_profile_table, parse_stl,
+    ExrChannels, ExtendedBase, LoadOptions, LoadProgress, LoadWatch, MeshFile, Piece, SceneBuilder,
+    SceneFile, decode_image, load_exr, load_gltf, load_image, load_obj, load_ply, load_profile_table,
+    load_scene, load_stl, parse_gltf, parse_obj, parse_ply, parse_profile_table, parse_stl,
 };
 pub use material::{
     Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,
     SubsurfaceParameter, SubsurfaceTextureAt, WalkSurface, WordValue,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
+pub use object::Object;
 pub use preset::{Preset, preset, presets};
 pub use profile_table::{ProfileRow, ProfileTable};
-pub use scene::{Object, Scene, Unit};
+pub use scene::{Scene, Unit};
 pub use settings::{Film, FilterKind, Integrator, SubsurfaceMethod};
 pub use shapes::{
     FLAT_SHAPES, ShapeParameter, ShapeParameterKind, ShapeParameters, build_shape, shape_names,

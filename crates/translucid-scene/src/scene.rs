@@ -1,14 +1,20 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
+use std::collections::HashMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
 use crate::interval::check_index;
-use crate::{Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, ProfileTable, SceneError};
+use crate::{
+    Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, Object, ProfileTable, SceneError,
+};
 
-/// Most triangles of a scene: 3 GiB of indices.
+/// Most triangles of a scene, shared ones counted once: 3 GiB of indices.
 pub(crate) const MOST_TRIANGLES: usize = 1 << 28;
+
+/// Most objects of a scene: some 5 GiB.
+pub(crate) const MOST_OBJECTS: usize = 1 << 24;
 
 /// Length unit of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -45,22 +51,6 @@ impl Unit {
     pub fn name(self) -> &'static str {
         Self::WORDS[self as usize].0
     }
-}
-
-/// A mesh with its material, in world space.
-///
-/// Loaders bake transforms into vertices (mirrored ones flip the winding, so that the geometric normal
-/// still points out), and a mesh with several materials becomes several objects.
-#[derive(Clone, Debug, Default)]
-pub struct Object {
-    /// Name for messages and subsurface sets.
-    pub name: String,
-    /// Geometry in world space; scenes may share it.
-    pub mesh: Arc<Mesh>,
-    /// Index into [`Scene::materials`].
-    pub material: usize,
-    /// Group of objects that share subsurface scattering: light may enter one and leave another. Any number.
-    pub subsurface_group: u32,
 }
 
 /// Everything needed to make a picture.
@@ -138,28 +128,79 @@ impl Scene {
     /// Checks all objects, their meshes and the number of their triangles.
     ///
     /// # Errors
-    /// There are no objects, one of them is broken, or there are more than 2²⁸ triangles.
+    /// There are no objects, or more than 2²⁴, one of them is broken, or there are more than 2²⁸ triangles.
     pub fn validate_objects(&self) -> Result<(), SceneError> {
         if self.objects.is_empty() {
             return Err(SceneError::new("the scene has no objects, but must have at least one"));
         }
         self.validate_triangle_count()?;
-        first_error(self.objects.len(), |i| self.validate_object(i))
+        // A mesh is looked at once, however many objects share it
+        let mut first_uses = HashMap::new();
+        let mesh_of = |object: &Object| Arc::as_ptr(&object.mesh).addr();
+        for (index, object) in self.objects.iter().enumerate() {
+            first_uses.entry(mesh_of(object)).or_insert(index);
+        }
+        let is_first = |index: usize| first_uses[&mesh_of(&self.objects[index])] == index;
+        first_error(self.objects.len(), |i| if is_first(i) { self.validate_object(i) } else { Ok(()) })?;
+        if !self.objects.iter().any(Object::is_placed) {
+            return first_error(self.objects.len(), |i| {
+                self.check_object(i, |object| self.check_material(object))
+            });
+        }
+        let facts: HashMap<usize, _> = first_uses
+            .par_iter()
+            .map(|(&mesh, &index)| {
+                let first = &self.objects[index].mesh;
+                (mesh, (first.flattest(), first.bounds()))
+            })
+            .collect();
+        first_error(self.objects.len(), |i| {
+            self.check_object(i, |object| {
+                let (flattest, bounds) = facts[&mesh_of(object)];
+                self.check_material(object)?;
+                object.check_place(|| flattest, bounds)
+            })
+        })
     }
 
-    /// Checks the number of triangles of all objects, without looking at them.
+    /// Checks the numbers of objects and of triangles, without looking at them.
     ///
     /// # Errors
-    /// There are more than 2²⁸.
+    /// There are more than 2²⁴ objects, or more than 2²⁸ triangles: those of meshes [worth
+    /// sharing](Mesh::is_worth_sharing) count once, others, and those that emit light, for each object.
     pub fn validate_triangle_count(&self) -> Result<(), SceneError> {
-        let lengths = self.objects.iter().map(|object| object.mesh.triangles.len());
-        let count = lengths.fold(0_usize, usize::saturating_add);
-        if count <= MOST_TRIANGLES {
-            return Ok(());
+        let objects = self.objects.len();
+        if objects > MOST_OBJECTS {
+            return Err(SceneError::new(format!(
+                "the scene has {objects} objects, but at most {MOST_OBJECTS} are allowed"
+            )));
         }
-        Err(SceneError::new(format!(
-            "the scene has {count} triangles, but at most {MOST_TRIANGLES} are allowed"
-        )))
+        let mut uses: HashMap<usize, (&Mesh, usize)> = HashMap::new();
+        for object in &self.objects {
+            uses.entry(Arc::as_ptr(&object.mesh).addr()).or_insert((&object.mesh, 0)).1 += 1;
+        }
+        let of_mesh = |&(mesh, uses): &(&Mesh, usize)| {
+            let times = if mesh.is_worth_sharing(uses) { 1 } else { uses };
+            mesh.triangles.len().saturating_mul(times)
+        };
+        let count = uses.values().map(of_mesh).fold(0_usize, usize::saturating_add);
+        if count > MOST_TRIANGLES {
+            return Err(SceneError::new(format!(
+                "the scene has {count} triangles, but at most {MOST_TRIANGLES} are allowed"
+            )));
+        }
+        let emits = |object: &&Object| {
+            self.materials.get(object.material).is_some_and(|material| material.emission_luminance > 0.0)
+        };
+        let lamps = self.objects.iter().filter(emits).map(|object| object.mesh.triangles.len());
+        let count = lamps.fold(0_usize, usize::saturating_add);
+        if count > MOST_TRIANGLES {
+            return Err(SceneError::new(format!(
+                "the scene has {count} triangles that emit light, each placing of a mesh counted, but at most \
+                 {MOST_TRIANGLES} are allowed"
+            )));
+        }
+        Ok(())
     }
 
     /// Checks one object.
@@ -167,16 +208,23 @@ impl Scene {
     /// # Errors
     /// There is no such object, or it is broken.
     pub fn validate_object(&self, index: usize) -> Result<(), SceneError> {
-        check_one(
-            "object",
-            &self.objects,
-            index,
-            |object| &object.name,
-            |object| {
-                check_index("material", object.material, self.materials.len(), "materials")?;
-                object.mesh.validate()
-            },
-        )
+        self.check_object(index, |object| {
+            self.check_material(object)?;
+            object.mesh.validate()?;
+            object.check_place(|| object.mesh.flattest(), object.mesh.bounds())
+        })
+    }
+
+    fn check_object(
+        &self,
+        index: usize,
+        check: impl Fn(&Object) -> Result<(), SceneError>,
+    ) -> Result<(), SceneError> {
+        check_one("object", &self.objects, index, |object| &object.name, check)
+    }
+
+    fn check_material(&self, object: &Object) -> Result<(), SceneError> {
+        check_index("material", object.material, self.materials.len(), "materials")
     }
 
     /// Checks one material.

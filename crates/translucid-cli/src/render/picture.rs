@@ -74,10 +74,11 @@ pub(crate) struct Rendering {
 pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure> {
     let arguments = task.arguments;
     let pool = machine::threads(arguments.threads)?;
-    interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
     pool.install(|| {
         let start = Instant::now();
         let prepared = PreparedScene::new(scene)?;
+        // Until here there is nothing that Ctrl-C could lose
+        interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
         prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
         if arguments.verbose {
             let seconds = start.elapsed().as_secs_f64();

@@ -38,7 +38,13 @@ pub(crate) fn scene(mesh: Mesh, length: f32, size: u32) -> Scene {
         },
         film: Film { width: size, height: size, ..Film::default() },
         integrator: Integrator::default(),
-        objects: vec![Object { name: "wax".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }],
+        objects: vec![Object {
+            name: "wax".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        }],
         materials: vec![material],
         images: Vec::new(),
         profile_tables: Vec::new(),

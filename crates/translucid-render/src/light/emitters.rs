@@ -126,7 +126,7 @@ impl Emitters {
     }
 
     /// Number of the light that a primitive is, and the triangle.
-    pub(crate) fn of_primitive(&self, primitive: u32) -> Option<(usize, &EmissiveTriangle)> {
+    pub(crate) fn of_primitive(&self, primitive: u64) -> Option<(usize, &EmissiveTriangle)> {
         let found = self.triangles.binary_search_by_key(&primitive, |triangle| triangle.primitive);
         found.ok().map(|index| (self.sources.len() + index, &self.triangles[index]))
     }

@@ -55,7 +55,7 @@ pub struct LightSample {
     /// Whether no direction found otherwise can meet the light.
     pub is_delta: bool,
     /// The emissive triangle, if it is one: its `radiance` is the triangle's mean.
-    pub primitive: Option<u32>,
+    pub primitive: Option<u64>,
 }
 
 impl LightSample {
@@ -201,7 +201,7 @@ impl LightSet {
     /// triangle with unit normal `hit_normal`, selection included \[1/sr\]; 0 if it does not emit to there.
     pub fn triangle_pdf(
         &self,
-        primitive: u32,
+        primitive: u64,
         point: Vec3,
         normal: Vec3,
         hit: Vec3,

@@ -59,7 +59,7 @@ fn sphere(center: Vec3, radius: f32) -> Light {
 }
 
 fn triangle(primitive: u32, vertices: [Vec3; 3]) -> EmissiveTriangle {
-    EmissiveTriangle { vertices, radiance: RADIANCE, primitive }
+    EmissiveTriangle { vertices, radiance: RADIANCE, primitive: primitive.into() }
 }
 
 fn constant_sky() -> (SceneEnvironment, Vec<Arc<Image>>) {

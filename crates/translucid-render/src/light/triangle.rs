@@ -16,7 +16,7 @@ pub struct EmissiveTriangle {
     /// Emitted radiance, mean over the triangle.
     pub radiance: Vec3,
     /// Number that the renderer knows the triangle by.
-    pub primitive: u32,
+    pub primitive: u64,
 }
 
 /// Those that emit, by their primitive's number.

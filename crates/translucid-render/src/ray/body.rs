@@ -6,7 +6,9 @@ use translucid_scene::{Object, Scene};
 
 use super::clearance::Clearance;
 use super::facets::{Beyond, Crossing, Query};
-use super::geometry::{Geometry, Hit, SurfacePoint, offset_at};
+use super::geometry::{Geometry, SurfacePoint};
+use super::hit::{Hit, offset_at};
+use super::instances::Alone;
 use super::triangle::Ray;
 
 /// Surfaces between a point in the body and where it ends: meshes of a group that overlap, or that are doubled.
@@ -29,6 +31,8 @@ pub(crate) struct Body<'a> {
     geometry: &'a Geometry,
     clearance: Option<&'a Clearance>,
     group: u32,
+    /// The only object of the group, if it shares its mesh.
+    alone: Option<Alone<'a>>,
     /// 1, or −1 where the surface is seen from its back: the body is then in front of its surfaces.
     side: f32,
     /// Distance from surfaces at which a point is safely on one side \[L\].
@@ -60,8 +64,29 @@ impl Inside {
 impl<'a> Body<'a> {
     /// The body below a surface that is seen from its outside (`side` 1) or, in an open mesh, from its inside (−1).
     pub(crate) fn below(scene: &'a Scene, geometry: &'a Geometry, point: &SurfacePoint, side: f32) -> Self {
-        let clearance = geometry.clearance(&scene.objects, point.group);
-        Self { geometry, clearance, group: point.group, side, offset: point.offset }
+        let alone = geometry.alone(point.object);
+        let clearance = match alone {
+            Some(_) => None,
+            None => geometry.clearance(&scene.objects, point.group),
+        };
+        Self { geometry, clearance, group: point.group, alone, side, offset: point.offset }
+    }
+
+    /// Lower bound of the distance \[L\] from a point to the body's surfaces.
+    fn clear_around(&self, point: Vec3) -> f32 {
+        match (self.alone, self.clearance) {
+            (Some(alone), _) => alone.clearance(point, self.geometry.cells()),
+            (None, Some(clearance)) => clearance.at(point),
+            (None, None) => 0.0,
+        }
+    }
+
+    /// The nearest of the body's surfaces.
+    fn closest(&self, ray: &Ray) -> Option<Hit> {
+        match self.alone {
+            Some(alone) => alone.closest(ray),
+            None => self.geometry.closest_in_group(ray, self.group),
+        }
     }
 
     /// Where a direction into the body begins below a surface point, and the way from the point to there \[L\]; `None` if
@@ -77,7 +102,7 @@ impl<'a> Body<'a> {
 
     /// Whether a flight is known to end inside, whatever its direction: without a ray.
     pub(crate) fn surely_holds(&self, from: Inside, length: f32) -> bool {
-        self.clearance.is_some_and(|clearance| length + self.offset <= clearance.at(from.position))
+        length + self.offset <= self.clear_around(from.position)
     }
 
     /// Follows a flight from a point inside.
@@ -93,7 +118,7 @@ impl<'a> Body<'a> {
         for _ in 0..MOST_SURFACES {
             let start = from.position + direction * done;
             let ray = Ray::segment(start, direction, length - done + self.offset);
-            let Some(hit) = self.geometry.closest_in_group(&ray, self.group) else { break };
+            let Some(hit) = self.closest(&ray) else { break };
             let distance = done + hit.t;
             let leaves = direction.dot(self.geometry.normal(&hit)) * self.side > 0.0;
             if leaves && nesting <= 1 {
@@ -127,7 +152,7 @@ impl<'a> Body<'a> {
         let mut done = distance + self.offset;
         for _ in 0..MOST_SURFACES {
             let ray = Ray::segment(from.position + direction * done, direction, length - done);
-            let hit = if done < length { self.geometry.closest_in_group(&ray, self.group) } else { None };
+            let hit = if done < length { self.closest(&ray) } else { None };
             let Some(hit) = hit else {
                 return (nesting > 0 && position.is_finite()).then_some(Inside { position, nesting });
             };
@@ -145,12 +170,15 @@ impl<'a> Body<'a> {
     /// end, and 0 inside.
     pub(crate) fn connects(&self, from: Inside, to: Vec3, normal: Vec3) -> bool {
         let (direction, length) = (to - from.position).normalize_and_length();
-        let is_clear = |clearance: &Clearance| length <= clearance.at(from.position) + clearance.at(to);
         // Collisions lie that much before the body's end. The place of the end itself is no more exact, which along a ray that
         // grazes it is a long way
-        let offset = self.offset.max(offset_at(to.abs().max_element()));
+        let of_end = match self.alone {
+            Some(alone) => alone.offset_at(to),
+            None => offset_at(to.abs().max_element()),
+        };
+        let offset = self.offset.max(of_end);
         let cosine = if normal == Vec3::ZERO { 1.0 } else { direction.dot(normal).max(f32::EPSILON) };
-        self.clearance.is_some_and(is_clear)
+        length <= self.clear_around(from.position) + self.clear_around(to)
             || matches!(self.fly(from, direction, length - offset / cosine), FlightEnd::Inside(_))
     }
 
@@ -168,8 +196,13 @@ impl<'a> Body<'a> {
             return;
         }
         let query = Query { from: from.position, beyond, reach, eta, side: self.side };
-        if let Some(facets) = self.geometry.facets(objects, self.group) {
-            facets.crossings(&query, found);
+        match self.alone.filter(Alone::keeps_angles) {
+            Some(alone) => alone.crossings(&query, found),
+            None => {
+                if let Some(facets) = self.geometry.facets(objects, self.group) {
+                    facets.crossings(&query, found);
+                }
+            }
         }
     }
 
@@ -248,7 +281,13 @@ mod tests {
                 build_shape("box", &ShapeParameters::new().with("edge_radius", 0.0)).expect("a box");
             let size = Vec3::new(0.5 * (x.end - x.start), half, half);
             mesh.positions.iter_mut().for_each(|p| *p = *p * size + Vec3::X * (0.5 * (x.start + x.end)));
-            Object { name: "box".into(), mesh: mesh.into(), material: 0, subsurface_group: 7 }
+            Object {
+                name: "box".into(),
+                mesh: mesh.into(),
+                material: 0,
+                subsurface_group: 7,
+                ..Object::default()
+            }
         });
         let geometry = Geometry::new(&objects);
         let clearances = [None, geometry.clearance(&objects, 7)];
@@ -273,7 +312,8 @@ mod tests {
             }
             let ways = union(&ways);
             for clearance in clearances {
-                let body = Body { geometry: &geometry, clearance, group: 7, side: 1.0, offset: 3e-6 };
+                let body =
+                    Body { geometry: &geometry, clearance, group: 7, alone: None, side: 1.0, offset: 3e-6 };
                 let first = ways.iter().find(|way| way.contains(&0.0)).expect("it is inside").end;
                 let is_seen = first > f64::from(length);
                 let is_inside = nesting(target) > 0;
@@ -327,7 +367,8 @@ mod tests {
             let objects = [Object { mesh: mesh.into(), ..Object::default() }];
             let geometry = Geometry::new(&objects);
             let offset = offset_at(largest);
-            let body = Body { geometry: &geometry, clearance: None, group: 0, side: 1.0, offset };
+            let body =
+                Body { geometry: &geometry, clearance: None, group: 0, alone: None, side: 1.0, offset };
             let mut hidden = 0;
             for i in 0..20_000 {
                 let random = |salt: u32| 2.0 * sobol_burley::sample(i, salt, 5) - 1.0;

@@ -1,4 +1,4 @@
-//! All triangles of a scene in one hierarchy, with the queries of a path tracer.
+//! All triangles of a scene in one hierarchy, but for those of meshes that objects share, with the queries of a path tracer.
 //!
 //! The rest of the renderer knows only the queries below, so that another hierarchy can take the place of
 //! the one at hand.
@@ -6,25 +6,17 @@
 use glam::{Vec2, Vec3};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
-use translucid_scene::{Object, Scene};
+use translucid_scene::{Mesh, Object, Scene};
 
 use super::clearance::Clearance;
 use super::facets::Facets;
-use super::groups::Groups;
+use super::groups::{CELLS, Groups};
+use super::hit::{Hit, offset_at};
+use super::instances::{Alone, InstanceBlock, Instances, NONE, Sharing};
 use super::primitive::{Primitive, PrimitiveSource};
+use super::triangle::TriangleBlock;
 use super::wide_tree::WideTree;
 use crate::ray::Ray;
-
-/// A point where a ray meets a triangle.
-#[derive(Clone, Copy, Debug)]
-pub struct Hit {
-    /// Distance along the ray \[L\].
-    pub t: f32,
-    /// Barycentric coordinates of the triangle's vertices 1 and 2.
-    pub barycentric: [f32; 2],
-    /// The triangle's number in the tree.
-    pub(crate) leaf: u32,
-}
 
 /// A point on a surface, as the renderer knows it.
 #[derive(Clone, Copy, Debug)]
@@ -63,55 +55,119 @@ impl SurfacePoint {
 ///     triangles: vec![[0, 1, 2]],
 ///     ..Mesh::default()
 /// };
-/// let objects = [Object { name: "triangle".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }];
+/// let objects = [Object { name: "triangle".into(), mesh: mesh.into(), material: 0, subsurface_group: 0, ..Object::default() }];
 /// let geometry = Geometry::new(&objects);
 /// let hit = geometry.closest(&Ray::new(Vec3::new(0.2, 0.2, 5.0), Vec3::NEG_Z)).unwrap();
 /// assert!((hit.t - 5.0).abs() < 1e-5);
 /// ```
 pub struct Geometry {
     tree: WideTree,
+    /// Objects that share their meshes, if there are any.
+    instances: Option<Box<Instances>>,
     /// Number of triangles in the objects before each object, and in all.
-    first_triangle: Vec<u32>,
+    first_triangle: Vec<u64>,
     groups: Groups,
+    bounds: (Vec3, Vec3),
 }
 
 impl Geometry {
     /// Builds the tree on the current rayon pool. The result does not depend on the number of threads.
+    ///
+    /// Meshes that are [worth sharing](Mesh::is_worth_sharing) have a tree of their own for all objects.
     pub fn new(objects: &[Object]) -> Self {
-        let mut first_triangle = vec![0_u32];
-        let mut places = Vec::with_capacity(objects.iter().map(|o| o.mesh.triangles.len()).sum());
+        Self::with_sharing(objects, Mesh::is_worth_sharing, None)
+    }
+
+    /// The tree over other objects, with what is known of the meshes that both share.
+    pub(crate) fn renewed(&self, objects: &[Object]) -> Self {
+        Self::with_sharing(objects, Mesh::is_worth_sharing, self.instances.as_deref())
+    }
+
+    /// Every mesh that more than one object has gets a tree of its own.
+    #[cfg(test)]
+    pub(super) fn sharing_all(objects: &[Object]) -> Self {
+        Self::with_sharing(objects, |_, _| true, None)
+    }
+
+    /// No mesh gets a tree of its own.
+    #[cfg(test)]
+    pub(super) fn sharing_none(objects: &[Object]) -> Self {
+        Self::with_sharing(objects, |_, _| false, None)
+    }
+
+    fn with_sharing(
+        objects: &[Object],
+        is_worth: impl Fn(&Mesh, usize) -> bool,
+        old: Option<&Instances>,
+    ) -> Self {
+        let sharing = Sharing::new(objects, is_worth);
+        let instances = Instances::new(objects, &sharing, old).map(Box::new);
+        let mut first_triangle = vec![0_u64];
+        let own =
+            |index: usize| if sharing.is_shared(index) { 0 } else { objects[index].mesh.triangles.len() };
+        let mut places = Vec::with_capacity((0..objects.len()).map(own).sum());
         for (index, object) in objects.iter().enumerate() {
             let count = object.mesh.triangles.len() as u32;
-            places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
-            first_triangle.push(places.len() as u32);
+            if !sharing.is_shared(index) {
+                places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
+            }
+            first_triangle.push(first_triangle[index] + u64::from(count));
         }
-        Self { tree: WideTree::new(&places), first_triangle, groups: Groups::new(objects) }
+        let tree = WideTree::new(&places);
+        let needs_group =
+            |object: usize| !instances.as_ref().is_some_and(|shared| shared.needs_no_group(object as u32));
+        let groups = Groups::new(objects, needs_group);
+        let bounds = match &instances {
+            None => tree.bounds(),
+            Some(shared) if places.is_empty() => shared.bounds(),
+            Some(shared) => {
+                let ((low, high), (a, b)) = (tree.bounds(), shared.bounds());
+                (low.min(a), high.max(b))
+            }
+        };
+        Self { tree, instances, first_triangle, groups, bounds }
     }
 
     /// Corners of the box around everything.
     pub fn bounds(&self) -> (Vec3, Vec3) {
-        self.tree.bounds()
+        self.bounds
     }
 
-    /// Memory that the tree takes, in bytes.
+    /// Memory that the trees take, in bytes.
     pub fn memory(&self) -> usize {
-        self.tree.memory()
+        self.tree.memory() + self.instances.as_ref().map_or(0, |instances| instances.memory())
+    }
+
+    /// Number of all triangles; those of a shared mesh count for each object.
+    pub(crate) fn triangles(&self) -> u64 {
+        self.first_triangle.last().copied().unwrap_or(0)
     }
 
     /// Scene-wide number of an object's triangle.
-    pub(crate) fn primitive(&self, object: u32, triangle: u32) -> u32 {
-        self.first_triangle[object as usize] + triangle
+    pub(crate) fn primitive(&self, object: u32, triangle: u32) -> u64 {
+        self.first_triangle[object as usize] + u64::from(triangle)
     }
 
     /// Object and triangle of a scene-wide number.
-    pub(crate) fn object_and_triangle(&self, primitive: u32) -> (u32, u32) {
+    pub(crate) fn object_and_triangle(&self, primitive: u64) -> (u32, u32) {
         let object = self.first_triangle.partition_point(|&first| first <= primitive) - 1;
-        (object as u32, primitive - self.first_triangle[object])
+        (object as u32, (primitive - self.first_triangle[object]) as u32)
+    }
+
+    /// The body that an object is by itself and a place of a shared mesh.
+    pub(super) fn alone(&self, object: u32) -> Option<Alone<'_>> {
+        self.instances.as_ref()?.alone(object)
+    }
+
+    /// Cells of the grid of one body.
+    pub(super) fn cells(&self) -> f32 {
+        let shared = self.instances.as_ref().map_or(0, |instances| instances.meshes());
+        CELLS / (self.groups.count() + shared) as f32
     }
 
     /// How far from a point no surface of a group is, which are those of the objects that this was made for.
     pub(super) fn clearance(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
-        self.groups.clearance(objects, group)
+        self.groups.clearance(objects, group, self.cells())
     }
 
     /// The facets of a group of the objects that this was made for.
@@ -121,8 +177,18 @@ impl Geometry {
 
     /// The object that a hit belongs to.
     pub fn object(&self, hit: &Hit) -> u32 {
-        let (block, lane) = self.tree.leaf(hit.leaf);
-        block.object(lane)
+        match self.instances_of(hit) {
+            Some(instances) => instances.block(hit.instance).object(),
+            None => {
+                let (block, lane) = self.tree.leaf(hit.leaf);
+                block.object(lane)
+            }
+        }
+    }
+
+    /// The objects that share their meshes, if a hit is with one of them.
+    fn instances_of(&self, hit: &Hit) -> Option<&Instances> {
+        self.instances.as_deref().filter(|_| hit.instance != NONE)
     }
 
     /// The object that a hit belongs to, and its triangle's number there: whatever the tree, the same.
@@ -133,19 +199,25 @@ impl Geometry {
 
     /// The nearest surface along a ray.
     pub fn closest(&self, ray: &Ray) -> Option<Hit> {
-        let (hit, leaf) = self.tree.closest(ray)?;
-        Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+        let hit = self.tree.closest(ray).map(Hit::alone);
+        match &self.instances {
+            None => hit,
+            Some(instances) => instances.closest(ray, None, hit),
+        }
     }
 
     /// Whether anything lies on a segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.tree.occluded(ray)
+        self.tree.occluded(ray) || self.instances.as_ref().is_some_and(|instances| instances.occluded(ray))
     }
 
     /// The nearest surface of a subsurface group along a ray.
     pub fn closest_in_group(&self, ray: &Ray, group: u32) -> Option<Hit> {
-        let (hit, leaf) = self.tree.closest_in_group(ray, group)?;
-        Some(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf })
+        let hit = self.tree.closest_in_group(ray, group).map(Hit::alone);
+        match &self.instances {
+            None => hit,
+            Some(instances) => instances.closest(ray, Some(group), hit),
+        }
     }
 
     /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
@@ -153,14 +225,22 @@ impl Geometry {
         self.tree.all(ray, |hit, leaf| {
             let (block, lane) = self.tree.leaf(leaf);
             if block.group(lane) == group {
-                found(Hit { t: hit.t, barycentric: [hit.b1, hit.b2], leaf });
+                found(Hit::alone((hit, leaf)));
             }
         });
+        if let Some(instances) = &self.instances {
+            instances.all_in_group(ray, group, found);
+        }
     }
 
     fn triangle(&self, hit: &Hit) -> Primitive {
-        let (block, lane) = self.tree.leaf(hit.leaf);
-        block.get(lane)
+        match self.instances_of(hit) {
+            Some(instances) => instances.triangle(hit),
+            None => {
+                let (block, lane) = self.tree.leaf(hit.leaf);
+                block.get(lane)
+            }
+        }
     }
 
     /// Unit geometric normal of a hit, on the outside of its mesh.
@@ -175,15 +255,23 @@ impl Geometry {
 
     /// Everything about a hit.
     pub(crate) fn surface_point(&self, scene: &Scene, hit: &Hit) -> SurfacePoint {
-        surface_point(scene, &self.triangle(hit), hit.barycentric)
+        let point = surface_point(scene, &self.triangle(hit), hit.barycentric);
+        match self.instances_of(hit) {
+            Some(instances) => beyond_errors(point, instances.block(hit.instance)),
+            None => point,
+        }
     }
 
     /// The point of a triangle nearest to a position in its plane, by the triangle's scene-wide number.
-    pub(crate) fn point_on(&self, scene: &Scene, primitive: u32, position: Vec3) -> SurfacePoint {
+    pub(crate) fn point_on(&self, scene: &Scene, primitive: u64, position: Vec3) -> SurfacePoint {
         let (object, triangle) = self.object_and_triangle(primitive);
         let owner = &scene.objects[object as usize];
         let leaf = Place { object: owner, index: object, triangle }.primitive();
-        surface_point(scene, &leaf, barycentric(&leaf.vertices, position))
+        let point = surface_point(scene, &leaf, barycentric(&leaf.vertices, position));
+        match self.instances.as_ref().and_then(|instances| instances.of_object(object)) {
+            Some((_, block)) => beyond_errors(point, block),
+            None => point,
+        }
     }
 }
 
@@ -201,24 +289,41 @@ impl Boundable for Place<'_> {
     }
 }
 
-impl PrimitiveSource for Place<'_> {
+impl Place<'_> {
     fn primitive(&self) -> Primitive {
-        let Object { mesh, subsurface_group, .. } = self.object;
-        let corners = mesh.triangles[self.triangle as usize];
-        let vertices = corners.map(|corner| mesh.positions[corner as usize]);
-        Primitive { vertices, object: self.index, triangle: self.triangle, group: *subsurface_group }
+        let vertices = self.object.vertices(self.triangle as usize);
+        let group = self.object.subsurface_group;
+        Primitive { vertices, object: self.index, triangle: self.triangle, group }
     }
+}
+
+impl PrimitiveSource for Place<'_> {
+    type Block = TriangleBlock;
+
+    fn put(&self, block: &mut TriangleBlock, lane: usize) {
+        block.set(lane, &self.primitive());
+    }
+}
+
+/// A point of a shared mesh, whose rays are less exact.
+fn beyond_errors(point: SurfacePoint, instance: &InstanceBlock) -> SurfacePoint {
+    SurfacePoint { offset: point.offset.max(instance.offset_at(point.position)), ..point }
 }
 
 /// Attributes of a triangle at barycentric coordinates.
 fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> SurfacePoint {
-    let mesh = &scene.objects[leaf.object as usize].mesh;
-    let corners = mesh.triangles[leaf.triangle as usize];
+    let object = &scene.objects[leaf.object as usize];
+    let mesh = &object.mesh;
+    let corners = object.corners(leaf.triangle as usize);
     let weights = [1.0 - b1 - b2, b1, b2];
     let geometric_normal = leaf.normal().normalize_or(Vec3::Z);
     let largest = leaf.vertices.iter().fold(Vec3::ZERO, |m, v| m.max(v.abs())).max_element();
-    let mut shading_normal =
-        interpolate(&mesh.normals, corners, weights, Vec3::ZERO).try_normalize().unwrap_or(geometric_normal);
+    let mut shading_normal = geometric_normal;
+    if !mesh.normals.is_empty() {
+        let [a, b, c] = corners.map(|corner| object.normal(corner));
+        let normal = a * weights[0] + b * weights[1] + c * weights[2];
+        shading_normal = normal.try_normalize().unwrap_or(geometric_normal);
+    }
     // A shading normal from the other side (broken input) would turn the surface inside out.
     if shading_normal.dot(geometric_normal) <= 0.0 {
         shading_normal = geometric_normal;
@@ -234,11 +339,6 @@ fn surface_point(scene: &Scene, leaf: &Primitive, [b1, b2]: [f32; 2]) -> Surface
         triangle: leaf.triangle,
         group: leaf.group,
     }
-}
-
-/// Distance \[L\] that clears rounding errors of points with such a largest coordinate.
-pub(super) fn offset_at(largest: f32) -> f32 {
-    largest * 16.0 * f32::EPSILON
 }
 
 /// Coordinates of vertices 1 and 2, clamped into the triangle.
@@ -272,7 +372,6 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use translucid_scene::Mesh;
 
     /// Random triangles in the unit cube.
     fn soup(count: u32) -> Vec<Object> {
@@ -291,6 +390,7 @@ mod tests {
             mesh: mesh.into(),
             material: 0,
             subsurface_group: i32::MAX as u32,
+            ..Object::default()
         }]
     }
 
@@ -348,6 +448,7 @@ mod tests {
                     mesh: mesh.into(),
                     material: 0,
                     subsurface_group: group as u32,
+                    ..Object::default()
                 }
             })
             .collect();

@@ -22,8 +22,9 @@ struct Group {
 }
 
 impl Groups {
-    pub(super) fn new(objects: &[Object]) -> Self {
-        let mut order: Vec<usize> = (0..objects.len()).collect();
+    /// The groups of those objects that need one.
+    pub(super) fn new(objects: &[Object], needs_group: impl Fn(usize) -> bool) -> Self {
+        let mut order: Vec<usize> = (0..objects.len()).filter(|&object| needs_group(object)).collect();
         order.sort_by_key(|&index| objects[index].subsurface_group);
         let group = |objects_of_group: &[usize]| Group {
             number: objects[objects_of_group[0]].subsurface_group,
@@ -35,10 +36,14 @@ impl Groups {
         Self(order.chunk_by(is_same).map(group).collect())
     }
 
+    pub(super) fn count(&self) -> usize {
+        self.0.len()
+    }
+
     /// How far from a point no surface of a group is, which are those of the objects that this was made for.
-    pub(super) fn clearance(&self, objects: &[Object], group: u32) -> Option<&Clearance> {
+    /// Its grid has about so many cells.
+    pub(super) fn clearance(&self, objects: &[Object], group: u32, cells: f32) -> Option<&Clearance> {
         let group = self.of(group)?;
-        let cells = CELLS / self.0.len() as f32;
         let vertices = || group.facets(objects).map(|facet| facet.vertices);
         Some(group.clearance.get_or_init(|| Clearance::new(vertices, cells)))
     }
@@ -58,10 +63,10 @@ impl Groups {
 impl Group {
     fn facets<'a>(&'a self, objects: &'a [Object]) -> impl Iterator<Item = Facet> + 'a {
         self.objects.iter().flat_map(|&number| {
-            let mesh = &objects[number].mesh;
-            (0..).zip(&mesh.triangles).map(move |(triangle, corners)| Facet {
-                vertices: corners.map(|corner| mesh.positions[corner as usize]),
-                triangle: (number as u32, triangle),
+            let object = &objects[number];
+            (0..object.mesh.triangles.len()).map(move |triangle| Facet {
+                vertices: object.vertices(triangle),
+                triangle: (number as u32, triangle as u32),
             })
         })
     }

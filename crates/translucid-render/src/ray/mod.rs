@@ -5,12 +5,15 @@ mod clearance;
 mod facets;
 mod geometry;
 mod groups;
+mod hit;
+mod instances;
 mod primitive;
 mod triangle;
 mod wide_tree;
 
 pub(crate) use body::{Body, FlightEnd, Inside};
 pub(crate) use facets::{Beyond, Crossing};
+pub use geometry::Geometry;
 pub(crate) use geometry::SurfacePoint;
-pub use geometry::{Geometry, Hit};
+pub use hit::Hit;
 pub use triangle::Ray;

@@ -1,13 +1,23 @@
-//! Triangles on their way into a hierarchy.
+//! Triangles, and other things, on their way into a hierarchy.
 
+use bytemuck::Pod;
 use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-/// Where the tree's triangles come from.
+/// What a leaf of a tree holds: as long as some cache lines.
+pub(crate) trait Block: Pod + Default {
+    /// Things that there is room for.
+    const LANES: usize;
+}
+
+/// Where what is in a tree comes from.
 pub(crate) trait PrimitiveSource: Boundable {
-    /// The triangle itself.
-    fn primitive(&self) -> Primitive;
+    /// What holds it in the tree.
+    type Block: Block;
+
+    /// Puts it into a lane.
+    fn put(&self, block: &mut Self::Block, lane: usize);
 }
 
 /// A triangle to be sorted into the tree.

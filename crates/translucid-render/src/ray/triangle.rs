@@ -3,13 +3,13 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use super::primitive::Primitive;
+use super::primitive::{Block, Primitive};
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct Ray {
     pub(crate) origin: Vec3,
-    /// Unit length, so that t is a distance.
+    /// Unit length, so that t is a distance; where a mesh's own space is traced it is not, and t is the distance in the world.
     pub(crate) direction: Vec3,
     pub(crate) t_max: f32,
     shear: Shear,
@@ -48,6 +48,12 @@ impl Ray {
     /// A ray that ends at distance `t_max` \[L\]; the direction has unit length.
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
         Self { origin, direction, t_max, shear: Shear::new(direction) }
+    }
+
+    /// The same ray with another end.
+    #[inline]
+    pub(crate) fn until(&self, t_max: f32) -> Self {
+        Self { t_max, ..*self }
     }
 
     /// The point at distance `t`.
@@ -106,6 +112,10 @@ impl Default for TriangleBlock {
     fn default() -> Self {
         Self { vertices: [[Vec4::NAN; 3]; 3], objects: [0; LANES], triangles: [0; LANES], groups: [0; LANES] }
     }
+}
+
+impl Block for TriangleBlock {
+    const LANES: usize = LANES;
 }
 
 impl TriangleBlock {

@@ -1,5 +1,8 @@
 //! A number that tells scenes apart.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use translucid_scene::{Pixels, Scene};
 
 use super::view::View;
@@ -42,9 +45,19 @@ impl Fnv {
         for table in &scene.profile_tables {
             self.text(&format!("{:?}", table.rows));
         }
-        for object in &scene.objects {
+        let mut known = HashMap::new();
+        for (index, object) in scene.objects.iter().enumerate() {
             self.text(&format!("{} {}", object.material, object.subsurface_group));
             let mesh = &object.mesh;
+            if object.is_placed() {
+                self.bytes(bytemuck::cast_slice(&object.world_from_local.to_cols_array()));
+            }
+            // A mesh that several objects share is hashed once
+            let first = *known.entry(Arc::as_ptr(mesh).addr()).or_insert(index);
+            if first != index {
+                self.word(first as u64);
+                continue;
+            }
             self.bytes(bytemuck::cast_slice(&mesh.positions));
             self.bytes(bytemuck::cast_slice(&mesh.normals));
             self.bytes(bytemuck::cast_slice(&mesh.uvs));

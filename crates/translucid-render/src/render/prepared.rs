@@ -203,7 +203,7 @@ impl PreparedScene {
             |scene| scene.validate_object(index).and_then(|()| scene.validate_triangle_count()),
         )?;
         let scene = &self.world.scene;
-        self.world.geometry = Arc::new(Geometry::new(&scene.objects));
+        self.world.geometry = Arc::new(self.world.geometry.renewed(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         for material in [old.material, scene.objects[index].material] {
             self.subsurface.update(scene, material);
@@ -289,8 +289,7 @@ fn emissive_triangles(scene: &Scene, geometry: &Geometry) -> Vec<EmissiveTriangl
         }
         for number in 0..object.mesh.triangles.len() as u32 {
             let primitive = geometry.primitive(index as u32, number);
-            let corners = object.mesh.triangles[number as usize];
-            let vertices = corners.map(|corner| object.mesh.positions[corner as usize]);
+            let vertices = object.vertices(number as usize);
             let center = vertices.iter().sum::<Vec3>() / 3.0;
             let point = geometry.point_on(scene, primitive, center);
             let radiance = surface::emission_at(scene, material, &point);

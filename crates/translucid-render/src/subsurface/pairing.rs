@@ -8,6 +8,9 @@
 //! The geometric means are reciprocal, and of those that were tried nearest to photons that walk through two media side
 //! by side (the example `textured_edge` of `translucid-reference`).
 
+use std::collections::HashSet;
+use std::sync::Arc;
+
 use glam::Vec3;
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceTextureAt};
 
@@ -136,7 +139,10 @@ fn greatest_color(scene: &Scene, material: usize, input: &ColorInput) -> Vec3 {
         let objects = scene.objects.iter().filter(|object| object.material == material);
         // Meshes without colors are white
         let of_mesh = |colors: &[Vec3]| colors.iter().copied().reduce(Vec3::max).unwrap_or(Vec3::ONE);
-        greatest *= objects.map(|object| of_mesh(&object.mesh.colors)).reduce(Vec3::max).unwrap_or(Vec3::ONE);
+        // A mesh that several objects share is looked at once
+        let mut known = HashSet::new();
+        let meshes = objects.map(|object| &object.mesh).filter(|mesh| known.insert(Arc::as_ptr(mesh).addr()));
+        greatest *= meshes.map(|mesh| of_mesh(&mesh.colors)).reduce(Vec3::max).unwrap_or(Vec3::ONE);
     }
     greatest
 }

@@ -23,22 +23,23 @@ pub(crate) fn shading_normal_at(scene: &Scene, material: &Material, point: &Surf
 
 /// Tangent and bitangent along u and v: the mesh's own, or the triangle's.
 fn tangent_frame(scene: &Scene, point: &SurfacePoint) -> Option<[Vec3; 2]> {
-    let mesh = &scene.objects[point.object as usize].mesh;
-    let corners = mesh.triangles[point.triangle as usize].map(|corner| corner as usize);
+    let object = &scene.objects[point.object as usize];
+    let mesh = &object.mesh;
+    let corners = object.corners(point.triangle as usize);
     let normal = point.shading_normal;
     let (tangent, sign) = if mesh.tangents.is_empty() {
         if mesh.uvs.is_empty() {
             return None;
         }
-        let [p0, p1, p2] = corners.map(|c| mesh.positions[c]);
-        let [t0, t1, t2] = corners.map(|c| mesh.uvs[c]);
+        let [p0, p1, p2] = corners.map(|c| object.position(c));
+        let [t0, t1, t2] = corners.map(|c| mesh.uvs[c as usize]);
         let (d1, d2) = (t1 - t0, t2 - t0);
         let determinant = d1.perp_dot(d2);
         let tangent = ((p1 - p0) * d2.y - (p2 - p0) * d1.y) * determinant.signum();
         (tangent, determinant.signum())
     } else {
         // Corner weights would matter only where tangents differ much within a triangle.
-        let [a, b, c] = corners.map(|c| mesh.tangents[c]);
+        let [a, b, c] = corners.map(|c| object.tangent(c));
         let sum = a + b + c;
         (sum.truncate(), sum.w.signum())
     };

@@ -39,7 +39,7 @@ impl World {
     }
 
     /// Emission of a triangle at a point of it, on average: none where the surface is not there.
-    fn emitted_at(&self, primitive: u32, position: Vec3) -> Vec3 {
+    fn emitted_at(&self, primitive: u64, position: Vec3) -> Vec3 {
         let point = self.point_on(primitive, position);
         let (_, material) = self.material(&point);
         let opacity = surface::opacity_at(&self.scene, material, &point);

@@ -45,7 +45,7 @@ impl World {
     }
 
     /// The point of a triangle nearest to a position in its plane, by the triangle's scene-wide number.
-    pub(crate) fn point_on(&self, primitive: u32, position: glam::Vec3) -> SurfacePoint {
+    pub(crate) fn point_on(&self, primitive: u64, position: glam::Vec3) -> SurfacePoint {
         self.geometry.point_on(&self.scene, primitive, position)
     }
 }

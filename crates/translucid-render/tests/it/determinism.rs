@@ -55,7 +55,13 @@ fn scene() -> Scene {
         },
         film: Film { width: WIDTH, height: HEIGHT, ..Film::default() },
         integrator: Integrator::default(),
-        objects: vec![Object { name: "sheet".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }],
+        objects: vec![Object {
+            name: "sheet".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        }],
         materials: vec![material],
         images: Vec::new(),
         profile_tables: Vec::new(),

@@ -17,6 +17,7 @@ mod determinism;
 mod exact_answers;
 mod fuzzed_scenes;
 mod groups;
+mod instances;
 mod many_lights;
 mod models;
 mod normalization;

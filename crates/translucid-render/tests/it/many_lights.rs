@@ -58,6 +58,7 @@ fn hall() -> Scene {
         mesh: shards.into(),
         material: 1,
         subsurface_group: 1,
+        ..Object::default()
     });
     hall.camera =
         Camera { position: Vec3::new(0.0, -9.0, 6.0), target: Vec3::ZERO, up: Vec3::Z, ..hall.camera };

@@ -83,7 +83,13 @@ fn edits() -> Vec<(&'static str, Edit, Renewed)> {
         positions: sphere(1.0, 16).positions.into_iter().map(|p| p + Vec3::X).collect(),
         ..sphere(1.0, 16)
     };
-    let object = Object { name: "moved".into(), mesh: moved.into(), material: 0, subsurface_group: 0 };
+    let object = Object {
+        name: "moved".into(),
+        mesh: moved.into(),
+        material: 0,
+        subsurface_group: 0,
+        ..Object::default()
+    };
     let bright = Environment { radiance: Vec3::ONE, ..uniform_environment(Vec3::ONE).expect("a sky") };
     let point_based = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..still().integrator };
     let clear = Integrator { caustics: true, subsurface_sharing: false, ..still().integrator };

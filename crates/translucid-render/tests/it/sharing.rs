@@ -63,6 +63,7 @@ fn bodies(model: SubsurfaceModel) -> Scene {
             mesh: mesh.into(),
             material: index,
             subsurface_group: index as u32,
+            ..Object::default()
         });
     }
     scene.lights.push(Light::Rectangle {
@@ -125,6 +126,7 @@ fn sharing_keeps_the_mean_of_every_region() {
             mesh: mesh.into(),
             material: 3,
             subsurface_group: 3,
+            ..Object::default()
         });
         scene.integrator.max_depth = 4;
         scene

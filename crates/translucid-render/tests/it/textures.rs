@@ -263,7 +263,13 @@ fn across_materials_the_exit_counts() {
         subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusion),
         ..Material::default()
     });
-    scene.objects.push(Object { name: "other".into(), mesh: other.into(), material: 1, subsurface_group: 0 });
+    scene.objects.push(Object {
+        name: "other".into(),
+        mesh: other.into(),
+        material: 1,
+        subsurface_group: 0,
+        ..Object::default()
+    });
     scene.environment = uniform_environment(Vec3::ONE);
     let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, 1 << 15);
     assert_within("two materials", result, albedo);

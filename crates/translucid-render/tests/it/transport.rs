@@ -200,6 +200,7 @@ fn layers_hold_what_their_names_say() {
         mesh: quad(Vec3::new(0.0, 9.0, 9.0), Vec3::X, Vec3::new(0.0, -1.0, 1.0)).into(),
         material: 1,
         subsurface_group: 1,
+        ..Object::default()
     });
     scene.materials.push(Material { emission_luminance: 5.0, ..matte(Vec3::ZERO) });
     let renderer = prepare(scene);

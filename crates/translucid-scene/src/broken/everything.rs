@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{Affine2, Mat3, Vec2, Vec3, Vec4};
+use glam::{Affine2, Affine3A, Mat3, Vec2, Vec3, Vec4};
 use translucid_profile::Model;
 
 use crate::material::{PARAMETERS, Slot, WalkSurface};
@@ -64,9 +64,12 @@ fn object(number: usize) -> Object {
     mesh.normals = mesh.smooth_normals();
     let tangent = |n: &Vec3| n.any_orthonormal_vector().extend(1.0);
     mesh.tangents = mesh.normals.iter().map(tangent).collect::<Vec<Vec4>>();
+    // The second one is a mirror image
+    let scale = if number == 1 { Vec3::new(-1.0, 1.5, 1.0) } else { Vec3::ONE };
     Object {
         name: format!("body {number}"),
         mesh: mesh.into(),
+        world_from_local: Affine3A::from_scale(scale),
         material: number,
         subsurface_group: number as u32 % 2,
     }

@@ -6,7 +6,7 @@ mod everything;
 
 use std::sync::Arc;
 
-use glam::{Affine2, Vec3};
+use glam::{Affine2, Affine3A, Vec3};
 
 use crate::material::{self, PARAMETERS};
 use crate::{
@@ -207,8 +207,11 @@ fn visit_settings(film: &mut Film, integrator: &mut Integrator, v: &mut Visitor<
 }
 
 fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
-    let Object { name, mesh, material, subsurface_group } = object;
+    let Object { name, mesh, world_from_local, material, subsurface_group } = object;
     let place = |field: &str| format!("object {name}, {field}");
+    let mut numbers = world_from_local.to_cols_array();
+    numbers.iter_mut().for_each(|number| v(&place("world_from_local"), Slot::Number(number)));
+    *world_from_local = Affine3A::from_cols_array(&numbers);
     v(&place("material"), Slot::Index(material));
     v(&place("subsurface_group"), Slot::Count(subsurface_group));
     let Mesh { positions, normals, uvs, tangents, colors, triangles } = Arc::make_mut(mesh);

@@ -23,7 +23,7 @@ pub(super) fn load_bare_mesh(
         return Err(SceneError::new(message).with_help("mesh paths are for scene files"));
     }
     let wanted = options.preset.as_deref().map(preset).transpose()?;
-    let mut model = load_model(path, warnings)?;
+    let mut model = load_model(path, &options.watch, warnings)?;
     // Meters in glTF, by its specification; millimeters where the format says nothing.
     let unit = options.unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { Unit::Millimeter });
     if let Some(preset) = wanted {
@@ -100,7 +100,13 @@ fn add_backdrop(model: &mut MeshFile, frame: &Stage) {
     }
     let subsurface_group = model.objects.iter().map(|object| object.subsurface_group + 1).max().unwrap_or(0);
     let name = material.name.clone();
-    model.objects.push(Object { name, mesh: mesh.into(), material: model.materials.len(), subsurface_group });
+    model.objects.push(Object {
+        name,
+        mesh: mesh.into(),
+        material: model.materials.len(),
+        subsurface_group,
+        ..Object::default()
+    });
     model.materials.push(material);
 }
 

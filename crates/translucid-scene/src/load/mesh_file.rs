@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::{Affine3A, Vec3};
+
 use crate::{Camera, Image, Light, Material, Object};
 
 /// Contents of a mesh file; indices are into its own lists.
@@ -51,8 +53,15 @@ pub(crate) fn scale_lengths(model: &mut MeshFile, factor: f32) {
         return;
     }
     for object in &mut model.objects {
-        let mesh = Arc::make_mut(&mut object.mesh);
-        mesh.positions.iter_mut().for_each(|position| *position *= factor);
+        match Arc::get_mut(&mut object.mesh) {
+            Some(mesh) if object.world_from_local == Affine3A::IDENTITY => {
+                mesh.positions.iter_mut().for_each(|position| *position *= factor);
+            }
+            _ => {
+                let scale = Affine3A::from_scale(Vec3::splat(factor));
+                object.world_from_local = scale * object.world_from_local;
+            }
+        }
     }
     for material in &mut model.materials {
         material.transmission_depth *= factor;
@@ -70,8 +79,6 @@ pub(crate) fn scale_lengths(model: &mut MeshFile, factor: f32) {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
 
     #[test]

@@ -10,9 +10,11 @@ mod obj;
 mod ply;
 mod polygon;
 mod profile_table;
+mod shared_mesh;
 mod stage;
 mod stl;
 mod toml;
+mod watch;
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -25,6 +27,7 @@ pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use stl::{load_stl, parse_stl};
 pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
+pub use watch::{LoadProgress, LoadWatch};
 
 use crate::{Film, Mesh, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
 
@@ -42,6 +45,8 @@ pub struct LoadOptions {
     pub size: Option<[u32; 2]>,
     /// Model of the transport under all surfaces, in place of the materials' own.
     pub subsurface_model: Option<SubsurfaceModel>,
+    /// Hears how far it is, and may end it.
+    pub watch: LoadWatch,
 }
 
 impl LoadOptions {
@@ -106,9 +111,9 @@ fn is_gltf(path: &Path) -> bool {
 }
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
-fn load_model(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+fn load_model(path: &Path, watch: &LoadWatch, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
-        return load_gltf(path, Unit::Meter, warnings);
+        return gltf::load_watched(path, Unit::Meter, watch, warnings);
     }
     if extension(path) == "obj" {
         return load_obj(path, warnings);

@@ -275,7 +275,13 @@ impl ObjFile {
                     let next = groups.len() as u32; // A file's parts are far fewer than 2³².
                     let subsurface_group = *groups.entry(&faces.name).or_insert(next);
                     let name = if faces.name.is_empty() { stem(path) } else { faces.name.clone() };
-                    objects.push(Object { name, mesh: mesh.into(), material, subsurface_group });
+                    objects.push(Object {
+                        name,
+                        mesh: mesh.into(),
+                        material,
+                        subsurface_group,
+                        ..Object::default()
+                    });
                 }
                 Err(error) => {
                     let message = format!("part \"{}\" is left out: {}", faces.name, error.message);

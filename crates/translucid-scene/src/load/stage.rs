@@ -1,5 +1,8 @@
 //! Camera, lights and backdrop for meshes that come without.
 
+use std::collections::HashMap;
+use std::sync::Arc;
+
 use glam::{DVec3, Vec3};
 
 use crate::{Camera, ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput};
@@ -32,7 +35,7 @@ pub(crate) struct Stage {
 impl Stage {
     /// The frame of all objects together.
     pub(crate) fn of(objects: &[Object]) -> Self {
-        let boxes = objects.iter().map(|object| object.mesh.bounds());
+        let boxes = boxes(objects);
         let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let center = 0.5 * (low + high);
@@ -175,7 +178,23 @@ fn horizontal_of(direction: DVec3) -> DVec3 {
 fn silhouette(objects: &[Object]) -> impl Iterator<Item = Vec3> {
     let vertices: usize = objects.iter().map(|object| object.mesh.positions.len()).sum();
     let step = vertices.div_ceil(MOST_VERTICES).max(1);
-    objects.iter().flat_map(|object| &object.mesh.positions).step_by(step).copied()
+    // From object to object, not from vertex to vertex: shared meshes may add up to billions
+    let mut next = 0;
+    objects.iter().flat_map(move |object| {
+        let count = object.mesh.positions.len();
+        let first = next;
+        next = first + count.saturating_sub(first).div_ceil(step) * step - count;
+        (first..count).step_by(step).map(|vertex| object.position(vertex as u32))
+    })
+}
+
+/// The boxes around objects; that of a mesh is looked for once.
+fn boxes(objects: &[Object]) -> impl Iterator<Item = (Vec3, Vec3)> {
+    let mut known = HashMap::new();
+    objects.iter().map(move |object| {
+        let address = Arc::as_ptr(&object.mesh).addr();
+        object.placed_box(*known.entry(address).or_insert_with(|| object.mesh.bounds()))
+    })
 }
 
 /// A viewing direction with the frame's half extents at distance 1.
@@ -223,7 +242,13 @@ mod tests {
     fn object(positions: Vec<Vec3>) -> Object {
         let triangles = (0..positions.len() as u32 - 2).map(|i| [i, i + 1, i + 2]).collect();
         let mesh = Mesh { positions, triangles, ..Mesh::default() };
-        Object { name: String::new(), mesh: mesh.into(), material: 0, subsurface_group: 0 }
+        Object {
+            name: String::new(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        }
     }
 
     /// Points of a lopsided blob, scaled and moved.

@@ -117,6 +117,27 @@ pub(super) fn has_area([a, b, c]: [DVec3; 3]) -> bool {
     cross >= SMALLEST_CROSS && cross >= SMALLEST_HEIGHT * longest_squared
 }
 
+/// Tells whether triangles of at least this cross product and this height over their longest edge have an area, as
+/// [`has_area`] does of one.
+pub(crate) fn stays_flat_enough(cross: f64, height: f64) -> bool {
+    cross >= SMALLEST_CROSS && height >= SMALLEST_HEIGHT * (1.0 - 1e-6)
+}
+
+impl Mesh {
+    /// The least cross product of two edges of a triangle \[L²\], and the least one over the longest edge squared.
+    pub(crate) fn flattest(&self) -> [f64; 2] {
+        let of_triangle = |triangle: &Triangle| {
+            let Some([a, b, c]) = self.corners(triangle) else { return [0.0; 2] };
+            let cross = (b - a).cross(c - a).length();
+            let edges = [b - a, c - b, a - c].map(DVec3::length_squared);
+            [cross, cross / edges.into_iter().fold(0.0, f64::max)]
+        };
+        let least = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].min(b[1])];
+        let triangles = self.triangles.par_iter().with_min_len(AT_ONCE);
+        triangles.map(of_triangle).reduce(|| [f64::INFINITY; 2], least)
+    }
+}
+
 /// Tells in single precision whether a triangle has far more area than [`has_area`] asks for.
 ///
 /// The cross product is exact to some 1e-6 of the longest edge squared, a hundredth of what it must have here, and

@@ -44,7 +44,7 @@ fn shard(index: u32) -> EmissiveTriangle {
     let frame = crate::sampling::Frame::from_normal(directions::uniform_sphere([turn, tilt]));
     let vertices = [place, place + 0.2 * frame.x, place + 0.3 * frame.y];
     let radiance = RADIANCE * 10.0_f32.powf(6.0 * power - 3.0);
-    EmissiveTriangle { vertices, radiance, primitive: 7 + 3 * index }
+    EmissiveTriangle { vertices, radiance, primitive: 7 + 3 * u64::from(index) }
 }
 
 /// Lamps, shards, two lights at infinity, a beam and the sky.

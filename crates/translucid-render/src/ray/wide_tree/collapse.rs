@@ -16,7 +16,6 @@
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::node::WIDTH;
-use crate::ray::triangle::LANES;
 
 /// Cost of a block in units of a node.
 const BLOCK_COST: f32 = 1.0;
@@ -34,7 +33,8 @@ pub(super) struct Costs<'a> {
 }
 
 impl<'a> Costs<'a> {
-    pub(super) fn new(binary: &'a [Bvh2Node]) -> Self {
+    /// Of a tree whose blocks hold so many things.
+    pub(super) fn new(binary: &'a [Bvh2Node], lanes: usize) -> Self {
         let mut this = Self { binary, places: vec![BLOCK; binary.len()], costs: Vec::new() };
         let mut counts = vec![0_u32; binary.len()];
         // Children before parents, with a list instead of recursion: degenerate trees are deep.
@@ -52,7 +52,7 @@ impl<'a> Costs<'a> {
             }
             let count = counts[left as usize] + counts[right as usize];
             counts[index as usize] = count;
-            if count > LANES as u32 {
+            if count > lanes as u32 {
                 this.add(index);
             }
         }

@@ -1,26 +1,26 @@
-//! From a binary tree to wide nodes and blocks of triangles.
+//! From a binary tree to wide nodes and blocks.
 
 use obvhs::bvh2::Bvh2;
 
+use super::Block;
 use super::collapse::Costs;
 use super::lines::Lines;
 use super::node::{LEAF, Node};
 use crate::ray::primitive::PrimitiveSource;
-use crate::ray::triangle::TriangleBlock;
 
 /// Turns the binary tree into wide nodes and blocks.
-pub(super) struct Gather<'a, T> {
+pub(super) struct Gather<'a, T: PrimitiveSource> {
     binary: &'a Bvh2,
     primitives: &'a [T],
     costs: Costs<'a>,
-    pub(super) lines: Lines,
+    pub(super) lines: Lines<T::Block>,
     /// Most children that a ray has yet to visit at any time.
     pub(super) most_waiting: usize,
 }
 
 impl<'a, T: PrimitiveSource> Gather<'a, T> {
     pub(super) fn new(binary: &'a Bvh2, primitives: &'a [T]) -> Self {
-        let costs = Costs::new(&binary.nodes);
+        let costs = Costs::new(&binary.nodes, T::Block::LANES);
         Self { binary, primitives, costs, lines: Lines::default(), most_waiting: 0 }
     }
 
@@ -58,9 +58,9 @@ impl<'a, T: PrimitiveSource> Gather<'a, T> {
         }
     }
 
-    /// Collects the triangles below a node.
+    /// Collects what is below a node.
     fn add_block(&mut self, root: u32) -> u32 {
-        let mut block = TriangleBlock::default();
+        let mut block = T::Block::default();
         let mut lane = 0;
         let mut open = vec![root];
         while let Some(index) = open.pop() {
@@ -68,7 +68,7 @@ impl<'a, T: PrimitiveSource> Gather<'a, T> {
             if node.is_leaf() {
                 for slot in node.first_index..node.first_index + node.prim_count {
                     let primitive = self.binary.primitive_indices[slot as usize];
-                    block.set(lane, &self.primitives[primitive as usize].primitive());
+                    self.primitives[primitive as usize].put(&mut block, lane);
                     lane += 1;
                 }
             } else {

@@ -2,10 +2,12 @@
 //!
 //! Cache lines of the tree: nodes that a ray visits together lie together, so that it touches few pages of memory.
 
+use std::marker::PhantomData;
+
 use bytemuck::{Pod, Zeroable};
 
+use super::Block;
 use super::node::Node;
-use crate::ray::triangle::TriangleBlock;
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -13,15 +15,22 @@ use crate::ray::triangle::TriangleBlock;
 struct Line([u32; 16]);
 
 const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
-const BLOCK_LINES: usize = size_of::<TriangleBlock>() / size_of::<Line>();
 
 /// Nodes and blocks by the number of the line at which they start.
 ///
 /// Numbers have 30 bits: 64 GiB, or 700 million triangles.
-#[derive(Debug, Default, PartialEq)]
-pub(super) struct Lines(Vec<Line>);
+#[derive(Debug, PartialEq)]
+pub(super) struct Lines<B>(Vec<Line>, PhantomData<B>);
 
-impl Lines {
+impl<B> Default for Lines<B> {
+    fn default() -> Self {
+        Self(Vec::new(), PhantomData)
+    }
+}
+
+impl<B: Block> Lines<B> {
+    const BLOCK_LINES: usize = size_of::<B>() / size_of::<Line>();
+
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
@@ -38,8 +47,8 @@ impl Lines {
     }
 
     #[inline(always)]
-    pub(super) fn block(&self, line: u32) -> &TriangleBlock {
-        let lines: &[Line] = &self.0[line as usize..][..BLOCK_LINES];
+    pub(super) fn block(&self, line: u32) -> &B {
+        let lines: &[Line] = &self.0[line as usize..][..Self::BLOCK_LINES];
         &bytemuck::cast_slice(lines)[0]
     }
 
@@ -60,7 +69,7 @@ impl Lines {
         line
     }
 
-    pub(super) fn push_block(&mut self, block: &TriangleBlock) -> u32 {
+    pub(super) fn push_block(&mut self, block: &B) -> u32 {
         let line = self.0.len() as u32;
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(block)));
         line

@@ -1,7 +1,7 @@
-//! An eight-wide bounding volume hierarchy with triangles in blocks of four.
+//! An eight-wide bounding volume hierarchy over blocks: four triangles, or one instance of a mesh.
 //!
 //! `obvhs` builds a binary tree (PLOC with reinsertion); eight neighbors of it are gathered into one
-//! node, whose boxes are tested together, and up to four triangles into a block.
+//! node, whose boxes are tested together, and as many as there is room for into a block.
 //! Rounding never hides a hit: boxes have a margin, far distances of the box test are widened, and the
 //! triangle test is watertight.
 
@@ -14,26 +14,27 @@ mod traversal;
 use gather::Gather;
 use glam::Vec3;
 use lines::Lines;
+use node::{EMPTY, LEAF};
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
-use traversal::Visitor;
+pub(super) use traversal::Visitor;
 
-use super::primitive::PrimitiveSource;
-use super::triangle::{BlockRay, LANES, Ray, TriangleBlock, TriangleHit};
+use super::primitive::{Block, PrimitiveSource};
+use super::triangle::{BlockRay, Ray, TriangleBlock, TriangleHit};
 
-/// The tree over a scene's triangles.
+/// The tree over a scene's triangles, or what else its blocks are of.
 #[derive(Debug, PartialEq)]
-pub(crate) struct WideTree {
-    lines: Lines,
+pub(crate) struct WideTree<B = TriangleBlock> {
+    lines: Lines<B>,
     /// Most children that a ray has yet to visit at any time.
     most_waiting: usize,
     bounds: (Vec3, Vec3),
     avx2: bool,
 }
 
-impl WideTree {
+impl<B: Block> WideTree<B> {
     /// Builds the tree; the result does not depend on the number of threads.
-    pub(crate) fn new(primitives: &[impl PrimitiveSource]) -> Self {
+    pub(crate) fn new(primitives: &[impl PrimitiveSource<Block = B>]) -> Self {
         let avx2 = avx2_is_available();
         if primitives.is_empty() {
             return Self { lines: Lines::default(), most_waiting: 0, bounds: (Vec3::ZERO, Vec3::ZERO), avx2 };
@@ -64,11 +65,29 @@ impl WideTree {
         self.lines.size()
     }
 
-    /// The triangle block that a leaf number belongs to, and its lane.
-    pub(crate) fn leaf(&self, leaf: u32) -> (&TriangleBlock, usize) {
-        (self.lines.block(leaf / LANES as u32), leaf as usize % LANES)
+    /// The block that the number of a leaf belongs to, and its lane.
+    #[inline]
+    pub(crate) fn leaf(&self, leaf: u32) -> (&B, usize) {
+        (self.lines.block(leaf / B::LANES as u32), leaf as usize % B::LANES)
     }
 
+    /// Calls `found` for every block, with the number of its first lane.
+    pub(crate) fn for_each_block(&self, mut found: impl FnMut(u32, &B)) {
+        let mut open = if self.lines.is_empty() { Vec::new() } else { vec![0] };
+        while let Some(line) = open.pop() {
+            for child in self.lines.node(line).children {
+                if child & LEAF == 0 {
+                    open.push(child);
+                } else if child != EMPTY {
+                    let line = child & !LEAF;
+                    found(line * B::LANES as u32, self.lines.block(line));
+                }
+            }
+        }
+    }
+}
+
+impl WideTree {
     /// The nearest hit along a ray with the number of its leaf.
     #[inline]
     pub(crate) fn closest(&self, ray: &Ray) -> Option<(TriangleHit, u32)> {
@@ -112,7 +131,7 @@ struct Nearest<F> {
     hit: Option<(TriangleHit, u32)>,
 }
 
-impl<F: Fn(&TriangleBlock, &BlockRay) -> Option<(TriangleHit, usize)>> Visitor for Nearest<F> {
+impl<F: Fn(&TriangleBlock, &BlockRay) -> Option<(TriangleHit, usize)>> Visitor<TriangleBlock> for Nearest<F> {
     const IS_ORDERED: bool = true;
 
     #[inline(always)]
@@ -128,7 +147,7 @@ impl<F: Fn(&TriangleBlock, &BlockRay) -> Option<(TriangleHit, usize)>> Visitor f
 /// Is content with any hit.
 struct Any;
 
-impl Visitor for Any {
+impl Visitor<TriangleBlock> for Any {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
@@ -142,7 +161,7 @@ struct Every<F> {
     found: F,
 }
 
-impl<F: FnMut(TriangleHit, u32)> Visitor for Every<F> {
+impl<F: FnMut(TriangleHit, u32)> Visitor<TriangleBlock> for Every<F> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
@@ -169,8 +188,10 @@ mod tests {
     use crate::ray::primitive::Primitive;
 
     impl PrimitiveSource for Primitive {
-        fn primitive(&self) -> Primitive {
-            *self
+        type Block = TriangleBlock;
+
+        fn put(&self, block: &mut TriangleBlock, lane: usize) {
+            block.set(lane, self);
         }
     }
 

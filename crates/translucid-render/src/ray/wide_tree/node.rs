@@ -8,11 +8,11 @@ use crate::ray::Ray;
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
 
-/// Marks a child that is a triangle block.
+/// Marks a child that is a block.
 pub(super) const LEAF: u32 = 1 << 31;
 
 /// Marks a child that is not there.
-const EMPTY: u32 = u32::MAX;
+pub(super) const EMPTY: u32 = u32::MAX;
 
 /// Eight boxes with what is in them. An empty child's box is inside out, so no ray meets it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]

@@ -9,18 +9,18 @@
 //!
 //! Everything below is compiled twice, plainly and for AVX2, which is chosen at run time; both find the same.
 
-use super::WideTree;
 use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
-use crate::ray::triangle::{BlockRay, LANES, Ray, TriangleBlock};
+use super::{Block, WideTree};
+use crate::ray::triangle::{BlockRay, Ray};
 
 /// A question about a ray's way.
-pub(super) trait Visitor {
+pub(in crate::ray) trait Visitor<B> {
     /// Whether near blocks shall come before far ones, and what lies beyond the ray's end, which then may come nearer,
     /// be left out.
     const IS_ORDERED: bool;
 
-    /// Looks at a block whose first triangle has the number `first`; true ends the way.
-    fn visit(&mut self, ray: &mut BlockRay, block: &TriangleBlock, first: u32) -> bool;
+    /// Looks at a block whose first lane has the number `first`; true ends the way.
+    fn visit(&mut self, ray: &mut BlockRay, block: &B, first: u32) -> bool;
 }
 
 /// Children yet to visit for which there is room without asking for memory: scanned meshes have up to 70.
@@ -49,10 +49,10 @@ impl Visit {
     }
 }
 
-impl WideTree {
+impl<B: Block> WideTree<B> {
     /// Leads a visitor to the blocks whose boxes a ray meets; whether it has ended the way.
     #[inline(always)]
-    pub(super) fn traverse<V: Visitor>(&self, ray: &Ray, visitor: &mut V) -> bool {
+    pub(in crate::ray) fn traverse<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V) -> bool {
         if self.lines.is_empty() {
             return false;
         }
@@ -75,13 +75,13 @@ impl WideTree {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn traverse_avx2<V: Visitor>(&self, ray: &Ray, visitor: &mut V, stack: &mut [Visit]) -> bool {
+    fn traverse_avx2<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut [Visit]) -> bool {
         // SAFETY: this function has AVX2.
         self.traverse_with(ray, visitor, stack, |ray, node, t_max| unsafe { ray.meet_avx2(node, t_max) })
     }
 
     #[inline(always)]
-    fn traverse_with<V: Visitor>(
+    fn traverse_with<V: Visitor<B>>(
         &self,
         ray: &Ray,
         visitor: &mut V,
@@ -106,7 +106,7 @@ impl WideTree {
             }
             if is_met {
                 let line = current.child() & !LEAF;
-                if visitor.visit(&mut block_ray, self.lines.block(line), line * LANES as u32) {
+                if visitor.visit(&mut block_ray, self.lines.block(line), line * B::LANES as u32) {
                     return true;
                 }
             }
@@ -127,7 +127,7 @@ impl WideTree {
     /// Takes the nearest of the children that a ray meets, of which there are any; the others go onto the stack so that the
     /// nearest of them is on top.
     #[inline(always)]
-    fn choose<V: Visitor>(&self, node: &Node, met: &Met, stack: &mut [Visit], used: &mut usize) -> Visit {
+    fn choose<V: Visitor<B>>(&self, node: &Node, met: &Met, stack: &mut [Visit], used: &mut usize) -> Visit {
         let next = |mask: u32| {
             let lane = mask.trailing_zeros() as usize % WIDTH;
             let visit = Visit::new(node, met, lane);

@@ -31,7 +31,13 @@ pub(crate) fn quad(center: Vec3, x: Vec3, y: Vec3) -> Mesh {
 pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
     let objects = meshes
         .into_iter()
-        .map(|mesh| Object { name: "object".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 })
+        .map(|mesh| Object {
+            name: "object".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        })
         .collect();
     Scene {
         unit: Unit::Millimeter,

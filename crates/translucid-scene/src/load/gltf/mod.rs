@@ -23,9 +23,10 @@ mod notes;
 mod textures;
 mod uri;
 
+use std::collections::HashMap;
 use std::path::Path;
 
-use glam::{DAffine3, DVec3};
+use glam::{Affine3A, DAffine3, DVec3};
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
@@ -34,7 +35,10 @@ use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
+use super::shared_mesh::SharedMesh;
+use super::watch::LoadWatch;
 use super::{MeshFile, read_file};
+use crate::scene::MOST_OBJECTS;
 use crate::{Object, Place, SceneError, Unit, Warning, repair_mesh};
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
@@ -46,7 +50,17 @@ use crate::{Object, Place, SceneError, Unit, Warning, repair_mesh};
 /// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
 /// usable triangle; the message names the element at fault.
 pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
-    parse_gltf(&read_file(path)?, path, unit, warnings)
+    load_watched(path, unit, &LoadWatch::default(), warnings)
+}
+
+/// As [`load_gltf`], with somebody who hears how far it is.
+pub(super) fn load_watched(
+    path: &Path,
+    unit: Unit,
+    watch: &LoadWatch,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    parse_watched(&read_file(path)?, path, unit, watch, warnings)
 }
 
 /// Reads glTF from memory; `path` is for messages and for the buffers and images beside it.
@@ -59,8 +73,18 @@ pub fn parse_gltf(
     unit: Unit,
     warnings: &mut Vec<Warning>,
 ) -> Result<MeshFile, SceneError> {
+    parse_watched(bytes, path, unit, &LoadWatch::default(), warnings)
+}
+
+fn parse_watched(
+    bytes: &[u8],
+    path: &Path,
+    unit: Unit,
+    watch: &LoadWatch,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
     let notes = Notes::new(path);
-    let result = read(bytes, unit, &notes, warnings);
+    let result = read(bytes, unit, watch, &notes, warnings);
     warnings.extend(notes.into_warnings());
     result
 }
@@ -68,6 +92,7 @@ pub fn parse_gltf(
 fn read(
     bytes: &[u8],
     unit: Unit,
+    watch: &LoadWatch,
     notes: &Notes<'_>,
     warnings: &mut Vec<Warning>,
 ) -> Result<MeshFile, SceneError> {
@@ -83,12 +108,15 @@ fn read(
         units,
         materials: MaterialShelf::default(),
         budget: MOST,
+        uses: uses_of_meshes(&placed, &arrays),
+        shared: HashMap::new(),
         warnings,
         unusable: None,
         next_group: 0,
         scene: MeshFile::default(),
     };
-    for node in &placed {
+    for (done, node) in placed.iter().enumerate() {
+        watch.tell(done, placed.len())?;
         assembly.add_node(node)?;
     }
     assembly.finish()
@@ -115,6 +143,20 @@ fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneE
     Ok(())
 }
 
+/// How often each mesh is used; what cannot be counted is refused when it is read.
+fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, usize> {
+    let mut uses = HashMap::new();
+    for placed in placed {
+        let part = arrays.document.nodes.label(placed.index);
+        let Ok(node) = arrays.document.nodes.get(placed.index, &part, arrays.notes.path) else { continue };
+        if let Some(mesh) = node.mesh {
+            let count: &mut usize = uses.entry(mesh).or_insert(0);
+            *count = count.saturating_add(nodes::instance_count(node, &part, arrays));
+        }
+    }
+    uses
+}
+
 /// A scene on its way.
 struct Assembly<'a> {
     arrays: &'a Arrays<'a>,
@@ -123,6 +165,10 @@ struct Assembly<'a> {
     materials: MaterialShelf,
     /// Vertices and triangles that the file may still have.
     budget: usize,
+    /// How often each mesh is used.
+    uses: HashMap<usize, usize>,
+    /// Primitives that their uses share, by the numbers of the mesh and of the primitive.
+    shared: HashMap<(usize, usize), SharedMesh>,
     warnings: &'a mut Vec<Warning>,
     /// Why a mesh could not be used, for the message if none can.
     unusable: Option<SceneError>,
@@ -167,7 +213,15 @@ impl Assembly<'_> {
         for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
             for primitive in 0..mesh.primitives.len() {
                 let place = format!("{label} primitive {primitive} of {part}");
-                self.add_primitive(&mesh.primitives[primitive], world_from_local, name, &place)?;
+                let world_from_local = world_from_local.as_affine3a();
+                match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {
+                    Some(object) => {
+                        let material = mesh.primitives[primitive].material;
+                        let material = self.materials.get(material, &place, self.units, self.arrays)?.index;
+                        self.push(Object { name: name.clone(), material, ..object }, &place)?;
+                    }
+                    None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
+                }
             }
             self.next_group = self.next_group.saturating_add(1);
         }
@@ -176,11 +230,13 @@ impl Assembly<'_> {
 
     fn add_primitive(
         &mut self,
-        primitive: &document::Primitive,
-        world_from_local: DAffine3,
+        (mesh_index, number): (usize, usize),
+        world_from_local: &Affine3A,
         name: &str,
         part: &str,
     ) -> Result<(), SceneError> {
+        let primitive =
+            &self.arrays.document.meshes.get(mesh_index, part, self.arrays.notes.path)?.primitives[number];
         let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
         let set = material.uv_set.unwrap_or(0);
         let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
@@ -189,19 +245,38 @@ impl Assembly<'_> {
         if material.uv_set.is_some() && mesh.uvs.is_empty() {
             self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
         }
-        mesh.transform(&world_from_local.as_affine3a());
         let place = Place::part(self.arrays.notes.path, part);
+        let uses = self.uses.get(&mesh_index).copied().unwrap_or(1);
+        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
+            // One that cannot be repaired is told of below
+            let mut of_mesh = Vec::new();
+            if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
+                let object = shared.placed(world_from_local);
+                self.shared.insert((mesh_index, number), shared);
+                if let Some(object) = object {
+                    self.warnings.append(&mut of_mesh);
+                    return self
+                        .push(Object { name: name.to_owned(), material: material.index, ..object }, part);
+                }
+            }
+        }
+        mesh.transform(world_from_local);
         if let Err(error) = repair_mesh(&mut mesh, &place, self.warnings) {
             self.arrays.notes.warn(part, format!("left out: {}", error.message));
             self.unusable.get_or_insert(error);
             return Ok(());
         }
-        self.scene.objects.push(Object {
-            name: name.to_owned(),
-            mesh: mesh.into(),
-            material: material.index,
-            subsurface_group: self.next_group,
-        });
+        let (name, mesh, material) = (name.to_owned(), mesh.into(), material.index);
+        self.push(Object { name, mesh, material, ..Object::default() }, part)
+    }
+
+    /// Adds an object of the mesh at hand.
+    fn push(&mut self, object: Object, part: &str) -> Result<(), SceneError> {
+        if self.scene.objects.len() >= MOST_OBJECTS {
+            let message = format!("the file has more than {MOST_OBJECTS} objects up to here");
+            return Err(self.arrays.notes.error(part, message));
+        }
+        self.scene.objects.push(Object { subsurface_group: self.next_group, ..object });
         Ok(())
     }
 

@@ -150,6 +150,18 @@ struct Instancing {
     attributes: document::Attributes,
 }
 
+/// How many instances of its mesh a node has, as far as that can be told without reading them.
+pub(super) fn instance_count(node: &Node, part: &str, arrays: &Arrays<'_>) -> usize {
+    let name = "EXT_mesh_gpu_instancing";
+    match document::extension::<Instancing>(&node.extensions, name, part, arrays.notes.path) {
+        Ok(Some(instancing)) => {
+            let accessor = instancing.attributes.values().next();
+            accessor.and_then(|&accessor| arrays.count(accessor, part).ok()).unwrap_or(0)
+        }
+        _ => 1,
+    }
+}
+
 /// Transforms of the instances of a node's mesh: one, or those of EXT_mesh_gpu_instancing.
 pub(super) fn instances(
     node: &Node,

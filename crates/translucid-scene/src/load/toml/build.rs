@@ -1,9 +1,11 @@
 //! From a checked scene file and the files that it names to a scene.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Affine3A;
 use rayon::prelude::*;
 
 use super::input::{FileRequest, KnownFiles};
@@ -11,9 +13,10 @@ use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::interval::Interval;
 use crate::load::mesh_file::{MeshFile, scale_lengths};
+use crate::load::shared_mesh::SharedMesh;
 use crate::load::stage::Stage;
-use crate::load::{LoadOptions, is_gltf, load_image, load_model, load_profile_table, read_file};
-use crate::scene::MOST_TRIANGLES;
+use crate::load::{LoadOptions, LoadWatch, is_gltf, load_image, load_model, load_profile_table, read_file};
+use crate::scene::{MOST_OBJECTS, MOST_TRIANGLES};
 use crate::{
     Camera, Light, Material, Mesh, Object, Place, Scene, SceneError, Unit, Warning, build_shape, repair_mesh,
 };
@@ -45,13 +48,23 @@ impl SceneFile {
         scene.images.extend(images);
         let mut builder =
             SceneBuilder { grouping: self.grouping, camera: self.camera, ..SceneBuilder::of(scene) };
+        builder.watch = options.watch.clone();
+        let replacement = |index: usize| overrides.get(&index).copied();
+        for (index, entry) in self.objects.iter().enumerate() {
+            builder.expect(entry, replacement(index));
+        }
         for (chunk, entries) in self.objects.chunks(SHAPES_AT_ONCE).enumerate() {
-            let shapes: Vec<_> = entries.par_iter().map(ReadyMesh::of_shape).collect();
+            let of_one_use = |entry: &ObjectEntry| {
+                if builder.uses(entry, None) > 1 { None } else { ReadyMesh::of_shape(entry) }
+            };
+            let shapes: Vec<_> = entries.par_iter().map(of_one_use).collect();
             for (number, (entry, shape)) in entries.iter().zip(shapes).enumerate() {
                 let index = chunk * SHAPES_AT_ONCE + number;
-                match shape {
-                    Some(shape) => builder.add_ready(entry, shape?, warnings)?,
-                    None => builder.add_file(entry, overrides.get(&index).copied(), warnings)?,
+                options.watch.tell(index, self.objects.len())?;
+                match (shape, &entry.geometry) {
+                    (Some(shape), _) => builder.add_ready(entry, vec![shape?], warnings)?,
+                    (None, GeometryOrigin::Shape { .. }) => builder.add_shape(entry, warnings)?,
+                    (None, _) => builder.add_file(entry, replacement(index), warnings)?,
                 }
             }
         }
@@ -118,28 +131,56 @@ enum Group {
 
 /// A mesh in its place in the scene, checked and valid.
 pub(super) struct ReadyMesh {
-    mesh: Mesh,
-    /// Triangles before the repair.
+    mesh: Arc<Mesh>,
+    /// What is not in its vertices of the way to its place.
+    world_from_local: Affine3A,
+    /// Triangles before the repair, which others do not count.
     triangles: usize,
     warnings: Vec<Warning>,
 }
 
 impl ReadyMesh {
-    /// The shape of an entry; none if that has a file.
-    pub(super) fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
-        let GeometryOrigin::Shape { name, parameters } = &entry.geometry else { return None };
-        let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
-        Some(build_shape(name, parameters).map_err(at_place).and_then(|mesh| Self::new(entry, mesh)))
+    /// The shape of an entry with one place; none if it has a file.
+    fn of_shape(entry: &ObjectEntry) -> Option<Result<Self, SceneError>> {
+        let mesh = raw_shape(entry)?;
+        Some(mesh.and_then(|mesh| Self::new(entry, &entry.places[0], mesh)))
     }
 
-    pub(super) fn new(entry: &ObjectEntry, mesh: Mesh) -> Result<Self, SceneError> {
+    /// A mesh in a place, shared if it can be there.
+    fn of_shared(entry: &ObjectEntry, place: &Affine3A, shared: &SharedMesh) -> Result<Self, SceneError> {
+        match shared.placed(place) {
+            Some(Object { mesh, world_from_local, .. }) => {
+                Ok(Self { mesh, world_from_local, triangles: 0, warnings: Vec::new() })
+            }
+            None => Self::new(entry, place, Mesh::clone(shared.mesh())),
+        }
+    }
+
+    /// A mesh with its place baked into its vertices.
+    fn new(entry: &ObjectEntry, place: &Affine3A, mesh: Mesh) -> Result<Self, SceneError> {
         let triangles = mesh.triangles.len();
-        let mut mesh = mesh.transformed(&entry.world_from_object);
+        let mut mesh = mesh.transformed(place);
         check_bounds(&mesh, &entry.place)?;
         let mut warnings = Vec::new();
         repair_mesh(&mut mesh, &entry.place, &mut warnings)?;
-        Ok(Self { mesh, triangles, warnings })
+        Ok(Self { mesh: mesh.into(), world_from_local: Affine3A::IDENTITY, triangles, warnings })
     }
+}
+
+/// The shape of an entry where it is made; none if that has a file.
+fn raw_shape(entry: &ObjectEntry) -> Option<Result<Mesh, SceneError>> {
+    let GeometryOrigin::Shape { name, parameters } = &entry.geometry else { return None };
+    let at_place = |error: SceneError| SceneError { place: Some(entry.place.clone()), ..error };
+    Some(build_shape(name, parameters).map_err(at_place))
+}
+
+/// What tells a mesh from others before it is there.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum Source {
+    /// A file, and the name of the unit of its coordinates.
+    File(PathBuf, &'static str),
+    /// A shape, and its parameters with the bits of their values.
+    Shape(String, Vec<(String, u64)>),
 }
 
 /// A mesh file and the index that its first material has in the scene, once it is there.
@@ -147,6 +188,8 @@ impl ReadyMesh {
 struct LoadedMeshFile {
     model: MeshFile,
     first_material: Option<usize>,
+    /// Those meshes of the model that several objects have, by their address.
+    shared: HashMap<usize, SharedMesh>,
 }
 
 /// A scene on its way: things are added one after another, what it does not say is chosen at the end.
@@ -174,7 +217,14 @@ pub struct SceneBuilder {
     /// The camera, if it is not to be chosen.
     pub(super) camera: Option<Camera>,
     default_material: Option<usize>,
-    models: HashMap<(PathBuf, &'static str), LoadedMeshFile>,
+    models: HashMap<Source, LoadedMeshFile>,
+    /// Shapes that several objects have.
+    shapes: HashMap<Source, SharedMesh>,
+    /// Hears how far the loading of a file is.
+    watch: LoadWatch,
+    /// Uses of a mesh that are known: those that are to come, and those that there have been.
+    expected: HashMap<Source, usize>,
+    used: HashMap<Source, usize>,
     groups: HashMap<Group, u32>,
     next_group: u32,
     /// Entries that objects were made of: several for an entry with a file.
@@ -189,7 +239,9 @@ impl SceneBuilder {
     /// A scene that goes on from this one, its camera to be chosen.
     pub(super) fn of(scene: Scene) -> Self {
         let groups = scene.objects.iter().map(|object| object.subsurface_group.saturating_add(1));
-        let triangles = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
+        // Shared meshes are counted when the scene is checked
+        let own = scene.objects.iter().filter(|object| !object.is_placed());
+        let triangles = own.map(|object| object.mesh.triangles.len()).sum();
         Self {
             next_group: groups.max().unwrap_or(0),
             entries: 0,
@@ -199,6 +251,10 @@ impl SceneBuilder {
             camera: None,
             default_material: None,
             models: HashMap::new(),
+            shapes: HashMap::new(),
+            watch: LoadWatch::default(),
+            expected: HashMap::new(),
+            used: HashMap::new(),
             groups: HashMap::new(),
             files: KnownFiles::default(),
         }
@@ -227,16 +283,98 @@ impl SceneBuilder {
         }
     }
 
-    /// Adds an object whose mesh is there.
-    pub(super) fn add_ready(
+    /// What tells the mesh of an entry from others, with another file in place of its own; none if it is at hand.
+    fn source(&self, entry: &ObjectEntry, replacement: Option<&Path>) -> Option<Source> {
+        match &entry.geometry {
+            GeometryOrigin::File { path, unit } => {
+                let path = replacement.unwrap_or(path);
+                Some(Source::File(path.to_owned(), self.unit(path, *unit).name()))
+            }
+            GeometryOrigin::Shape { name, parameters } => {
+                let parameters = parameters.iter().map(|(name, value)| (name.to_owned(), value.to_bits()));
+                Some(Source::Shape(name.clone(), parameters.collect()))
+            }
+            GeometryOrigin::Given => None,
+        }
+    }
+
+    /// The unit of a file's coordinates.
+    fn unit(&self, path: &Path, stated: Option<Unit>) -> Unit {
+        stated.unwrap_or(if is_gltf(path) { Unit::Meter } else { self.scene.unit })
+    }
+
+    /// Says that an entry is to come.
+    fn expect(&mut self, entry: &ObjectEntry, replacement: Option<&Path>) {
+        if let Some(source) = self.source(entry, replacement) {
+            *self.expected.entry(source).or_insert(0) += entry.places.len();
+        }
+    }
+
+    /// How often the mesh of an entry is used, as far as is known, this entry included.
+    fn uses(&self, entry: &ObjectEntry, replacement: Option<&Path>) -> usize {
+        let Some(source) = self.source(entry, replacement) else { return entry.places.len() };
+        let used = self.used.get(&source).copied().unwrap_or(0) + entry.places.len();
+        used.max(self.expected.get(&source).copied().unwrap_or(0))
+    }
+
+    /// Adds an object whose mesh is there, in each of its places.
+    fn add_ready(
         &mut self,
         entry: &ObjectEntry,
-        mesh: ReadyMesh,
+        meshes: Vec<ReadyMesh>,
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         let material = entry.material.unwrap_or_else(|| self.default_material());
-        self.entries += 1;
-        self.add_mesh(entry, mesh, (entry.name.clone(), material, 0), warnings)
+        for (place, mesh) in meshes.into_iter().enumerate() {
+            self.entries += 1;
+            self.add_mesh(entry, mesh, (entry.name_at(&entry.name, place), material, 0), warnings)?;
+        }
+        Ok(())
+    }
+
+    /// Adds an object whose mesh is at hand.
+    pub(super) fn add_given(
+        &mut self,
+        entry: &ObjectEntry,
+        mesh: Mesh,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
+        let meshes = match &entry.places[..] {
+            [place] => vec![ReadyMesh::new(entry, place, mesh)?],
+            places => {
+                let shared = SharedMesh::new(mesh.into(), places.len(), &entry.place, warnings)?;
+                let ready = |place| ReadyMesh::of_shared(entry, place, &shared);
+                places.iter().map(ready).collect::<Result<_, _>>()?
+            }
+        };
+        self.add_ready(entry, meshes, warnings)
+    }
+
+    /// Adds an object with a shape, which is made once however many have it.
+    pub(super) fn add_shape(
+        &mut self,
+        entry: &ObjectEntry,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
+        let uses = self.uses(entry, None);
+        let Some(source) = self.source(entry, None) else { return Ok(()) };
+        *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
+        let shared = match self.shapes.remove(&source) {
+            Some(shared) if shared.is_shared() => shared,
+            known => {
+                let mesh = known.map(|known| Ok(Arc::clone(known.mesh())));
+                let Some(mesh) = mesh.or_else(|| raw_shape(entry).map(|mesh| mesh.map(Arc::new))) else {
+                    return Ok(());
+                };
+                SharedMesh::new(mesh?, uses, &entry.place, warnings)?
+            }
+        };
+        let ready = |place| ReadyMesh::of_shared(entry, place, &shared);
+        let meshes = entry.places.iter().map(ready).collect::<Result<_, _>>()?;
+        if uses > 1 {
+            self.shapes.insert(source, shared);
+        }
+        self.add_ready(entry, meshes, warnings)
     }
 
     /// Adds what is in the file of an entry, or in the one that replaces it.
@@ -251,36 +389,59 @@ impl SceneBuilder {
         check_present(path, &entry.place).map_err(|error| {
             error.with_help(format!("put the mesh there, or give its path with --mesh {}=PATH", entry.name))
         })?;
-        let unit = unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { self.scene.unit });
-        let key = (path.to_owned(), unit.name());
+        let uses = self.uses(entry, replacement);
+        let unit = self.unit(path, *unit);
+        let source = Source::File(path.to_owned(), unit.name());
         // Taken out while its parts are added, and put back for the next object with the same file.
-        let mut loaded = match self.models.remove(&key) {
+        let mut loaded = match self.models.remove(&source) {
             Some(loaded) => loaded,
-            None => LoadedMeshFile { model: self.load(path, unit, warnings)?, first_material: None },
+            None => LoadedMeshFile {
+                model: self.load(path, unit, warnings)?,
+                first_material: None,
+                shared: HashMap::new(),
+            },
         };
-        self.entries += 1;
+        *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
         let first_material = self.first_material(entry, &mut loaded);
+        let mut uses_of_mesh: HashMap<usize, usize> = HashMap::new();
         for part in &loaded.model.objects {
-            let material = entry.material.unwrap_or_else(|| match first_material {
-                Some(first) => first + part.material,
-                None => self.default_material(),
-            });
-            let name = match loaded.model.objects.len() {
-                1 => entry.name.clone(),
-                _ => format!("{}/{}", entry.name, part.name),
-            };
-            let mesh = ReadyMesh::new(entry, Mesh::clone(&part.mesh))?;
-            self.add_mesh(entry, mesh, (name, material, part.subsurface_group), warnings)?;
+            *uses_of_mesh.entry(Arc::as_ptr(&part.mesh).addr()).or_insert(0) += uses;
         }
-        self.scene
-            .lights
-            .extend(loaded.model.lights.iter().filter_map(|light| transformed_light(light, entry)));
-        self.models.insert(key, loaded);
+        for (number, place) in entry.places.iter().enumerate() {
+            self.entries += 1;
+            for part in &loaded.model.objects {
+                let material = entry.material.unwrap_or_else(|| match first_material {
+                    Some(first) => first + part.material,
+                    None => self.default_material(),
+                });
+                let name = entry.name_at(&entry.name, number);
+                let name =
+                    if loaded.model.objects.len() == 1 { name } else { format!("{name}/{}", part.name) };
+                let address = Arc::as_ptr(&part.mesh).addr();
+                let place = if part.is_placed() { *place * part.world_from_local } else { *place };
+                let mesh = if part.mesh.is_worth_sharing(uses_of_mesh[&address]) {
+                    let shared = match loaded.shared.entry(address) {
+                        Entry::Occupied(known) => known.into_mut(),
+                        Entry::Vacant(new) => {
+                            let mesh = Arc::clone(&part.mesh);
+                            new.insert(SharedMesh::new(mesh, uses_of_mesh[&address], &entry.place, warnings)?)
+                        }
+                    };
+                    ReadyMesh::of_shared(entry, &place, shared)?
+                } else {
+                    ReadyMesh::new(entry, &place, Mesh::clone(&part.mesh))?
+                };
+                self.add_mesh(entry, mesh, (name, material, part.subsurface_group), warnings)?;
+            }
+            let lights = loaded.model.lights.iter();
+            self.scene.lights.extend(lights.filter_map(|light| transformed_light(light, place)));
+        }
+        self.models.insert(source, loaded);
         Ok(())
     }
 
     fn load(&self, path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
-        let mut model = load_model(path, warnings)?;
+        let mut model = load_model(path, &self.watch, warnings)?;
         scale_lengths(&mut model, (unit.in_millimeters() / self.scene.unit.in_millimeters()) as f32);
         Ok(model)
     }
@@ -302,7 +463,7 @@ impl SceneBuilder {
     fn add_mesh(
         &mut self,
         entry: &ObjectEntry,
-        ReadyMesh { mesh, triangles, warnings: mut of_mesh }: ReadyMesh,
+        ReadyMesh { mesh, world_from_local, triangles, warnings: mut of_mesh }: ReadyMesh,
         (name, material, model_group): (String, usize, u32),
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
@@ -322,7 +483,11 @@ impl SceneBuilder {
         if subsurface_group == next {
             self.next_group += 1;
         }
-        self.scene.objects.push(Object { name, mesh: mesh.into(), material, subsurface_group });
+        if self.scene.objects.len() >= MOST_OBJECTS {
+            let message = format!("the scene has more than {MOST_OBJECTS} objects up to here");
+            return Err(SceneError::at(entry.place.clone(), message));
+        }
+        self.scene.objects.push(Object { name, mesh, world_from_local, material, subsurface_group });
         Ok(())
     }
 
@@ -362,8 +527,7 @@ fn check_bounds(mesh: &Mesh, place: &Place) -> Result<(), SceneError> {
 
 /// A mesh file's light moved with its object; its intensity grows with the square of the scale, so that
 /// what it lights stays as bright.
-fn transformed_light(light: &Light, entry: &ObjectEntry) -> Option<Light> {
-    let map = &entry.world_from_object;
+fn transformed_light(light: &Light, map: &Affine3A) -> Option<Light> {
     let direct = |direction| map.transform_vector3(direction).try_normalize();
     match *light {
         Light::Spot { position, direction, intensity, inner_angle, outer_angle } => Some(Light::Spot {

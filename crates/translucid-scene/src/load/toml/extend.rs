@@ -253,7 +253,11 @@ impl Chain {
     fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
         let Replacements { mesh, objects } = self.replacements(&options.mesh_overrides)?;
         let stated = self.files.iter().rev().find_map(|file| file.extends.as_ref()?.size);
-        let of_base = LoadOptions { size: options.size.or(stated), ..LoadOptions::default() };
+        let of_base = LoadOptions {
+            size: options.size.or(stated),
+            watch: options.watch.clone(),
+            ..LoadOptions::default()
+        };
         let mut base = match &self.mesh {
             Some((path, extends)) => Some(load_mesh(mesh.unwrap_or(path), extends, &of_base, warnings)?),
             None => None,

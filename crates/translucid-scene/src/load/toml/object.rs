@@ -8,6 +8,7 @@ use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 use super::document::{Item, Table};
 use crate::error::nearest;
 use crate::interval::{Interval, WholeInterval};
+use crate::scene::MOST_OBJECTS;
 use crate::shapes::{ShapeParameterKind, shape_names, shape_parameters};
 use crate::{Material, Place, SceneError, ShapeParameters, Unit};
 
@@ -22,12 +23,16 @@ pub(super) const KEYS: &[&str] = &[
     "rotate",
     "scale",
     "matrix",
+    "transforms",
     "subsurface_group",
 ];
 
 /// Keys of an object whose mesh is at hand.
 const MESH_KEYS: &[&str] =
-    &["name", "material", "translate", "rotate", "scale", "matrix", "subsurface_group"];
+    &["name", "material", "translate", "rotate", "scale", "matrix", "transforms", "subsurface_group"];
+
+/// Keys of a place.
+const PLACE_KEYS: &[&str] = &["translate", "rotate", "scale", "matrix"];
 
 /// Where an object's geometry comes from.
 #[derive(Clone, Debug)]
@@ -48,11 +53,20 @@ pub(super) struct ObjectEntry {
     pub(super) geometry: GeometryOrigin,
     /// Where the file or shape is named.
     pub(super) place: Place,
-    pub(super) world_from_object: Affine3A,
+    /// Its places, at least one; those of `transforms` have a number in the names of what stands there.
+    pub(super) places: Vec<Affine3A>,
+    pub(super) is_numbered: bool,
     /// Index of the material; the file's own where `None`.
     pub(super) material: Option<usize>,
     /// Name of the set of objects that share subsurface scattering.
     pub(super) subsurface_group: Option<String>,
+}
+
+impl ObjectEntry {
+    /// A name with the number of its place, if it has one.
+    pub(super) fn name_at(&self, name: &str, place: usize) -> String {
+        if self.is_numbered { format!("{name}[{place}]") } else { name.to_owned() }
+    }
 }
 
 /// Reads an object and hands its table back, for messages about its name.
@@ -84,11 +98,19 @@ fn read_entry(
     place: Place,
     materials: Option<&[Material]>,
 ) -> Result<ObjectEntry, SceneError> {
+    let world_from_object = read_transform(table)?;
+    let transforms = table.get("transforms").map(|item| read_transforms(table, &item)).transpose()?;
+    let is_numbered = transforms.is_some();
+    let places = match transforms {
+        Some(transforms) => transforms.into_iter().map(|place| place * world_from_object).collect(),
+        None => vec![world_from_object],
+    };
     Ok(ObjectEntry {
         name: table.read("name", String::new(), Item::name)?,
         geometry,
         place,
-        world_from_object: read_transform(table)?,
+        places,
+        is_numbered,
         material: match (table.get("material"), materials) {
             (Some(item), Some(materials)) => Some(read_material_name(&item, materials)?),
             (Some(item), None) => item.string().map(|_| None)?,
@@ -178,6 +200,18 @@ fn read_transform(table: &Table<'_>) -> Result<Affine3A, SceneError> {
     // Rz Ry Rx: extrinsic rotations about the fixed axes x, then y, then z.
     let rotation = Quat::from_euler(EulerRot::XYZEx, x, y, z);
     Ok(Affine3A::from_scale_rotation_translation(scale, rotation, translation))
+}
+
+/// Places, each by the keys of an object's own.
+fn read_transforms(table: &Table<'_>, item: &Item<'_>) -> Result<Vec<Affine3A>, SceneError> {
+    let tables = match item.value() {
+        DeValue::Array(array) if array.is_empty() => {
+            return Err(item.error(format!("{} is empty, but must have at least one table", item.path())));
+        }
+        DeValue::Array(_) => table.tables("transforms", MOST_OBJECTS)?,
+        _ => return Err(item.mismatch("an array of tables like { translate = [1, 0, 0] }")),
+    };
+    tables.into_iter().map(|place| read_transform(&place.allow(PLACE_KEYS)?)).collect()
 }
 
 fn read_scale(item: &Item<'_>) -> Result<Vec3, SceneError> {

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::build::{ReadyMesh, SceneBuilder, check_present, staged};
+use super::build::{SceneBuilder, check_present, staged};
 use super::document::{DocumentText, Table};
 use super::input::{FileList, FileRequest};
-use super::object::ObjectEntry;
+use super::object::{GeometryOrigin, ObjectEntry};
 use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
 use crate::load::{LoadOptions, load_image, load_profile_table};
 use crate::{
@@ -226,9 +226,9 @@ impl SceneBuilder {
         let materials = &self.scene.materials;
         let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
         let entry = self.named(piece, entry)?;
-        match ReadyMesh::of_shape(&entry) {
-            Some(shape) => self.add_ready(&entry, shape?, warnings),
-            None => self.add_file(&entry, None, warnings),
+        match entry.geometry {
+            GeometryOrigin::Shape { .. } => self.add_shape(&entry, warnings),
+            _ => self.add_file(&entry, None, warnings),
         }
     }
 
@@ -247,8 +247,7 @@ impl SceneBuilder {
         let materials = &self.scene.materials;
         let entry = piece.read(|table| object::read_mesh_object(table, piece.place(), materials))?;
         let entry = self.named(piece, entry)?;
-        let mesh = ReadyMesh::new(&entry, mesh)?;
-        self.add_ready(&entry, mesh, warnings)
+        self.add_given(&entry, mesh, warnings)
     }
 
     /// An object with a name that no other has.

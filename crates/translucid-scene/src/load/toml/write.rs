@@ -87,8 +87,11 @@ impl ExtendedBase {
         }
         require_same_number("objects", from.objects.len(), to.objects.len())?;
         for (index, (old, new)) in from.objects.iter().zip(&to.objects).enumerate() {
-            let header = chosen("object", index, from.objects.iter().map(|object| &object.name));
-            text += &table(&header, &object(old, new, to)?);
+            let lines = object(old, new, to)?;
+            if !lines.is_empty() {
+                text += &chosen("object", index, from.objects.iter().map(|object| &object.name));
+                text += &lines;
+            }
         }
         text += &in_tables.concat();
         verify(&text, from, to)?;
@@ -340,9 +343,10 @@ fn with_numbers_of(from: &Scene, to: &Scene) -> Scene {
 }
 
 fn without_meshes(scene: &Scene) -> Scene {
-    let object = |&Object { ref name, material, subsurface_group, .. }: &Object| Object {
+    let object = |&Object { ref name, world_from_local, material, subsurface_group, .. }: &Object| Object {
         name: name.clone(),
         mesh: Arc::default(),
+        world_from_local,
         material,
         subsurface_group,
     };

@@ -96,6 +96,37 @@ fn gpu_instancing_places_a_mesh_at_every_instance() {
     assert_eq!(scene.objects[1].subsurface_group, 1);
 }
 
+/// Where a mesh has many uses, by nodes or by instances of one, all share it: they stand where their copies would.
+#[test]
+fn meshes_of_many_uses_are_shared() {
+    const COUNT: usize = 70_000;
+    let mut file = File::tetrahedron();
+    let places: Vec<f32> = (0..COUNT).flat_map(|i| [i as f32, 0.0, -2.0]).collect();
+    let translation = file.floats("VEC3", &places);
+    file.push(
+        "nodes",
+        json!({ "mesh": 0, "scale": [1, -2, 1], "extensions": { "EXT_mesh_gpu_instancing": { "attributes": { "TRANSLATION": translation } } } }),
+    );
+    file.push("nodes", json!({ "mesh": 0, "translation": [0, 9, 0] }));
+    for unit in [Unit::Meter, Unit::Centimeter] {
+        let scene = file.load_in(unit).scene;
+        let meter = 1000.0 / unit.in_millimeters() as f32;
+        assert_eq!(scene.objects.len(), COUNT + 2);
+        let mesh = &scene.objects[0].mesh;
+        assert!(scene.objects.iter().all(|object| std::sync::Arc::ptr_eq(&object.mesh, mesh)));
+        let groups: Vec<u32> = scene.objects.iter().map(|object| object.subsurface_group).collect();
+        assert!(groups.iter().enumerate().all(|(i, group)| *group == i as u32));
+        let (low, high) = scene.objects[12].bounds();
+        let expected = [Vec3::new(11.0, -2.0, -2.0), Vec3::new(12.0, 0.0, -1.0)].map(|corner| corner * meter);
+        assert!(
+            low.distance(expected[0]) < 1e-4 * meter && high.distance(expected[1]) < 1e-4 * meter,
+            "{low} {high}"
+        );
+        assert!(scene.objects[12].is_mirrored() && !scene.objects[COUNT + 1].is_mirrored());
+        assert!(scene.objects[COUNT + 1].bounds().0.distance(Vec3::Y * 9.0 * meter) < 1e-4 * meter);
+    }
+}
+
 #[test]
 fn the_default_scene_is_read_else_the_first_else_every_root() {
     let mut file = File::tetrahedron();

@@ -69,6 +69,24 @@ pub(crate) struct Making<'a> {
     pub(crate) stop: &'a AtomicBool,
 }
 
+/// Most triangles of a scene with points, those of shared meshes counted for each object: all of them are looked at.
+const MOST_TRIANGLES: u64 = 1 << 28;
+
+/// Most objects of a scene with points.
+const MOST_OBJECTS: usize = 1 << 16;
+
+/// Refuses scenes in which too much would have to be looked at.
+fn require_few(triangles: u64, objects: usize) -> Result<(), SceneError> {
+    if triangles <= MOST_TRIANGLES && objects <= MOST_OBJECTS {
+        return Ok(());
+    }
+    let message = format!(
+        "points are laid over every object, of which there are {objects} with {triangles} triangles, but at most \
+         {MOST_OBJECTS} with {MOST_TRIANGLES} are allowed"
+    );
+    Err(SceneError::new(message).with_help("render with subsurface_method = \"ray-traced\""))
+}
+
 impl PointCloud {
     /// Number of points.
     pub fn len(&self) -> usize {
@@ -108,6 +126,7 @@ impl PointCloud {
     ) -> Result<Option<Self>, SceneError> {
         let Making { fingerprint, memory, progress, stop } = *making;
         let scene = &world.scene;
+        require_few(world.geometry.triangles(), scene.objects.len())?;
         let plan = Plan::new(world, transports);
         plan.require_memory(scene, memory)?;
         let mut cloud = Self { fingerprint, groups: Vec::new(), surfels: Vec::new(), irradiance: Vec::new() };

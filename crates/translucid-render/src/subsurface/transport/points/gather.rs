@@ -506,8 +506,13 @@ mod tests {
         let mut scene = translucid_scene::still_life(&translucid_scene::LoadOptions::default())
             .expect("the built-in scene is valid");
         scene.materials = vec![material];
-        scene.objects =
-            vec![Object { name: "o".into(), mesh: mesh.into(), material: 0, subsurface_group: 5 }];
+        scene.objects = vec![Object {
+            name: "o".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 5,
+            ..Object::default()
+        }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         scene
     }

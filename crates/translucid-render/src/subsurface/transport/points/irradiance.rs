@@ -129,7 +129,7 @@ fn entering_light<'a, T: Tracing<'a>>(
     surfel: &Surfel,
     sampler: &mut Sampler,
 ) -> Vec3 {
-    let point = world.point_on(surfel.primitive, surfel.position());
+    let point = world.point_on(surfel.primitive.into(), surfel.position());
     let mut path = PathState::new(Ray::new(point.position, -point.geometric_normal));
     if EntryPoint::new(world, point, 1.0).enter(
         &mut path,

@@ -13,8 +13,7 @@ pub(super) struct Patch {
 
 impl Patch {
     pub(super) fn of_triangle(object: &Object, triangle: usize) -> Self {
-        let corners = object.mesh.triangles[triangle];
-        Self { corners: corners.map(|corner| object.mesh.positions[corner as usize].as_dvec3()), depth: 0 }
+        Self { corners: object.vertices(triangle).map(Vec3::as_dvec3), depth: 0 }
     }
 
     pub(super) fn area(&self) -> f64 {

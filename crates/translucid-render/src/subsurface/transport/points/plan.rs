@@ -185,7 +185,7 @@ fn for_each_place(world: &World, index: usize, mut found: impl FnMut(SurfacePoin
         passed -= places as f64 * step;
         let primitive = world.geometry.primitive(index as u32, triangle as u32);
         for place in 0..places.min(PLACES) {
-            let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive).map(f64::from);
+            let [u, v, ..] = sobol_burley::sample_4d(place as u32, 0, primitive as u32).map(f64::from);
             found(world.point_on(primitive, patch.point(u, v).as_vec3()));
         }
     }

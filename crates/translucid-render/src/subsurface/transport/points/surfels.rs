@@ -114,6 +114,11 @@ impl<'a> Cover<'a> {
         self.plan.objects.iter().flat_map(of).collect()
     }
 
+    /// Scene-wide number of a triangle: scenes of which it does not fit get no points.
+    fn primitive(&self, object: usize, triangle: usize) -> u32 {
+        self.geometry.primitive(object as u32, triangle as u32) as u32
+    }
+
     fn throw_darts(&mut self, progress: &dyn Fn(f64)) -> Result<(), Unfinished> {
         let mut places = self.places();
         places.par_sort_unstable_by_key(|place| (place.order, place.primitive));
@@ -124,7 +129,7 @@ impl<'a> Cover<'a> {
                 }
                 progress(number as f64 / places.len() as f64);
             }
-            let (object, triangle) = self.geometry.object_and_triangle(place.primitive);
+            let (object, triangle) = self.geometry.object_and_triangle(place.primitive.into());
             let normal = Patch::of_triangle(&self.scene.objects[object as usize], triangle as usize).normal();
             self.throw(place.position, normal, place.primitive)?;
         }
@@ -137,7 +142,7 @@ impl<'a> Cover<'a> {
         let seed = self.scene.integrator.seed;
         let of = |(object, triangle): (usize, usize)| {
             let patch = Patch::of_triangle(&self.scene.objects[object], triangle);
-            let primitive = self.geometry.primitive(object as u32, triangle as u32);
+            let primitive = self.primitive(object, triangle);
             let mut places = Vec::new();
             patch.for_each_part(most_area, |part| {
                 let order = split_mix(split_mix(seed ^ u64::from(primitive) << 32) ^ places.len() as u64);
@@ -219,7 +224,7 @@ impl<'a> Cover<'a> {
                         areas[surfel as usize].fetch_add((part.area() / quantum) as u64, Ordering::Relaxed);
                     }
                     None => {
-                        let primitive = self.geometry.primitive(object as u32, triangle as u32);
+                        let primitive = self.primitive(object, triangle);
                         orphans.push(Orphan { position, normal, primitive });
                     }
                 }
@@ -277,8 +282,13 @@ mod tests {
             subsurface_model: SubsurfaceModel::Profile(translucid_profile::Model::NormalizedDiffusion),
             ..Material::default()
         }];
-        scene.objects =
-            vec![Object { name: "o".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }];
+        scene.objects = vec![Object {
+            name: "o".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, set) = prepared.parts();

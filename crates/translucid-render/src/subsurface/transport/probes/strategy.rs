@@ -195,7 +195,13 @@ mod tests {
             let (a, b) = (i * columns + j, i * columns + (j + 1) % columns);
             mesh.triangles.extend([[a, a + columns, b], [b, a + columns, b + columns]]);
         }
-        Geometry::new(&[Object { name: "ball".into(), mesh: mesh.into(), material: 0, subsurface_group: 0 }])
+        Geometry::new(&[Object {
+            name: "ball".into(),
+            mesh: mesh.into(),
+            material: 0,
+            subsurface_group: 0,
+            ..Object::default()
+        }])
     }
 
     /// A probe as long as a million balls meets the ball as one as long as a few.

@@ -302,7 +302,7 @@ fn broken_shapes_suggest_the_nearest() {
     let error = parse("unit = \"mm\"\n[[object]]\nshape = \"shpere\"\n").unwrap_err();
     assert!(error.message.starts_with("object[0].shape is \"shpere\", but must be one of \"sphere\", "));
     assert_eq!(error.help.as_deref(), Some("did you mean \"sphere\"?"));
-    let keys = "the keys are name, file, shape, material, unit, translate, rotate, scale, matrix, subsurface_group, radius, segments";
+    let keys = "the keys are name, file, shape, material, unit, translate, rotate, scale, matrix, transforms, subsurface_group, radius, segments";
     let help = format!("did you mean radius? {keys}");
     refuse_object("shape = \"sphere\"\nradus = 2", "object[0] has no key radus", "radus", &help);
     let error = parse("unit = \"mm\"\n[[object]]\nshape = \"sphere\"\nradius = -1\n").unwrap_err();

@@ -5,6 +5,7 @@ mod examples;
 mod extending;
 mod mutation;
 mod parity;
+mod transforms;
 mod valid;
 mod written;
 
