@@ -16,7 +16,8 @@ use crate::{Place, SceneError, Warning};
 /// - A normal that is zero or not finite is replaced by the smooth one
 ///   ([`Mesh::smooth_normals`]), the others are made unit; if tangents are broken, all are left out.
 ///
-/// Each kind of repair adds one warning with its count.
+/// Each kind of repair adds one warning with its count, but a few triangles of zero area: they are no surface, and meshes
+/// of revolution have them at their poles.
 ///
 /// # Errors
 /// No triangle is left.
@@ -82,6 +83,10 @@ fn drop_misfit_attributes(mesh: &mut Mesh, report: &mut Report<'_>) {
 /// Faults of triangles.
 const FAULTS: [&str; 3] = [ZERO_AREA, BAD_VERTEX, OUT_OF_RANGE];
 const ZERO_AREA: &str = "of zero area";
+
+/// Share of triangles of zero area that means nothing.
+const USUAL_ZERO_AREA: f64 = 0.05;
+
 const BAD_VERTEX: &str = "with a vertex that is NaN, infinite or beyond ±1e9";
 const OUT_OF_RANGE: &str = "with an index out of range";
 
@@ -105,8 +110,12 @@ fn drop_bad_triangles(mesh: &mut Mesh, report: &mut Report<'_>) {
         fault.is_none()
     });
     mesh.triangles = triangles;
+    let found = mesh.triangles.len() + faults.len();
     for kind in FAULTS {
-        report.count(faults.iter().filter(|&&fault| fault == kind).count(), "triangle", kind, "left out");
+        let count = faults.iter().filter(|&&fault| fault == kind).count();
+        if kind != ZERO_AREA || count as f64 > USUAL_ZERO_AREA * found as f64 {
+            report.count(count, "triangle", kind, "left out");
+        }
     }
 }
 
@@ -240,6 +249,18 @@ mod tests {
         assert!(warnings.contains("broken.ply: 4 triangles of zero area: left out"), "{warnings}");
         assert!(warnings.contains("3 triangles with a vertex that is NaN"), "{warnings}");
         assert!(warnings.contains("2 triangles with an index out of range"), "{warnings}");
+    }
+
+    #[test]
+    fn repair_says_nothing_of_a_few_triangles_of_zero_area() {
+        for (good, is_said) in [(18, true), (40, false)] {
+            let mut mesh = square();
+            mesh.triangles = [[0, 1, 2]].repeat(good);
+            mesh.triangles.push([0, 0, 1]);
+            let (mended, warnings) = repaired(mesh);
+            assert_eq!(mended.triangles.len(), good);
+            assert_eq!(warnings.contains("1 triangle of zero area"), is_said, "{warnings}");
+        }
     }
 
     #[test]
