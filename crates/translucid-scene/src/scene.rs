@@ -13,7 +13,7 @@ use crate::{
 /// Most triangles of a scene, shared ones counted once: 3 GiB of indices.
 pub(crate) const MOST_TRIANGLES: usize = 1 << 28;
 
-/// Most objects of a scene: some 5 GiB.
+/// Most objects of a scene: some 10 GB with what a renderer makes of them.
 pub(crate) const MOST_OBJECTS: usize = 1 << 24;
 
 /// Length unit of a scene.

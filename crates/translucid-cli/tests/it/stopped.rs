@@ -22,7 +22,7 @@ fn start(directory: &Path, before: &str, words: &str) -> Child {
 
 /// Sends a signal to a command once it renders, and waits for its end.
 fn signal(directory: &Path, child: Child, name: &str) -> Output {
-    // The lock is there before signals are caught, which is at once
+    // The lock is there before signals are caught, which is once the scene is prepared
     wait_for(&directory.join(".long.png.lock"));
     std::thread::sleep(Duration::from_millis(1500));
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());

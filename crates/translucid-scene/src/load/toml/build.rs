@@ -25,6 +25,9 @@ use crate::{
 /// goes beyond [`MOST_TRIANGLES`] is noticed in time.
 const SHAPES_AT_ONCE: usize = 32;
 
+/// Most lights that files may bring, in all their places.
+const MOST_LIGHTS: usize = 1 << 20;
+
 impl SceneFile {
     /// Reads a scene file without opening the files that it names.
     ///
@@ -62,7 +65,7 @@ impl SceneFile {
                 let index = chunk * SHAPES_AT_ONCE + number;
                 options.watch.tell(index, self.objects.len())?;
                 match (shape, &entry.geometry) {
-                    (Some(shape), _) => builder.add_ready(entry, vec![shape?], warnings)?,
+                    (Some(shape), _) => builder.add_ready(entry, 0, shape?, warnings)?,
                     (None, GeometryOrigin::Shape { .. }) => builder.add_shape(entry, warnings)?,
                     (None, _) => builder.add_file(entry, replacement(index), warnings)?,
                 }
@@ -317,19 +320,31 @@ impl SceneBuilder {
         used.max(self.expected.get(&source).copied().unwrap_or(0))
     }
 
-    /// Adds an object whose mesh is there, in each of its places.
+    /// Adds an object whose mesh is there, in the place of a number.
     fn add_ready(
         &mut self,
         entry: &ObjectEntry,
-        meshes: Vec<ReadyMesh>,
+        place: usize,
+        mesh: ReadyMesh,
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         let material = entry.material.unwrap_or_else(|| self.default_material());
-        for (place, mesh) in meshes.into_iter().enumerate() {
-            self.entries += 1;
-            self.add_mesh(entry, mesh, (entry.name_at(&entry.name, place), material, 0), warnings)?;
-        }
-        Ok(())
+        self.entries += 1;
+        self.add_mesh(entry, mesh, (entry.name_at(&entry.name, place), material, 0), warnings)
+    }
+
+    /// Adds an object in all of its places.
+    fn add_shared(
+        &mut self,
+        entry: &ObjectEntry,
+        shared: &SharedMesh,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
+        // One after the other: what has to be baked may be too much
+        entry.places.iter().enumerate().try_for_each(|(number, place)| {
+            let mesh = ReadyMesh::of_shared(entry, place, shared)?;
+            self.add_ready(entry, number, mesh, warnings)
+        })
     }
 
     /// Adds an object whose mesh is at hand.
@@ -339,15 +354,13 @@ impl SceneBuilder {
         mesh: Mesh,
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
-        let meshes = match &entry.places[..] {
-            [place] => vec![ReadyMesh::new(entry, place, mesh)?],
+        match &entry.places[..] {
+            [place] => self.add_ready(entry, 0, ReadyMesh::new(entry, place, mesh)?, warnings),
             places => {
                 let shared = SharedMesh::new(mesh.into(), places.len(), &entry.place, warnings)?;
-                let ready = |place| ReadyMesh::of_shared(entry, place, &shared);
-                places.iter().map(ready).collect::<Result<_, _>>()?
+                self.add_shared(entry, &shared, warnings)
             }
-        };
-        self.add_ready(entry, meshes, warnings)
+        }
     }
 
     /// Adds an object with a shape, which is made once however many have it.
@@ -369,12 +382,11 @@ impl SceneBuilder {
                 SharedMesh::new(mesh?, uses, &entry.place, warnings)?
             }
         };
-        let ready = |place| ReadyMesh::of_shared(entry, place, &shared);
-        let meshes = entry.places.iter().map(ready).collect::<Result<_, _>>()?;
+        self.add_shared(entry, &shared, warnings)?;
         if uses > 1 {
             self.shapes.insert(source, shared);
         }
-        self.add_ready(entry, meshes, warnings)
+        Ok(())
     }
 
     /// Adds what is in the file of an entry, or in the one that replaces it.
@@ -435,6 +447,10 @@ impl SceneBuilder {
             }
             let lights = loaded.model.lights.iter();
             self.scene.lights.extend(lights.filter_map(|light| transformed_light(light, place)));
+            if self.scene.lights.len() > MOST_LIGHTS {
+                let message = format!("the scene has more than {MOST_LIGHTS} lights up to here");
+                return Err(SceneError::at(entry.place.clone(), message));
+            }
         }
         self.models.insert(source, loaded);
         Ok(())

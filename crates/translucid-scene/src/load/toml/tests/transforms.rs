@@ -214,18 +214,42 @@ fn one_of_many_can_be_changed() {
     assert_eq!((red, meshes(&scene)), (vec![7], 1));
 }
 
+/// A glTF file of these nodes, with a triangle as mesh 0 and a lamp as light 0.
+fn gltf(nodes: &str) -> String {
+    format!(
+        r#"{{"asset": {{"version": "2.0"}}, "nodes": [{nodes}],
+        "extensions": {{"KHR_lights_punctual": {{"lights": [{{"type": "point"}}]}}}},
+        "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
+        "buffers": [{{"byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}],
+        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
+        "accessors": [{{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}}]}}"#
+    )
+}
+
+/// A small file must not ask for any number of lights.
+#[test]
+fn lights_of_too_many_places_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let lamp = r#"{"extensions": {"KHR_lights_punctual": {"light": 0}}}"#;
+    std::fs::write(
+        folder.path().join("a.gltf"),
+        gltf(&format!(r#"{{"mesh": 0}}, {}"#, [lamp; 64].join(", "))),
+    )
+    .unwrap();
+    let load = |places: usize| {
+        let path = folder.path().join("a.toml");
+        std::fs::write(&path, scene_of(&format!("file = \"a.gltf\"\n{}", row(places)))).unwrap();
+        load_scene(&path, &LoadOptions::default(), &mut Vec::new()).map(|scene| scene.lights.len())
+    };
+    assert_eq!(load(100), Ok(6400));
+    assert_eq!(load(20_000).unwrap_err().message, "the scene has more than 1048576 lights up to here");
+}
+
 /// Who waits for a scene hears of each object, and may end the loading between two of them; so with the nodes of a glTF file.
 #[test]
 fn loading_tells_how_far_it_is_and_can_be_stopped() {
     let objects = |count: usize| format!("unit = \"mm\"\n{}", "[[object]]\nshape = \"box\"\n".repeat(count));
-    let node = r#"{"mesh": 0}"#;
-    let gltf = format!(
-        r#"{{"asset": {{"version": "2.0"}}, "nodes": [{}], "meshes": [{{"primitives": [{{"attributes": {{"POSITION": 0}}}}]}}],
-        "buffers": [{{"byteLength": 36, "uri": "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}}],
-        "bufferViews": [{{"buffer": 0, "byteLength": 36}}],
-        "accessors": [{{"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 3}}]}}"#,
-        [node; 70].join(", ")
-    );
+    let gltf = gltf(&[r#"{"mesh": 0}"#; 70].join(", "));
     let folder = tempfile::tempdir().unwrap();
     for (name, text) in [("a.toml", objects(70)), ("a.gltf", gltf)] {
         let path = folder.path().join(name);
