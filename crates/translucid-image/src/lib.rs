@@ -20,6 +20,7 @@
 mod atomic_file;
 mod denoise;
 mod error;
+mod exposure;
 mod exr;
 mod kept_file;
 mod picture;
