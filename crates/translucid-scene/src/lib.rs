@@ -16,6 +16,7 @@
 #[cfg(any(test, feature = "testing"))]
 pub mod broken;
 mod camera;
+mod color;
 mod conversion;
 mod error;
 mod image;
@@ -32,6 +33,7 @@ mod settings;
 mod shapes;
 mod still_life;
 mod texture;
+mod viewpoint;
 
 pub use camera::Camera;
 pub use conversion::{
@@ -41,9 +43,10 @@ pub use error::{Place, SceneError, Warning};
 pub use image::{ColorSpace, Image, Pixels};
 pub use light::{Environment, Light};
 pub use load::{
-    ExrChannels, ExtendedBase, LoadOptions, LoadProgress, LoadWatch, MeshFile, Piece, SceneBuilder,
-    SceneFile, decode_image, load_exr, load_gltf, load_image, load_obj, load_ply, load_profile_table,
-    load_scene, load_stl, parse_gltf, parse_obj, parse_ply, parse_profile_table, parse_stl,
+    ExrChannels, ExtendedBase, Floor, LoadOptions, LoadProgress, LoadWatch, MeshFile, NamedCamera, Piece,
+    SceneBuilder, SceneFile, Surroundings, UpAxis, decode_image, load_exr, load_gltf, load_image, load_obj,
+    load_ply, load_profile_table, load_scene, load_stl, parse_gltf, parse_obj, parse_ply,
+    parse_profile_table, parse_stl,
 };
 pub use material::{
     Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,
@@ -62,3 +65,4 @@ pub use shapes::{
 pub use still_life::still_life;
 pub use texture::{Channel, ColorInput, ScalarInput, TextureRef, Wrap};
 pub use translucid_image::ToneMapping;
+pub use viewpoint::Viewpoint;

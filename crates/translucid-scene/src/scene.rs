@@ -47,6 +47,15 @@ impl Unit {
         }
     }
 
+    /// The unit in a sentence: "meters".
+    pub(crate) fn plural(self) -> &'static str {
+        match self {
+            Self::Millimeter => "millimeters",
+            Self::Centimeter => "centimeters",
+            Self::Meter => "meters",
+        }
+    }
+
     /// The unit's abbreviation as scene files and the command line write it.
     pub fn name(self) -> &'static str {
         Self::WORDS[self as usize].0

@@ -3,11 +3,15 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use super::mesh_file::MeshFile;
-use super::{LoadOptions, is_gltf, load_model};
+use glam::{EulerRot, Mat3, Vec3};
+
+use super::extent::warn_of_extent;
+use super::mesh_file::{MeshFile, NamedCamera};
+use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
+use super::{Floor, LoadOptions, is_gltf, load_model};
 use crate::load::stage::Stage;
 use crate::preset::preset;
-use crate::{ColorInput, Film, Material, Object, Scene, SceneError, Unit, Warning};
+use crate::{Camera, ColorInput, Film, Material, Object, Place, Scene, SceneError, Unit, Warning};
 
 /// Material of a mesh without its own where no preset is asked for.
 const DEFAULT_PRESET: &str = "marble";
@@ -33,7 +37,30 @@ pub(super) fn load_bare_mesh(
         use_preset(&mut model, &default.material(unit));
         use_vertex_colors(&mut model);
     }
-    options.finish(stage(model, unit, options)).map_err(|error| error.or_at(path))
+    let place = Place::file(path);
+    let advice = |unit: Unit| format!("--unit {}", unit.name());
+    warn_of_extent((&model.objects, &model.materials), [unit; 2], advice, &place, warnings);
+    let up = up_axis(path, &model, options, warnings);
+    turn_model(&mut model, up.rotation());
+    let mut scene = options
+        .finish(stage(model, unit, options).map_err(|error| error.or_at(path))?)
+        .map_err(|error| error.or_at(path))?;
+    options.surroundings.apply(&mut scene, warnings)?;
+    Ok(scene)
+}
+
+/// The axis that points up: what is asked for, what the format says, or a guess that is said.
+fn up_axis(path: &Path, model: &MeshFile, options: &LoadOptions, warnings: &mut Vec<Warning>) -> UpAxis {
+    match options.up {
+        Some(axis) => axis,
+        None if is_gltf(path) || !stands_along_z(&model.objects) => UpAxis::Y,
+        None => {
+            let message =
+                "the mesh stands on the plane z = 0, so z is taken for up: --up z says so, --up y not";
+            warnings.push(Warning { message: message.into(), place: Some(Place::file(path)) });
+            UpAxis::Z
+        }
+    }
 }
 
 /// The preset's substance for all objects; what the file says of their geometry stays.
@@ -68,19 +95,36 @@ fn use_vertex_colors(model: &mut MeshFile) {
 }
 
 /// Adds what the file does not have: a camera, lights, and where both are missing a backdrop.
-fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Scene {
+fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Result<Scene, SceneError> {
     let film = options.film(Film::default());
-    let frame = Stage::of(&model.objects);
     let aspect = f64::from(film.width) / f64::from(film.height);
-    let dark = model.lights.is_empty() && !model.materials.iter().any(|m| m.emission_luminance > 0.0);
-    let camera = model.camera_for(aspect).unwrap_or_else(|| frame.camera(&model.objects, aspect));
-    if dark {
+    let own = NamedCamera::choose(&model.cameras, options.camera.as_deref())?;
+    let own = own.filter(|_| options.viewpoint.is_none()).map(|own| own.for_aspect(aspect));
+    let [x, y, z] = options.rotate.map(f32::to_radians);
+    turn(&mut model.objects, Mat3::from_euler(EulerRot::XYZEx, x, y, z));
+    let frame = Stage::of(&model.objects).seen_by(own.as_ref()).turning(options.turn.is_some());
+    let frame = frame.seen_from(options.viewpoint);
+    let camera = own.unwrap_or_else(|| frame.camera(&model.objects, aspect));
+    turn(&mut model.objects, Mat3::from_rotation_y(options.turn.unwrap_or(0.0).to_radians() as f32));
+    let glows = model.materials.iter().any(|material| material.emission_luminance > 0.0);
+    let is_dark = model.lights.is_empty() && !glows && options.surroundings.file.is_none();
+    if is_dark {
         model.lights = frame.lights();
-        if model.camera.is_none() {
-            add_backdrop(&mut model, &frame);
-        }
     }
-    Scene {
+    add_floor(
+        &mut model,
+        &frame,
+        &camera,
+        options.floor.unwrap_or(match own {
+            None if is_dark => Floor::Backdrop,
+            _ => Floor::None,
+        }),
+    );
+    let mut environment = is_dark.then(|| frame.environment());
+    if let Some(environment) = environment.as_mut().filter(|_| options.floor == Some(Floor::None)) {
+        environment.visible = false;
+    }
+    Ok(Scene {
         unit,
         camera,
         film,
@@ -88,13 +132,29 @@ fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Scene {
         materials: model.materials,
         images: model.images.into_iter().map(Arc::new).collect(),
         lights: model.lights,
-        environment: dark.then(|| frame.environment()),
+        environment,
         ..Scene::default()
+    })
+}
+
+/// Turns objects about their middle.
+fn turn(objects: &mut [Object], rotation: Mat3) {
+    if rotation != Mat3::IDENTITY {
+        let middle = Stage::of(objects).center();
+        turn_objects(objects, rotation, middle);
     }
 }
 
-fn add_backdrop(model: &mut MeshFile, frame: &Stage) {
-    let (mesh, material) = frame.backdrop();
+fn add_floor(model: &mut MeshFile, frame: &Stage, camera: &Camera, floor: Floor) {
+    let color = match floor {
+        Floor::None => return,
+        Floor::Backdrop => Stage::BACKDROP_COLOR,
+        Floor::Color(color) => Vec3::from_array(color),
+    };
+    if !frame.is_above_floor(camera) {
+        return; // It would hide the mesh.
+    }
+    let (mesh, material) = frame.backdrop(color);
     if mesh.validate().is_err() {
         return; // It would reach beyond the coordinates that meshes may have.
     }
@@ -114,12 +174,11 @@ fn add_backdrop(model: &mut MeshFile, frame: &Stage) {
 mod tests {
     use std::path::PathBuf;
 
-    use glam::Vec3;
     use tempfile::TempDir;
 
     use super::*;
     use crate::load_scene;
-    use crate::{ScalarInput, SubsurfaceModel};
+    use crate::{ScalarInput, SubsurfaceModel, Viewpoint};
 
     const TETRAHEDRON: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
 
@@ -202,6 +261,98 @@ mod tests {
         assert_eq!((scene.film.width, scene.film.height), (64, 32));
     }
 
+    /// A pyramid on the plane z = 0, half as large again in height.
+    const STANDING: &str = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nv 0 0 3\nf 1 3 2\nf 1 4 3\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+
+    #[test]
+    fn bare_mesh_is_turned_up_by_wish_or_where_it_stands_on_the_plane_of_z() {
+        let (_folder, path) = file("a.obj", STANDING);
+        let load = |options: &LoadOptions| {
+            let mut warnings = Vec::new();
+            let scene = load_scene(&path, options, &mut warnings).unwrap();
+            let apex = scene.objects[0].mesh.positions[4];
+            (apex, warnings.into_iter().map(|warning| warning.message).collect::<Vec<_>>())
+        };
+        let (apex, messages) = load(&LoadOptions::default());
+        assert_eq!(apex, Vec3::new(0.0, 3.0, 0.0));
+        assert!(messages.len() == 1 && messages[0].contains("--up y"), "{messages:?}");
+        for (up, there) in
+            [(UpAxis::Z, Vec3::Y), (UpAxis::Y, Vec3::Z), (UpAxis::MinusZ, Vec3::NEG_Y), (UpAxis::X, Vec3::Z)]
+        {
+            let (apex, messages) = load(&LoadOptions { up: Some(up), ..LoadOptions::default() });
+            assert_eq!((apex, messages), (3.0 * there, vec![]), "{up:?}");
+        }
+        let rotate = [90.0, 0.0, 0.0];
+        let (apex, _) = load(&LoadOptions { up: Some(UpAxis::Z), rotate, ..LoadOptions::default() });
+        // About the middle of the box, at half the height.
+        assert!(apex.abs_diff_eq(Vec3::new(0.0, 1.5, 1.5), 1e-5), "{apex}");
+    }
+
+    #[test]
+    fn bare_mesh_is_seen_from_any_side_with_its_lights_and_on_any_floor() {
+        let (_folder, path) = file("a.obj", TETRAHEDRON);
+        let load = |options: LoadOptions| load_scene(&path, &options, &mut Vec::new()).unwrap();
+        for (_, viewpoint) in Viewpoint::WORDS {
+            let scene = load(LoadOptions { viewpoint: Some(viewpoint), ..LoadOptions::default() });
+            let toward = (scene.camera.position - scene.camera.target).normalize().as_dvec3();
+            assert!(toward.distance(viewpoint.direction()) < 1e-5, "{viewpoint:?}");
+            // From below the floor would hide the mesh.
+            let is_below = viewpoint.elevation < -45.0;
+            assert_eq!(scene.objects.len(), if is_below { 1 } else { 2 }, "{viewpoint:?}");
+        }
+        let scene = load(LoadOptions { floor: Some(Floor::None), ..LoadOptions::default() });
+        assert_eq!((scene.objects.len(), scene.lights.len()), (1, 2));
+        assert!(!scene.environment.unwrap().visible, "nothing is to be seen around it");
+        let scene =
+            load(LoadOptions { floor: Some(Floor::Color([1.0, 0.0, 0.0])), ..LoadOptions::default() });
+        assert_eq!(scene.materials[scene.objects[1].material].base_color.factor, Vec3::X);
+    }
+
+    /// On a turntable lights and camera stay, and the mesh fits into the picture at every angle.
+    #[test]
+    fn bare_mesh_on_a_turntable_stays_in_the_picture() {
+        let (_folder, path) = file("a.obj", &TETRAHEDRON.replace("v 1 0 0", "v 7 0 0"));
+        let load = |turn: f64| {
+            load_scene(&path, &LoadOptions { turn: Some(turn), ..LoadOptions::default() }, &mut Vec::new())
+                .unwrap()
+        };
+        let first = load(0.0);
+        for turn in [0.0, 30.0, 90.0, 200.0] {
+            let scene = load(turn);
+            assert_eq!((scene.camera, &scene.lights), (first.camera, &first.lights), "{turn}");
+            let Camera { position, target, horizontal_fov, .. } = scene.camera;
+            let backward = (position - target).normalize();
+            let [right, tangent] =
+                [Vec3::Y.cross(backward).normalize(), Vec3::splat((0.5 * horizontal_fov).to_radians().tan())];
+            for p in &scene.objects[0].mesh.positions {
+                let depth = (position - *p).dot(backward);
+                assert!((*p - position).dot(right).abs() < 0.8 * tangent.x * depth, "{turn}: {p}");
+            }
+        }
+    }
+
+    #[test]
+    fn bare_mesh_smaller_than_its_mean_free_path_is_doubted() {
+        let small =
+            TETRAHEDRON.replace("v 1", "v 0.1").replace("0 1 0", "0 0.1 0").replace("0 0 1\n", "0 0 0.1\n");
+        let (folder, path) = file("a.obj", &small);
+        let messages = |path: &Path, options: &LoadOptions| {
+            let mut warnings = Vec::new();
+            load_scene(path, options, &mut warnings).unwrap();
+            warnings.into_iter().map(|warning| warning.message).collect::<Vec<_>>()
+        };
+        let expected = "the mesh is 0.1 mm across, smaller than its mean free path of 0.456 mm: is it in meters? --unit m";
+        assert_eq!(messages(&path, &LoadOptions::default()), [expected]);
+        let right = LoadOptions { unit: Some(Unit::Meter), ..LoadOptions::default() };
+        assert_eq!(messages(&path, &right), [""; 0]);
+        let scene = folder.path().join("a.toml");
+        let text = "unit = 'mm'\n[[material]]\nname = 'm'\npreset = 'marble'\n[[object]]\nfile = 'a.obj'\nmaterial = 'm'\n";
+        std::fs::write(&scene, text).unwrap();
+        assert_eq!(messages(&scene, &LoadOptions::default()), [expected.replace("--unit m", "unit = \"m\"")]);
+        std::fs::write(&scene, format!("{text}unit = 'm'\n")).unwrap();
+        assert_eq!(messages(&scene, &LoadOptions::default()), [""; 0]);
+    }
+
     #[test]
     fn options_that_do_not_fit_are_refused() {
         let (_folder, mesh) = file("a.obj", TETRAHEDRON);
@@ -215,6 +366,13 @@ mod tests {
         assert!(error.message.starts_with("a preset is for a bare mesh, but "), "{error}");
         let error = refuse(&scene, &LoadOptions { unit: Some(Unit::Meter), ..LoadOptions::default() });
         assert_eq!(error.help.as_deref(), Some("in a scene file it is the key unit at the top"));
+        for options in [
+            LoadOptions { up: Some(UpAxis::Z), ..LoadOptions::default() },
+            LoadOptions { rotate: [1.0, 0.0, 0.0], ..LoadOptions::default() },
+            LoadOptions { floor: Some(Floor::None), ..LoadOptions::default() },
+        ] {
+            assert!(refuse(&scene, &options).message.contains(" is for a bare mesh, but "));
+        }
         let overrides = vec![(None, mesh)];
         let error = refuse(&scene, &LoadOptions { mesh_overrides: overrides, ..LoadOptions::default() });
         assert_eq!(error.message, "the scene has no object with a mesh file to replace");

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use glam::{Affine3A, Vec3};
 
-use crate::{Camera, Image, Light, Material, Object};
+use crate::error::nearest;
+use crate::{Camera, Image, Light, Material, Object, SceneError};
 
 /// Contents of a mesh file; indices are into its own lists.
 #[derive(Clone, Debug, Default)]
@@ -24,20 +25,47 @@ pub struct MeshFile {
     pub images: Vec<Image>,
     /// Directional, point and spot lights.
     pub lights: Vec<Light>,
-    /// The first perspective camera, framed for its own aspect ratio or the default film's.
-    pub camera: Option<Camera>,
+    /// Perspective cameras.
+    pub cameras: Vec<NamedCamera>,
+}
+
+/// One of several cameras of a file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct NamedCamera {
+    /// Name to choose it by; of a camera in a glTF file that of its node, else its own. May be empty.
+    pub name: String,
+    /// The camera, framed for its own aspect ratio or the default film's.
+    pub camera: Camera,
     /// The camera's full vertical field of view in degrees, if that is what the file states: for a film of
     /// aspect ratio a the horizontal one is 2 atan(a tan(v/2)).
     pub vertical_fov: Option<f32>,
 }
 
-impl MeshFile {
-    /// The file's camera for a picture of an aspect ratio a: a stated vertical field of view v makes the
-    /// horizontal one 2 atan(a tan(v/2)).
-    pub(crate) fn camera_for(&self, aspect: f64) -> Option<Camera> {
-        let camera = self.camera?;
-        let Some(vertical) = self.vertical_fov else { return Some(camera) };
-        Some(Camera { horizontal_fov: horizontal_fov(f64::from(vertical).to_radians(), aspect), ..camera })
+impl NamedCamera {
+    /// The camera of a name, or the first; none if there are none and none is asked for.
+    ///
+    /// # Errors
+    /// There is none of this name: the message lists those that there are.
+    pub(crate) fn choose<'a>(all: &'a [Self], name: Option<&str>) -> Result<Option<&'a Self>, SceneError> {
+        let Some(name) = name else { return Ok(all.first()) };
+        let names = || all.iter().map(|named| named.name.as_str()).filter(|name| !name.is_empty());
+        all.iter().find(|named| named.name == name).map(Some).ok_or_else(|| {
+            let shown: String = name.chars().take(60).collect();
+            let error = SceneError::new(format!("there is no camera \"{shown}\""));
+            let list = names().collect::<Vec<_>>().join(", ");
+            error.with_help(match nearest(name, names()) {
+                Some(near) => format!("did you mean \"{near}\"? The cameras are {list}"),
+                None if list.is_empty() => String::from("the file has no camera with a name"),
+                None => format!("the cameras are {list}"),
+            })
+        })
+    }
+
+    /// The camera for a picture of an aspect ratio a: a stated vertical field of view v makes the horizontal one
+    /// 2 atan(a tan(v/2)).
+    pub(crate) fn for_aspect(&self, aspect: f64) -> Camera {
+        let Some(vertical) = self.vertical_fov else { return self.camera };
+        Camera { horizontal_fov: horizontal_fov(f64::from(vertical).to_radians(), aspect), ..self.camera }
     }
 }
 
@@ -91,11 +119,30 @@ mod tests {
             lens_radius: 0.0,
             focus_distance: 1.0,
         };
-        let mut model = MeshFile { camera: Some(camera), ..MeshFile::default() };
-        assert_eq!(model.camera_for(2.0), Some(camera));
-        model.vertical_fov = Some(40.0);
-        assert!((model.camera_for(1.0).unwrap().horizontal_fov - 40.0).abs() < 1e-4);
-        let wide = f64::from(model.camera_for(2.0).unwrap().horizontal_fov).to_radians();
+        let mut named = NamedCamera { camera, ..NamedCamera::default() };
+        assert_eq!(named.for_aspect(2.0), camera);
+        named.vertical_fov = Some(40.0);
+        assert!((named.for_aspect(1.0).horizontal_fov - 40.0).abs() < 1e-4);
+        let wide = f64::from(named.for_aspect(2.0).horizontal_fov).to_radians();
         assert!(((wide / 2.0).tan() - 2.0 * 20f64.to_radians().tan()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn cameras_are_chosen_by_name_or_are_the_first() {
+        let named = |name: &str| NamedCamera { name: name.into(), ..NamedCamera::default() };
+        let all = [named("front"), named("ear")];
+        let chosen =
+            |name: Option<&str>| NamedCamera::choose(&all, name).map(|found| found.unwrap().name.clone());
+        assert_eq!(chosen(None).as_deref(), Ok("front"));
+        assert_eq!(chosen(Some("ear")).as_deref(), Ok("ear"));
+        let error = chosen(Some("eer")).unwrap_err();
+        assert_eq!(
+            error.to_string(),
+            "there is no camera \"eer\" (did you mean \"ear\"? The cameras are front, ear)"
+        );
+        let error = chosen(Some("something else")).unwrap_err();
+        assert_eq!(error.help.as_deref(), Some("the cameras are front, ear"));
+        assert_eq!(NamedCamera::choose(&[], None), Ok(None));
+        assert!(NamedCamera::choose(&[], Some("a")).is_err());
     }
 }

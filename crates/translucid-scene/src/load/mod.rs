@@ -1,12 +1,15 @@
 //! Readers of the file formats, each from bytes to validated data.
 
 mod bare_mesh;
+mod extent;
 mod gltf;
 mod image;
 mod mesh_file;
 mod mtl;
 mod number;
 mod obj;
+mod options;
+mod orientation;
 mod ply;
 mod polygon;
 mod profile_table;
@@ -17,54 +20,21 @@ mod toml;
 mod watch;
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};
-pub use mesh_file::MeshFile;
+pub use mesh_file::{MeshFile, NamedCamera};
 pub use obj::{load_obj, parse_obj};
+pub use options::{Floor, LoadOptions, Surroundings};
+pub use orientation::UpAxis;
 pub use ply::{load_ply, parse_ply};
 pub use profile_table::{load_profile_table, parse_profile_table};
 pub use stl::{load_stl, parse_stl};
 pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
 pub use watch::{LoadProgress, LoadWatch};
 
-use crate::{Film, Mesh, Object, Place, Scene, SceneError, SubsurfaceModel, Unit, Warning};
-
-/// Wishes of the caller in place of the file's own values.
-#[derive(Clone, Debug, Default)]
-pub struct LoadOptions {
-    /// Preset for a bare mesh, in place of the file's own materials.
-    pub preset: Option<String>,
-    /// Unit of a bare mesh's coordinates; by default m for glTF and mm otherwise.
-    pub unit: Option<Unit>,
-    /// Mesh files in place of those of a scene file's objects, by the object's name.
-    /// Without a name it is the scene's only object with a mesh file.
-    pub mesh_overrides: Vec<(Option<String>, PathBuf)>,
-    /// Width and height in pixels, in place of the file's or the default.
-    pub size: Option<[u32; 2]>,
-    /// Model of the transport under all surfaces, in place of the materials' own.
-    pub subsurface_model: Option<SubsurfaceModel>,
-    /// Hears how far it is, and may end it.
-    pub watch: LoadWatch,
-}
-
-impl LoadOptions {
-    /// The film with the size that is asked for, kept within what a film may have.
-    fn film(&self, film: Film) -> Film {
-        let [width, height] = self.size.unwrap_or([film.width, film.height]).map(|n| Film::EDGE.nearest(n));
-        Film { width, height, ..film }
-    }
-
-    /// The scene with the model that is asked for, if it is valid.
-    fn finish(&self, mut scene: Scene) -> Result<Scene, SceneError> {
-        if let Some(model) = self.subsurface_model {
-            scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
-        }
-        scene.validate()?;
-        Ok(scene)
-    }
-}
+use crate::{Mesh, Object, Place, Scene, SceneError, Unit, Warning};
 
 /// Loads a scene file (`.toml`), or a mesh file (`.glb`, `.gltf`, `.obj`, `.ply`, `.stl`) as a scene of its own.
 ///
@@ -91,6 +61,9 @@ fn refuse_mesh_options(path: &Path, file: &SceneFile, options: &LoadOptions) -> 
         (Some(_), _) if file.is_on_mesh() => ("a preset", "preset at the top"),
         (Some(_), _) => ("a preset", "preset in a [[material]]"),
         (None, Some(_)) => ("a unit", "unit at the top"),
+        (None, None) if options.up.is_some() => ("an upward axis", "rotate of an [[object]]"),
+        (None, None) if options.rotate != [0.0; 3] => ("a rotation", "rotate of an [[object]]"),
+        (None, None) if options.floor.is_some() => ("a floor", "shape = \"plane\" of an [[object]]"),
         (None, None) => return Ok(()),
     };
     let message = format!("{what} is for a bare mesh, but {} is a scene file", path.display());

@@ -1,11 +1,9 @@
 //! Camera, lights and backdrop for meshes that come without.
 
-use std::collections::HashMap;
-use std::sync::Arc;
-
 use glam::{DVec3, Vec3};
 
-use crate::{Camera, ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput};
+use super::orientation::bounds;
+use crate::{Camera, ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Viewpoint};
 
 /// Share of the frame's width or height that the mesh fills, whichever it meets first.
 const FILL: f64 = 0.75;
@@ -28,36 +26,73 @@ pub(crate) struct Stage {
     radius: f64,
     /// Lowest y [L].
     bottom: f64,
-    /// Unit direction to the camera.
-    to_camera: DVec3,
+    /// Where the camera is.
+    viewpoint: Viewpoint,
+    /// Whether the meshes will turn about the vertical line through their middle.
+    is_turntable: bool,
 }
 
 impl Stage {
     /// The frame of all objects together.
     pub(crate) fn of(objects: &[Object]) -> Self {
-        let boxes = boxes(objects);
-        let (low, high) = boxes.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or_default();
+        let (low, high) = bounds(objects);
         let (low, high) = (low.as_dvec3(), high.as_dvec3());
         let center = 0.5 * (low + high);
         // Far from the origin, a camera nearer than this could not move in single precision.
         let least = 1e-4 * center.abs().max_element() + 1e-12;
         let radius = (0.5 * (high - low).length()).max(least);
-        Self { center, radius, bottom: low.y, to_camera: viewing_direction(high - low) }
+        Self { center, radius, bottom: low.y, viewpoint: usual_viewpoint(high - low), is_turntable: false }
+    }
+
+    /// The frame seen from another side, if one is given.
+    pub(crate) fn seen_from(self, viewpoint: Option<Viewpoint>) -> Self {
+        Self { viewpoint: viewpoint.unwrap_or(self.viewpoint), ..self }
+    }
+
+    /// The frame seen from where a camera is, if there is one.
+    pub(crate) fn seen_by(self, camera: Option<&Camera>) -> Self {
+        let direction = |camera: &Camera| camera.position.as_dvec3() - self.center;
+        self.seen_from(camera.map(|camera| Viewpoint::toward(direction(camera))))
+    }
+
+    /// The frame of meshes that may turn.
+    pub(crate) fn turning(self, is_turntable: bool) -> Self {
+        Self { is_turntable, ..self }
+    }
+
+    /// Middle of the meshes.
+    pub(crate) fn center(&self) -> DVec3 {
+        self.center
+    }
+
+    /// Whether a camera is above the floor of the [`backdrop`](Self::backdrop).
+    pub(crate) fn is_above_floor(&self, camera: &Camera) -> bool {
+        f64::from(camera.position.y) > self.floor()
+    }
+
+    /// Height of the backdrop's floor, a little below the meshes.
+    fn floor(&self) -> f64 {
+        self.bottom - 2e-3 * self.radius
     }
 
     /// A camera from which the meshes fill most of an image of the given width over height.
     pub(crate) fn camera(&self, objects: &[Object], aspect: f64) -> Camera {
         let tangent = (0.5 * FIELD_OF_VIEW).to_radians().tan();
-        let view = View::along(self.to_camera, [tangent, tangent / aspect]);
-        let points = silhouette(objects).map(|p| view.coordinates(p.as_dvec3() - self.center) / self.radius);
-        let points: Vec<DVec3> = points.collect();
+        let view = View::from(self.viewpoint, [tangent, tangent / aspect]);
+        let points = silhouette(objects).map(|p| (p.as_dvec3() - self.center) / self.radius);
+        let points: Vec<DVec3> = if self.is_turntable {
+            points.flat_map(ring).map(|p| view.coordinates(p)).collect()
+        } else {
+            points.map(|p| view.coordinates(p)).collect()
+        };
         let (target, distance) = view.fit(&points);
         let distance = distance.min(FARTHEST / self.radius);
         let target = self.center + self.radius * view.world(target);
-        let position = target + self.radius * distance * self.to_camera;
+        let position = target + self.radius * distance * self.viewpoint.direction();
         Camera {
             position: position.as_vec3(),
             target: target.as_vec3(),
+            up: self.viewpoint.up().as_vec3(),
             horizontal_fov: FIELD_OF_VIEW as f32,
             focus_distance: (self.radius * distance) as f32,
             ..Camera::default()
@@ -95,12 +130,15 @@ impl Stage {
         Environment { radiance: Vec3::new(0.16, 0.17, 0.19), ..Environment::default() }
     }
 
-    /// A dark neutral sweep: a floor a little below the meshes that curves up to a wall behind them, so wide
+    /// Color of the backdrop where none is asked for: dark and neutral.
+    pub(crate) const BACKDROP_COLOR: Vec3 = Vec3::splat(0.085);
+
+    /// A sweep: a floor a little below the meshes that curves up to a wall behind them, so wide
     /// that the rim light fades over it without an edge.
-    pub(crate) fn backdrop(&self) -> (Mesh, Material) {
+    pub(crate) fn backdrop(&self, color: Vec3) -> (Mesh, Material) {
         let material = Material {
             name: String::from("backdrop"),
-            base_color: ColorInput::constant(Vec3::splat(0.085)),
+            base_color: ColorInput::constant(color),
             specular_weight: ScalarInput::constant(0.0),
             ..Material::default()
         };
@@ -112,7 +150,7 @@ impl Stage {
     /// `azimuth` is about y from the camera, positive to its right, `elevation` above the horizon, both in
     /// degrees; `distance` is in the frame's radius.
     fn place(&self, azimuth: f64, elevation: f64, distance: f64) -> (DVec3, DVec3) {
-        let horizontal = horizontal_of(self.to_camera);
+        let horizontal = self.viewpoint.horizontal();
         let right = DVec3::Y.cross(horizontal);
         let (sine, cosine) = azimuth.to_radians().sin_cos();
         let (height, reach) = elevation.to_radians().sin_cos();
@@ -123,9 +161,9 @@ impl Stage {
     /// A strip across the view with the profile floor, quarter circle, wall.
     fn backdrop_mesh(&self) -> Mesh {
         const WIDTH: f64 = 40.0;
-        let back = -horizontal_of(self.to_camera);
+        let back = -self.viewpoint.horizontal();
         let across = back.cross(DVec3::Y);
-        let origin = DVec3::new(self.center.x, self.bottom - 2e-3 * self.radius, self.center.z);
+        let origin = DVec3::new(self.center.x, self.floor(), self.center.z);
         let mut mesh = Mesh::default();
         for (point, normal) in backdrop_profile() {
             for side in [-WIDTH, WIDTH] {
@@ -163,16 +201,20 @@ fn backdrop_profile() -> Vec<([f64; 2], [f64; 2])> {
 
 /// Three-quarter view from the front (+z), a little above; turned to the broad side of what is thin
 /// along z and raised over what lies flat.
-fn viewing_direction(extent: DVec3) -> DVec3 {
-    let azimuth: f64 = if extent.x < 0.4 * extent.z { 65.0 } else { 25.0 };
-    let elevation: f64 = if extent.y < 0.15 * extent.x.max(extent.z) { 40.0 } else { 12.0 };
-    let (height, reach) = elevation.to_radians().sin_cos();
-    let (sine, cosine) = azimuth.to_radians().sin_cos();
-    DVec3::new(reach * sine, height, reach * cosine)
+fn usual_viewpoint(extent: DVec3) -> Viewpoint {
+    let azimuth = if extent.x < 0.4 * extent.z { 65.0 } else { 25.0 };
+    let elevation = if extent.y < 0.15 * extent.x.max(extent.z) { 40.0 } else { 12.0 };
+    Viewpoint::of(azimuth, elevation)
 }
 
-fn horizontal_of(direction: DVec3) -> DVec3 {
-    DVec3::new(direction.x, 0.0, direction.z).normalize_or(DVec3::Z)
+/// Points all around the y axis where a point comes by that turns about it.
+fn ring(p: DVec3) -> impl Iterator<Item = DVec3> {
+    const STEPS: u8 = 24;
+    let radius = p.x.hypot(p.z);
+    (0..STEPS).map(move |step| {
+        let (sine, cosine) = (std::f64::consts::TAU * f64::from(step) / f64::from(STEPS)).sin_cos();
+        DVec3::new(radius * sine, p.y, radius * cosine)
+    })
 }
 
 fn silhouette(objects: &[Object]) -> impl Iterator<Item = Vec3> {
@@ -188,15 +230,6 @@ fn silhouette(objects: &[Object]) -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The boxes around objects; that of a mesh is looked for once.
-fn boxes(objects: &[Object]) -> impl Iterator<Item = (Vec3, Vec3)> {
-    let mut known = HashMap::new();
-    objects.iter().map(move |object| {
-        let address = Arc::as_ptr(&object.mesh).addr();
-        object.placed_box(*known.entry(address).or_insert_with(|| object.mesh.bounds()))
-    })
-}
-
 /// A viewing direction with the frame's half extents at distance 1.
 struct View {
     right: DVec3,
@@ -206,8 +239,9 @@ struct View {
 }
 
 impl View {
-    fn along(backward: DVec3, tangents: [f64; 2]) -> Self {
-        let right = DVec3::Y.cross(backward).normalize_or(DVec3::X);
+    fn from(viewpoint: Viewpoint, tangents: [f64; 2]) -> Self {
+        let backward = viewpoint.direction();
+        let right = viewpoint.up().cross(backward).normalize_or(DVec3::X);
         Self { right, up: backward.cross(right), backward, tangents }
     }
 
@@ -313,7 +347,7 @@ mod tests {
         let lights_and_camera = |scale: f32| {
             let objects = [blob(scale, Vec3::ZERO)];
             let frame = Stage::of(&objects);
-            (frame.camera(&objects, 1.5), frame.lights(), frame.backdrop().0)
+            (frame.camera(&objects, 1.5), frame.lights(), frame.backdrop(Stage::BACKDROP_COLOR).0)
         };
         let (camera, lights, backdrop) = lights_and_camera(1.0);
         for scale in [1e-6_f32, 1e-3, 1e6] {
@@ -371,13 +405,13 @@ mod tests {
         let to_mesh = (frame.center.as_vec3() - center).normalize();
         assert!(edge_x.cross(edge_y).normalize().distance(to_mesh) < 1e-5);
         assert!(edge_x.dot(edge_y).abs() < 1e-4 * edge_x.length() * edge_y.length());
-        assert!(to_mesh.dot(frame.to_camera.as_vec3()) < 0.0);
+        assert!(to_mesh.dot(frame.viewpoint.direction().as_vec3()) < 0.0);
         let Light::Sphere { center, radius, .. } = rim else { panic!() };
         let from_mesh = center - frame.center.as_vec3();
-        assert!(from_mesh.dot(frame.to_camera.as_vec3()) < 0.0);
+        assert!(from_mesh.dot(frame.viewpoint.direction().as_vec3()) < 0.0);
         // Outside of the meshes, and before the backdrop.
         assert!(radius + (frame.radius as f32) < from_mesh.length());
-        let (backdrop, _) = frame.backdrop();
+        let (backdrop, _) = frame.backdrop(Stage::BACKDROP_COLOR);
         for triangle in &backdrop.triangles {
             let [a, b, c] = triangle.map(|i| backdrop.positions[i as usize]);
             let normal = (b - a).cross(c - a).normalize();
@@ -389,7 +423,7 @@ mod tests {
     fn backdrop_is_below_the_mesh_and_behind_everything() {
         let objects = [blob(2.0, Vec3::Y)];
         let frame = Stage::of(&objects);
-        let (mesh, material) = frame.backdrop();
+        let (mesh, material) = frame.backdrop(Stage::BACKDROP_COLOR);
         let lowest = objects[0].mesh.bounds().0.y;
         let (low, _) = mesh.bounds();
         assert!(low.y < lowest && low.y > lowest - 0.01 * frame.radius as f32);
@@ -399,7 +433,7 @@ mod tests {
             let normal = (b - a).cross(c - a).normalize();
             // Wound so that it faces up and toward the camera, as its shading normals do.
             assert!(normal.dot(mesh.normals[triangle[0] as usize]) > 0.9);
-            assert!(normal.dot(Vec3::Y + frame.to_camera.as_vec3()) > 0.0);
+            assert!(normal.dot(Vec3::Y + frame.viewpoint.direction().as_vec3()) > 0.0);
         }
         let camera = frame.camera(&objects, 1.0);
         assert!(camera.position.y > low.y, "the camera is above the floor");

@@ -107,6 +107,7 @@ pub(super) struct BufferView {
 
 #[derive(Deserialize)]
 pub(super) struct Camera {
+    pub(super) name: Option<String>,
     #[serde(rename = "type")]
     pub(super) kind: String,
     pub(super) perspective: Option<Perspective>,

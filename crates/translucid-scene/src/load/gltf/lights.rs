@@ -11,6 +11,12 @@ use crate::interval::Interval;
 use crate::load::mesh_file::horizontal_fov;
 use crate::{Camera, Film, Light, SceneError};
 
+/// Luminous flux of a watt \[lm\]: that of light of 540 THz, by the definition of the candela.
+///
+/// Lamps say nothing of their spectrum, and Blender's exporter takes this number for what it writes in candela and lux,
+/// whatever the color, so that its watts come back.
+const LUMENS_PER_WATT: f64 = 683.0;
+
 /// A node's KHR_lights_punctual.
 #[derive(Deserialize)]
 struct LightReference {
@@ -34,6 +40,7 @@ fn upward(world_from_local: &DAffine3) -> Vec3 {
 /// - Directional lights state illuminance (lx), which does not depend on the unit of length.
 /// - Points and spots state intensity (cd): irradiance is intensity over squared distance, so that the
 ///   same picture in other units needs it times `units`².
+/// - Both are photometric and become radiometric by [`LUMENS_PER_WATT`].
 /// - `range` is a hint for renderers that cut lights off, and not used.
 pub(super) fn light(
     node: &Node,
@@ -50,7 +57,7 @@ pub(super) fn light(
     };
     let data = document.lights.get(reference.light, part, notes.path)?;
     let part = document.lights.label(reference.light);
-    let scale = if data.kind == "directional" { 1.0 } else { units * units };
+    let scale = if data.kind == "directional" { 1.0 } else { units * units } / LUMENS_PER_WATT;
     let color = emitted(data, scale, &part, notes);
     let position = world_from_local.translation.as_vec3();
     check_position(position, &part, notes)?;

@@ -1,4 +1,4 @@
-//! glTF 2.0 (.gltf and .glb): meshes with their hierarchy and materials, lights and a camera.
+//! glTF 2.0 (.gltf and .glb): meshes with their hierarchy and materials, lights and cameras.
 //!
 //! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
 //! input can make it panic or allocate more than the file's own size justifies.
@@ -35,6 +35,7 @@ use self::geometry::MOST;
 use self::materials::MaterialShelf;
 use self::nodes::PlacedNode;
 use self::notes::Notes;
+use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
 use super::watch::LoadWatch;
 use super::{MeshFile, read_file};
@@ -287,12 +288,10 @@ impl Assembly<'_> {
         let Some(camera) = lights::camera(data, &placed.world_from_local, self.units, &label, notes)? else {
             return Ok(());
         };
-        if self.scene.camera.is_some() {
-            notes.warn(&label, "only the first camera is used");
-            return Ok(());
-        }
-        self.scene.camera = Some(camera);
-        self.scene.vertical_fov = data.perspective.as_ref().map(|p| p.yfov.to_degrees() as f32);
+        let of_node = document.nodes.get(placed.index, part, notes.path)?.name.clone();
+        let name = of_node.or_else(|| data.name.clone()).unwrap_or(label);
+        let vertical_fov = data.perspective.as_ref().map(|p| p.yfov.to_degrees() as f32);
+        self.scene.cameras.push(NamedCamera { name, camera, vertical_fov });
         Ok(())
     }
 

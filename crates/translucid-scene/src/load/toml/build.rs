@@ -12,6 +12,7 @@ use super::input::{FileRequest, KnownFiles};
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::interval::Interval;
+use crate::load::extent::warn_of_extent;
 use crate::load::mesh_file::{MeshFile, scale_lengths};
 use crate::load::shared_mesh::SharedMesh;
 use crate::load::stage::Stage;
@@ -44,13 +45,13 @@ impl SceneFile {
         options: &LoadOptions,
         warnings: &mut Vec<Warning>,
     ) -> Result<Scene, SceneError> {
+        let camera = self.camera(options.camera.as_deref())?;
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
         let images =
             load_files(&self.images, |image| load_image(&image.path, image.kind, warnings).map(Arc::new))?;
         scene.images.extend(images);
-        let mut builder =
-            SceneBuilder { grouping: self.grouping, camera: self.camera, ..SceneBuilder::of(scene) };
+        let mut builder = SceneBuilder { grouping: self.grouping, camera, ..SceneBuilder::of(scene) };
         builder.watch = options.watch.clone();
         let replacement = |index: usize| overrides.get(&index).copied();
         for (index, entry) in self.objects.iter().enumerate() {
@@ -73,8 +74,8 @@ impl SceneFile {
         }
         let mut scene = match (self.extends, builder.camera) {
             // Whatever is missing was chosen for the base
-            (Some(_), Some(camera)) => Scene { camera, ..builder.scene },
-            (_, camera) => staged(builder.scene, camera),
+            (Some(_), Some(camera)) => Scene { camera: options.moved(camera), ..builder.scene },
+            (_, camera) => staged(builder.scene, camera, options),
         };
         let tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
         scene.profile_tables.extend(tables);
@@ -452,8 +453,17 @@ impl SceneBuilder {
                 return Err(SceneError::at(entry.place.clone(), message));
             }
         }
+        self.warn_of_extent(entry, unit, loaded.model.objects.len(), warnings);
         self.models.insert(source, loaded);
         Ok(())
+    }
+
+    /// Warns of a file whose objects, the last of the scene, are of a size that no one means.
+    fn warn_of_extent(&self, entry: &ObjectEntry, unit: Unit, count: usize, warnings: &mut Vec<Warning>) {
+        let Scene { objects, materials, unit: of_scene, .. } = &self.scene;
+        let new = &objects[objects.len() - count..];
+        let advice = |unit: Unit| format!("unit = \"{}\"", unit.name());
+        warn_of_extent((new, materials), [*of_scene, unit], advice, &entry.place, warnings);
     }
 
     fn load(&self, path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
@@ -517,13 +527,17 @@ impl SceneBuilder {
 }
 
 /// The scene with a camera, and with lights where it has none.
-pub(super) fn staged(mut scene: Scene, camera: Option<Camera>) -> Scene {
+pub(super) fn staged(mut scene: Scene, camera: Option<Camera>, options: &LoadOptions) -> Scene {
     let stage = Stage::of(&scene.objects);
     let aspect = f64::from(scene.film.width) / f64::from(scene.film.height);
-    scene.camera = camera.unwrap_or_else(|| stage.camera(&scene.objects, aspect));
+    let automatic = stage.turning(options.turn.is_some()).seen_from(options.viewpoint);
+    scene.camera = match camera {
+        Some(camera) => options.moved(camera),
+        None => options.turned(automatic.camera(&scene.objects, aspect)),
+    };
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
     let is_dark = scene.lights.is_empty() && !scene.objects.iter().any(emits);
-    if is_dark && scene.environment.is_none() {
+    if is_dark && scene.environment.is_none() && options.surroundings.file.is_none() {
         scene.lights = stage.lights();
         scene.environment = Some(stage.environment());
     }

@@ -1,10 +1,38 @@
-//! `[camera]`.
+//! `[camera]` and `[[camera]]`.
 
-use super::document::Table;
+use std::collections::HashSet;
+
+use super::claim_name;
+use super::document::{Item, Table};
 use crate::interval::Interval;
-use crate::{Camera, SceneError};
+use crate::{Camera, NamedCamera, SceneError};
+
+/// Most cameras of a scene file.
+const MOST_CAMERAS: usize = 65_536;
 
 pub(super) const KEYS: &[&str] = &["position", "target", "up", "fov", "lens_radius", "focus_distance"];
+
+/// Keys of a camera in a scene file, where several have names.
+pub(super) const NAMED_KEYS: &[&str] =
+    &["name", "position", "target", "up", "fov", "lens_radius", "focus_distance"];
+
+/// The camera of `[camera]`, or those of each `[[camera]]`.
+pub(super) fn read_cameras(item: &Item<'_>) -> Result<Vec<NamedCamera>, SceneError> {
+    let tables = item.one_or_more_tables(MOST_CAMERAS)?;
+    let is_one = tables.len() == 1;
+    let mut names = HashSet::new();
+    let mut cameras = Vec::new();
+    for table in tables {
+        let table = table.allow(NAMED_KEYS)?;
+        let name = match table.get("name") {
+            None if is_one => String::new(),
+            _ => table.require("name")?.name()?,
+        };
+        claim_name(&table, &name, &mut names)?;
+        cameras.push(NamedCamera { name, camera: read_camera(&table)?, vertical_fov: None });
+    }
+    Ok(cameras)
+}
 
 pub(super) fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
     let position = table.require("position")?.vec3(Interval::PLACE)?;

@@ -358,6 +358,20 @@ impl<'a> Item<'a> {
         }
     }
 
+    /// A table, or those of an array of one or more.
+    pub(super) fn one_or_more_tables(&self, limit: usize) -> Result<Vec<Table<'a>>, SceneError> {
+        match self.value() {
+            DeValue::Array(array) if array.is_empty() => Err(self.refuse("one table or more")),
+            DeValue::Array(array) if array.len() > limit => {
+                let (path, count) = (&self.path, array.len());
+                Err(self.error(format!("there are {count} of {path}, but at most {limit} are allowed")))
+            }
+            DeValue::Array(array) => self.elements(array).iter().map(Item::table).collect(),
+            DeValue::Table(_) => Ok(vec![self.table()?]),
+            _ => Err(self.mismatch("a table, or several with names")),
+        }
+    }
+
     fn elements(&self, array: &'a [Spanned<DeValue<'a>>]) -> Vec<Item<'a>> {
         let element = |(i, value): (usize, &'a Spanned<DeValue<'a>>)| Item {
             source: self.source,

@@ -258,19 +258,29 @@ impl Chain {
             watch: options.watch.clone(),
             ..LoadOptions::default()
         };
+        let last = self.files.len() - 1;
+        // The camera that is asked for is one of those that the last file to state any has
+        let states = self.files.iter().rposition(|file| !file.cameras.is_empty());
+        let states = if self.mesh.is_some() { states } else { states.or(Some(last)) };
+        let camera_of = |number| options.camera.clone().filter(|_| states == number);
         let mut base = match &self.mesh {
-            Some((path, extends)) => Some(load_mesh(mesh.unwrap_or(path), extends, &of_base, warnings)?),
+            Some((path, extends)) => {
+                let of_mesh = LoadOptions { camera: camera_of(None), ..of_base.clone() };
+                Some(load_mesh(mesh.unwrap_or(path), extends, &of_mesh, warnings)?)
+            }
             None => None,
         };
-        let last = self.files.len() - 1;
         for (number, file) in self.files.into_iter().enumerate() {
-            let options = if number == last { options } else { &of_base };
+            let of_file = if number == last { options } else { &of_base };
+            let of_file = LoadOptions { camera: camera_of(Some(number)), ..of_file.clone() };
             base = Some(match base {
-                Some(base) => extend(base, &file, &objects[number], options, warnings)?,
-                None => file.assemble(&objects[number], options, warnings)?,
+                Some(base) => extend(base, &file, &objects[number], &of_file, warnings)?,
+                None => file.assemble(&objects[number], &of_file, warnings)?,
             });
         }
-        base.ok_or_else(|| SceneError::new("there is no scene"))
+        let mut scene = base.ok_or_else(|| SceneError::new("there is no scene"))?;
+        options.surroundings.apply(&mut scene, warnings)?;
+        Ok(scene)
     }
 
     /// What each mesh is replaced by.

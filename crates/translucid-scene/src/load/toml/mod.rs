@@ -28,7 +28,7 @@ pub use piece::Piece;
 pub use write::ExtendedBase;
 
 use super::stem;
-use crate::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit};
+use crate::{Camera, ColorSpace, Environment, Material, NamedCamera, Scene, SceneError, Unit};
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -74,7 +74,10 @@ pub struct SceneFile {
     /// All but the camera and what is in files; that of the base with the changes, where it is known.
     scene: Scene,
     grouping: Grouping,
-    camera: Option<Camera>,
+    /// Cameras that the file states.
+    cameras: Vec<NamedCamera>,
+    /// The camera of the base where the file states none, as far as that is known.
+    base_camera: Option<Camera>,
     objects: Vec<ObjectEntry>,
     images: Vec<FileRequest<ColorSpace>>,
     profile_tables: Vec<FileRequest<()>>,
@@ -120,7 +123,7 @@ impl SceneFile {
             read_materials(&root, is_extending, &mut scene, &mut files)?;
         }
         scene.environment = read_environment(&root, is_extending, scene.environment, &mut files)?;
-        let camera = open(&root, "camera", camera::KEYS)?;
+        let cameras = root.read("camera", Vec::new(), camera::read_cameras)?;
         if root.get("light").is_some() {
             let lights = root.tables("light", MOST_ENTRIES)?;
             scene.lights = lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?;
@@ -132,20 +135,19 @@ impl SceneFile {
             true => Grouping::Object,
             false => root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
         };
-        let camera = camera.map(|table| camera::read_camera(&table)).transpose()?;
-        let camera = camera.or(is_extending.then_some(scene.camera));
+        let base_camera = is_extending.then_some(scene.camera);
         let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
-        Ok(Self { source, extends, scene, grouping, camera, objects, images, profile_tables })
+        Ok(Self { source, extends, scene, grouping, cameras, base_camera, objects, images, profile_tables })
     }
 }
 
-/// A table of the root, if it is there.
-fn open<'a>(
-    root: &Table<'a>,
-    key: &'static str,
-    keys: &[&'static str],
-) -> Result<Option<Table<'a>>, SceneError> {
-    root.get(key).map(|item| item.table()?.allow(keys)).transpose()
+impl SceneFile {
+    /// The camera of a name, or the first, or that of the base; none if it is to be chosen.
+    fn camera(&self, name: Option<&str>) -> Result<Option<Camera>, SceneError> {
+        let chosen =
+            NamedCamera::choose(&self.cameras, name).map_err(|error| error.or_at(self.source.path()))?;
+        Ok(chosen.map(|named| named.camera).or(self.base_camera))
+    }
 }
 
 /// Adds materials, or changes those of the base.

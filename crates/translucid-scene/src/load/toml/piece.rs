@@ -372,7 +372,7 @@ impl SceneBuilder {
             return Err(SceneError::new("the scene has no objects, but must have at least one"));
         }
         let scene = Scene { film: options.film(self.scene.film), ..self.scene.clone() };
-        options.finish(staged(scene, self.camera))
+        options.finish(staged(scene, self.camera, options))
     }
 }
 

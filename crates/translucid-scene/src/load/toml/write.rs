@@ -374,7 +374,7 @@ fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
         *image = (*image).min(from.images.len());
     }
     let scene = &read.scene;
-    require_same("the camera", &read.camera, &Some(to.camera))?;
+    require_same("the camera", &read.camera(None)?, &Some(to.camera))?;
     require_same("the film", &scene.film, &to.film)?;
     require_same("the integrator", &scene.integrator, &to.integrator)?;
     require_same("the lights", &scene.lights, &to.lights)?;

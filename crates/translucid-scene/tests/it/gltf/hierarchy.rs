@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Mat4, Quat, Vec3};
 use serde_json::{Value, json};
-use translucid_scene::{Light, Mesh, Unit};
+use translucid_scene::{Light, Mesh, NamedCamera, Unit};
 
 use super::builder::File;
 
@@ -168,9 +168,10 @@ fn with_light(light: Value) -> File {
     file
 }
 
+/// Lux and candela are divided by 683 lm/W, as Blender's importer does.
 #[test]
-fn directional_lights_keep_their_illuminance_in_any_unit() {
-    let file = with_light(json!({ "type": "directional", "color": [1, 0.5, 0], "intensity": 3 }));
+fn directional_lights_keep_their_irradiance_in_any_unit() {
+    let file = with_light(json!({ "type": "directional", "color": [1, 0.5, 0], "intensity": 3 * 683 }));
     for unit in [Unit::Meter, Unit::Millimeter] {
         let scene = file.load_in(unit).scene;
         let [Light::Distant { direction, angular_radius, irradiance }] = scene.lights[..] else { panic!() };
@@ -181,7 +182,7 @@ fn directional_lights_keep_their_illuminance_in_any_unit() {
 
 #[test]
 fn point_lights_give_the_same_irradiance_in_any_unit() {
-    let file = with_light(json!({ "type": "point", "intensity": 8 }));
+    let file = with_light(json!({ "type": "point", "intensity": 8 * 683 }));
     for unit in [Unit::Meter, Unit::Millimeter] {
         let scene = file.load_in(unit).scene;
         let [Light::Spot { position, intensity, outer_angle, .. }] = scene.lights[..] else { panic!() };
@@ -216,7 +217,7 @@ fn spot_lights_have_their_cone_in_degrees_and_the_default_of_45() {
 fn a_light_out_of_range_becomes_the_nearest_with_a_warning() {
     let loaded = with_light(json!({ "type": "point", "color": [1, -1, 1e300] })).load();
     let [Light::Spot { intensity, .. }] = loaded.scene.lights[..] else { panic!() };
-    assert_eq!(intensity, Vec3::new(1.0, 0.0, 1e12));
+    assert_eq!(intensity, Vec3::new((1.0_f64 / 683.0) as f32, 0.0, 1e12));
     assert!(loaded.warned_of("light 0: its color times its intensity is not in [0, 1e12]"));
 }
 
@@ -234,7 +235,8 @@ fn cameras_see_the_corners_of_their_picture_under_the_right_angles() {
         json!({ "type": "perspective", "perspective": { "yfov": yfov, "aspectRatio": 1.5, "znear": 0.1 } }),
     );
     let scene = file.load_in(Unit::Centimeter).scene;
-    let camera = scene.camera.unwrap();
+    let [NamedCamera { name, camera, vertical_fov }] = &scene.cameras[..] else { panic!() };
+    assert_eq!(name, "camera 0");
     assert_eq!(camera.position, Vec3::new(0.0, 0.0, 400.0));
     assert!((camera.target - camera.position).normalize().abs_diff_eq(-Vec3::Z, 1e-6));
     assert_eq!(camera.up, Vec3::Y);
@@ -242,29 +244,32 @@ fn cameras_see_the_corners_of_their_picture_under_the_right_angles() {
     let distance = 1.0 / (yfov / 2.0).tan();
     let horizontal = 2.0 * (1.5 / distance).atan();
     assert!((f64::from(camera.horizontal_fov) - horizontal.to_degrees()).abs() < 1e-4);
-    assert!((f64::from(scene.vertical_fov.unwrap()) - yfov.to_degrees()).abs() < 1e-5);
+    assert!((f64::from(vertical_fov.unwrap()) - yfov.to_degrees()).abs() < 1e-5);
     assert!(camera.focus_distance > 0.0 && camera.lens_radius == 0.0);
 }
 
 #[test]
 fn cameras_without_aspect_ratio_fit_the_default_film() {
     let file = with_camera(json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }));
-    let fov = f64::from(file.load().scene.camera.unwrap().horizontal_fov).to_radians();
+    let fov = f64::from(file.load().scene.cameras[0].camera.horizontal_fov).to_radians();
     assert!(((fov / 2.0).tan() - 0.5f64.tan() * 16.0 / 9.0).abs() < 1e-6);
 }
 
 #[test]
-fn orthographic_and_further_cameras_are_left_out_with_a_warning() {
+fn orthographic_cameras_are_left_out_with_a_warning_and_others_have_names() {
     let orthographic =
         json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 1 } });
     let mut file = with_camera(orthographic);
     let loaded = file.load();
-    assert!(loaded.scene.camera.is_none());
+    assert!(loaded.scene.cameras.is_empty());
     assert!(loaded.warned_of("camera 0: a camera that is not a perspective one is left out"));
-    file.push("cameras", json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }));
+    let perspective = json!({ "yfov": 1.0, "znear": 0.1 });
+    file.push("cameras", json!({ "type": "perspective", "name": "wide", "perspective": perspective }));
     file.push("nodes", json!({ "camera": 1 }));
-    file.push("nodes", json!({ "camera": 1, "translation": [9, 9, 9] }));
+    file.push("nodes", json!({ "camera": 1, "name": "ear", "translation": [9, 9, 9] }));
     let loaded = file.load();
-    assert_eq!(loaded.scene.camera.unwrap().position, Vec3::ZERO);
-    assert!(loaded.warned_of("only the first camera is used"));
+    let cameras: Vec<(&str, Vec3)> =
+        loaded.scene.cameras.iter().map(|named| (named.name.as_str(), named.camera.position)).collect();
+    assert_eq!(cameras, [("wide", Vec3::ZERO), ("ear", Vec3::splat(9.0))]);
+    assert_eq!(loaded.warnings.len(), 1, "{:?}", loaded.warnings);
 }

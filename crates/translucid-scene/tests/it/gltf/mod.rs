@@ -2,6 +2,7 @@
 
 #![allow(clippy::needless_pass_by_value, reason = "JSON literals are handed over")]
 
+mod alone;
 mod broken;
 mod builder;
 mod geometry;

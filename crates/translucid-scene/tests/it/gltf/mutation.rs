@@ -98,12 +98,13 @@ fn mend_lengths(bytes: &mut [u8], json_growth: isize) {
 
 /// The file as a scene of its own.
 fn scene_of(file: MeshFile) -> Scene {
-    let MeshFile { objects, mut materials, images, lights, camera, vertical_fov: _ } = file;
+    let MeshFile { objects, mut materials, images, lights, cameras } = file;
     if materials.is_empty() {
         materials.push(Material::default());
     }
     let images = images.into_iter().map(Arc::new).collect();
-    Scene { objects, materials, images, lights, camera: camera.unwrap_or_default(), ..Scene::default() }
+    let camera = cameras.first().map(|named| named.camera).unwrap_or_default();
+    Scene { objects, materials, images, lights, camera, ..Scene::default() }
 }
 
 #[test]

@@ -61,7 +61,24 @@ fn broken_top_level_is_refused() {
     refuse("[shader]", "a scene has no key shader", "shader", ROOT_KEYS);
     let must = "object is a table, but must be an array of tables, each with the header [[object]]";
     refuse_file("unit = \"mm\"\n[object]\nshape = \"sphere\"\n", must, "[object]", "");
-    refuse("[[camera]]\nfov = 30", "camera is an array, but must be a table", "[[camera]]", "");
+    refuse("[[camera]]\nfov = 30", "camera[0] needs the key position", "[[camera]]", "");
+    refuse_file("unit = \"mm\"\ncamera = []\n", "camera is [], but must be one table or more", "[]", "");
+    refuse_file(
+        "unit = \"mm\"\ncamera = 3\n",
+        "camera is a number, but must be a table, or several with names",
+        "3",
+        "",
+    );
+    let camera = |name: &str| format!("[[camera]]\n{name}\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n");
+    let nameless = camera("name = 'a'") + &camera("");
+    refuse(&nameless, "camera[1] needs the key name", "[[camera]]", "");
+    let twice = camera("name = 'a'") + &camera("name = \"a\"");
+    refuse(
+        &twice,
+        "camera[1].name is \"a\", but must be a name that no other table of the list has",
+        "\"a\"",
+        "",
+    );
     refuse_file("unit = \"mm\"\nobject = [1]\n", "object[0] is a number, but must be a table", "1", "");
 }
 
@@ -69,7 +86,7 @@ const CAMERA: &str = "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n";
 
 #[test]
 fn broken_camera_is_refused() {
-    let keys = "the keys are position, target, up, fov, lens_radius, focus_distance";
+    let keys = "the keys are name, position, target, up, fov, lens_radius, focus_distance";
     let help = format!("did you mean position? {keys}");
     refuse("[camera]\npositon = [0, 0, 5]", "camera has no key positon", "positon", &help);
     refuse("[camera]\ntarget = [0, 0, 5]", "camera needs the key position", "[camera]", "");
@@ -406,7 +423,7 @@ fn every_allowed_key_is_read() {
     let (edges, rectangle): (Vec<&str>, Vec<&str>) =
         light::RECTANGLE_KEYS.iter().partition(|key| key.starts_with("edge"));
     let sections: Vec<(&str, String, &[&str])> = vec![
-        ("camera", String::from("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n"), camera::KEYS),
+        ("camera", String::from("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n"), camera::NAMED_KEYS),
         ("film", String::from("[film]\n"), &film),
         ("integrator", String::from("[integrator]\n"), &integrator),
         ("material", String::from("[[material]]\nname = \"m\"\n"), &material),

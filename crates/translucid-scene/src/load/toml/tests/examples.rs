@@ -59,7 +59,7 @@ fn format_description_names_every_key() {
         super::super::KEYS,
         super::super::extend::KEYS,
         &["index"],
-        camera::KEYS,
+        camera::NAMED_KEYS,
         &material::keys(),
         object::KEYS,
         input::COLOR_KEYS,

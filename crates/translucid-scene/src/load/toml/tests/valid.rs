@@ -6,7 +6,7 @@ use super::{BALL, load, parse};
 use crate::{
     Camera, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator, Light, LoadOptions,
     Material, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, ToneMapping, Unit, Wrap,
+    SubsurfaceTextureAt, Surroundings, ToneMapping, Unit, Viewpoint, Wrap,
 };
 
 fn with_ball(piece: &str) -> String {
@@ -46,11 +46,77 @@ fn camera_reads_every_key() {
         lens_radius: 0.25,
         focus_distance: 7.0,
     };
-    assert_eq!(parse(&with_ball(text)).unwrap().camera, Some(expected));
+    assert_eq!(parse(&with_ball(text)).unwrap().camera(None), Ok(Some(expected)));
     let text = "[camera]\nposition = [1, 2, 3]\ntarget = [4, 6, 3]";
     let expected =
         Camera { up: Vec3::Y, horizontal_fov: 40.0, lens_radius: 0.0, focus_distance: 5.0, ..expected };
-    assert_eq!(parse(&with_ball(text)).unwrap().camera, Some(expected));
+    assert_eq!(parse(&with_ball(text)).unwrap().camera(None), Ok(Some(expected)));
+}
+
+#[test]
+fn several_cameras_have_names_to_choose_them_by() {
+    let text = with_ball(
+        "[[camera]]\nname = 'front'\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n\
+         [[camera]]\nname = 'ear'\nposition = [4, 0, 0]\ntarget = [0, 0, 0]",
+    );
+    let load = |camera: Option<&str>| {
+        let options = LoadOptions { camera: camera.map(String::from), ..LoadOptions::default() };
+        parse(&text).unwrap().load(&options, &mut Vec::new()).map(|scene| scene.camera.position)
+    };
+    assert_eq!(load(None), Ok(Vec3::new(0.0, 0.0, 5.0)));
+    assert_eq!(load(Some("ear")), Ok(Vec3::new(4.0, 0.0, 0.0)));
+    let error = load(Some("nose")).unwrap_err();
+    assert_eq!(error.message, "there is no camera \"nose\"");
+    assert_eq!(error.help.as_deref(), Some("the cameras are front, ear"));
+}
+
+#[test]
+fn view_and_zoom_move_the_camera_of_a_scene_about_its_target() {
+    let text = with_ball("[camera]\nposition = [1, 0, 6]\ntarget = [1, 0, 0]\nfov = 60");
+    let load = |options: &LoadOptions| parse(&text).unwrap().load(options, &mut Vec::new()).unwrap().camera;
+    let seen = load(&LoadOptions { viewpoint: Viewpoint::from_text("right"), ..LoadOptions::default() });
+    assert!(seen.position.abs_diff_eq(Vec3::new(7.0, 0.0, 0.0), 1e-5), "{seen:?}");
+    let turned = load(&LoadOptions { turn: Some(90.0), ..LoadOptions::default() });
+    assert!(turned.position.abs_diff_eq(Vec3::new(-5.0, 0.0, 0.0), 1e-5), "{turned:?}");
+    let near = load(&LoadOptions { zoom: Some(2.0), ..LoadOptions::default() });
+    let tangent = |degrees: f32| (0.5 * degrees).to_radians().tan();
+    assert!((2.0 * tangent(near.horizontal_fov) - tangent(60.0)).abs() < 1e-6, "{near:?}");
+    let options = LoadOptions { zoom: Some(f32::NAN), ..LoadOptions::default() };
+    assert!(parse(&text).unwrap().load(&options, &mut Vec::new()).is_err());
+}
+
+#[test]
+fn surroundings_replace_the_environment_and_the_lights_that_were_chosen() {
+    let folder = tempfile::tempdir().unwrap();
+    let sky = folder.path().join("sky.hdr");
+    std::fs::write(
+        &sky,
+        b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 2\n\x80\x40\x20\x81\x80\x80\x80\x81",
+    )
+    .unwrap();
+    let load = |text: &str, surroundings: Surroundings| {
+        let options = LoadOptions { surroundings, ..LoadOptions::default() };
+        parse(text).unwrap().load(&options, &mut Vec::new())
+    };
+    let changes = Surroundings { file: Some(sky.clone()), rotation: Some(90.0), strength: Some(0.5) };
+    let scene = load(&with_ball(""), changes.clone()).unwrap();
+    let environment = scene.environment.unwrap();
+    assert_eq!((scene.lights.len(), environment.image, environment.radiance), (0, Some(0), Vec3::splat(0.5)));
+    assert_eq!(scene.images[0].path.as_deref(), Some(sky.as_path()));
+    assert!((environment.world_from_environment * Vec3::Z).abs_diff_eq(Vec3::X, 1e-6));
+    // What a scene states of both stays, but for what is changed.
+    let lit = with_ball(
+        "[environment]\nradiance = 2\n[[light]]\ntype = 'point'\nposition = [0, 9, 0]\nintensity = 1",
+    );
+    let scene = load(&lit, Surroundings { file: None, ..changes.clone() }).unwrap();
+    assert_eq!((scene.lights.len(), scene.environment.unwrap().radiance), (1, Vec3::ONE));
+    let lamp = with_ball("[[light]]\ntype = 'point'\nposition = [0, 9, 0]\nintensity = 1");
+    let error = load(&lamp, Surroundings { file: None, ..changes.clone() }).unwrap_err();
+    assert_eq!(error.message, "the scene has no environment that could be turned or made brighter");
+    let error = load(&lit, Surroundings { strength: Some(-1.0), ..Surroundings::default() }).unwrap_err();
+    assert!(error.message.starts_with("environment, radiance[0] = -2: must be in [0, "), "{error}");
+    let error = load(&lit, Surroundings { file: Some("absent.exr".into()), ..changes }).unwrap_err();
+    assert!(error.message.starts_with("cannot be read"), "{error}");
 }
 
 #[test]

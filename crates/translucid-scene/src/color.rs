@@ -1,0 +1,39 @@
+//! Colors as words.
+
+use glam::Vec3;
+
+/// Linear color of `#rrggbb` in sRGB (IEC 61966-2-1).
+pub(crate) fn hexadecimal_color(text: &str) -> Option<Vec3> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    if !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
+        return None;
+    }
+    let packed = u32::from_str_radix(digits, 16).ok()?;
+    let channel = |shift: u32| linear_from_srgb(f64::from((packed >> shift) & 255) / 255.0) as f32;
+    Some(Vec3::new(channel(16), channel(8), channel(0)))
+}
+
+fn linear_from_srgb(value: f64) -> f64 {
+    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hexadecimal_colors_are_decoded_from_srgb() {
+        assert_eq!(hexadecimal_color("#ffffff"), Some(Vec3::ONE));
+        assert_eq!(hexadecimal_color("#000000"), Some(Vec3::ZERO));
+        // IEC 61966-2-1: code 188 is 0.5029 of linear light, code 10 is 10 / 255 / 12.92.
+        let color = hexadecimal_color("#BC0a00").unwrap();
+        assert!((color - Vec3::new(0.502_886, 0.003_035_3, 0.0)).abs().max_element() < 1e-6, "{color}");
+    }
+
+    #[test]
+    fn hexadecimal_colors_have_six_digits() {
+        for text in ["#fff", "#fffffff", "ffffff", "#ggffff", "#+fffff", "#", "", "#ääá"] {
+            assert_eq!(hexadecimal_color(text), None, "{text}");
+        }
+    }
+}
