@@ -1,5 +1,6 @@
 //! `translucid render`: a scene or mesh becomes a picture, or one of each of several models.
 
+mod look;
 mod outputs;
 mod picture;
 mod points;
@@ -9,6 +10,8 @@ mod showing;
 mod side_by_side;
 mod statistics;
 mod tev;
+mod tone;
+mod turntable;
 mod watch;
 
 use std::ffi::OsStr;
@@ -22,7 +25,7 @@ use clap::Args;
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::Session;
 use translucid_scene::{
-    LoadOptions, LoadProgress, LoadWatch, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning,
+    Light, LoadOptions, LoadProgress, LoadWatch, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning,
     load_scene, still_life,
 };
 
@@ -31,10 +34,12 @@ use crate::interrupt::STOP;
 use crate::messages;
 use crate::model::{ModelName, UnitName};
 use crate::progress::{Meter, Unit as CountedIn};
+use look::Look;
 use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
 use tev::Tev;
+use tone::{Exposure, Tone};
 use watch::WatchArguments;
 
 /// Most samples per pixel, as the scene's settings have it.
@@ -132,13 +137,13 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
     /// Material of a bare mesh; `list` shows all
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, value_name = "NAME", help_heading = MESH_AND_VIEW)]
     pub(crate) preset: Option<String>,
     /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
-    #[arg(long)]
+    #[arg(long, help_heading = MESH_AND_VIEW)]
     pub(crate) unit: Option<UnitName>,
     /// Mesh file in place of that of the scene's object NAME, or of its only one
-    #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh)]
+    #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh, help_heading = MESH_AND_VIEW)]
     pub(crate) mesh: Vec<(Option<String>, PathBuf)>,
     /// Show the picture as it grows in a tev that is running, the image viewer [default: 127.0.0.1:14158]
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
@@ -155,7 +160,15 @@ pub(crate) struct Arguments {
     /// Print what takes how long, and the model of each material that light goes under
     #[arg(short, long)]
     verbose: bool,
+    // The headings hold for all that comes after them
+    #[command(flatten, next_help_heading = MESH_AND_VIEW)]
+    look: Look,
+    #[command(flatten, next_help_heading = "Picture")]
+    tone: Tone,
 }
+
+/// Heading of the options for a mesh and for what is seen of a scene.
+const MESH_AND_VIEW: &str = "Bare mesh and view";
 
 impl Arguments {
     /// Time between two checkpoints: what a power cut may cost.
@@ -182,6 +195,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             (arguments.points.is_some(), "--points"),
             (arguments.denoise, "--denoise"),
             (arguments.watch.stats.is_some(), "--stats"),
+            (arguments.look.turntable.is_some(), "--turntable"),
         ] {
             if given {
                 let message = format!("{option} is not for comparisons, but --subsurface has several models");
@@ -205,6 +219,9 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.output.is_none() {
         outputs.spare_others()?;
     }
+    if let Some(count) = arguments.look.turntable {
+        return turntable::run(arguments, models.first().copied(), &outputs, count);
+    }
     let denoiser = arguments.denoise.then(Denoiser::load).transpose()?.map(Arc::new);
     let tev = arguments.connect_to_tev()?;
     let start = Instant::now();
@@ -227,8 +244,30 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Session::BYTES_PER_PIXEL,
     )?;
     let loading = start.elapsed();
-    picture::render(scene, &Task { arguments, outputs, denoiser, tev: tev.as_ref(), part: None, loading })
-        .map(drop)
+    note_lamps(arguments, &scene);
+    let exposure = &exposure(arguments);
+    let task = Task { arguments, outputs, denoiser, tev: tev.as_ref(), part: None, exposure, loading };
+    picture::render(scene, &task).map(drop)
+}
+
+/// Says how the lamps of a bare glTF file are taken, which are the only lights then.
+fn note_lamps(arguments: &Arguments, scene: &Scene) {
+    let is_gltf = has_extension(arguments, &["gltf", "glb"]);
+    let are_lamps = |light: &Light| matches!(light, Light::Spot { .. } | Light::Distant { .. });
+    if is_gltf && !arguments.quiet && scene.lights.iter().any(are_lamps) {
+        messages::print_note("the file's lamps are photometric: 683 cd or lx become 1 W/sr or W/m²");
+    }
+}
+
+/// How the pictures of the command are exposed: a mesh says nothing of that.
+fn exposure(arguments: &Arguments) -> Exposure {
+    let is_mesh = arguments.scene.is_some() && !has_extension(arguments, &["toml"]);
+    arguments.tone.exposure(is_mesh)
+}
+
+fn has_extension(arguments: &Arguments, extensions: &[&str]) -> bool {
+    let extension = arguments.scene.as_deref().and_then(Path::extension).unwrap_or_default();
+    extensions.iter().any(|known| extension.eq_ignore_ascii_case(known))
 }
 
 /// The scene with the options' changes and a model in place of its own, if one is given, and what the loader warns of.
@@ -236,9 +275,18 @@ pub(crate) fn scene(
     arguments: &Arguments,
     model: Option<SubsurfaceModel>,
 ) -> Result<(Scene, Vec<Warning>), Failure> {
+    scene_turned(arguments, model, arguments.look.turntable.map(|_| 0.0))
+}
+
+/// As [`scene`], with what is seen turned by an angle \[degrees\].
+fn scene_turned(
+    arguments: &Arguments,
+    model: Option<SubsurfaceModel>,
+    turn: Option<f64>,
+) -> Result<(Scene, Vec<Warning>), Failure> {
     let meter = Arc::new(OnceLock::new());
-    let options =
-        LoadOptions { watch: watch(arguments.quiet, Arc::clone(&meter)), ..load_options(arguments, model) };
+    let watch = watch(arguments.quiet, Arc::clone(&meter));
+    let options = LoadOptions { turn, watch, ..load_options(arguments, model) };
     let mut warnings = Vec::new();
     let loaded = match &arguments.scene {
         Some(path) => load_scene(path, &options, &mut warnings).map_err(Failure::from),
@@ -252,6 +300,7 @@ pub(crate) fn scene(
         messages::print_warnings(&warnings);
     }
     let mut scene = loaded?;
+    scene.film = arguments.tone.of(scene.film);
     if let Some(seed) = arguments.seed {
         scene.integrator.seed = seed;
     }
@@ -280,18 +329,21 @@ fn built_in(arguments: &Arguments, options: &LoadOptions) -> Result<Scene, Failu
             return Err(Failure::input(format!("{option} needs a scene or a mesh")));
         }
     }
+    if let Some(option) = arguments.look.of_mesh() {
+        return Err(Failure::input(format!("{option} needs a mesh")));
+    }
     Ok(still_life(options)?)
 }
 
 fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOptions {
-    LoadOptions {
+    arguments.look.of(LoadOptions {
         preset: arguments.preset.clone(),
         unit: arguments.unit.map(Unit::from),
         mesh_overrides: arguments.mesh.clone(),
         size: arguments.size,
         subsurface_model: model,
-        watch: LoadWatch::default(),
-    }
+        ..LoadOptions::default()
+    })
 }
 
 /// Shows on a meter how far loading is where it takes long, and ends it where Ctrl-C was pressed.

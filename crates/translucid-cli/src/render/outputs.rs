@@ -3,9 +3,8 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use translucid_image::{DisplayTransform, OutputError, check_writable};
+use translucid_image::{DisplayTransform, OutputError, Picture, check_writable};
 use translucid_render::{FilmSums, ImageInfo, is_checkpoint};
-use translucid_scene::Film;
 
 use crate::failure::Failure;
 use crate::files::{input_among, is_own};
@@ -97,18 +96,29 @@ impl Outputs {
     }
 
     /// Writes the images: the layers with a denoised picture beside them, and for a display that in their place.
-    pub(crate) fn write(&self, film: &FilmSums, settings: &Film, info: &ImageInfo) -> Result<(), Failure> {
-        let display = display_transform(settings);
+    ///
+    /// The display is that of the PNG.
+    pub(crate) fn write(
+        &self,
+        film: &FilmSums,
+        display: impl FnOnce(&Picture<'_>) -> DisplayTransform,
+        info: &ImageInfo,
+    ) -> Result<(), Failure> {
         let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
+        let picture = film.display_picture(info);
         // A disk that has no room for the first may have it for the second
-        let png = film.display_picture(info).save_png(&self.png, display);
+        let png = picture.save_png(&self.png, display(&picture));
         exr.and(png).map_err(Failure::late)
     }
-}
 
-/// How a picture with these settings is made ready for a display.
-pub(crate) fn display_transform(settings: &Film) -> DisplayTransform {
-    DisplayTransform { exposure: settings.exposure, tone_mapping: settings.tone_mapping }
+    /// The same files with a number: NAME-001.exr.
+    pub(crate) fn numbered(&self, number: u32) -> Result<Self, Failure> {
+        let path = self.exr.as_ref().unwrap_or(&self.png);
+        let mut name = path.file_stem().unwrap_or_default().to_owned();
+        let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+        name.push(format!("-{number:03}.{extension}"));
+        Self::from_option(&path.with_file_name(name))
+    }
 }
 
 /// Refuses files that are there and are no checkpoints.
@@ -137,6 +147,9 @@ mod tests {
         assert_eq!(both.checkpoint, Path::new("out/a.b.EXR.checkpoint"));
         let one = Outputs::from_option(Path::new("a.png")).unwrap();
         assert_eq!((one.exr, one.png), (None, PathBuf::from("a.png")));
+        let third = both.numbered(3).unwrap();
+        assert_eq!(third.exr.as_deref(), Some(Path::new("out/a.b-003.EXR")));
+        assert_eq!(third.png, Path::new("out/a.b-003.png"));
         for odd in ["a", "a.jpg", "", ".exr/", "exr"] {
             assert!(Outputs::from_option(Path::new(odd)).is_err() || odd == ".exr/", "{odd}");
         }

@@ -6,16 +6,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use translucid_image::{Denoiser, OutputError, PixelRect};
+use translucid_image::{Denoiser, OutputError, Picture, PixelRect};
 use translucid_render::{
     CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, load_checkpoint,
 };
 use translucid_scene::{Scene, SubsurfaceModel};
 
-use super::outputs::{Outputs, display_transform};
+use super::outputs::Outputs;
 use super::showing::Showing;
 use super::statistics::{self, Statistics};
 use super::tev::Tev;
+use super::tone::Exposure;
 use super::{Arguments, points, preview, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
@@ -33,6 +34,8 @@ pub(crate) struct Task<'a> {
     pub(crate) tev: Option<&'a Tev>,
     /// Its place among several renderings that belong together.
     pub(crate) part: Option<Part>,
+    /// How its picture is exposed.
+    pub(crate) exposure: &'a Exposure,
     /// Time that the scene took to load.
     pub(crate) loading: Duration,
 }
@@ -213,7 +216,8 @@ impl<'a> Work<'a> {
             showings.push(tev.show(&name, self.session.film(), place)?);
         }
         if let Some(path) = &self.task.arguments.watch.preview {
-            let display = display_transform(&self.session.prepared().scene().film);
+            let (film, exposure) = (self.session.prepared().scene().film, self.task.exposure.clone());
+            let display = move |picture: &Picture<'_>| exposure.preview(&film, picture);
             showings.push(preview::show(path, self.session.film(), place, display)?);
         }
         Ok(showings)
@@ -344,7 +348,8 @@ impl<'a> Work<'a> {
             place: self.session.view().place(),
             denoised,
         };
-        self.task.outputs.write(&sums, &scene.film, &info)?;
+        let display = |picture: &Picture<'_>| self.task.exposure.display(&scene.film, picture);
+        self.task.outputs.write(&sums, display, &info)?;
         error.map_or(Ok(()), |error| {
             Err(Failure::work(error.to_string()).with_help("the picture was written as it was rendered"))
         })
@@ -371,7 +376,9 @@ impl<'a> Work<'a> {
         }
         messages::line(&text);
         let files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
-        messages::line(&format!("wrote {}", files.join(" and ")));
+        let exposure = self.task.exposure.metered();
+        let exposure = exposure.map_or_else(String::new, |stops| format!(", exposed by {stops:+} stops"));
+        messages::line(&format!("wrote {}{exposure}", files.join(" and ")));
         if self.task.part.is_none() && is_kept {
             messages::line(&format!("kept {}", self.task.outputs.checkpoint.display()));
         }

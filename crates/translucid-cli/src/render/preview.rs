@@ -19,9 +19,9 @@ pub(super) fn show(
     path: &Path,
     film: Arc<LiveFilm>,
     place: (PixelRect, [u32; 2]),
-    display: DisplayTransform,
+    display: impl Fn(&Picture<'_>) -> DisplayTransform + Send + Sync + 'static,
 ) -> Result<Showing, Failure> {
-    let path = path.to_owned();
+    let (path, display) = (path.to_owned(), Box::new(display));
     let screen = PreviewScreen { path, film, place, display, shown: 0, is_given_up: false, pool: None };
     Showing::start(screen)
         .map_err(|error| Failure::work(format!("--preview: no thread can be started: {error}")))
@@ -32,7 +32,8 @@ struct PreviewScreen {
     path: PathBuf,
     film: Arc<LiveFilm>,
     place: (PixelRect, [u32; 2]),
-    display: DisplayTransform,
+    /// How the picture so far is made ready for a display.
+    display: Box<dyn Fn(&Picture<'_>) -> DisplayTransform + Send + Sync>,
     /// The film's change that was written last.
     shown: u64,
     /// Whether the file cannot be written.
@@ -85,6 +86,6 @@ impl PreviewScreen {
         let picture = Picture::new([region.width, region.height], channels.to_vec(), fill)
             .within(region, whole)
             .with_metadata(concat!("translucid ", env!("CARGO_PKG_VERSION")), Vec::new());
-        picture.save_png(&self.path, self.display)
+        picture.save_png(&self.path, (self.display)(&picture))
     }
 }

@@ -14,7 +14,7 @@ use translucid_scene::{Film, Scene, SubsurfaceModel};
 use super::picture::{self, Part, Rendering, Task};
 use super::statistics::compared;
 use super::tev::Tev;
-use super::{Arguments, inputs, scene, scene_name, stem};
+use super::{Arguments, exposure, inputs, scene, scene_name, stem};
 use crate::failure::Failure;
 use crate::files::Directory;
 use crate::model::ModelName;
@@ -117,6 +117,7 @@ fn render_all(
 ) -> Result<Vec<Entry>, Failure> {
     let mut loaded = Some(first);
     let mut entries = Vec::new();
+    let exposure = &exposure(arguments);
     for (number, &model) in models.iter().enumerate() {
         if interrupt::STOP.load(Ordering::Relaxed) {
             return Err(Failure::interrupted("repeat the command with --resume to go on"));
@@ -127,15 +128,17 @@ fn render_all(
             // Its warnings are those that the first has had
             None => (scene(arguments, Some(model))?.0, start.elapsed()),
         };
-        let film = scene.film;
+        let mut film = scene.film;
         let goal = scene.integrator.samples_per_pixel;
         let part = Part {
             label: format!("{} ({} of {})", model.name(), number + 1, models.len()),
             first_half: files::first_half(directory, model.name()),
         };
         let outputs = files::outputs(directory, model.name());
-        let task = Task { arguments, outputs, denoiser: None, tev, part: Some(part), loading };
-        entries.push(entry(model, &picture::render(scene, &task)?, &film, goal));
+        let task = Task { arguments, outputs, denoiser: None, tev, part: Some(part), exposure, loading };
+        let rendering = picture::render(scene, &task)?;
+        film.exposure = exposure.metered().unwrap_or(film.exposure);
+        entries.push(entry(model, &rendering, &film, goal));
     }
     Ok(entries)
 }

@@ -8,6 +8,7 @@ mod convert;
 mod fit;
 mod gallery;
 mod killed;
+mod look;
 mod markdown;
 mod pages;
 mod points;

@@ -1,0 +1,149 @@
+//! Options that turn a bare mesh, look at a scene and light it from around.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use translucid_scene::{Floor, LoadOptions, Surroundings, UpAxis, Viewpoint};
+
+/// Most pictures of a turntable.
+const MOST_PICTURES: i64 = 3600;
+
+/// The options.
+#[derive(Args, Debug, Default)]
+pub(crate) struct Look {
+    /// Axis of a bare mesh that points up: x, y, z, -x, -y or -z [default: y, or z where a mesh other than glTF
+    /// stands on that plane]
+    #[arg(long, value_name = "AXIS", value_parser = parse_up, allow_hyphen_values = true)]
+    up: Option<UpAxis>,
+    /// Turn a bare mesh about its middle, by degrees about x, then y, then z, or about y alone, once y is up
+    #[arg(long, value_name = "X,Y,Z", value_parser = parse_rotation, allow_hyphen_values = true)]
+    rotate: Option<[f32; 3]>,
+    /// What a bare mesh stands on: none, backdrop, or a color as #rrggbb or a grey in [0, 1] [default: backdrop where
+    /// neither camera nor light is given, else none]
+    #[arg(long, value_name = "FLOOR", value_parser = parse_floor)]
+    floor: Option<Floor>,
+    /// Camera to look by, of those of the scene or glTF file that have names [default: the first]
+    #[arg(long, value_name = "NAME", conflicts_with = "view")]
+    camera: Option<String>,
+    /// Side to look from: front, back, left, right, top, bottom, or degrees to the right and up; at a bare mesh with a
+    /// camera that frames it, in a scene about what its camera looks at
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse_view, allow_hyphen_values = true)]
+    view: Option<Viewpoint>,
+    /// Make things so many times as large in the picture
+    #[arg(long, value_name = "FACTOR", value_parser = parse_zoom, allow_negative_numbers = true)]
+    zoom: Option<f32>,
+    /// Write N pictures, NAME-001 and so on, of a bare mesh that turns once, or by a camera that goes once about a scene
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PICTURES))]
+    pub(super) turntable: Option<u32>,
+    /// Image of the sky (.hdr, .exr, .png, .jpg) in place of the scene's environment, and of the lights of a bare mesh
+    #[arg(long, value_name = "FILE")]
+    pub(super) environment: Option<PathBuf>,
+    /// Turn the environment about y
+    #[arg(long, value_name = "DEGREES", value_parser = parse_angle, allow_negative_numbers = true)]
+    environment_rotation: Option<f32>,
+    /// Make the environment so many times as bright
+    #[arg(long, value_name = "FACTOR", value_parser = parse_strength, allow_negative_numbers = true)]
+    environment_strength: Option<f32>,
+}
+
+impl Look {
+    /// The loader's options with these.
+    pub(super) fn of(&self, options: LoadOptions) -> LoadOptions {
+        LoadOptions {
+            up: self.up,
+            rotate: self.rotate.unwrap_or_default(),
+            floor: self.floor,
+            camera: self.camera.clone(),
+            viewpoint: self.view,
+            zoom: self.zoom,
+            surroundings: Surroundings {
+                file: self.environment.clone(),
+                rotation: self.environment_rotation,
+                strength: self.environment_strength,
+            },
+            ..options
+        }
+    }
+
+    /// An option that is given and needs a mesh.
+    pub(super) fn of_mesh(&self) -> Option<&'static str> {
+        let given = [
+            (self.up.is_some(), "--up"),
+            (self.rotate.is_some(), "--rotate"),
+            (self.floor.is_some(), "--floor"),
+        ];
+        given.into_iter().find(|(is_given, _)| *is_given).map(|(_, option)| option)
+    }
+}
+
+fn parse_up(text: &str) -> Result<UpAxis, String> {
+    UpAxis::from_name(text).ok_or_else(|| String::from("the axes are x, y, z, -x, -y and -z"))
+}
+
+/// A finite number in a range.
+fn number(text: &str, low: f32, high: f32) -> Option<f32> {
+    text.trim().parse().ok().filter(|value| (low..=high).contains(value))
+}
+
+fn parse_rotation(text: &str) -> Result<[f32; 3], String> {
+    let angles: Option<Vec<f32>> = text.split(',').map(|text| number(text, -36_000.0, 36_000.0)).collect();
+    match angles.as_deref() {
+        Some(&[y]) => Ok([0.0, y, 0.0]),
+        Some(&[x, y, z]) => Ok([x, y, z]),
+        _ => Err(String::from("a rotation is X,Y,Z in degrees, or Y alone, each in [-36000, 36000]")),
+    }
+}
+
+fn parse_floor(text: &str) -> Result<Floor, String> {
+    if text == "shadow" {
+        return Err(String::from("a floor of shadows alone cannot be rendered; none leaves the floor out"));
+    }
+    Floor::from_text(text)
+        .ok_or_else(|| String::from("a floor is none, backdrop, #rrggbb or a grey in [0, 1]"))
+}
+
+fn parse_view(text: &str) -> Result<Viewpoint, String> {
+    Viewpoint::from_text(text).ok_or_else(|| {
+        let names = Viewpoint::WORDS.map(|(name, _)| name).join(", ");
+        format!("a view is one of {names}, or AZIMUTH,ELEVATION in degrees, the latter in [-90, 90]")
+    })
+}
+
+fn parse_zoom(text: &str) -> Result<f32, String> {
+    number(text, 0.01, 1000.0).ok_or_else(|| String::from("a zoom is a number in [0.01, 1000]"))
+}
+
+fn parse_angle(text: &str) -> Result<f32, String> {
+    number(text, -36_000.0, 36_000.0).ok_or_else(|| String::from("an angle is in [-36000, 36000] degrees"))
+}
+
+fn parse_strength(text: &str) -> Result<f32, String> {
+    number(text, 0.0, 1e9).ok_or_else(|| String::from("a strength is a number in [0, 1e9]"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn words_of_the_options_are_read_or_refused() {
+        assert_eq!(parse_up("-z"), Ok(UpAxis::MinusZ));
+        assert_eq!(parse_rotation("-30"), Ok([0.0, -30.0, 0.0]));
+        assert_eq!(parse_rotation("1, 2,3"), Ok([1.0, 2.0, 3.0]));
+        assert_eq!(parse_floor("0.5"), Ok(Floor::Color([0.5; 3])));
+        assert_eq!(parse_floor("#ff0000"), Ok(Floor::Color([1.0, 0.0, 0.0])));
+        assert_eq!(parse_view("-30,15"), Ok(Viewpoint::of(-30.0, 15.0)));
+        assert_eq!((parse_zoom("2"), parse_angle("-90"), parse_strength("0")), (Ok(2.0), Ok(-90.0), Ok(0.0)));
+        assert!(parse_rotation("1,2").is_err() && parse_view("1,2,3").is_err());
+        for wrong in ["", "1,2,3,4", "nan", "inf", "a", "1e9", "1,,2"] {
+            assert!(parse_rotation(wrong).is_err() && parse_view(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["", "shadow", "#12345", "1.5", "-1", "nan", "floor"] {
+            assert!(parse_floor(wrong).is_err(), "{wrong}");
+        }
+        for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {
+            assert!(parse_zoom(wrong).is_err(), "{wrong}");
+        }
+        assert!(parse_up("up").is_err() && parse_strength("-1").is_err() && parse_angle("nan").is_err());
+    }
+}
