@@ -32,6 +32,7 @@ use clap::builder::UnknownArgumentValueParser;
 use clap::{Arg, Command, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::failure::Failure;
+use crate::messages::Verbosity;
 
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
@@ -41,6 +42,12 @@ use crate::failure::Failure;
 struct Cli {
     #[command(subcommand)]
     verb: Option<Verb>,
+    /// Print errors, warnings and notes only
+    #[arg(short, long, global = true, display_order = 100, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Print more: what takes how long, the model of each material
+    #[arg(short, long, global = true, display_order = 101)]
+    verbose: bool,
 }
 
 #[derive(Subcommand)]
@@ -93,6 +100,11 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     };
     command_line::set(words);
     interrupt::forget();
+    messages::set_verbosity(match (cli.quiet, cli.verbose) {
+        (true, _) => Verbosity::Quiet,
+        (_, true) => Verbosity::Verbose,
+        _ => Verbosity::Usual,
+    });
     messages::speak_json(false);
     // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
     // fault. The message has then been printed by the panic itself.

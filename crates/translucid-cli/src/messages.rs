@@ -2,7 +2,7 @@
 
 use std::io::{self, IsTerminal, Write};
 use std::ops::Range;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 
 use annotate_snippets::{AnnotationKind, Element, Group, Level, Origin, Renderer, Snippet};
 use serde_json::{Value, json};
@@ -24,6 +24,33 @@ pub(crate) fn speak_json(is_json: bool) {
 /// Whether messages are JSON.
 pub(crate) fn is_json() -> bool {
     IS_JSON.load(Ordering::Relaxed)
+}
+
+/// What is printed besides results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(crate) enum Verbosity {
+    /// Errors, warnings and notes.
+    Quiet,
+    Usual,
+    Verbose,
+}
+
+static VERBOSITY: AtomicU8 = AtomicU8::new(Verbosity::Usual as u8);
+
+/// From now on as much is printed.
+pub(crate) fn set_verbosity(verbosity: Verbosity) {
+    VERBOSITY.store(verbosity as u8, Ordering::Relaxed);
+}
+
+/// Whether only errors, warnings and notes are printed.
+pub(crate) fn is_quiet() -> bool {
+    VERBOSITY.load(Ordering::Relaxed) == Verbosity::Quiet as u8
+}
+
+/// Whether what takes how long is printed.
+pub(crate) fn is_verbose() -> bool {
+    VERBOSITY.load(Ordering::Relaxed) == Verbosity::Verbose as u8
 }
 
 /// Prints an object with the name of an event, if a program reads the messages.
@@ -48,11 +75,11 @@ pub(crate) fn print_warnings(warnings: &[Warning]) {
     }
     match warnings.len() {
         0 => {}
-        1 => line("1 warning"),
+        1 => put("1 warning"),
         count if count > WARNINGS_SHOWN => {
-            line(&format!("{count} warnings, the first {WARNINGS_SHOWN} above"));
+            put(&format!("{count} warnings, the first {WARNINGS_SHOWN} above"));
         }
-        count => line(&format!("{count} warnings")),
+        count => put(&format!("{count} warnings")),
     }
 }
 
@@ -66,8 +93,14 @@ pub(crate) fn print_note(message: &str) {
     print(Weight::Note, message, None, None);
 }
 
-/// Prints a plain line.
+/// Prints a plain line, unless it is to be quiet.
 pub(crate) fn line(text: &str) {
+    if !is_quiet() {
+        put(text);
+    }
+}
+
+fn put(text: &str) {
     if is_json() {
         return event("message", json!({ "text": text.trim() }));
     }
@@ -100,7 +133,7 @@ fn print(weight: Weight, message: &str, place: Option<&Place>, help: Option<&str
     }
     let colored = is_interactive() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
     let renderer = if colored { Renderer::styled() } else { Renderer::plain() };
-    line(&format(&renderer, level, message, place, help));
+    put(&format(&renderer, level, message, place, help));
 }
 
 fn format(

@@ -63,9 +63,11 @@ enum Display {
 }
 
 impl Meter {
-    /// A meter that draws a bar on a terminal and prints lines elsewhere.
+    /// A meter that draws a bar on a terminal and prints lines elsewhere, unless it is to be quiet.
     pub(crate) fn new(unit: Unit) -> Self {
-        let display = if messages::is_json() {
+        let display = if messages::is_quiet() {
+            Display::Quiet
+        } else if messages::is_json() {
             Display::Events { next: Mutex::new(Instant::now()) }
         } else if messages::is_interactive() {
             let bar = ProgressBar::with_draw_target(Some(STEPS), ProgressDrawTarget::stderr());
@@ -76,11 +78,6 @@ impl Meter {
             Display::Lines { next: Mutex::new(Instant::now() + LINE_INTERVAL) }
         };
         Self { unit, start: Instant::now(), done_before: 0, deadline: None, name: None, display }
-    }
-
-    /// The meter, showing nothing if that is asked for.
-    pub(crate) fn quiet(self, is_quiet: bool) -> Self {
-        if is_quiet { Self { display: Display::Quiet, ..self } } else { self }
     }
 
     /// The meter of work that goes on from what an earlier run has done, and that may end with the time.

@@ -84,20 +84,23 @@ Examples:
 
 /// Renders a scene file or a mesh; without one the built-in still life
 #[derive(Args, Debug, Default)]
-#[command(after_help = format!("{EXAMPLES}\n\n{}", watch::HELP))]
+#[command(after_long_help = format!("{EXAMPLES}\n\n{}", watch::HELP), after_help = "More, and examples: --help")]
 pub(crate) struct Arguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)
     #[arg(value_name = "SCENE|MESH")]
     pub(crate) scene: Option<PathBuf>,
-    /// Picture to write, .exr or .png [default: the scene's name, both, in the current directory]; with several
-    /// models a directory [default: the scene's name and -side-by-side]
+    /// Picture to write, .exr or .png; with several models a directory
+    ///
+    /// By default both, in the current directory, with the scene's name; of several models the directory has that name and
+    /// -side-by-side.
     #[arg(short, long, value_name = "FILE|DIR")]
     output: Option<PathBuf>,
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = parse_size)]
     pub(crate) size: Option<[u32; 2]>,
-    /// Render these pixels only, from (X0, Y0) at the top left to just before (X1, Y1): they are those of the whole
-    /// picture, bit for bit, and the file has their size
+    /// Render these pixels only, from (X0, Y0) to just before (X1, Y1)
+    ///
+    /// (0, 0) is at the top left. They are those of the whole picture, bit for bit, and the file has their size.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_region)]
     region: Option<[u32; 4]>,
     /// Samples per pixel [default: the scene's]
@@ -112,54 +115,56 @@ pub(crate) struct Arguments {
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Go on from the checkpoint of an unfinished rendering, and keep one at the end
+    /// Go on from an unfinished rendering's checkpoint, and keep one
     #[arg(long)]
     resume: bool,
-    /// How often an unfinished rendering is saved for --resume, against power cuts and kills, the first time after as
-    /// long [default: 30]
+    /// How often it is saved for --resume [default: 30]
+    ///
+    /// Against power cuts and kills; the first time after as long.
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
-    /// Model of the transport under all surfaces [default: the scene's, which for materials that name none is
-    /// random-walk, or a profile where they ask for what walks do not do]; several are rendered side by side. `translucid models`
-    /// lists them
+    /// Model under surfaces (see `translucid models`), or several
+    ///
+    /// By default the scene's, which for materials that name none is random-walk, or a profile where they ask for what walks
+    /// do not do.
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',', hide_possible_values = true)]
     subsurface: Vec<ModelName>,
-    /// The model that the others are compared with [default: random-walk or else exact, if among them, else the first]
+    /// Model that the others are compared with
+    ///
+    /// By default random-walk or else exact, if among them, else the first.
     #[arg(long, value_name = "MODEL", hide_possible_values = true)]
     against: Option<ModelName>,
-    /// How light under surfaces is found: ray-traced or point-based [default: the scene's]
+    /// How light under surfaces is found: ray-traced or point-based
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     subsurface_method: Option<SubsurfaceMethod>,
-    /// Whether light that has entered below one pixel serves those around it: true or false [default: the scene's]
-    #[arg(long, value_name = "BOOL")]
+    /// Whether light below a pixel serves those around: true or false
+    #[arg(long, value_name = "BOOL", hide_possible_values = true)]
     subsurface_sharing: Option<bool>,
-    /// File of the point-based method's points: made and kept there, or taken from there for another view
+    /// File of the point-based method's points
+    ///
+    /// They are made and kept there, or taken from there for another view.
     #[arg(long, value_name = "FILE")]
     points: Option<PathBuf>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME", help_heading = MESH_AND_VIEW)]
     pub(crate) preset: Option<String>,
-    /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
-    #[arg(long, help_heading = MESH_AND_VIEW)]
+    /// Unit of a bare mesh: mm, cm or m [default: mm, of glTF m]
+    #[arg(long, hide_possible_values = true, help_heading = MESH_AND_VIEW)]
     pub(crate) unit: Option<UnitName>,
-    /// Mesh file in place of that of the scene's object NAME, or of its only one
+    /// Mesh file in place of that of object NAME, or the only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh, help_heading = MESH_AND_VIEW)]
     pub(crate) mesh: Vec<(Option<String>, PathBuf)>,
-    /// Show the picture as it grows in a tev that is running, the image viewer [default: 127.0.0.1:14158]
+    /// Show the picture as it grows in a running tev
+    ///
+    /// The image viewer of https://github.com/Tom94/tev, by default at 127.0.0.1:14158.
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
         default_missing_value = tev::DEFAULT_ADDRESS, value_parser = parse_address)]
     tev: Option<String>,
     #[command(flatten)]
     watch: WatchArguments,
-    /// Denoise the picture at the end by Intel Open Image Denoise, which must be installed
+    /// Denoise it at the end by Open Image Denoise, if installed
     #[arg(long)]
     denoise: bool,
-    /// Print errors and warnings only
-    #[arg(short, long, conflicts_with = "verbose")]
-    quiet: bool,
-    /// Print what takes how long, and the model of each material that light goes under
-    #[arg(short, long)]
-    verbose: bool,
     // The headings hold for all that comes after them
     #[command(flatten, next_help_heading = MESH_AND_VIEW)]
     look: Look,
@@ -230,7 +235,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
     outputs.spare(inputs(arguments, &scene))?;
     arguments.watch.spare(inputs(arguments, &scene))?;
     points::check(&scene, arguments.points.as_deref())?;
-    if arguments.verbose {
+    if messages::is_verbose() {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
         let seconds = start.elapsed().as_secs_f64();
         messages::line(&format!(
@@ -254,7 +259,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
 fn note_lamps(arguments: &Arguments, scene: &Scene) {
     let is_gltf = has_extension(arguments, &["gltf", "glb"]);
     let are_lamps = |light: &Light| matches!(light, Light::Spot { .. } | Light::Distant { .. });
-    if is_gltf && !arguments.quiet && scene.lights.iter().any(are_lamps) {
+    if is_gltf && !messages::is_quiet() && scene.lights.iter().any(are_lamps) {
         messages::print_note("the file's lamps are photometric: 683 cd or lx become 1 W/sr or W/m²");
     }
 }
@@ -285,7 +290,7 @@ fn scene_turned(
     turn: Option<f64>,
 ) -> Result<(Scene, Vec<Warning>), Failure> {
     let meter = Arc::new(OnceLock::new());
-    let watch = watch(arguments.quiet, Arc::clone(&meter));
+    let watch = watch(Arc::clone(&meter));
     let options = LoadOptions { turn, watch, ..load_options(arguments, model) };
     let mut warnings = Vec::new();
     let loaded = match &arguments.scene {
@@ -347,14 +352,14 @@ fn load_options(arguments: &Arguments, model: Option<SubsurfaceModel>) -> LoadOp
 }
 
 /// Shows on a meter how far loading is where it takes long, and ends it where Ctrl-C was pressed.
-fn watch(is_quiet: bool, meter: Arc<OnceLock<Meter>>) -> LoadWatch {
+fn watch(meter: Arc<OnceLock<Meter>>) -> LoadWatch {
     let start = Instant::now();
     LoadWatch::new(move |LoadProgress { done, total }| {
         if STOP.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
         if start.elapsed() > SOON {
-            let new = || Meter::new(CountedIn::Parts).quiet(is_quiet).named("loading");
+            let new = || Meter::new(CountedIn::Parts).named("loading");
             meter.get_or_init(new).update(done as u64, total as u64);
         }
         ControlFlow::Continue(())

@@ -11,31 +11,41 @@ const MOST_PICTURES: i64 = 3600;
 /// The options.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Look {
-    /// Axis of a bare mesh that points up: x, y, z, -x, -y or -z [default: y, or z where a mesh other than glTF
-    /// stands on that plane]
+    /// Axis of a bare mesh that points up: x, y, z, -x, -y or -z
+    ///
+    /// By default y, or z where a mesh other than glTF stands on that plane.
     #[arg(long, value_name = "AXIS", value_parser = parse_up, allow_hyphen_values = true)]
     up: Option<UpAxis>,
-    /// Turn a bare mesh about its middle, by degrees about x, then y, then z, or about y alone, once y is up
+    /// Turn a bare mesh by degrees about x, y, then z, or y alone
+    ///
+    /// About its middle, once y is up.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_rotation, allow_hyphen_values = true)]
     rotate: Option<[f32; 3]>,
-    /// What a bare mesh stands on: none, backdrop, or a color as #rrggbb or a grey in [0, 1] [default: backdrop where
-    /// neither camera nor light is given, else none]
+    /// What it stands on: none, backdrop, #rrggbb or a grey
+    ///
+    /// A grey is in [0, 1]. By default backdrop where neither camera nor light is given, else none.
     #[arg(long, value_name = "FLOOR", value_parser = parse_floor)]
     floor: Option<Floor>,
-    /// Camera to look by, of those of the scene or glTF file that have names [default: the first]
+    /// Camera of a scene or glTF file, by name [default: the first]
     #[arg(long, value_name = "NAME", conflicts_with = "view")]
     camera: Option<String>,
-    /// Side to look from: front, back, left, right, top, bottom, or degrees to the right and up; at a bare mesh with a
-    /// camera that frames it, in a scene about what its camera looks at
+    /// Side to look from: front, left, …, or degrees right and up
+    ///
+    /// front, back, left, right, top or bottom: at a bare mesh with a camera that frames it, in a scene about what its
+    /// camera looks at.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse_view, allow_hyphen_values = true)]
     view: Option<Viewpoint>,
     /// Make things so many times as large in the picture
     #[arg(long, value_name = "FACTOR", value_parser = parse_zoom, allow_negative_numbers = true)]
     zoom: Option<f32>,
-    /// Write N pictures, NAME-001 and so on, of a bare mesh that turns once, or by a camera that goes once about a scene
+    /// Write N pictures, NAME-001 and so on, of one turn
+    ///
+    /// A bare mesh turns, and about a scene the camera does.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PICTURES))]
     pub(super) turntable: Option<u32>,
-    /// Image of the sky (.hdr, .exr, .png, .jpg) in place of the scene's environment, and of the lights of a bare mesh
+    /// Image of the sky (.hdr, .exr, .png, .jpg)
+    ///
+    /// In place of the scene's environment, and of the lights of a bare mesh.
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Turn the environment about y

@@ -83,14 +83,14 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
         // Until here there is nothing that Ctrl-C could lose
         interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
         prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
-        if arguments.verbose {
+        if messages::is_verbose() {
             let seconds = start.elapsed().as_secs_f64();
             messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
             print_models(prepared.scene());
         }
         let view = prepared.view()?;
         let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
-        let prepared = points::prepare(prepared, arguments.points.as_deref(), arguments.quiet)?;
+        let prepared = points::prepare(prepared, arguments.points.as_deref())?;
         Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
     })
 }
@@ -124,9 +124,7 @@ impl<'a> Work<'a> {
     fn start(mut session: Session, task: &'a Task<'a>, preparing: Duration) -> Result<Self, Failure> {
         if is_to_resume(task) {
             session.resume(&task.outputs.checkpoint)?;
-            if !task.arguments.quiet {
-                messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
-            }
+            messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
         }
         let seconds_before = session.seconds();
         let is_warned = AtomicBool::new(false);
@@ -165,8 +163,7 @@ impl<'a> Work<'a> {
         let cpu_before = machine::cpu_seconds();
         let paths_before = self.session.film().sums().paths();
         let deadline = self.limit().and_then(|limit| Instant::now().checked_add(limit));
-        let mut meter =
-            Meter::new(Unit::Samples).quiet(self.task.arguments.quiet).between(paths_before, deadline);
+        let mut meter = Meter::new(Unit::Samples).between(paths_before, deadline);
         if let Some(part) = &self.task.part {
             meter = meter.named(&part.label);
         }
@@ -185,9 +182,7 @@ impl<'a> Work<'a> {
         if self.task.wants_statistics() {
             self.write_statistics(outcome, [paths_before, paths], writing, cpu_seconds)?;
         }
-        if !self.task.arguments.quiet {
-            self.print_summary(cpu_seconds, paths - paths_before, is_kept);
-        }
+        self.print_summary(cpu_seconds, paths - paths_before, is_kept);
         if outcome == Outcome::Interrupted {
             let checkpoint = self.task.outputs.checkpoint.display();
             let help = match is_kept {
@@ -336,7 +331,7 @@ impl<'a> Work<'a> {
         let film = self.session.film();
         let sums = film.sums();
         let arguments = self.task.arguments;
-        if let Some(denoised) = denoised.as_ref().filter(|_| arguments.verbose) {
+        if let Some(denoised) = denoised.as_ref().filter(|_| messages::is_verbose()) {
             messages::line(&format!("denoised the picture by {}", denoised.by));
         }
         let info = ImageInfo {
@@ -400,7 +395,7 @@ fn is_to_resume(task: &Task<'_>) -> bool {
     let path = &task.outputs.checkpoint;
     match (task.arguments.resume, path.exists()) {
         (true, true) => return true,
-        (true, false) if !task.arguments.quiet => {
+        (true, false) => {
             messages::line(&format!("there is no {} yet: starting anew", path.display()));
         }
         (false, true) => {

@@ -31,40 +31,32 @@ pub(crate) fn check(scene: &Scene, file: Option<&Path>) -> Result<(), Failure> {
 }
 
 /// The scene with the points that it asks for, which are kept in a file if one is named.
-pub(crate) fn prepare(
-    mut prepared: PreparedScene,
-    file: Option<&Path>,
-    quiet: bool,
-) -> Result<PreparedScene, Failure> {
+pub(crate) fn prepare(mut prepared: PreparedScene, file: Option<&Path>) -> Result<PreparedScene, Failure> {
     if !prepared.wants_points() {
         return Ok(prepared);
     }
     let points = match file {
         Some(file) if file.exists() => {
             let points = PointCloud::load(file, prepared.points_fingerprint())?;
-            if !quiet {
-                messages::line(&format!("took {} points from {}", points.len(), file.display()));
-            }
+            messages::line(&format!("took {} points from {}", points.len(), file.display()));
             points
         }
-        _ => make(&prepared, file, quiet)?,
+        _ => make(&prepared, file)?,
     };
     prepared.set_points(&points);
     Ok(prepared)
 }
 
 /// Makes the points and keeps them.
-fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<PointCloud, Failure> {
+fn make(prepared: &PreparedScene, file: Option<&Path>) -> Result<PointCloud, Failure> {
     let start = Instant::now();
     let meters: [OnceLock<Meter>; 2] = [const { OnceLock::new() }; 2];
     let report = |progress: PointProgress| {
         let pass = usize::from(progress.pass == PointPass::Irradiance);
         let meter = meters[pass].get_or_init(|| {
             meters[0].get().into_iter().for_each(Meter::finish);
-            if !quiet {
-                messages::line(["laying points over surfaces", "light that enters at the points"][pass]);
-            }
-            Meter::new(Unit::Samples).quiet(quiet)
+            messages::line(["laying points over surfaces", "light that enters at the points"][pass]);
+            Meter::new(Unit::Samples)
         });
         meter.update(progress.done, progress.total);
     };
@@ -74,15 +66,11 @@ fn make(prepared: &PreparedScene, file: Option<&Path>, quiet: bool) -> Result<Po
         let help = String::from("the points were not ready: repeat the command to make them anew");
         return Err(Failure::interrupted(help));
     };
-    if !quiet {
-        let seconds = duration(start.elapsed().as_secs_f64());
-        messages::line(&format!("{} points with their light in {seconds}", points.len()));
-    }
+    let seconds = duration(start.elapsed().as_secs_f64());
+    messages::line(&format!("{} points with their light in {seconds}", points.len()));
     if let Some(file) = file {
         points.save(file).map_err(Failure::late)?;
-        if !quiet {
-            messages::line(&format!("kept them in {}", file.display()));
-        }
+        messages::line(&format!("kept them in {}", file.display()));
     }
     Ok(points)
 }

@@ -172,9 +172,7 @@ fn write(
             files::remove_checkpoints(directory, &entry.model);
         }
     }
-    if !arguments.quiet {
-        let page = directory.file(files::PAGE);
-        messages::line(&format!("wrote {}; open {}", directory.path().display(), page.display()));
-    }
+    let page = directory.file(files::PAGE);
+    messages::line(&format!("wrote {}; open {}", directory.path().display(), page.display()));
     Ok(())
 }

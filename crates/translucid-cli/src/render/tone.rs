@@ -9,11 +9,15 @@ use translucid_scene::Film;
 /// The options.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Tone {
-    /// Stops by which FILE.png is brighter, or auto: metered on the first picture, so that its bright parts are no
-    /// highlights [default: auto for a mesh, else the scene's]
+    /// Stops by which FILE.png is brighter, or auto
+    ///
+    /// auto is metered on the first picture, so that its bright parts are no highlights. By default auto for a mesh, else
+    /// the scene's.
     #[arg(long, value_name = "STOPS|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
     exposure: Option<ExposureWord>,
-    /// Curve from light to FILE.png: srgb (clamps), neutral (Khronos PBR Neutral) or agx (filmic) [default: the scene's]
+    /// Curve from light to FILE.png: srgb, neutral or agx
+    ///
+    /// srgb clamps, neutral is Khronos PBR Neutral, agx is filmic. By default the scene's.
     #[arg(long, value_name = "CURVE", value_parser = parse_tone_mapping)]
     tone_mapping: Option<ToneMapping>,
 }

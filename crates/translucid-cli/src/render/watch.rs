@@ -27,13 +27,13 @@ What is not known is null.";
 
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct WatchArguments {
-    /// Keep the picture so far in a file, written whole every few seconds
+    /// Keep the picture so far in a file, whole every few seconds
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
     /// Write progress and messages to stderr as JSON, an object a line
     #[arg(long, conflicts_with_all = ["quiet", "verbose"])]
     pub(super) json_progress: bool,
-    /// Write times, samples, memory and an estimate of the noise as JSON at the end
+    /// Write times, samples, memory and noise as JSON at the end
     #[arg(long, value_name = "FILE")]
     pub(super) stats: Option<PathBuf>,
 }

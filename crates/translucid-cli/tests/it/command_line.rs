@@ -64,6 +64,39 @@ fn completions_are_for_every_shell_and_pages_for_every_verb() {
 }
 
 #[test]
+fn short_help_is_short() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = crate::common::translucid(folder.path())
+        .args(["render", "-h"])
+        .env("COLUMNS", "100")
+        .output()
+        .unwrap();
+    let help = String::from_utf8(output.stdout).unwrap();
+    let long = stdout(folder.path(), "render --help");
+    assert!(help.lines().count() <= 55 && long.lines().count() > 120, "{help}");
+}
+
+#[test]
+fn quiet_and_verbose_are_for_every_verb() {
+    let folder = tempfile::tempdir().unwrap();
+    let walk = "reference --method monte-carlo --surface-albedo 0.5 --photons 1e3 --at 1";
+    let said = |words: &str| {
+        let output = run(folder.path(), words);
+        assert_eq!(output.status.code(), Some(0), "{words}: {}", stderr(&output));
+        stderr(&output)
+    };
+    assert!(said(walk).contains("walked 1000 photons"));
+    for words in [format!("{walk} -q"), format!("-q {walk}"), format!("{walk} --quiet")] {
+        assert_eq!(said(&words), "", "{words}");
+    }
+    for verb in VERBS {
+        let help = stdout(folder.path(), &format!("{verb} -h"));
+        assert!(help.contains("--quiet") && help.contains("--verbose"), "{verb}");
+    }
+    assert_eq!(run(folder.path(), &format!("{walk} -q -v")).status.code(), Some(2));
+}
+
+#[test]
 fn options_of_other_renderers_get_a_hint() {
     let folder = tempfile::tempdir().unwrap();
     for (given, own) in

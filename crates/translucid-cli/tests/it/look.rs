@@ -217,5 +217,5 @@ fn help_has_a_heading_for_a_mesh_and_one_for_the_picture() {
     for option in ["--unit", "--preset", "--up", "--view", "--turntable", "--environment-strength"] {
         assert!((mesh..picture).contains(&position(&format!("{option} <"))), "{option}");
     }
-    assert!(position("--exposure <") > picture && position("--quiet") < mesh);
+    assert!(position("--exposure <") > picture && position("--denoise") < mesh);
 }
