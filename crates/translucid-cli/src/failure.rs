@@ -48,6 +48,11 @@ impl Failure {
         Self { help: error.help, ..Self::work(message) }
     }
 
+    /// Something that the machine does not have.
+    pub(crate) fn of_machine(error: SceneError) -> Self {
+        Self { kind: FailureKind::Work, ..error.into() }
+    }
+
     /// Adds advice.
     pub(crate) fn with_help(self, advice: impl Into<String>) -> Self {
         Self { help: Some(advice.into()), ..self }

@@ -36,12 +36,13 @@ use crate::messages::Verbosity;
 
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
-/// Without a verb it renders the built-in still life to still-life.exr and still-life.png.
+/// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in about
+/// half a minute on two cores.
 #[derive(Parser)]
 #[command(name = "translucid", version, after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
-    verb: Option<Verb>,
+    verb: Verb,
     /// Print errors, warnings and notes only
     #[arg(short, long, global = true, display_order = 100, conflicts_with = "verbose")]
     quiet: bool,
@@ -65,6 +66,9 @@ enum Verb {
     Completions(completions::CompletionsArguments),
 }
 
+/// What the command without any words is short for.
+const FIRST_PICTURE: [&str; 5] = ["render", "--size", "640x360", "--spp", "20"];
+
 const EXAMPLES: &str = "\
 Examples:
   translucid
@@ -84,7 +88,14 @@ Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM,
 /// It writes to stdout, stderr and files as the program does. The process goes on after it, unless Ctrl-C is pressed
 /// twice while something is rendered or computed.
 pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
-    let words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let is_bare = words
+        .iter()
+        .skip(1)
+        .all(|word| ["-q", "--quiet", "-v", "--verbose"].map(OsString::from).contains(word));
+    if is_bare {
+        words.extend(FIRST_PICTURE.map(OsString::from));
+    }
     let matches = with_foreign_options(Cli::command()).try_get_matches_from(&words);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {
         Ok(cli) => cli,
@@ -106,10 +117,19 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
         _ => Verbosity::Usual,
     });
     messages::speak_json(false);
+    let is_bare = is_bare && !cli.quiet;
+    if is_bare {
+        messages::line(&format!("this is short for: {}", command_line::shown()));
+    }
     // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
     // fault. The message has then been printed by the panic itself.
     match std::panic::catch_unwind(|| run_verb(cli)) {
-        Ok(Ok(())) => 0,
+        Ok(Ok(())) => {
+            if is_bare {
+                messages::line("for all its pixels and samples, in eight times the time: translucid render");
+            }
+            0
+        }
         Ok(Err(failure)) => {
             messages::print_failure(&failure);
             failure.exit_code().unwrap_or_else(interrupt::exit_code)
@@ -141,16 +161,15 @@ fn with_foreign_options(command: Command) -> Command {
 
 fn run_verb(cli: Cli) -> Result<(), Failure> {
     match cli.verb {
-        None => render::run(&render::Arguments::default()),
-        Some(Verb::Render(arguments)) => render::run(&arguments),
-        Some(Verb::Profile(arguments)) => profile::run(&arguments),
-        Some(Verb::Sample(arguments)) => sample::run(&arguments),
-        Some(Verb::Reference(arguments)) => reference::run(&arguments),
-        Some(Verb::Fit(arguments)) => fit::run(&arguments),
-        Some(Verb::Compare(arguments)) => compare::run(&arguments),
-        Some(Verb::Convert(arguments)) => convert::run(&arguments),
-        Some(Verb::View(arguments)) => view::run(&arguments),
-        Some(Verb::Models) => models::run(),
-        Some(Verb::Completions(arguments)) => completions::run(&arguments, Cli::command()),
+        Verb::Render(arguments) => render::run(&arguments),
+        Verb::Profile(arguments) => profile::run(&arguments),
+        Verb::Sample(arguments) => sample::run(&arguments),
+        Verb::Reference(arguments) => reference::run(&arguments),
+        Verb::Fit(arguments) => fit::run(&arguments),
+        Verb::Compare(arguments) => compare::run(&arguments),
+        Verb::Convert(arguments) => convert::run(&arguments),
+        Verb::View(arguments) => view::run(&arguments),
+        Verb::Models => models::run(),
+        Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),
     }
 }

@@ -31,9 +31,9 @@ use translucid_scene::{
 
 use crate::failure::Failure;
 use crate::interrupt::STOP;
-use crate::messages;
 use crate::model::{ModelName, UnitName};
 use crate::progress::{Meter, Unit as CountedIn};
+use crate::{machine, messages};
 use look::Look;
 use outputs::Outputs;
 use picture::Task;
@@ -189,10 +189,16 @@ impl Arguments {
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    messages::speak_json(arguments.watch.json_progress);
+    // What is loaded in parallel is loaded by these threads, too: others could not be refused without a panic
+    machine::threads(arguments.threads)?.install(|| run_here(arguments))
+}
+
+/// Runs the verb on the current pool.
+fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if arguments.preset.as_deref() == Some("list") {
         return print_presets();
     }
-    messages::speak_json(arguments.watch.json_progress);
     let models: Vec<SubsurfaceModel> = arguments.subsurface.iter().map(|name| name.model()).collect();
     if models.len() > 1 {
         for (given, option) in [
@@ -244,10 +250,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<(), Failure> {
             scene.images.len()
         ));
     }
-    Session::require_memory(
-        PixelRect::whole([scene.film.width, scene.film.height]),
-        Session::BYTES_PER_PIXEL,
-    )?;
+    require_memory(&scene)?;
     let loading = start.elapsed();
     note_lamps(arguments, &scene);
     let exposure = &exposure(arguments);
@@ -321,6 +324,12 @@ fn scene_turned(
         (None, None) => scene.integrator.samples_per_pixel,
     };
     Ok((scene, warnings))
+}
+
+/// Refuses a scene that this process has no memory for.
+pub(crate) fn require_memory(scene: &Scene) -> Result<(), Failure> {
+    let pixels = PixelRect::whole([scene.film.width, scene.film.height]);
+    Session::require_memory(scene, pixels, Session::BYTES_PER_PIXEL).map_err(Failure::of_machine)
 }
 
 /// The still life, with what of the options applies to it.

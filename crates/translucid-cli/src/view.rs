@@ -71,20 +71,20 @@ pub(crate) fn run(arguments: &ViewArguments) -> Result<(), Failure> {
     print_address(&page)?;
     interrupt::catch("\nclosing")?;
     let model = arguments.subsurface.map(ModelName::model);
-    let (scene, warnings) = render::scene(&arguments.of_render(), model)?;
+    let pool = machine::threads(arguments.threads)?;
+    let (scene, warnings) = pool.install(|| render::scene(&arguments.of_render(), model))?;
     messages::print_warnings(&warnings);
+    render::require_memory(&scene)?;
     // Only now: a scene that cannot be loaded needs no browser, and what is prepared next takes as long as one to start
     if !arguments.no_open
         && let Err(error) = page.open()
     {
         messages::print_note(&format!("no browser could be opened ({error}): open the address above"));
     }
-    machine::threads(arguments.threads)?.install(|| page.show(scene, settings, &interrupt::STOP)).map_err(
-        |error| match error {
-            ViewError::Scene(error) => Failure::from(error),
-            ViewError::Io(error) => Failure::work(error.to_string()),
-        },
-    )
+    pool.install(|| page.show(scene, settings, &interrupt::STOP)).map_err(|error| match error {
+        ViewError::Scene(error) => Failure::from(error),
+        ViewError::Io(error) => Failure::work(error.to_string()),
+    })
 }
 
 /// Says where the page is, to people and scripts.

@@ -140,6 +140,7 @@ impl Session {
             let view = View::of(&scene)?;
             let view = region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
             translucid_render::Session::require_memory(
+                &scene,
                 view.region(),
                 translucid_render::Session::BYTES_PER_PIXEL,
             )?;

@@ -73,26 +73,23 @@ pub(crate) struct Rendering {
     pub(crate) cpu_seconds: Option<f64>,
 }
 
-/// Renders a scene and writes its files.
+/// Renders a scene on the current pool and writes its files.
 pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure> {
     let arguments = task.arguments;
-    let pool = machine::threads(arguments.threads)?;
-    pool.install(|| {
-        let start = Instant::now();
-        let prepared = PreparedScene::new(scene)?;
-        // Until here there is nothing that Ctrl-C could lose
-        interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
-        prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
-        if messages::is_verbose() {
-            let seconds = start.elapsed().as_secs_f64();
-            messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
-            print_models(prepared.scene());
-        }
-        let view = prepared.view()?;
-        let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
-        let prepared = points::prepare(prepared, arguments.points.as_deref())?;
-        Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
-    })
+    let start = Instant::now();
+    let prepared = PreparedScene::new(scene)?;
+    // Until here there is nothing that Ctrl-C could lose
+    interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
+    prepared.notes().iter().for_each(|note| messages::print_note(&note.to_string()));
+    if messages::is_verbose() {
+        let seconds = start.elapsed().as_secs_f64();
+        messages::line(&format!("prepared the scene (hierarchy, lights, profiles) in {seconds:.2} s"));
+        print_models(prepared.scene());
+    }
+    let view = prepared.view()?;
+    let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
+    let prepared = points::prepare(prepared, arguments.points.as_deref())?;
+    Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
 }
 
 /// The model of each material that light goes under.

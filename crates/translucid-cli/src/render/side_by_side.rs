@@ -104,7 +104,8 @@ fn require_size(scene: &Scene, models: usize) -> Result<(), Failure> {
     }
     // The film, its first half, and the pictures of all models
     let bytes = 2 * Session::BYTES_PER_PIXEL + models as u64 * BYTES_PER_PICTURE_PIXEL;
-    Ok(Session::require_memory(PixelRect::whole([scene.film.width, scene.film.height]), bytes)?)
+    let pixels = PixelRect::whole([scene.film.width, scene.film.height]);
+    Session::require_memory(scene, pixels, bytes).map_err(Failure::of_machine)
 }
 
 /// Renders the scene with one model after the other.

@@ -1,8 +1,8 @@
-//! Signals of terminals and queues, disks that are full, and outputs that are somebody else's.
+//! Signals of terminals and queues, full disks, too little memory, and outputs that are somebody else's.
 #![cfg(target_os = "linux")]
 
 use std::fs;
-use std::io::Read;
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -164,4 +164,54 @@ fn second_process_of_an_output_says_who_has_it() {
     }
     stdout(&directory, "render ball.toml -q --spp 1 -o long.png");
     assert!(!directory.join(".long.png.lock").exists());
+}
+
+/// Whatever the limit on the address space, a rendering ends with its picture or with a reason: no panic, no abort.
+#[test]
+fn too_little_memory_is_an_error_with_numbers() {
+    let (_keep, directory) = directory_with_ball();
+    // A mesh of 322,624 triangles, 77 MB with its tree, and a picture of 61 MB
+    let vertices = (0..403_u32.pow(2)).map(|i| {
+        let (x, y) = (i % 403, i / 403);
+        format!("v {x} {y} {:.2}\n", (f64::from(x * y) * 0.01).sin())
+    });
+    let faces = (0..402_u32.pow(2)).map(|i| {
+        let corner = i / 402 * 403 + i % 402 + 1;
+        format!("f {corner} {} {} {}\n", corner + 1, corner + 404, corner + 403)
+    });
+    fs::write(directory.join("grid.obj"), vertices.chain(faces).collect::<String>()).unwrap();
+    let words = "render grid.obj --preset marble --unit mm --size 500x500 --spp 1 --threads 2 -o a.png";
+    let (mut pictures, mut refusals) = (0, 0);
+    for mebibytes in [24, 40, 70, 100, 150, 200, 250, 300, 350, 400, 450, 500, 600, 800, 1200] {
+        let limit = format!("export RUST_BACKTRACE=0; ulimit -v {}; exec timeout 60", mebibytes * 1024);
+        let output = start(&directory, &limit, words).wait_with_output().unwrap();
+        let text = stderr(&output);
+        if output.status.success() {
+            pictures += 1;
+            fs::remove_file(directory.join("a.png")).unwrap();
+        } else {
+            // Of a program that the system cannot even load there is nothing to say
+            let is_loaded = output.status.code() != Some(127);
+            assert!(!is_loaded || text.contains("error:"), "{mebibytes} MiB: {:?} {text}", output.status);
+            assert!(
+                !text.contains("panicked") && !text.contains("memory allocation of"),
+                "{mebibytes}: {text}"
+            );
+            refusals += u32::from(text.contains("rendering needs about 132 MiB of memory"));
+        }
+        assert_eq!(files(&directory), ["ball.toml", "grid.obj"], "{mebibytes} MiB: {text}");
+    }
+    assert!(pictures >= 2 && refusals >= 2, "{pictures} pictures, {refusals} refusals");
+}
+
+#[test]
+fn bare_command_is_short_for_a_small_still_life() {
+    let directory = tempfile::tempdir().unwrap();
+    let mut child = start(directory.path(), "exec", "");
+    let mut said = String::new();
+    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
+    wait_for(&directory.path().join(".still-life.png.lock"));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(said, "this is short for: translucid render --size 640x360 --spp 20\n");
 }
