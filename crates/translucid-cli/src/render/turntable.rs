@@ -4,13 +4,12 @@ use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
-use translucid_image::{Denoiser, PixelRect};
-use translucid_render::Session;
+use translucid_image::Denoiser;
 use translucid_scene::SubsurfaceModel;
 
 use super::outputs::Outputs;
 use super::picture::{self, Task};
-use super::{Arguments, exposure, inputs, note_lamps, scene_turned};
+use super::{Arguments, exposure, inputs, note_lamps, require_memory, scene_turned};
 use crate::failure::Failure;
 use crate::{interrupt, messages};
 
@@ -52,8 +51,7 @@ pub(super) fn run(
         if number == 0 {
             messages::print_warnings(&warnings);
             note_lamps(arguments, &scene);
-            let size = PixelRect::whole([scene.film.width, scene.film.height]);
-            Session::require_memory(size, Session::BYTES_PER_PIXEL)?;
+            require_memory(&scene)?;
         }
         let denoiser = denoiser.clone();
         let (tev, loading) = (tev.as_ref(), start.elapsed());
