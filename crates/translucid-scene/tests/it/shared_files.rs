@@ -60,9 +60,9 @@ translucid_testing::with_shared_assets! {
         let scene = load_gltf(&path, Unit::Centimeter, &mut warnings).unwrap();
         let [object] = &scene.objects[..] else { panic!("{} objects", scene.objects.len()) };
         assert_eq!(object.mesh.positions.len(), 9223);
-        // Seven of the file's triangles have no area at all.
+        // Seven of the file's triangles have no area at all, too few to be news
         assert_eq!(object.mesh.triangles.len(), 53052 / 3 - 7);
-        assert!(warnings.iter().any(|w| w.message.starts_with("7 triangles")), "{warnings:?}");
+        assert!(warnings.is_empty(), "{warnings:?}");
         let material = &scene.materials[object.material];
         assert_eq!(material.name, "skin");
         assert_eq!(material.specular_roughness.factor, 0.6);
