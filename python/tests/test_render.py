@@ -558,7 +558,7 @@ def test_command_writes_what_it_has_at_ctrl_c(tmp_path, scene_file):
     time.sleep(2.0)
     process.send_signal(signal.SIGINT)
     errors = process.communicate(timeout=60)[1]
-    assert process.returncode == 1 and "interrupted" in errors and "--resume" in errors
+    assert process.returncode == 130 and "interrupted" in errors and "--resume" in errors
     assert translucid.read_exr(output)["radiance"].max() > 0
 
 

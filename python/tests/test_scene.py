@@ -348,7 +348,7 @@ def test_odd_values_of_keys_are_refused(value, error, message):
         (lambda: Scene().add_object("a"), "object a: it needs the key file or shape"),
         (lambda: Scene().add_object(file="no.obj"), "the file no.obj does not exist"),
         (lambda: picture(Scene()), "the scene has no objects"),
-        (lambda: Scene.load("a.stl"), "a.stl: a .stl file is neither a scene nor a mesh"),
+        (lambda: Scene.load("a.fbx"), "a.fbx: a .fbx file is neither a scene nor a mesh"),
         (lambda: Scene.load(os.curdir), "neither a scene nor a mesh"),
     ],
 )
@@ -387,10 +387,17 @@ def large_mesh(tmp_path_factory):
 
 
 def test_interrupted_load_of_a_mesh_leaves_the_scene_as_it_was(large_mesh):
-    scene = wax()
-    assert time_to_interrupt(lambda: scene.add_object("large", file=str(large_mesh)), delay=0.1) <= 0.2
-    scene.add_object("ball", shape="sphere", material="wax")
-    assert scene.objects == ["ball"]
+    scenes = []
+
+    def load():
+        # A scene of its own: one that has read a file has it at hand
+        scenes.append(wax())
+        scenes[-1].add_object("large", file=str(large_mesh))
+
+    assert time_to_interrupt(load, delay=0.1) <= 0.2
+    for scene in scenes:
+        scene.add_object("ball", shape="sphere", material="wax")
+        assert scene.objects == ["ball"]
 
 
 def test_signal_handler_may_ask_a_scene_that_loads(large_mesh):
