@@ -66,7 +66,7 @@ enum Verb {
     Completions(completions::CompletionsArguments),
 }
 
-/// What the command without any words is short for.
+/// Words that the command without any is short for.
 const FIRST_PICTURE: [&str; 5] = ["render", "--size", "640x360", "--spp", "20"];
 
 const EXAMPLES: &str = "\
@@ -126,7 +126,7 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     match std::panic::catch_unwind(|| run_verb(cli)) {
         Ok(Ok(())) => {
             if is_bare {
-                messages::line("for all its pixels and samples, in eight times the time: translucid render");
+                messages::line("for all its pixels and samples: translucid render");
             }
             0
         }

@@ -21,7 +21,7 @@ pub(crate) struct Look {
     /// About its middle, once y is up.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_rotation, allow_hyphen_values = true)]
     rotate: Option<[f32; 3]>,
-    /// What it stands on: none, backdrop, #rrggbb or a grey
+    /// Floor below a bare mesh: none, backdrop, #rrggbb or a grey
     ///
     /// A grey is in [0, 1]. By default backdrop where neither camera nor light is given, else none.
     #[arg(long, value_name = "FLOOR", value_parser = parse_floor)]

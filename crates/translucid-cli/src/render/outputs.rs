@@ -111,7 +111,7 @@ impl Outputs {
         exr.and(png).map_err(Failure::late)
     }
 
-    /// The same files with a number: NAME-001.exr.
+    /// Numbers the files: NAME-001.exr.
     pub(crate) fn numbered(&self, number: u32) -> Result<Self, Failure> {
         let path = self.exr.as_ref().unwrap_or(&self.png);
         let mut name = path.file_stem().unwrap_or_default().to_owned();

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 /// to lose one percent.
 const PAUSES: u32 = 100;
 
-/// What shows a film.
+/// Screen or file that a film is shown on.
 pub(crate) trait Screen: Send + 'static {
     /// Name of its thread.
     const NAME: &'static str;

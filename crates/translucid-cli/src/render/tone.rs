@@ -22,7 +22,7 @@ pub(crate) struct Tone {
     tone_mapping: Option<ToneMapping>,
 }
 
-/// What `--exposure` says.
+/// Exposure that `--exposure` asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum ExposureWord {
     Auto,
