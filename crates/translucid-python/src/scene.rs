@@ -341,7 +341,8 @@ impl Scene {
     /// Parameters
     /// ----------
     /// **keys
-    ///     As in the ``[camera]`` of a scene file: ``position``, ``target``, ``up``, ``fov`` (horizontal, in degrees),
+    ///     As in the ``[camera]`` of a scene file: ``position``, ``target``, ``up``, ``fov`` (horizontal, in degrees)
+    ///     or ``projection="orthographic"`` and ``width``, ``shift`` (to the right and up, in widths of the picture),
     ///     ``lens_radius``, ``focus_distance``.
     ///
     /// Raises

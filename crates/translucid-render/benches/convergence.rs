@@ -178,8 +178,7 @@ struct Curve {
 impl Curve {
     fn of(mut scene: Scene, shares: bool) -> Self {
         scene.film = Film { width: CURVE_SIZE, height: CURVE_SIZE, ..scene.film };
-        let half = (0.5 * scene.camera.horizontal_fov).to_radians();
-        scene.camera.horizontal_fov = 2.0 * (CURVE_PART * half.tan()).atan().to_degrees();
+        scene.camera.projection = scene.camera.projection.widened(f64::from(CURVE_PART));
         scene.integrator.subsurface_sharing = shares;
         let of_seed = |seed| {
             let mut scene = scene.clone();

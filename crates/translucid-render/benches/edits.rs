@@ -16,7 +16,9 @@ use std::time::Instant;
 use translucid_profile::Model;
 use translucid_render::measure::sample_ray;
 use translucid_render::{Edit, PreparedScene, View};
-use translucid_scene::{Camera, LoadOptions, Material, Scene, SubsurfaceModel, load_scene, still_life};
+use translucid_scene::{
+    Camera, LoadOptions, Material, Projection, Scene, SubsurfaceModel, load_scene, still_life,
+};
 
 const RUNS: usize = 21;
 
@@ -50,7 +52,12 @@ fn report(name: &str, scene: Scene) {
 
     let camera = median(|run| {
         let old = *view.camera();
-        view = view.with_camera(Camera { horizontal_fov: 30.0 + run as f32, ..old }).expect("a camera");
+        view = view
+            .with_camera(Camera {
+                projection: Projection::Perspective { horizontal_fov: 30.0 + run as f32 },
+                ..old
+            })
+            .expect("a camera");
         trace(&prepared, &view);
     });
     let index = prepared.scene().materials.iter().position(|m| m.subsurface_weight.factor > 0.0).unwrap_or(0);

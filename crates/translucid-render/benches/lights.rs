@@ -27,8 +27,8 @@ use translucid_profile::Model;
 use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    ShapeParameters, SubsurfaceModel, Unit, build_shape,
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
+    ScalarInput, Scene, ShapeParameters, SubsurfaceModel, Unit, build_shape,
 };
 use translucid_testing::{SplitMix, cpu_seconds};
 
@@ -137,9 +137,9 @@ fn hall(lamps: usize) -> Scene {
             position: Vec3::new(1.0, -9.0, 4.0),
             target: Vec3::new(0.0, 0.0, 0.8),
             up: Vec3::Z,
-            horizontal_fov: 50.0,
-            lens_radius: 0.0,
+            projection: Projection::Perspective { horizontal_fov: 50.0 },
             focus_distance: 9.0,
+            ..Camera::default()
         },
         film: Film { width: SIZE[0], height: SIZE[1], ..Film::default() },
         integrator: Integrator::default(),

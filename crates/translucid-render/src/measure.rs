@@ -8,7 +8,7 @@ use translucid_scene::SceneError;
 use crate::ray::Ray;
 use crate::render::{FilmSums, Goal, LiveFilm, PreparedScene};
 use crate::sampling::Sampler;
-use crate::world::PixelSample;
+use crate::world::{PixelSample, PixelWidth};
 
 pub use crate::light::{EmissiveTriangle, LightHit, LightSample, LightSelection, LightSet};
 pub use crate::sampling::Frame;
@@ -24,7 +24,7 @@ pub fn sample_ray(
     index: u32,
 ) -> PixelSample {
     let mut sampler = Sampler::new(seed, 0, 0, index);
-    prepared.tracer(0.0).trace(Ray::new(origin, direction), &mut sampler)
+    prepared.tracer(PixelWidth::default()).trace(Ray::new(origin, direction), &mut sampler)
 }
 
 /// Renders the view that the scene states until each pixel of its film has so many samples.

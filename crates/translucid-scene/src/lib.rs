@@ -35,7 +35,7 @@ mod still_life;
 mod texture;
 mod viewpoint;
 
-pub use camera::Camera;
+pub use camera::{Camera, Projection};
 pub use conversion::{
     ArgumentNames, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
 };

@@ -61,7 +61,7 @@ mod tests {
         let forward = (camera.target - camera.position).normalize();
         let right = forward.cross(camera.up).normalize();
         let up = right.cross(forward);
-        let tangent = (0.5 * camera.horizontal_fov).to_radians().tan();
+        let tangent = camera.projection.width_at(0.5) as f32;
         let aspect = scene.film.width as f32 / scene.film.height as f32;
         let is_seen = |p: Vec3| {
             let offset = p - camera.position;

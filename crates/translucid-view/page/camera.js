@@ -14,8 +14,9 @@ export function axes(camera) {
 }
 
 /** Length of a pixel's edge at a depth along the view, for a picture `width` pixels wide. */
-export function lengthPerPixel(camera, width, depth) {
-    return (2 * depth * Math.tan((camera.fov * Math.PI) / 360)) / width;
+export function lengthPerPixel({ projection }, width, depth) {
+    if (projection.kind === "orthographic") return projection.width / width;
+    return (2 * depth * Math.tan((projection.fov * Math.PI) / 360)) / width;
 }
 
 /** Depth of a point along the view; negative behind the camera. */
@@ -41,8 +42,12 @@ export function pan(camera, across, upward) {
     return { ...camera, position: add(camera.position, shift), target: add(camera.target, shift) };
 }
 
-/** The camera at `factor` times its distance from the target, at least `nearest`. */
+/** The camera at `factor` times its distance from the target, or with a view that wide, at least `nearest`. */
 export function dolly(camera, factor, nearest) {
+    const { projection } = camera;
+    if (projection.kind === "orthographic") {
+        return { ...camera, projection: { ...projection, width: Math.max(nearest, factor * projection.width) } };
+    }
     const before = distance(camera.position, camera.target);
     const after = Math.max(nearest, before * factor);
     const position = add(camera.target, scale(subtract(camera.position, camera.target), after / before));

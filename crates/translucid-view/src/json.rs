@@ -13,7 +13,7 @@ use crate::view::Shown;
 
 /// The camera; its plain fields always have a value in JSON.
 pub(crate) fn camera(camera: &Camera) -> Value {
-    CameraMessage::serialize(camera, Serializer).unwrap_or_default()
+    json!(CameraMessage::from(*camera))
 }
 
 pub(crate) fn film(film: &Film) -> Value {

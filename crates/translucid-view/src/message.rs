@@ -1,9 +1,9 @@
 //! The messages of pages: JSON to values that are checked later against the scene.
 
-use glam::{Mat3, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use translucid_scene::{Camera, Environment, Light};
+use translucid_scene::{Camera, Environment, Light, Projection};
 
 /// A message of a page; `PROTOCOL.md` says what each means.
 #[derive(Debug, Deserialize)]
@@ -40,8 +40,7 @@ pub(crate) enum Message {
         gesture: Option<u64>,
     },
     Camera {
-        #[serde(with = "CameraMessage")]
-        camera: Camera,
+        camera: CameraMessage,
         #[serde(default)]
         moving: bool,
         gesture: Option<u64>,
@@ -143,16 +142,48 @@ impl Numbered {
 }
 
 /// A [`Camera`] in JSON; angles in degrees.
-#[derive(Deserialize, Serialize)]
-#[serde(remote = "Camera", deny_unknown_fields)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 pub(crate) struct CameraMessage {
     position: Vec3,
     target: Vec3,
     up: Vec3,
-    #[serde(rename = "fov")]
-    horizontal_fov: f32,
+    projection: ProjectionMessage,
+    shift: Vec2,
     lens_radius: f32,
     focus_distance: f32,
+}
+
+/// A [`Projection`] in JSON.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
+enum ProjectionMessage {
+    Perspective { fov: f32 },
+    Orthographic { width: f32 },
+}
+
+impl From<CameraMessage> for Camera {
+    fn from(message: CameraMessage) -> Self {
+        let CameraMessage { position, target, up, projection, shift, lens_radius, focus_distance } = message;
+        let projection = match projection {
+            ProjectionMessage::Perspective { fov } => Projection::Perspective { horizontal_fov: fov },
+            ProjectionMessage::Orthographic { width } => Projection::Orthographic { width },
+        };
+        Self { position, target, up, projection, shift, lens_radius, focus_distance }
+    }
+}
+
+impl From<Camera> for CameraMessage {
+    fn from(camera: Camera) -> Self {
+        let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = camera;
+        let projection = match projection {
+            Projection::Perspective { horizontal_fov } => {
+                ProjectionMessage::Perspective { fov: horizontal_fov }
+            }
+            Projection::Orthographic { width } => ProjectionMessage::Orthographic { width },
+        };
+        Self { position, target, up, projection, shift, lens_radius, focus_distance }
+    }
 }
 
 /// A [`Light`] in JSON.

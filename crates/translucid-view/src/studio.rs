@@ -240,6 +240,7 @@ impl Studio {
                 self.change(gesture, |setup| setup.film = film);
             }
             Message::Camera { camera, moving, gesture } => {
+                let camera = Camera::from(camera);
                 camera.validate()?;
                 self.moving = moving.then(Instant::now);
                 self.change(gesture, |setup| setup.camera = camera);
@@ -523,7 +524,7 @@ mod tests {
                 "radius = -1",
             ),
             (
-                r#"{"type":"camera","camera":{"position":[0,0,0],"target":[0,0,0],"up":[0,1,0],"fov":40,"lens_radius":0,"focus_distance":1}}"#,
+                r#"{"type":"camera","camera":{"position":[0,0,0],"target":[0,0,0],"up":[0,1,0],"projection":{"kind":"perspective","fov":40},"shift":[0,0],"lens_radius":0,"focus_distance":1}}"#,
                 "target",
             ),
             (r#"{"type":"show","view":"everything"}"#, "must be one of radiance"),
@@ -571,7 +572,7 @@ mod tests {
         r#"{"type":"environment","environment":{"radiance":[1,1,1],"image":null,"rotation":30,"visible":false}}"#,
         r#"{"type":"integrator","set":{"samples_per_pixel":2,"subsurface_sharing":false,"seed":7}}"#,
         r#"{"type":"film","set":{"exposure":1.5,"tone_mapping":"agx","size":[24,16]}}"#,
-        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"fov":40,"lens_radius":0,"focus_distance":60}}"#,
+        r#"{"type":"camera","camera":{"position":[0,20,70],"target":[0,9,0],"up":[0,1,0],"projection":{"kind":"perspective","fov":40},"shift":[0,0],"lens_radius":0,"focus_distance":60}}"#,
         r#"{"type":"compare","on":true}"#,
         r#"{"type":"side","side":"b"}"#,
         r#"{"type":"undo"}"#,

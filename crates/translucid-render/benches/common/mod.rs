@@ -5,8 +5,8 @@ use std::f32::consts::{PI, TAU};
 use glam::{Mat3, Vec3};
 use translucid_profile::Model;
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    SubsurfaceModel, Unit,
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
+    ScalarInput, Scene, SubsurfaceModel, Unit,
 };
 
 /// Field of view in degrees.
@@ -32,9 +32,9 @@ pub(crate) fn scene(mesh: Mesh, length: f32, size: u32) -> Scene {
             position: Vec3::new(0.0, -DISTANCE, 1.0),
             target: Vec3::ZERO,
             up: Vec3::Z,
-            horizontal_fov: FIELD_OF_VIEW,
-            lens_radius: 0.0,
+            projection: Projection::Perspective { horizontal_fov: FIELD_OF_VIEW },
             focus_distance: DISTANCE,
+            ..Camera::default()
         },
         film: Film { width: size, height: size, ..Film::default() },
         integrator: Integrator::default(),

@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 use glam::{DVec3, Mat3, Quat};
 use translucid_scene::{
-    Camera, ColorSpace, Environment as SceneEnvironment, Film, Image, Integrator, Light, Pixels, Unit,
+    Camera, ColorSpace, Environment as SceneEnvironment, Film, Image, Integrator, Light, Pixels, Projection,
+    Unit,
 };
 
 use super::*;
@@ -30,9 +31,9 @@ fn light_set(
             position: Vec3::Z,
             target: Vec3::ZERO,
             up: Vec3::Y,
-            horizontal_fov: 45.0,
-            lens_radius: 0.0,
+            projection: Projection::Perspective { horizontal_fov: 45.0 },
             focus_distance: 1.0,
+            ..Camera::default()
         },
         film: Film::default(),
         integrator: Integrator::default(),

@@ -12,8 +12,8 @@ use crate::subsurface::{ExitPoint, SubsurfaceSet, Tracing, TransportScratch};
 use crate::surface;
 use crate::surface::bsdf::{Bsdf, BsdfSample, Lobe, SurfaceParameters};
 use crate::world::{
-    BlockPlace, Layer, Origin, PathState, PixelSample, ShadowMedium, World, absorbed, absorption_behind,
-    power_heuristic, straight_transmittance, weighed,
+    BlockPlace, Layer, Origin, PathState, PixelSample, PixelWidth, ShadowMedium, World, absorbed,
+    absorption_behind, power_heuristic, straight_transmittance, weighed,
 };
 
 /// Scattering events after which paths of little throughput are ended at random.
@@ -24,8 +24,7 @@ pub(crate) struct PathTracer<'a> {
     world: &'a World,
     subsurface: &'a SubsurfaceSet,
     scratch: TransportScratch<'a>,
-    /// Width of a pixel over the distance of what it shows.
-    pixel_angle: f32,
+    pixel_width: PixelWidth,
 }
 
 impl<'a> Tracing<'a> for PathTracer<'a> {
@@ -45,15 +44,15 @@ impl<'a> Tracing<'a> for PathTracer<'a> {
         SubsurfaceSet::shape_factor_of(&self.world.scene, exit, energy)
     }
 
-    fn pixel_angle(&self) -> f32 {
-        self.pixel_angle
+    fn pixel_width(&self) -> PixelWidth {
+        self.pixel_width
     }
 }
 
 impl<'a> PathTracer<'a> {
-    /// A tracer for pixels of a width over the distance of what they show.
-    pub(crate) fn new(world: &'a World, subsurface: &'a SubsurfaceSet, pixel_angle: f32) -> Self {
-        Self { world, subsurface, scratch: TransportScratch::default(), pixel_angle }
+    /// A tracer for pixels of a width.
+    pub(crate) fn new(world: &'a World, subsurface: &'a SubsurfaceSet, pixel_width: PixelWidth) -> Self {
+        Self { world, subsurface, scratch: TransportScratch::default(), pixel_width }
     }
 
     /// Light that arrives at the ray's origin along the ray.

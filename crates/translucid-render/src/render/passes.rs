@@ -107,7 +107,7 @@ impl PreparedScene {
                         return None;
                     }
                     let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
-                    let mut tracer = tracer.unwrap_or_else(|| self.tracer(view.pixel_angle()));
+                    let mut tracer = tracer.unwrap_or_else(|| self.tracer(view.pixel_width()));
                     let samples = self.trace_block(&mut tracer, view, rect, number, stop);
                     tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
                     let added = wanted.area();

@@ -70,7 +70,7 @@ mod tests {
             let forward = (camera.target - camera.position).normalize();
             let right = forward.cross(camera.up).normalize();
             let offset = picked.position - camera.position;
-            let scale = 480.0 / (0.5 * camera.horizontal_fov).to_radians().tan() / offset.dot(forward);
+            let scale = 960.0 / camera.projection.width_at(offset.dot(forward).into()) as f32;
             let [x, y] = [offset.dot(right), -offset.dot(right.cross(forward))].map(|at| at * scale);
             assert!((x + 480.0 - point[0]).abs() < 0.05 && (y + 270.0 - point[1]).abs() < 0.05, "{x} {y}");
             names.push(prepared.scene().objects[picked.object].name.clone());

@@ -17,7 +17,7 @@ use crate::ray::Geometry;
 use crate::subsurface::transport::points::{Making, PointCloud, PointProgress};
 use crate::subsurface::{Note, SubsurfaceSet};
 use crate::surface::{self, SurfaceTables};
-use crate::world::World;
+use crate::world::{PixelWidth, World};
 
 /// A scene with everything that does not depend on who looks at it: the hierarchy over its triangles, its lights, the
 /// tables of its materials.
@@ -236,7 +236,7 @@ impl PreparedScene {
     ) -> Result<Option<PointCloud>, SceneError> {
         let making = Making { fingerprint: self.points_fingerprint(), memory, progress, stop };
         // Paths that begin at entry points are in no pixel
-        let tracer = || self.tracer(0.0);
+        let tracer = || self.tracer(PixelWidth::default());
         PointCloud::new(&self.world, self.subsurface.transports(), tracer, &making)
     }
 
@@ -247,9 +247,9 @@ impl PreparedScene {
         self.subsurface.set_points(&self.world, points);
     }
 
-    /// A tracer of paths through pixels of a width over the distance of what they show.
-    pub(crate) fn tracer(&self, pixel_angle: f32) -> PathTracer<'_> {
-        PathTracer::new(&self.world, &self.subsurface, pixel_angle)
+    /// A tracer of paths through pixels of a width.
+    pub(crate) fn tracer(&self, pixel_width: PixelWidth) -> PathTracer<'_> {
+        PathTracer::new(&self.world, &self.subsurface, pixel_width)
     }
 
     pub(crate) fn subsurface_mut(&mut self) -> &mut SubsurfaceSet {

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec3};
 use translucid_image::PixelRect;
-use translucid_scene::{Camera, Film, FilterKind, Scene, SceneError};
+use translucid_scene::{Camera, Film, FilterKind, Projection, Scene, SceneError};
 
 use crate::ray::Ray;
 use crate::sampling::{Frame, concentric_disk};
+use crate::world::PixelWidth;
 
 /// Entries of the inverse filter table.
 const FILTER_TABLE: usize = 2048;
@@ -53,9 +54,10 @@ pub struct View {
     region: PixelRect,
     fraction: Fraction,
     frame: Frame,
-    /// Half the image plane's width and height at distance 1.
+    /// Half the width and height of what the picture shows at depth 1, and the point in its middle.
     half_width: f32,
     half_height: f32,
+    middle: [f32; 2],
     /// Width and height in pixels of the film, and the edge of a pixel in these.
     size: [f32; 2],
     step: f32,
@@ -89,13 +91,17 @@ impl View {
         let forward = view.as_vec3();
         let x = right.map_or_else(|| Frame::from_normal(forward).x, DVec3::as_vec3);
         let (width, height) = (film.width as f32, film.height as f32);
-        let half_width = (camera.horizontal_fov.to_radians() * 0.5).tan();
+        let half_width = match camera.projection {
+            Projection::Perspective { horizontal_fov } => (horizontal_fov.to_radians() * 0.5).tan(),
+            Projection::Orthographic { width } => 0.5 * width,
+        };
         Self {
             region: PixelRect::whole([film.width, film.height]),
             fraction: Fraction::Whole,
             frame: Frame { x, y: forward.cross(x), z: forward },
             half_width,
             half_height: half_width * height / width,
+            middle: [camera.shift.x, -camera.shift.y].map(|widths| 2.0 * half_width * widths),
             size: [width, height],
             step: 1.0,
             filter,
@@ -185,35 +191,52 @@ impl View {
         self.fraction
     }
 
-    /// Width of a pixel over the distance of what it shows.
-    pub(crate) fn pixel_angle(&self) -> f32 {
-        2.0 * self.half_width / self.size[0] * self.step
+    /// Width of a pixel at what it shows.
+    pub(crate) fn pixel_width(&self) -> PixelWidth {
+        let width = 2.0 * self.half_width / self.size[0] * self.step;
+        match self.camera.projection {
+            Projection::Perspective { .. } => PixelWidth::per_distance(width),
+            Projection::Orthographic { .. } => PixelWidth::constant(width),
+        }
     }
 
     /// A ray through the pixel (x, y) of the whole picture with its origin on the lens.
     pub(crate) fn ray(&self, x: u32, y: u32, u: [f32; 4]) -> Ray {
         let [width, height] = self.size;
-        let Camera { position, lens_radius, focus_distance, .. } = self.camera;
+        let Camera { lens_radius, focus_distance, .. } = self.camera;
         let px = (x as f32 + 0.5 + self.filter_offset(u[0])) * self.step / width * 2.0 - 1.0;
         let py = (y as f32 + 0.5 + self.filter_offset(u[1])) * self.step / height * 2.0 - 1.0;
-        let local = Vec3::new(px * self.half_width, py * self.half_height, 1.0);
+        let (start, sight) = self.line_of_sight([px, py]);
         if lens_radius == 0.0 {
-            return Ray::new(position, self.frame.to_world(local).normalize());
+            return self.world_ray(start, sight);
         }
         let [lens_x, lens_y] = concentric_disk([u[2], u[3]]);
         let lens = Vec3::new(lens_x, lens_y, 0.0) * lens_radius;
-        let focus = local.as_dvec3() * f64::from(focus_distance);
-        let direction = (focus - lens.as_dvec3()).normalize().as_vec3();
-        let origin = position + self.frame.to_world(lens);
-        Ray::new(origin, self.frame.to_world(direction).normalize())
+        let focus = sight.as_dvec3() * f64::from(focus_distance);
+        self.world_ray(start + lens, (focus - lens.as_dvec3()).normalize().as_vec3())
     }
 
     /// The ray from the middle of the lens through a point of the film, in pixels of the film from its upper left.
     pub(crate) fn ray_through(&self, [x, y]: [f32; 2]) -> Ray {
         let [width, height] = self.size;
-        let [px, py] = [x / width, y / height].map(|share| share * 2.0 - 1.0);
-        let local = Vec3::new(px * self.half_width, py * self.half_height, 1.0);
-        Ray::new(self.camera.position, self.frame.to_world(local).normalize())
+        let (start, sight) = self.line_of_sight([x / width, y / height].map(|share| share * 2.0 - 1.0));
+        self.world_ray(start, sight)
+    }
+
+    /// Start and direction, of depth 1, of the line of sight through a point of the picture, ±1 at its edges, in the
+    /// camera's frame.
+    fn line_of_sight(&self, [px, py]: [f32; 2]) -> (Vec3, Vec3) {
+        let x = px * self.half_width + self.middle[0];
+        let y = py * self.half_height + self.middle[1];
+        match self.camera.projection {
+            Projection::Perspective { .. } => (Vec3::ZERO, Vec3::new(x, y, 1.0)),
+            Projection::Orthographic { .. } => (Vec3::new(x, y, 0.0), Vec3::Z),
+        }
+    }
+
+    fn world_ray(&self, start: Vec3, direction: Vec3) -> Ray {
+        let origin = self.camera.position + self.frame.to_world(start);
+        Ray::new(origin, self.frame.to_world(direction).normalize())
     }
 
     fn filter_offset(&self, u: f32) -> f32 {
@@ -252,6 +275,8 @@ fn inverse_filter(kind: FilterKind, radius: f32) -> InverseFilter {
 
 #[cfg(test)]
 mod tests {
+    use glam::Vec2;
+
     use super::*;
 
     fn camera() -> Camera {
@@ -259,9 +284,8 @@ mod tests {
             position: Vec3::new(0.0, 0.0, 5.0),
             target: Vec3::ZERO,
             up: Vec3::Y,
-            horizontal_fov: 90.0,
-            lens_radius: 0.0,
-            focus_distance: 5.0,
+            projection: Projection::Perspective { horizontal_fov: 90.0 },
+            ..Camera::default()
         }
     }
 
@@ -282,16 +306,90 @@ mod tests {
         assert!(top.y > 0.0 && (top.y / -top.z - 0.5).abs() < 1e-5, "row 0 is the top: {top}");
     }
 
+    /// Cameras of both projections, seen along an oblique axis, with and without shift.
+    fn cameras() -> impl Iterator<Item = Camera> {
+        let projections =
+            [Projection::Perspective { horizontal_fov: 50.0 }, Projection::Orthographic { width: 6.0 }];
+        let shifts = [Vec2::ZERO, Vec2::new(0.3, -0.7)];
+        projections.into_iter().flat_map(move |projection| {
+            shifts.map(|shift| Camera {
+                position: Vec3::new(3.0, -4.0, 5.0),
+                target: Vec3::new(-1.0, 0.5, 0.25),
+                up: Vec3::new(0.2, 0.9, 0.1),
+                projection,
+                shift,
+                ..camera()
+            })
+        })
+    }
+
+    #[test]
+    fn ray_goes_through_the_points_that_project_to_its_pixel() {
+        for camera in cameras() {
+            let rays = view(camera, film(FilterKind::Box, 0.5));
+            let [position, target, up] = [camera.position, camera.target, camera.up].map(Vec3::as_dvec3);
+            let forward = (target - position).normalize();
+            let right = forward.cross(up).normalize();
+            for (x, y, u, v) in [(0, 0, 0.0, 0.0), (199, 99, 0.99, 0.5), (30, 20, 0.25, 0.75)] {
+                let ray = rays.ray(x, y, [u, v, 0.5, 0.5]);
+                for distance in [0.5, 7.0] {
+                    // The picture is 200 × 100; it shows so much at the depth of the point, and the axis is off its middle
+                    let offset = ray.at(distance).as_dvec3() - position;
+                    let depth = offset.dot(forward);
+                    let width = match camera.projection {
+                        Projection::Perspective { .. } => 2.0 * depth * 25f64.to_radians().tan(),
+                        Projection::Orthographic { width } => f64::from(width),
+                    };
+                    let right = offset.dot(right) / width - f64::from(camera.shift.x);
+                    let upward = offset.dot(right_angle(forward, up)) / width - f64::from(camera.shift.y);
+                    let pixel = [100.0 + 200.0 * right, 50.0 - 200.0 * upward];
+                    let expected = [f64::from(x) + f64::from(u), f64::from(y) + f64::from(v)];
+                    let error = (pixel[0] - expected[0]).hypot(pixel[1] - expected[1]);
+                    assert!(error < 1e-3, "{camera:?}: {pixel:?} is not {expected:?}");
+                }
+            }
+        }
+    }
+
+    /// Unit vector nearest to `up` among those perpendicular to `forward`.
+    fn right_angle(forward: DVec3, up: DVec3) -> DVec3 {
+        (up - forward * up.dot(forward)).normalize()
+    }
+
+    #[test]
+    fn orthographic_pictures_are_those_of_a_distant_perspective() {
+        let camera = cameras().find(|camera| matches!(camera.projection, Projection::Orthographic { .. }));
+        let camera = camera.expect("there is one");
+        let film = film(FilterKind::Gaussian, 1.5);
+        let backward = (camera.position - camera.target).as_dvec3().normalize();
+        let far = 1e4;
+        let position = (camera.position.as_dvec3() + backward * far).as_vec3();
+        let horizontal_fov = 2.0 * (0.5 * 6.0 / far).atan().to_degrees();
+        let projection = Projection::Perspective { horizontal_fov: horizontal_fov as f32 };
+        let distant = view(Camera { position, projection, ..camera }, film);
+        let near = view(camera, film);
+        for (x, y) in [(0, 0), (150, 20), (60, 99)] {
+            let [near, distant] = [&near, &distant].map(|rays| rays.ray(x, y, [0.2, 0.7, 0.5, 0.5]));
+            assert!(near.direction.distance(distant.direction) < 1e-3);
+            let off = (near.origin - distant.origin).cross(distant.direction).length();
+            assert!(off < 0.01, "{off} of a picture of width 6");
+        }
+    }
+
     #[test]
     fn ray_meets_the_focus_point_from_all_of_the_lens() {
-        let lens = Camera { lens_radius: 0.4, ..camera() };
-        let rays = view(lens, film(FilterKind::Box, 0.5));
-        let sharp = view(camera(), film(FilterKind::Box, 0.5)).ray(30, 20, [0.3, 0.6, 0.0, 0.0]);
-        let point = sharp.at(5.0 / -sharp.direction.z);
-        for (a, b) in [(0.1, 0.2), (0.9, 0.4), (0.5, 0.99)] {
-            let ray = rays.ray(30, 20, [0.3, 0.6, a, b]);
-            let distance = (point - ray.origin).cross(ray.direction).length();
-            assert!(distance < 1e-4, "{distance}");
+        for camera in cameras() {
+            let lens = Camera { lens_radius: 0.4, focus_distance: 5.0, ..camera };
+            let rays = view(lens, film(FilterKind::Box, 0.5));
+            let sharp = view(camera, film(FilterKind::Box, 0.5)).ray(30, 20, [0.3, 0.6, 0.0, 0.0]);
+            let forward = (camera.target - camera.position).normalize();
+            let point = sharp.at(5.0 / sharp.direction.dot(forward));
+            for (a, b) in [(0.1, 0.2), (0.9, 0.4), (0.5, 0.99)] {
+                let ray = rays.ray(30, 20, [0.3, 0.6, a, b]);
+                let distance = (point - ray.origin).cross(ray.direction).length();
+                assert!(distance < 1e-4, "{distance}");
+                assert!(ray.origin.distance(sharp.origin) <= 0.4001 && ray.origin != sharp.origin);
+            }
         }
     }
 
@@ -304,10 +402,17 @@ mod tests {
         }) {
             for target in [Vec3::new(0.0, 0.0, 5.0 - 5e-7), Vec3::new(1e-30, 0.0, 0.0), Vec3::splat(1e9)] {
                 let position = if target.x == 1e-30 { Vec3::ZERO } else { Vec3::new(0.0, 0.0, 5.0) };
-                let camera =
-                    Camera { position, target, lens_radius, focus_distance, horizontal_fov: fov, ..camera() };
-                let ray = view(camera, film).ray(7, 93, [0.1, 0.9, 0.3, 0.8]);
-                assert!(ray.direction.is_normalized() && ray.origin.is_finite(), "{camera:?}");
+                let camera = Camera { position, target, lens_radius, focus_distance, ..camera() };
+                for projection in [
+                    Projection::Perspective { horizontal_fov: fov },
+                    Projection::Orthographic { width: focus_distance },
+                ] {
+                    for shift in [Vec2::ZERO, Vec2::new(-100.0, 100.0)] {
+                        let camera = Camera { projection, shift, ..camera };
+                        let ray = view(camera, film).ray(7, 93, [0.1, 0.9, 0.3, 0.8]);
+                        assert!(ray.direction.is_normalized() && ray.origin.is_finite(), "{camera:?}");
+                    }
+                }
             }
         }
     }

@@ -5,6 +5,7 @@ mod direct_light;
 mod passage;
 mod path_state;
 mod pixel_sample;
+mod pixel_width;
 mod shadow;
 
 use std::sync::Arc;
@@ -20,6 +21,7 @@ pub(crate) use direct_light::{power_heuristic, weighed};
 pub(crate) use passage::Media;
 pub(crate) use path_state::{Layer, Origin, PathState};
 pub use pixel_sample::{PixelSample, layer};
+pub(crate) use pixel_width::PixelWidth;
 pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_transmittance};
 
 /// A scene with its hierarchy, the tables of its surfaces and its lights, shared by all threads.

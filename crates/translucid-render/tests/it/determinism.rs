@@ -8,8 +8,8 @@ use glam::{Mat3, Vec3};
 use translucid_profile::Model;
 use translucid_render::{FilmSums, Goal, Outcome, Progress};
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit, WalkSurface,
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
+    ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit, WalkSurface,
 };
 
 use crate::common::{on_threads, prepare, prepare_with_points, render, render_until};
@@ -49,9 +49,10 @@ fn scene() -> Scene {
             position: Vec3::new(1.0, -4.0, 3.0),
             target: Vec3::ZERO,
             up: Vec3::Z,
-            horizontal_fov: 40.0,
+            projection: Projection::Perspective { horizontal_fov: 40.0 },
             lens_radius: 0.05,
             focus_distance: 5.0,
+            ..Camera::default()
         },
         film: Film { width: WIDTH, height: HEIGHT, ..Film::default() },
         integrator: Integrator::default(),

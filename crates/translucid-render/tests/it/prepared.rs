@@ -7,7 +7,8 @@ use translucid_profile::Model;
 use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
 use translucid_scene::{
     Camera, ColorInput, ColorSpace, Environment, Image, Integrator, Light, Material, Mesh, Object, Pixels,
-    ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, TextureRef, WalkSurface,
+    Projection, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, TextureRef,
+    WalkSurface,
 };
 
 use crate::common::{matte, quad, render, scene, sphere, uniform_environment};
@@ -190,7 +191,10 @@ fn camera_and_film_that_are_not_valid_are_refused() {
     let view = PreparedScene::new(still()).expect("a valid scene").view().expect("a valid view");
     let camera = *view.camera();
     assert!(view.with_camera(Camera { target: camera.position, ..camera }).is_err());
-    assert!(view.with_camera(Camera { horizontal_fov: 180.0, ..camera }).is_err());
+    assert!(
+        view.with_camera(Camera { projection: Projection::Perspective { horizontal_fov: 180.0 }, ..camera })
+            .is_err()
+    );
     let mut nowhere = still();
     nowhere.film.width = 0;
     assert!(PreparedScene::new(nowhere).is_err());

@@ -6,7 +6,7 @@ use glam::Vec3;
 use translucid_profile::Model;
 use translucid_render::FilmSums;
 use translucid_scene::{
-    Camera, ColorInput, Film, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
+    Camera, ColorInput, Film, Light, Material, Mesh, Object, Projection, ScalarInput, Scene, SubsurfaceModel,
     SubsurfaceNormalization, WalkSurface,
 };
 use translucid_testing::{bound, is_thorough};
@@ -78,7 +78,7 @@ fn bodies(model: SubsurfaceModel) -> Scene {
         position: Vec3::new(1.0, -6.0, 2.5),
         target: Vec3::new(0.3, 0.0, 0.7),
         up: Vec3::Z,
-        horizontal_fov: 34.0,
+        projection: Projection::Perspective { horizontal_fov: 34.0 },
         ..scene.camera
     };
     scene.film = Film { width: size(), height: size(), ..Film::default() };
@@ -209,7 +209,11 @@ fn sharing_keeps_the_mean_of_plates() {
             material,
         );
         scene.environment = uniform_environment(Vec3::ONE);
-        scene.camera = Camera { position: Vec3::new(0.0, -2.5, 4.0), horizontal_fov: 24.0, ..scene.camera };
+        scene.camera = Camera {
+            position: Vec3::new(0.0, -2.5, 4.0),
+            projection: Projection::Perspective { horizontal_fov: 24.0 },
+            ..scene.camera
+        };
         scene.film = Film { width: size(), height: size(), ..Film::default() };
         scene.integrator.max_depth = 4;
         let shared = pictures(&prepare(scene.clone()), 0..24, 8);
@@ -238,7 +242,7 @@ fn sharing_takes_most_of_the_noise_away() {
         let mut scene = bodies(model);
         scene.integrator.subsurface_sharing = is_shared;
         // A lamp behind the bodies, as close as a pixel sees little of the body
-        scene.camera.horizontal_fov = 0.25 * size() as f32;
+        scene.camera.projection = Projection::Perspective { horizontal_fov: 0.25 * size() as f32 };
         let films = pictures(&prepare(scene), 0..seeds(), 2);
         let mut sum = 0.0;
         for (x, y) in (0..size()).flat_map(|y| (0..size()).map(move |x| (x, y))) {
@@ -266,7 +270,7 @@ fn errors(model: SubsurfaceModel, pixels: f32, is_shared: bool) -> Vec<Vec<f64>>
     let mut scene = bodies(model);
     scene.film = Film { width: FINE, height: FINE, ..Film::default() };
     scene.camera.target = Vec3::new(0.0, 0.0, 1.0);
-    scene.camera.horizontal_fov = 11.0;
+    scene.camera.projection = Projection::Perspective { horizontal_fov: 11.0 };
     let distance = scene.camera.position.distance(scene.camera.target) - 1.0;
     let pixel = 2.0 * distance * 5.5_f32.to_radians().tan() / FINE as f32;
     scene.materials[0].subsurface_radius = ScalarInput::constant(pixels * pixel);

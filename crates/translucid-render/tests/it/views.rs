@@ -2,10 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use translucid_profile::Model;
 use translucid_render::{FilmLayer, FilmSums, Fraction, Goal, LiveFilm, PreparedScene, View};
-use translucid_scene::{ColorInput, Integrator, Material, ScalarInput, Scene, SubsurfaceModel};
+use translucid_scene::{
+    Camera, ColorInput, Film, FilterKind, Integrator, Light, Material, Projection, ScalarInput, Scene,
+    SubsurfaceModel,
+};
 
 use crate::common::{distant, scene, sphere, uniform_environment};
 
@@ -109,4 +112,53 @@ fn live_film_gives_layers_and_says_what_has_changed() {
     let radiance = film.layer(FilmLayer::Radiance);
     let expected = film.sums().radiance(40, 20).map(|value| value as f32);
     assert_eq!(radiance[(20 * 71 + 40) * 3..][..3], expected);
+}
+
+#[test]
+fn lamps_are_seen_where_their_middles_project() {
+    // Small enough that a picture's mean over the lamp is its middle to a hundredth of a pixel
+    const RADIUS: f32 = 0.02;
+    let size = [96.0, 64.0];
+    let film = Film { width: 96, height: 64, filter: FilterKind::Box, filter_radius: 0.5, ..Film::default() };
+    for projection in
+        [Projection::Perspective { horizontal_fov: 30.0 }, Projection::Orthographic { width: 2.5 }]
+    {
+        let camera = Camera {
+            position: Vec3::new(0.0, 0.0, 5.0),
+            target: Vec3::ZERO,
+            projection,
+            shift: Vec2::new(0.25, -0.125),
+            ..Camera::default()
+        };
+        for center in [Vec3::new(0.3, 0.2, 0.0), Vec3::new(-0.4, -0.9, -1.0), Vec3::new(0.9, -0.5, 1.0)] {
+            let mut scene = scene(vec![sphere(0.5, 8)], Material::default());
+            scene.objects.clear();
+            scene.materials.clear();
+            (scene.camera, scene.film) = (camera, film);
+            scene.lights = vec![Light::Sphere { center, radius: RADIUS, radiance: Vec3::ONE, visible: true }];
+            let picture = rendered_whole(scene, 256);
+            let (mut sum, mut at) = (0.0, [0.0; 2]);
+            for (x, y) in (0..64).flat_map(|y| (0..96).map(move |x| (x, y))) {
+                let light = f64::from(picture.mean(x, y)[9]);
+                sum += light;
+                at = [at[0] + light * (f64::from(x) + 0.5), at[1] + light * (f64::from(y) + 0.5)];
+            }
+            let width = match projection {
+                Projection::Perspective { .. } => 2.0 * f64::from(5.0 - center.z) * 15f64.to_radians().tan(),
+                Projection::Orthographic { .. } => 2.5,
+            };
+            let expected = [
+                size[0] * (0.5 + f64::from(center.x) / width - 0.25),
+                0.5 * size[1] - size[0] * (f64::from(center.y) / width + 0.125),
+            ];
+            let off = (at[0] / sum - expected[0]).hypot(at[1] / sum - expected[1]);
+            assert!(off < 0.03, "{projection:?}, {center}: {off} pixels off {expected:?}");
+        }
+    }
+}
+
+fn rendered_whole(scene: Scene, samples: u32) -> FilmSums {
+    let prepared = PreparedScene::new(scene).expect("a valid scene");
+    let view = prepared.view().expect("a valid view");
+    rendered(&prepared, &view, samples)
 }

@@ -11,7 +11,7 @@ use glam::{Affine2, Affine3A, Vec3};
 use crate::material::{self, PARAMETERS};
 use crate::{
     Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Mesh, NormalMap, Object,
-    Pixels, ProfileRow, ProfileTable, ScalarInput, Scene, SubsurfaceModel, TextureRef,
+    Pixels, ProfileRow, ProfileTable, Projection, ScalarInput, Scene, SubsurfaceModel, TextureRef,
 };
 pub use everything::scene_of_everything;
 
@@ -171,11 +171,17 @@ fn visit_vector(place: &str, vector: &mut Vec3, v: &mut Visitor<'_>) {
 }
 
 fn visit_camera(camera: &mut Camera, v: &mut Visitor<'_>) {
-    let Camera { position, target, up, horizontal_fov, lens_radius, focus_distance } = camera;
+    let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = camera;
     visit_vector("camera, position", position, v);
     visit_vector("camera, target", target, v);
     visit_vector("camera, up", up, v);
-    v("camera, horizontal_fov", Slot::Number(horizontal_fov));
+    match projection {
+        Projection::Perspective { horizontal_fov } => {
+            v("camera, horizontal_fov", Slot::Number(horizontal_fov))
+        }
+        Projection::Orthographic { width } => v("camera, width", Slot::Number(width)),
+    }
+    visit_numbers("camera, shift", shift.as_mut(), v);
     v("camera, lens_radius", Slot::Number(lens_radius));
     v("camera, focus_distance", Slot::Number(focus_distance));
 }

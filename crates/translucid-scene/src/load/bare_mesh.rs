@@ -320,10 +320,10 @@ mod tests {
         for turn in [0.0, 30.0, 90.0, 200.0] {
             let scene = load(turn);
             assert_eq!((scene.camera, &scene.lights), (first.camera, &first.lights), "{turn}");
-            let Camera { position, target, horizontal_fov, .. } = scene.camera;
+            let Camera { position, target, projection, .. } = scene.camera;
             let backward = (position - target).normalize();
             let [right, tangent] =
-                [Vec3::Y.cross(backward).normalize(), Vec3::splat((0.5 * horizontal_fov).to_radians().tan())];
+                [Vec3::Y.cross(backward).normalize(), Vec3::splat(projection.width_at(0.5) as f32)];
             for p in &scene.objects[0].mesh.positions {
                 let depth = (position - *p).dot(backward);
                 assert!((*p - position).dot(right).abs() < 0.8 * tangent.x * depth, "{turn}: {p}");

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use glam::{Affine3A, Vec3};
 
 use crate::error::nearest;
-use crate::{Camera, Image, Light, Material, Object, SceneError};
+use crate::interval::Interval;
+use crate::{Camera, Image, Light, Material, Object, Projection, SceneError};
 
 /// Contents of a mesh file; indices are into its own lists.
 #[derive(Clone, Debug, Default)]
@@ -25,7 +26,7 @@ pub struct MeshFile {
     pub images: Vec<Image>,
     /// Directional, point and spot lights.
     pub lights: Vec<Light>,
-    /// Perspective cameras.
+    /// Cameras.
     pub cameras: Vec<NamedCamera>,
 }
 
@@ -36,9 +37,9 @@ pub struct NamedCamera {
     pub name: String,
     /// The camera, framed for its own aspect ratio or the default film's.
     pub camera: Camera,
-    /// The camera's full vertical field of view in degrees, if that is what the file states: for a film of
-    /// aspect ratio a the horizontal one is 2 atan(a tan(v/2)).
-    pub vertical_fov: Option<f32>,
+    /// The projection for a square picture, if the file states the height of what is seen: for a film of aspect ratio a
+    /// the picture is a times as wide.
+    pub of_square: Option<Projection>,
 }
 
 impl NamedCamera {
@@ -61,18 +62,23 @@ impl NamedCamera {
         })
     }
 
-    /// The camera for a picture of an aspect ratio a: a stated vertical field of view v makes the horizontal one
-    /// 2 atan(a tan(v/2)).
+    /// The camera for a picture of an aspect ratio, which shows as much in height.
     pub(crate) fn for_aspect(&self, aspect: f64) -> Camera {
-        let Some(vertical) = self.vertical_fov else { return self.camera };
-        Camera { horizontal_fov: horizontal_fov(f64::from(vertical).to_radians(), aspect), ..self.camera }
+        let Some(of_square) = self.of_square else { return self.camera };
+        Camera { projection: for_aspect(of_square, aspect), ..self.camera }
     }
 }
 
-/// Horizontal field of view \[degrees\] of a vertical one in radians, for a picture of an aspect ratio.
-pub(super) fn horizontal_fov(vertical: f64, aspect: f64) -> f32 {
-    let tangent = aspect * (0.5 * vertical).tan();
-    (2.0 * tangent.atan()).to_degrees().clamp(1e-3, 179.9) as f32
+/// A square picture's projection for a picture of an aspect ratio that shows as much in height.
+pub(super) fn for_aspect(of_square: Projection, aspect: f64) -> Projection {
+    match of_square.widened(aspect) {
+        Projection::Perspective { horizontal_fov } => {
+            Projection::Perspective { horizontal_fov: horizontal_fov.clamp(1e-3, 179.9) }
+        }
+        Projection::Orthographic { width } => {
+            Projection::Orthographic { width: Interval::REACH.nearest(width) }
+        }
+    }
 }
 
 /// Multiplies every length of a model by a factor.
@@ -115,16 +121,18 @@ mod tests {
             position: Vec3::ZERO,
             target: Vec3::Z,
             up: Vec3::Y,
-            horizontal_fov: 60.0,
-            lens_radius: 0.0,
+            projection: Projection::Perspective { horizontal_fov: 60.0 },
             focus_distance: 1.0,
+            ..Camera::default()
         };
         let mut named = NamedCamera { camera, ..NamedCamera::default() };
         assert_eq!(named.for_aspect(2.0), camera);
-        named.vertical_fov = Some(40.0);
-        assert!((named.for_aspect(1.0).horizontal_fov - 40.0).abs() < 1e-4);
-        let wide = f64::from(named.for_aspect(2.0).horizontal_fov).to_radians();
-        assert!(((wide / 2.0).tan() - 2.0 * 20f64.to_radians().tan()).abs() < 1e-6);
+        named.of_square = Some(Projection::Perspective { horizontal_fov: 40.0 });
+        let width = |aspect: f64| named.for_aspect(aspect).projection.width_at(0.5);
+        assert!((width(1.0) - 20f64.to_radians().tan()).abs() < 1e-6);
+        assert!((width(2.0) - 2.0 * 20f64.to_radians().tan()).abs() < 1e-6);
+        named.of_square = Some(Projection::Orthographic { width: 3.0 });
+        assert_eq!(named.for_aspect(2.0).projection, Projection::Orthographic { width: 6.0 });
     }
 
     #[test]

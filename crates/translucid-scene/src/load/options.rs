@@ -144,8 +144,7 @@ impl LoadOptions {
             scene.materials.iter_mut().for_each(|material| material.subsurface_model = model);
         }
         if let Some(zoom) = self.zoom {
-            let tangent = (0.5 * f64::from(scene.camera.horizontal_fov)).to_radians().tan();
-            scene.camera.horizontal_fov = (2.0 * (tangent / f64::from(zoom)).atan()).to_degrees() as f32;
+            scene.camera = scene.camera.zoomed(zoom);
         }
         scene.validate()?;
         Ok(scene)

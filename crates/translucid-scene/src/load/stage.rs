@@ -3,7 +3,9 @@
 use glam::{DVec3, Vec3};
 
 use super::orientation::bounds;
-use crate::{Camera, ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Viewpoint};
+use crate::{
+    Camera, ColorInput, Environment, Light, Material, Mesh, Object, Projection, ScalarInput, Viewpoint,
+};
 
 /// Share of the frame's width or height that the mesh fills, whichever it meets first.
 const FILL: f64 = 0.75;
@@ -93,7 +95,7 @@ impl Stage {
             position: position.as_vec3(),
             target: target.as_vec3(),
             up: self.viewpoint.up().as_vec3(),
-            horizontal_fov: FIELD_OF_VIEW as f32,
+            projection: Projection::Perspective { horizontal_fov: FIELD_OF_VIEW as f32 },
             focus_distance: (self.radius * distance) as f32,
             ..Camera::default()
         }
@@ -300,7 +302,7 @@ mod tests {
         let backward = (position - camera.target.as_dvec3()).normalize();
         let right = DVec3::Y.cross(backward).normalize();
         let up = backward.cross(right);
-        let tangent = (0.5 * f64::from(camera.horizontal_fov)).to_radians().tan();
+        let tangent = camera.projection.width_at(0.5);
         let mut extent = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for point in &object.mesh.positions {
             let p = point.as_dvec3() - position;

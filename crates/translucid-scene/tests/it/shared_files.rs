@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 use translucid_scene::{
-    ColorSpace, Configuration, Light, LoadOptions, Scene, SubsurfaceParameter, Unit, load_gltf, load_image,
-    load_obj, load_ply, load_scene,
+    ColorSpace, Configuration, Light, LoadOptions, Projection, Scene, SubsurfaceParameter, Unit, load_gltf,
+    load_image, load_obj, load_ply, load_scene,
 };
 use translucid_testing::asset;
 
@@ -82,7 +82,7 @@ translucid_testing::with_shared_assets! {
         assert_eq!(material.specular_weight.factor, 0.0);
         assert_eq!(material.subsurface_parameter, SubsurfaceParameter::Mfp);
         assert_eq!(material.subsurface_configuration, Configuration::Diffuse);
-        assert_eq!((scene.camera.horizontal_fov, scene.camera.target), (22.0, Vec3::new(6.0, 72.0, 0.0)));
+        assert_eq!((scene.camera.projection, scene.camera.target), (Projection::Perspective { horizontal_fov: 22.0 }, Vec3::new(6.0, 72.0, 0.0)));
         assert!(scene.environment.is_some_and(|e| !e.visible && e.radiance == Vec3::new(0.05, 0.055, 0.07)));
     }
 

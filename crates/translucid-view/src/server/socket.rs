@@ -11,10 +11,10 @@ use axum::extract::State;
 use axum::extract::ws::{Message as Packet, WebSocket, WebSocketUpgrade};
 use axum::http::StatusCode;
 use axum::response::{IntoResponse, Response};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
 use tokio::sync::{Semaphore, mpsc, watch};
-use translucid_scene::{Camera, Material, SceneError};
+use translucid_scene::{Camera, Material, Projection, SceneError};
 
 use super::Context;
 use crate::message::{Message, Numbered};
@@ -238,14 +238,24 @@ fn error(id: Option<u32>, error: &SceneError) -> String {
     answer.to_string()
 }
 
-/// The camera moved back along its direction until a sphere is in the picture.
+/// The camera moved along its direction, or its picture widened, until a sphere is in the middle of the picture.
 fn framed(camera: &Camera, film: &translucid_scene::Film, (center, radius): (Vec3, f32)) -> Camera {
     let backward = (camera.position - camera.target).as_dvec3().normalize_or(glam::DVec3::Z);
-    let across = (0.5 * f64::from(camera.horizontal_fov)).to_radians().tan();
-    let upright = across * f64::from(film.height) / f64::from(film.width);
-    let distance = 1.05 * f64::from(radius).max(1e-6) / across.min(upright).atan().sin();
+    let aspect = f64::from(film.width) / f64::from(film.height);
+    let reach = 1.05 * f64::from(radius).max(1e-6);
+    let (distance, projection) = match camera.projection {
+        Projection::Perspective { .. } => {
+            let across = camera.projection.width_at(0.5);
+            (reach / across.min(across / aspect).atan().sin(), camera.projection)
+        }
+        Projection::Orthographic { .. } => {
+            let width = (2.0 * reach * aspect.max(1.0)) as f32;
+            (2.0 * reach, Projection::Orthographic { width })
+        }
+    };
     let position = (center.as_dvec3() + backward * distance).as_vec3();
-    let moved = Camera { position, target: center, focus_distance: distance as f32, ..*camera };
+    let (target, focus_distance, shift) = (center, distance as f32, Vec2::ZERO);
+    let moved = Camera { position, target, projection, shift, focus_distance, ..*camera };
     if moved.validate().is_ok() { moved } else { *camera }
 }
 
@@ -280,11 +290,17 @@ mod tests {
         let direction = |camera: &Camera| (camera.target - camera.position).normalize();
         assert!(direction(&moved).distance(direction(&camera)) < 1e-5 && moved.target == sphere.0);
         // Seen under less than the field of view, which is the narrower here
-        let half_angle = (sphere.1 / moved.position.distance(sphere.0)).asin();
-        assert!(
-            half_angle < (0.5 * camera.horizontal_fov).to_radians()
-                && half_angle > 0.9 * (0.5 * camera.horizontal_fov).to_radians()
-        );
+        let half_angle = f64::from(sphere.1 / moved.position.distance(sphere.0)).asin();
+        let half_fov = camera.projection.width_at(0.5).atan();
+        assert!(half_angle < half_fov && half_angle > 0.9 * half_fov);
+
+        let parallel = Camera { projection: Projection::Orthographic { width: 1.0 }, ..camera };
+        for (film, least) in [(film, 6.0), (Film { width: 300, height: 100, ..film }, 18.0)] {
+            let moved = framed(&parallel, &film, sphere);
+            let width = moved.projection.width_at(0.0);
+            assert!(width > least && width < 1.1 * least, "{width}");
+            assert!(moved.position.distance(sphere.0) > sphere.1);
+        }
     }
 
     #[test]

@@ -11,7 +11,8 @@ fn messages() -> Vec<Value> {
         "position": [0.0, 20.0, 70.0],
         "target": [0.0, 9.0, 0.0],
         "up": [0.0, 1.0, 0.0],
-        "fov": 40.0,
+        "projection": { "kind": "perspective", "fov": 40.0 },
+        "shift": [0.0, 0.0],
         "lens_radius": 0.0,
         "focus_distance": 60.0,
     });

@@ -80,7 +80,8 @@ fn saved_scene_renders_to_the_pixels_of_the_page() {
     client.apply(json!({"type":"integrator","set":{"max_diffuse_depth":2,"seed":11}}));
     let mut camera = client.state["camera"].clone();
     camera["position"] = json!([-9.37, 21.3, 61.1]);
-    camera["fov"] = json!(37.7);
+    camera["projection"]["fov"] = json!(37.7);
+    camera["shift"] = json!([0.05, -0.1]);
     let version = client.apply(json!({"type":"camera","camera":camera}));
     let frame = client.finished(0, version);
 

@@ -28,7 +28,7 @@ use super::parameters::Subsurface;
 use crate::ray::SurfacePoint;
 use crate::sampling::Sampler;
 use crate::surface::{self, WalkMedium};
-use crate::world::{Layer, PathState, World};
+use crate::world::{Layer, PathState, PixelWidth, World};
 use points::{GatherScratch, Gatherer};
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
@@ -60,8 +60,8 @@ pub(crate) trait Tracing<'a> {
     /// [`shape_factor`](Self::shape_factor) where the share of the profile that the shape holds is known.
     fn shape_factor_of(&self, exit: &ExitPoint<'_>, energy: Vec3) -> Vec3;
 
-    /// Width of a pixel over the distance of what it shows.
-    fn pixel_angle(&self) -> f32;
+    /// Width of a pixel of the picture.
+    fn pixel_width(&self) -> PixelWidth;
 }
 
 /// Memory of the transports of one thread.

@@ -2,8 +2,8 @@
 
 use glam::{Mat3, Vec3};
 use translucid_scene::{
-    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, ScalarInput, Scene,
-    Unit,
+    Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
+    ScalarInput, Scene, Unit,
 };
 
 /// A middle gray.
@@ -45,9 +45,9 @@ pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
             position: Vec3::Z,
             target: Vec3::ZERO,
             up: Vec3::Y,
-            horizontal_fov: 45.0,
-            lens_radius: 0.0,
+            projection: Projection::Perspective { horizontal_fov: 45.0 },
             focus_distance: 1.0,
+            ..Camera::default()
         },
         film: Film { width: 16, height: 16, ..Film::default() },
         integrator: Integrator { max_depth: 1, ..Integrator::default() },

@@ -111,6 +111,7 @@ pub(super) struct Camera {
     #[serde(rename = "type")]
     pub(super) kind: String,
     pub(super) perspective: Option<Perspective>,
+    pub(super) orthographic: Option<Orthographic>,
 }
 
 #[derive(Deserialize)]
@@ -118,6 +119,13 @@ pub(super) struct Camera {
 pub(super) struct Perspective {
     pub(super) aspect_ratio: Option<f64>,
     pub(super) yfov: f64,
+}
+
+/// Half the width and height of what a camera sees \[m\].
+#[derive(Deserialize)]
+pub(super) struct Orthographic {
+    pub(super) xmag: f64,
+    pub(super) ymag: f64,
 }
 
 #[derive(Deserialize)]

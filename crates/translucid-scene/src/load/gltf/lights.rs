@@ -5,11 +5,11 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use glam::{DAffine3, DVec3, Vec3};
 use serde::Deserialize;
 
-use super::document::{self, Camera as CameraData, Document, Node, PunctualLight, SpotCone};
+use super::document::{self, Camera as CameraData, Document, Node, Orthographic, PunctualLight, SpotCone};
 use super::notes::Notes;
 use crate::interval::Interval;
-use crate::load::mesh_file::horizontal_fov;
-use crate::{Camera, Film, Light, SceneError};
+use crate::load::mesh_file::for_aspect;
+use crate::{Camera, Film, Light, Projection, SceneError};
 
 /// Luminous flux of a watt \[lm\]: that of light of 540 THz, by the definition of the candela.
 ///
@@ -122,41 +122,59 @@ fn cone(data: &PunctualLight, part: &str, notes: &Notes<'_>) -> (f32, f32) {
     (inner, outer)
 }
 
-/// A perspective camera, or `None` with a warning.
+/// A camera and its projection for a square picture, or `None` with a warning.
 ///
-/// glTF states the vertical field of view y; the horizontal one follows from the aspect ratio a of the
-/// picture: tan(x/2) = a tan(y/2). Without `aspectRatio` it is that of the default film.
+/// glTF states the height of what is seen; its width follows from the aspect ratio of the picture. Without `aspectRatio`,
+/// and for `xmag`, that is the default film's.
 pub(super) fn camera(
     data: &CameraData,
     world_from_local: &DAffine3,
     units: f64,
     part: &str,
     notes: &Notes<'_>,
-) -> Result<Option<Camera>, SceneError> {
-    let Some(perspective) = data.perspective.as_ref().filter(|_| data.kind == "perspective") else {
-        notes.warn(part, "a camera that is not a perspective one is left out");
-        return Ok(None);
-    };
+) -> Result<Option<(Camera, Projection)>, SceneError> {
     let film = Film::default();
-    let aspect = perspective.aspect_ratio.unwrap_or(f64::from(film.width) / f64::from(film.height));
-    let yfov = perspective.yfov;
-    if !(yfov > 0.0 && yfov < PI && aspect > 0.0 && aspect.is_finite()) {
-        let message =
-            format!("its yfov is {yfov} and aspectRatio {aspect}, but must be in (0, π) and above 0");
-        return Err(notes.error(part, message));
-    }
+    let mut aspect = f64::from(film.width) / f64::from(film.height);
+    let of_square = match (data.kind.as_str(), &data.perspective, &data.orthographic) {
+        ("perspective", Some(perspective), _) => {
+            aspect = perspective.aspect_ratio.unwrap_or(aspect);
+            let yfov = perspective.yfov;
+            if !(yfov > 0.0 && yfov < PI && aspect > 0.0 && aspect.is_finite()) {
+                let message =
+                    format!("its yfov is {yfov} and aspectRatio {aspect}, but must be in (0, π) and above 0");
+                return Err(notes.error(part, message));
+            }
+            Projection::Perspective { horizontal_fov: yfov.to_degrees() as f32 }
+        }
+        ("orthographic", _, Some(orthographic)) => {
+            let Orthographic { xmag, ymag } = *orthographic;
+            aspect = (xmag / ymag).abs();
+            let width = 2.0 * ymag.abs() * units;
+            if !(Interval::REACH.contains(width) && Interval::REACH.contains(aspect * width)) {
+                let must_be = Interval::above(0.0, Interval::REACH.high / (2.0 * units));
+                let message = format!("its xmag is {xmag:?} and ymag {ymag:?}, but must be in {must_be}");
+                return Err(notes.error(part, message));
+            }
+            Projection::Orthographic { width: width as f32 }
+        }
+        _ => {
+            notes.warn(part, "a camera that is neither a perspective nor an orthographic one is left out");
+            return Ok(None);
+        }
+    };
     let position = world_from_local.translation;
     // The point looked at lies far enough away to differ from the position in single precision.
     let distance = units.max(1e-3 * position.length());
     let target = position + forward(world_from_local).as_dvec3() * distance;
     check_position(position.as_vec3(), part, notes)?;
     check_position(target.as_vec3(), part, notes)?;
-    Ok(Some(Camera {
+    let camera = Camera {
         position: position.as_vec3(),
         target: target.as_vec3(),
         up: upward(world_from_local),
-        horizontal_fov: horizontal_fov(yfov, aspect),
+        projection: for_aspect(of_square, aspect),
         focus_distance: distance as f32,
         ..Camera::default()
-    }))
+    };
+    Ok(Some((camera, of_square)))
 }

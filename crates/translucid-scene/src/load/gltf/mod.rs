@@ -285,13 +285,14 @@ impl Assembly<'_> {
         let (document, notes) = (self.arrays.document, self.arrays.notes);
         let data = document.cameras.get(index, part, notes.path)?;
         let label = document.cameras.label(index);
-        let Some(camera) = lights::camera(data, &placed.world_from_local, self.units, &label, notes)? else {
+        let Some((camera, of_square)) =
+            lights::camera(data, &placed.world_from_local, self.units, &label, notes)?
+        else {
             return Ok(());
         };
         let of_node = document.nodes.get(placed.index, part, notes.path)?.name.clone();
         let name = of_node.or_else(|| data.name.clone()).unwrap_or(label);
-        let vertical_fov = data.perspective.as_ref().map(|p| p.yfov.to_degrees() as f32);
-        self.scene.cameras.push(NamedCamera { name, camera, vertical_fov });
+        self.scene.cameras.push(NamedCamera { name, camera, of_square: Some(of_square) });
         Ok(())
     }
 

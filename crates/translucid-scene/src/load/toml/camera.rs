@@ -5,16 +5,30 @@ use std::collections::HashSet;
 use super::claim_name;
 use super::document::{Item, Table};
 use crate::interval::Interval;
-use crate::{Camera, NamedCamera, SceneError};
+use crate::{Camera, NamedCamera, Projection, SceneError};
 
 /// Most cameras of a scene file.
 const MOST_CAMERAS: usize = 65_536;
 
-pub(super) const KEYS: &[&str] = &["position", "target", "up", "fov", "lens_radius", "focus_distance"];
+/// Words of `projection`, and whether they mean an orthographic one.
+const PROJECTIONS: [(&str, bool); 2] = [("perspective", false), ("orthographic", true)];
+
+pub(super) const KEYS: &[&str] =
+    &["position", "target", "up", "projection", "fov", "width", "shift", "lens_radius", "focus_distance"];
 
 /// Keys of a camera in a scene file, where several have names.
-pub(super) const NAMED_KEYS: &[&str] =
-    &["name", "position", "target", "up", "fov", "lens_radius", "focus_distance"];
+pub(super) const NAMED_KEYS: &[&str] = &[
+    "name",
+    "position",
+    "target",
+    "up",
+    "projection",
+    "fov",
+    "width",
+    "shift",
+    "lens_radius",
+    "focus_distance",
+];
 
 /// The camera of `[camera]`, or those of each `[[camera]]`.
 pub(super) fn read_cameras(item: &Item<'_>) -> Result<Vec<NamedCamera>, SceneError> {
@@ -29,7 +43,7 @@ pub(super) fn read_cameras(item: &Item<'_>) -> Result<Vec<NamedCamera>, SceneErr
             _ => table.require("name")?.name()?,
         };
         claim_name(&table, &name, &mut names)?;
-        cameras.push(NamedCamera { name, camera: read_camera(&table)?, vertical_fov: None });
+        cameras.push(NamedCamera { name, camera: read_camera(&table)?, of_square: None });
     }
     Ok(cameras)
 }
@@ -48,11 +62,27 @@ pub(super) fn read_camera(table: &Table<'_>) -> Result<Camera, SceneError> {
     let distance = position.as_dvec3().distance(target.as_dvec3()) as f32;
     let distance = Interval::REACH.nearest(distance);
     Ok(Camera {
-        horizontal_fov: table.read("fov", default.horizontal_fov, |item| item.number(Camera::FOV))?,
+        projection: read_projection(table, default.projection)?,
+        shift: table.read("shift", default.shift, |item| item.vec2(Camera::SHIFT))?,
         lens_radius: table.read("lens_radius", default.lens_radius, |item| item.number(Interval::LENGTH))?,
         focus_distance: table.read("focus_distance", distance, |item| item.number(Interval::REACH))?,
         ..view
     })
+}
+
+fn read_projection(table: &Table<'_>, default: Projection) -> Result<Projection, SceneError> {
+    let is_orthographic = table.read("projection", false, |item| item.word(&PROJECTIONS))?;
+    let (name, other) = if is_orthographic { ("orthographic", "fov") } else { ("perspective", "width") };
+    if let Some(item) = table.get(other) {
+        return Err(
+            item.error(format!("{} is not a key of a camera whose projection is {name}", item.path()))
+        );
+    }
+    if is_orthographic {
+        return Ok(Projection::Orthographic { width: table.require("width")?.number(Interval::REACH)? });
+    }
+    let fov = |item: &Item<'_>| Ok(Projection::Perspective { horizontal_fov: item.number(Projection::FOV)? });
+    table.read("fov", default, fov)
 }
 
 fn check_up(table: &Table<'_>, view: &Camera) -> Result<(), SceneError> {

@@ -12,7 +12,9 @@ use super::material::{WORDS, WordParameter};
 use super::settings::{FILM, INTEGRATOR};
 use super::text::{color, number, numbers, quoted, vector};
 use crate::material::{PARAMETERS, Slot};
-use crate::{Camera, ColorInput, Light, Material, Object, Scene, SceneError, SubsurfaceModel, Unit};
+use crate::{
+    Camera, ColorInput, Light, Material, Object, Projection, Scene, SceneError, SubsurfaceModel, Unit,
+};
 
 /// What a written scene file extends: its keys `extends`, `preset` and `unit`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -130,13 +132,20 @@ fn settings<T>(list: &[Setting<T>], from: &T, to: &T) -> String {
 }
 
 fn camera(camera: &Camera) -> String {
-    let Camera { position, target, up, horizontal_fov, lens_radius, focus_distance } = *camera;
+    let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = *camera;
+    let projection = match projection {
+        Projection::Perspective { horizontal_fov } => format!("fov = {}", number(horizontal_fov)),
+        Projection::Orthographic { width } => {
+            format!("projection = \"orthographic\"\nwidth = {}", number(width))
+        }
+    };
     format!(
-        "\n[camera]\nposition = {}\ntarget = {}\nup = {}\nfov = {}\nlens_radius = {}\nfocus_distance = {}\n",
+        "\n[camera]\nposition = {}\ntarget = {}\nup = {}\n{projection}\nshift = [{}, {}]\nlens_radius = {}\nfocus_distance = {}\n",
         vector(position),
         vector(target),
         vector(up),
-        number(horizontal_fov),
+        number(shift.x),
+        number(shift.y),
         number(lens_radius),
         number(focus_distance)
     )

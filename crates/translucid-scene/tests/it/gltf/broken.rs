@@ -491,6 +491,11 @@ fn broken_lights_and_cameras() {
     for (yfov, aspect) in [(0.0, 1.0), (-1.0, 1.0), (3.2, 1.0), (1.0, 0.0), (1.0, -2.0)] {
         with(light.clone(), camera(yfov, aspect), &["camera 0 \"eye\"", "yfov is"]);
     }
+    for (xmag, ymag) in [(0.0, 1.0), (1.0, 0.0), (1e300, 1e-300), (1e11, 1e11)] {
+        let orthographic = json!({ "xmag": xmag, "ymag": ymag, "znear": 0, "zfar": 1 });
+        let camera = json!({ "type": "orthographic", "name": "eye", "orthographic": orthographic });
+        with(light.clone(), camera, &["camera 0 \"eye\"", "xmag is"]);
+    }
     with(light, json!({ "perspective": {} }), &["camera 0", "missing field"]);
 }
 

@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Mat4, Quat, Vec3};
 use serde_json::{Value, json};
-use translucid_scene::{Light, Mesh, NamedCamera, Unit};
+use translucid_scene::{Light, Mesh, NamedCamera, Projection, Unit};
 
 use super::builder::File;
 
@@ -235,34 +235,42 @@ fn cameras_see_the_corners_of_their_picture_under_the_right_angles() {
         json!({ "type": "perspective", "perspective": { "yfov": yfov, "aspectRatio": 1.5, "znear": 0.1 } }),
     );
     let scene = file.load_in(Unit::Centimeter).scene;
-    let [NamedCamera { name, camera, vertical_fov }] = &scene.cameras[..] else { panic!() };
+    let [NamedCamera { name, camera, of_square }] = &scene.cameras[..] else { panic!() };
     assert_eq!(name, "camera 0");
     assert_eq!(camera.position, Vec3::new(0.0, 0.0, 400.0));
     assert!((camera.target - camera.position).normalize().abs_diff_eq(-Vec3::Z, 1e-6));
     assert_eq!(camera.up, Vec3::Y);
     // A picture 3 wide and 2 high at the distance where its height fills the vertical field of view.
     let distance = 1.0 / (yfov / 2.0).tan();
-    let horizontal = 2.0 * (1.5 / distance).atan();
-    assert!((f64::from(camera.horizontal_fov) - horizontal.to_degrees()).abs() < 1e-4);
-    assert!((f64::from(vertical_fov.unwrap()) - yfov.to_degrees()).abs() < 1e-5);
+    assert!((camera.projection.width_at(distance) - 3.0).abs() < 1e-6);
+    assert!((of_square.unwrap().width_at(distance) - 2.0).abs() < 1e-6);
     assert!(camera.focus_distance > 0.0 && camera.lens_radius == 0.0);
 }
 
 #[test]
 fn cameras_without_aspect_ratio_fit_the_default_film() {
     let file = with_camera(json!({ "type": "perspective", "perspective": { "yfov": 1.0, "znear": 0.1 } }));
-    let fov = f64::from(file.load().scene.cameras[0].camera.horizontal_fov).to_radians();
-    assert!(((fov / 2.0).tan() - 0.5f64.tan() * 16.0 / 9.0).abs() < 1e-6);
+    let width = file.load().scene.cameras[0].camera.projection.width_at(0.5);
+    assert!((width - 0.5f64.tan() * 16.0 / 9.0).abs() < 1e-6);
 }
 
 #[test]
-fn orthographic_cameras_are_left_out_with_a_warning_and_others_have_names() {
-    let orthographic =
-        json!({ "type": "orthographic", "orthographic": { "xmag": 1, "ymag": 1, "znear": 0, "zfar": 1 } });
-    let mut file = with_camera(orthographic);
+fn orthographic_cameras_see_twice_their_magnification() {
+    let magnification = json!({ "xmag": 3, "ymag": 1.5, "znear": 0, "zfar": 1 });
+    let file = with_camera(json!({ "type": "orthographic", "orthographic": magnification }));
+    let scene = file.load_in(Unit::Centimeter).scene;
+    let [NamedCamera { camera, of_square, .. }] = &scene.cameras[..] else { panic!() };
+    assert_eq!(camera.position, Vec3::new(0.0, 0.0, 400.0));
+    assert_eq!(camera.projection, Projection::Orthographic { width: 600.0 });
+    assert_eq!(*of_square, Some(Projection::Orthographic { width: 300.0 }));
+}
+
+#[test]
+fn cameras_of_other_types_are_left_out_with_a_warning_and_others_have_names() {
+    let mut file = with_camera(json!({ "type": "fisheye" }));
     let loaded = file.load();
     assert!(loaded.scene.cameras.is_empty());
-    assert!(loaded.warned_of("camera 0: a camera that is not a perspective one is left out"));
+    assert!(loaded.warned_of("camera 0: a camera that is neither"));
     let perspective = json!({ "yfov": 1.0, "znear": 0.1 });
     file.push("cameras", json!({ "type": "perspective", "name": "wide", "perspective": perspective }));
     file.push("nodes", json!({ "camera": 1 }));

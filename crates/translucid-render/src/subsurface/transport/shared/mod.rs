@@ -60,7 +60,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let found = tracer.scratch().probes.find_own(&own, world, exit, path.throughput, sampler);
     let reaches = own.profiles.map(|profile| profile.longest());
     let nearness = Nearness::new(own.shares, reaches, probes.tail);
-    let mean_radius = nearness.mean_radius() / (tracer.pixel_angle() * path.sample.depth);
+    let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
     if mean_radius < LEAST_PIXELS {
         let Some((hit, weight)) = found else { return false };
         let found = EntryHit { hit, weight: weight.value, subsurface: exit.subsurface };

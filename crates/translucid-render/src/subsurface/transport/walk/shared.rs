@@ -167,7 +167,7 @@ impl<'a> Walk<'a> {
         self.phase.is_isotropic()
             && (0..3).all(usual)
             && self.throughput.max_element() > LEAST_THROUGHPUT
-            && longest >= LEAST_PIXELS * tracer.pixel_angle() * path.sample.depth
+            && longest >= LEAST_PIXELS * tracer.pixel_width().at(path.sample.depth)
     }
 
     /// Goes through the body with the light that the block shares. Returns where the body ends if some of the first flight

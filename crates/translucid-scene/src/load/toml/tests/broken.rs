@@ -86,7 +86,8 @@ const CAMERA: &str = "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n";
 
 #[test]
 fn broken_camera_is_refused() {
-    let keys = "the keys are name, position, target, up, fov, lens_radius, focus_distance";
+    let keys =
+        "the keys are name, position, target, up, projection, fov, width, shift, lens_radius, focus_distance";
     let help = format!("did you mean position? {keys}");
     refuse("[camera]\npositon = [0, 0, 5]", "camera has no key positon", "positon", &help);
     refuse("[camera]\ntarget = [0, 0, 5]", "camera needs the key position", "[camera]", "");
@@ -103,6 +104,12 @@ fn broken_camera_is_refused() {
     refuse("[camera]\nposition = 7", message, "7", "");
     let message = "camera.fov is 180, but must be in (0, 180)";
     refuse(&format!("{CAMERA}fov = 180"), message, "180", "");
+    let orthographic = format!("{CAMERA}projection = 'orthographic'\n");
+    refuse(&orthographic, "camera needs the key width", "[camera]", "");
+    let message = "camera.fov is not a key of a camera whose projection is orthographic";
+    refuse(&format!("{orthographic}width = 2\nfov = 30"), message, "30", "");
+    let message = "camera.width is not a key of a camera whose projection is perspective";
+    refuse(&format!("{CAMERA}width = 2"), message, "2", "");
     let message = "camera.fov is 179.9999999999, but must be in (0, 180) in single precision";
     refuse(&format!("{CAMERA}fov = 179.9999999999"), message, "179.9999999999", "");
     let message = "camera.lens_radius is -1, but must be in [0, 1e9]";
@@ -419,11 +426,20 @@ fn every_allowed_key_is_read() {
     let film: Vec<&str> = settings::FILM.iter().map(|setting| setting.key).collect();
     let integrator: Vec<&str> = settings::INTEGRATOR.iter().map(|setting| setting.key).collect();
     let material = material::keys();
+    let of_perspective: Vec<&str> =
+        camera::NAMED_KEYS.iter().copied().filter(|key| *key != "width").collect();
     // Edges stand in place of some of the others
     let (edges, rectangle): (Vec<&str>, Vec<&str>) =
         light::RECTANGLE_KEYS.iter().partition(|key| key.starts_with("edge"));
     let sections: Vec<(&str, String, &[&str])> = vec![
-        ("camera", String::from("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n"), camera::NAMED_KEYS),
+        ("camera", String::from("[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\n"), &of_perspective),
+        (
+            "camera",
+            String::from(
+                "[camera]\nposition = [0, 0, 1]\ntarget = [0, 0, 0]\nprojection = \"orthographic\"\nwidth = 1\n",
+            ),
+            &["width"],
+        ),
         ("film", String::from("[film]\n"), &film),
         ("integrator", String::from("[integrator]\n"), &integrator),
         ("material", String::from("[[material]]\nname = \"m\"\n"), &material),

@@ -9,8 +9,8 @@ use translucid_testing::SplitMix;
 
 use super::mutation::mutate;
 use crate::{
-    ColorInput, Environment, Light, LoadOptions, Place, Scene, SceneError, SceneFile, Unit, Warning,
-    load_scene,
+    ColorInput, Environment, Light, LoadOptions, Place, Projection, Scene, SceneError, SceneFile, Unit,
+    Warning, load_scene,
 };
 
 const BASE: &str = "unit = \"cm\"\n\
@@ -131,7 +131,10 @@ fn extending_changes_what_it_names() {
     assert_same(&scene, &expected);
 
     let scene = folder.changed("[camera]\nposition = [1, 0, 9]\ntarget = [0, 0, 0]\nfov = 20");
-    assert_eq!((scene.camera.position.x, scene.camera.horizontal_fov), (1.0, 20.0));
+    assert_eq!(
+        (scene.camera.position.x, scene.camera.projection),
+        (1.0, Projection::Perspective { horizontal_fov: 20.0 })
+    );
     assert_eq!(scene.lights, base.lights);
     let light = "[[light]]\ntype = \"sphere\"\ncenter = [0, 9, 0]\nradius = 1\nradiance = 1";
     assert!(matches!(folder.changed(light).lights[..], [Light::Sphere { .. }]));

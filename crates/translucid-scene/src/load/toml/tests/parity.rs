@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::{BALL, parse};
 use crate::broken::scene_of_everything;
 use crate::material::{PARAMETERS, Slot};
-use crate::{Light, Material, Scene};
+use crate::{Light, Material, Projection, Scene};
 
 /// Values as files write them.
 const VALUES: [&str; 17] = [
@@ -47,7 +47,13 @@ fn materials_have_the_same_ranges_in_files_and_in_code() {
 #[test]
 fn settings_have_the_same_ranges_in_files_and_in_code() {
     let camera = "[camera]\nposition = [0, 0, 5]\ntarget = [0, 0, 0]\n";
-    check_all(&format!("{camera}fov = ?"), &|scene, x| scene.camera.horizontal_fov = x);
+    check_all(&format!("{camera}fov = ?"), &|scene, x| {
+        scene.camera.projection = Projection::Perspective { horizontal_fov: x };
+    });
+    check_all(&format!("{camera}projection = \"orthographic\"\nwidth = ?"), &|scene, x| {
+        scene.camera.projection = Projection::Orthographic { width: x };
+    });
+    check_all(&format!("{camera}shift = [?, 0]"), &|scene, x| scene.camera.shift.x = x);
     check_all(&format!("{camera}lens_radius = ?"), &|scene, x| scene.camera.lens_radius = x);
     check_all(&format!("{camera}focus_distance = ?"), &|scene, x| scene.camera.focus_distance = x);
     check_all(&format!("{camera}up = [?, 0, 0]"), &|scene, x| scene.camera.up = Vec3::X * x);

@@ -5,8 +5,8 @@ use glam::{Mat3, Vec2, Vec3};
 use super::{BALL, load, parse};
 use crate::{
     Camera, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator, Light, LoadOptions,
-    Material, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, Surroundings, ToneMapping, Unit, Viewpoint, Wrap,
+    Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, Surroundings, ToneMapping, Unit, Viewpoint, Wrap,
 };
 
 fn with_ball(piece: &str) -> String {
@@ -37,20 +37,24 @@ fn scene_of_a_ball_has_every_default() {
 
 #[test]
 fn camera_reads_every_key() {
-    let text = "[camera]\nposition = [1, 2, 3]\ntarget = [4, 6, 3]\nup = [0, 0, 2]\nfov = 35.5\nlens_radius = 0.25\nfocus_distance = 7";
+    let text = "[camera]\nposition = [1, 2, 3]\ntarget = [4, 6, 3]\nup = [0, 0, 2]\nfov = 35.5\nshift = [0.25, -0.5]\nlens_radius = 0.25\nfocus_distance = 7";
     let expected = Camera {
         position: Vec3::new(1.0, 2.0, 3.0),
         target: Vec3::new(4.0, 6.0, 3.0),
         up: Vec3::new(0.0, 0.0, 2.0),
-        horizontal_fov: 35.5,
+        projection: Projection::Perspective { horizontal_fov: 35.5 },
+        shift: Vec2::new(0.25, -0.5),
         lens_radius: 0.25,
         focus_distance: 7.0,
     };
     assert_eq!(parse(&with_ball(text)).unwrap().camera(None), Ok(Some(expected)));
     let text = "[camera]\nposition = [1, 2, 3]\ntarget = [4, 6, 3]";
-    let expected =
-        Camera { up: Vec3::Y, horizontal_fov: 40.0, lens_radius: 0.0, focus_distance: 5.0, ..expected };
+    let Camera { position, target, .. } = expected;
+    let expected = Camera { position, target, ..Camera::default() };
     assert_eq!(parse(&with_ball(text)).unwrap().camera(None), Ok(Some(expected)));
+    let text = format!("{text}\nprojection = \"orthographic\"\nwidth = 7.5");
+    let expected = Camera { projection: Projection::Orthographic { width: 7.5 }, ..expected };
+    assert_eq!(parse(&with_ball(&text)).unwrap().camera(None), Ok(Some(expected)));
 }
 
 #[test]
@@ -72,15 +76,17 @@ fn several_cameras_have_names_to_choose_them_by() {
 
 #[test]
 fn view_and_zoom_move_the_camera_of_a_scene_about_its_target() {
-    let text = with_ball("[camera]\nposition = [1, 0, 6]\ntarget = [1, 0, 0]\nfov = 60");
+    let text = with_ball("[camera]\nposition = [1, 0, 6]\ntarget = [1, 0, 0]\nshift = [0.5, 0]\nfov = 60");
     let load = |options: &LoadOptions| parse(&text).unwrap().load(options, &mut Vec::new()).unwrap().camera;
     let seen = load(&LoadOptions { viewpoint: Viewpoint::from_text("right"), ..LoadOptions::default() });
     assert!(seen.position.abs_diff_eq(Vec3::new(7.0, 0.0, 0.0), 1e-5), "{seen:?}");
     let turned = load(&LoadOptions { turn: Some(90.0), ..LoadOptions::default() });
     assert!(turned.position.abs_diff_eq(Vec3::new(-5.0, 0.0, 0.0), 1e-5), "{turned:?}");
     let near = load(&LoadOptions { zoom: Some(2.0), ..LoadOptions::default() });
-    let tangent = |degrees: f32| (0.5 * degrees).to_radians().tan();
-    assert!((2.0 * tangent(near.horizontal_fov) - tangent(60.0)).abs() < 1e-6, "{near:?}");
+    let width = near.projection.width_at(0.5);
+    assert!((2.0 * width - 30f64.to_radians().tan()).abs() < 1e-6, "{near:?}");
+    // What was in the middle of the picture stays there
+    assert_eq!(near.shift, Vec2::new(1.0, 0.0));
     let options = LoadOptions { zoom: Some(f32::NAN), ..LoadOptions::default() };
     assert!(parse(&text).unwrap().load(&options, &mut Vec::new()).is_err());
 }

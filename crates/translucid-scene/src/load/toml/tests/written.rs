@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use glam::{Mat3, Quat, Vec3};
+use glam::{Mat3, Quat, Vec2, Vec3};
 use tempfile::TempDir;
 use translucid_image::ToneMapping;
 use translucid_testing::{SplitMix, power};
@@ -14,8 +14,8 @@ use crate::load::toml::text::{color, number, quoted};
 use crate::material::{PARAMETERS, Slot};
 use crate::{
     ColorInput, Configuration, Environment, ExtendedBase, FilterKind, Image, Light, LoadOptions, Material,
-    Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, Unit, load_image, load_scene,
+    Projection, Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, Unit, load_image, load_scene,
 };
 
 /// A triangle with texture coordinates and vertex colors, twice under one name; two materials share a name, too.
@@ -293,7 +293,12 @@ impl Random {
         if self.chance(2) {
             scene.camera.position = self.vector().clamp(Vec3::splat(-1e10), Vec3::splat(1e10));
             scene.camera.up = self.direction();
-            scene.camera.horizontal_fov = 1.0 + 170.0 * self.0.uniform_f32();
+            scene.camera.projection = if self.chance(2) {
+                Projection::Perspective { horizontal_fov: 1.0 + 170.0 * self.0.uniform_f32() }
+            } else {
+                Projection::Orthographic { width: 1e-3 + 100.0 * self.0.uniform_f32() }
+            };
+            scene.camera.shift = Vec2::new(self.0.uniform_f32() - 0.5, self.0.uniform_f32());
             scene.camera.lens_radius = self.0.uniform_f32();
         }
         let film = &mut scene.film;
