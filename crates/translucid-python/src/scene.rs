@@ -294,7 +294,7 @@ impl Scene {
     ///
     /// Parameters
     /// ----------
-    /// type : {'rectangle', 'sphere', 'distant', 'spot', 'point', 'beam'}
+    /// type : {'rectangle', 'ellipse', 'sphere', 'distant', 'spot', 'point', 'beam'}
     ///     What it is.
     /// **keys
     ///     As in a ``[[light]]`` of a scene file: ``center``, ``target``, ``size``, ``radiance`` … of a rectangle.

@@ -204,6 +204,8 @@ fn lamps_of(count: usize) -> (Vec<Light>, Mesh, f32) {
                 let outer_angle = numbers.between(30.0, 70.0);
                 let cap = std::f32::consts::TAU * (1.0 - outer_angle.to_radians().cos());
                 lights.push(Light::Spot {
+                    radius: 0.0,
+                    visible: true,
                     position: place,
                     direction: down,
                     intensity: color * (power / cap),

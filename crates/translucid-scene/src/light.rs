@@ -21,6 +21,19 @@ pub enum Light {
         /// Whether the camera sees it directly.
         visible: bool,
     },
+    /// One-sided ellipse that emits uniformly along `edge_x × edge_y`.
+    Ellipse {
+        /// Center \[L\].
+        center: Vec3,
+        /// Whole axis \[L\]: the edge of the rectangle around it, perpendicular to `edge_y`.
+        edge_x: Vec3,
+        /// See `edge_x`.
+        edge_y: Vec3,
+        /// Emitted radiance.
+        radiance: Vec3,
+        /// Whether the camera sees it directly.
+        visible: bool,
+    },
     /// Sphere that emits uniformly outward.
     Sphere {
         /// Center \[L\].
@@ -41,18 +54,22 @@ pub enum Light {
         /// Irradiance on a surface that faces the light.
         irradiance: Vec3,
     },
-    /// Point light with a cone.
+    /// Light with a cone: a point, or a sphere each of whose points shines into the cone.
     Spot {
         /// Position \[L\].
         position: Vec3,
         /// Unit direction of the cone's axis.
         direction: Vec3,
+        /// Radius of the sphere \[L\]; 0 is a point, which no ray can meet.
+        radius: f32,
         /// Radiant intensity on the axis [per steradian].
         intensity: Vec3,
         /// Half-angle within which the intensity is constant, in degrees; ≥ 0.
         inner_angle: f32,
         /// Half-angle beyond which it is zero, in degrees; in (inner_angle, 180]. 180 is a point light.
         outer_angle: f32,
+        /// Whether the camera sees it directly, if it has a radius.
+        visible: bool,
     },
     /// Parallel beam of finite radius: a laser spot.
     Beam {
@@ -96,6 +113,8 @@ const UNIT: f64 = 0.02;
 impl Light {
     /// Range of the angular radius of a distant light, in degrees.
     pub(crate) const ANGULAR_RADIUS: Interval = Interval::below(0.0, 90.0);
+    /// Range of the radius of a spot \[L\].
+    pub(crate) const SPOT_RADIUS: Interval = Interval::closed(0.0, Interval::REACH.high);
     /// Range of the outer angle of a spot, in degrees.
     pub(crate) const OUTER_ANGLE: Interval = Interval::above(0.0, 180.0);
 
@@ -108,6 +127,7 @@ impl Light {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Rectangle { .. } => "rectangle",
+            Self::Ellipse { .. } => "ellipse",
             Self::Sphere { .. } => "sphere",
             Self::Distant { .. } => "distant",
             Self::Spot { .. } => "spot",
@@ -130,7 +150,8 @@ impl Light {
         let color = |field, value: Vec3| Interval::LIGHT.check_all(field, value.to_array());
         let radius = |value| Interval::REACH.check("radius", value);
         match *self {
-            Self::Rectangle { center, edge_x, edge_y, radiance, visible: _ } => {
+            Self::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
+            | Self::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
                 point("center", center)?;
                 check_edges(edge_x, edge_y)?;
                 color("radiance", radiance)
@@ -145,8 +166,9 @@ impl Light {
                 Self::ANGULAR_RADIUS.check("angular_radius", angular_radius)?;
                 color("irradiance", irradiance)
             }
-            Self::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            Self::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
                 point("position", position)?;
+                Self::SPOT_RADIUS.check("radius", radius)?;
                 check_unit("direction", direction)?;
                 Self::OUTER_ANGLE.check("outer_angle", outer_angle)?;
                 Self::inner_angle_within(outer_angle).check("inner_angle", inner_angle)?;

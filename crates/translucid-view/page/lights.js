@@ -10,6 +10,7 @@ import { length, normalize, scale } from "./vector.js";
 
 const KINDS = {
     rectangle: { name: "Rectangle", strength: "radiance" },
+    ellipse: { name: "Ellipse", strength: "radiance" },
     sphere: { name: "Sphere", strength: "radiance" },
     distant: { name: "Sun", strength: "irradiance" },
     spot: { name: "Spot", strength: "intensity" },
@@ -17,7 +18,7 @@ const KINDS = {
 };
 
 /** What can be added. */
-const NEW = { rectangle: "Rectangle", sphere: "Sphere", distant: "Sun", spot: "Spot", point: "Point", beam: "Beam" };
+const NEW = { rectangle: "Rectangle", ellipse: "Ellipse", sphere: "Sphere", distant: "Sun", spot: "Spot", point: "Point", beam: "Beam" };
 
 export class LightsPanel {
     #session;
@@ -110,7 +111,8 @@ export class LightsPanel {
                 { letters: ["X", "Y", "Z"], parts: ["x", "y", "z"], unit, scale: { step }, hint: place });
         }
         const size = { ...logarithmic(bounds.radius * 1e-3, bounds.radius * 10), least: 0 };
-        if (kind === "rectangle") {
+        const isFlat = kind === "rectangle" || kind === "ellipse";
+        if (isFlat) {
             row(NumbersRow, "size", "Size", (l) => [length(l.edge_x), length(l.edge_y)],
                 (l, [width, height]) => ({
                     ...l,
@@ -127,7 +129,8 @@ export class LightsPanel {
             plain("inner_angle", "Inner angle", { scale: linear(0, 90), unit: "\u00b0" });
             plain("outer_angle", "Outer angle", { scale: linear(0, 180), unit: "\u00b0", hint: "180\u00b0: light to all sides" });
         }
-        if (kind === "rectangle" || kind === "sphere") {
+        if (kind === "spot") plain("radius", "Radius", { scale: { ...logarithmicFromZero(bounds.radius * 1e-3, bounds.radius * 10) }, unit, limits: { least: 0 } });
+        if (isFlat || kind === "sphere" || kind === "spot") {
             row(CheckRow, "visible", "Visible", (l) => l.visible, (l, visible) => ({ ...l, visible }), { hint: "Whether the camera sees it" });
         }
         const buttons = make("div", { className: "buttons" });
@@ -136,7 +139,7 @@ export class LightsPanel {
             made.addEventListener("click", act);
             buttons.append(made);
         };
-        if (kind === "rectangle" || kind === "spot" || kind === "beam") {
+        if (isFlat || kind === "spot" || kind === "beam") {
             button("face", "Face the middle of the scene", () => {
                 this.#session.setLight(index, face(light(), bounds.center), { gesture: nextGesture() });
                 this.#session.settle();

@@ -7,7 +7,7 @@ const DEGREES = 180 / Math.PI;
 const UP = [0, 1, 0];
 
 /** The key of a light's place; parallel light has none. */
-export const PLACE = { rectangle: "center", sphere: "center", spot: "position", beam: "origin" };
+export const PLACE = { rectangle: "center", ellipse: "center", sphere: "center", spot: "position", beam: "origin" };
 
 /** Azimuth from +z toward +x and elevation above the horizon in degrees, and the distance (null for parallel light). */
 export function polar(light, pivot) {
@@ -34,18 +34,21 @@ export function newLight(kind, { center, radius }, camera) {
     const white = (value) => [value, value, value];
     const edge = perpendicular(from);
     const size = radius;
+    const ofPoint = { radius: 0, visible: true };
+    const flat = (area) => ({
+        center: place,
+        edge_x: scale(edge, size),
+        edge_y: scale(cross(from, edge), -size),
+        radiance: white((BRIGHT / area) * (far / size) ** 2),
+        visible: true,
+    });
     const lights = {
-        rectangle: {
-            center: place,
-            edge_x: scale(edge, size),
-            edge_y: scale(cross(from, edge), -size),
-            radiance: white(BRIGHT * (far / size) ** 2),
-            visible: true,
-        },
+        rectangle: flat(1),
+        ellipse: flat(Math.PI / 4),
         sphere: { center: place, radius: 0.3 * size, radiance: white((BRIGHT / Math.PI) * (far / (0.3 * size)) ** 2), visible: true },
         distant: { direction: from, angular_radius: 0.27, irradiance: white(BRIGHT) },
-        spot: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 20, outer_angle: 30 },
-        point: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 0, outer_angle: 180 },
+        spot: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 20, outer_angle: 30, ...ofPoint },
+        point: { position: place, direction, intensity: white(BRIGHT * far ** 2), inner_angle: 0, outer_angle: 180, ...ofPoint },
         beam: { origin: place, direction, radius: 0.1 * size, power: white(BRIGHT * Math.PI * (0.1 * size) ** 2) },
     };
     return { kind: kind === "point" ? "spot" : kind, ...lights[kind] };
@@ -73,7 +76,7 @@ export function moveTo(light, pivot, distance) {
 export function face(light, point) {
     const place = light[PLACE[light.kind]];
     const wanted = normalize(subtract(point, place));
-    const axis = light.kind === "rectangle" ? normalize(cross(light.edge_x, light.edge_y)) : light.direction;
+    const axis = light.edge_x ? normalize(cross(light.edge_x, light.edge_y)) : light.direction;
     const cosine = Math.min(1, Math.max(-1, dot(axis, wanted)));
     const normal = cross(axis, wanted);
     const about = dot(normal, normal) > 1e-12 ? normalize(normal) : perpendicular(axis);

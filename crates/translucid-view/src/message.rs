@@ -190,11 +190,46 @@ impl From<Camera> for CameraMessage {
 #[derive(Deserialize, Serialize)]
 #[serde(remote = "Light", tag = "kind", rename_all = "lowercase", deny_unknown_fields)]
 pub(crate) enum LightMessage {
-    Rectangle { center: Vec3, edge_x: Vec3, edge_y: Vec3, radiance: Vec3, visible: bool },
-    Sphere { center: Vec3, radius: f32, radiance: Vec3, visible: bool },
-    Distant { direction: Vec3, angular_radius: f32, irradiance: Vec3 },
-    Spot { position: Vec3, direction: Vec3, intensity: Vec3, inner_angle: f32, outer_angle: f32 },
-    Beam { origin: Vec3, direction: Vec3, radius: f32, power: Vec3 },
+    Rectangle {
+        center: Vec3,
+        edge_x: Vec3,
+        edge_y: Vec3,
+        radiance: Vec3,
+        visible: bool,
+    },
+    Ellipse {
+        center: Vec3,
+        edge_x: Vec3,
+        edge_y: Vec3,
+        radiance: Vec3,
+        visible: bool,
+    },
+    Sphere {
+        center: Vec3,
+        radius: f32,
+        radiance: Vec3,
+        visible: bool,
+    },
+    Distant {
+        direction: Vec3,
+        angular_radius: f32,
+        irradiance: Vec3,
+    },
+    Spot {
+        position: Vec3,
+        direction: Vec3,
+        radius: f32,
+        intensity: Vec3,
+        inner_angle: f32,
+        outer_angle: f32,
+        visible: bool,
+    },
+    Beam {
+        origin: Vec3,
+        direction: Vec3,
+        radius: f32,
+        power: Vec3,
+    },
 }
 
 /// The light with a direction of length 1; as it is where it has none, which its check refuses.

@@ -127,7 +127,9 @@ impl LightSet {
                         // cos θ over cos θ / d² of the straight way: densities are then those of places on the light
                         let cosines = -direction.dot(normal) / -straight.normalize_or_zero().dot(normal);
                         let pdf = bent.sample.pdf / (straight.length_squared() * cosines.max(0.0));
-                        LightSample { direction, distance, pdf, ..bent.sample }
+                        let radiance = self.emitters.radiance_toward(bent.light, -direction);
+                        let radiance = radiance.unwrap_or(bent.sample.radiance);
+                        LightSample { direction, distance, pdf, radiance, ..bent.sample }
                     }
                 }
             }
@@ -173,12 +175,14 @@ mod tests {
         let sphere =
             |radius: f32| 2.0 * PI * (1.0 - (1.0 - radius * radius / bend.distance_squared(center)).sqrt());
         let near_axis = (bend - center).normalize() * 1e-4;
-        let spot = |outer_angle| Light::Spot {
+        let spot = |radius, outer_angle| Light::Spot {
             position: center,
             direction: near_axis,
+            radius,
             intensity: Vec3::ONE,
             inner_angle: 1.0,
             outer_angle,
+            visible,
         };
         let intensity = bend.distance_squared(center).recip();
         let triangle = vec![EmissiveTriangle { vertices: corners, radiance, primitive: 0 }];
@@ -186,7 +190,13 @@ mod tests {
             ("rectangle", Some(Light::Rectangle { center, edge_x, edge_y, radiance, visible }), of_rectangle),
             ("sphere", Some(Light::Sphere { center, radius: 0.2, radiance, visible }), sphere(0.2)),
             // The point is outside its cone, the bend is not
-            ("spot", Some(spot(2.0)), intensity),
+            ("spot", Some(spot(0.0, 2.0)), intensity),
+            (
+                "ellipse",
+                Some(Light::Ellipse { center, edge_x, edge_y, radiance, visible }),
+                0.25 * PI * of_rectangle,
+            ),
+            ("spot with a radius", Some(spot(0.01, 60.0)), intensity),
             ("triangle", None, solid_angle),
         ];
         for (name, light, expected) in cases {

@@ -8,6 +8,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
+use super::cone::Cone;
+
 /// Room for the rounding of cones to single precision \[rad\].
 const CONE_ROOM: f32 = 1e-6;
 
@@ -60,13 +62,17 @@ impl LightBounds {
         }
     }
 
-    /// A light at a point that shines in a cone about its unit axis: fully up to `theta_o`, then falling off
-    /// to an angle that is `theta_e` larger.
-    pub(crate) fn cone(place: Vec3, axis: Vec3, theta_o: f32, theta_e: f32, strength: f32) -> Self {
+    /// A light that shines from a box into a cone, with so much intensity on the axis.
+    pub(crate) fn cone(low: Vec3, high: Vec3, cone: &Cone, strength: f32) -> Self {
+        if cone.cos_outer <= -1.0 {
+            return Self::everywhere(low, high, strength);
+        }
+        let axis = cone.axis;
+        let theta_o = cone.cos_inner.acos();
+        let theta_e = (cone.cos_outer.acos() - theta_o).max(0.0);
         // As if it shone fully up to the middle of the falloff: the mean is then the share of the sphere, and the
         // first moment 3/4π ∫ cos over the cap.
         let cos = (theta_o + 0.5 * theta_e).min(PI).cos();
-        let (low, high) = (place, place);
         Self {
             low,
             high,

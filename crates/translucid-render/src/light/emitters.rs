@@ -6,7 +6,9 @@ use translucid_scene::{Light, Scene};
 use super::LightSample;
 use super::beam::Beam;
 use super::bounds::LightBounds;
+use super::cone::Cone;
 use super::distant::Distant;
+use super::ellipse::Ellipse;
 use super::environment::Environment;
 use super::receiver::Receiver;
 use super::rectangle::Rectangle;
@@ -18,6 +20,7 @@ use super::triangle::{EmissiveTriangle, emitting};
 #[derive(Clone, Debug)]
 pub(crate) enum PlacedLight {
     Rectangle(Rectangle),
+    Ellipse(Ellipse),
     Sphere(Sphere),
     Distant(Distant),
     Spot(Spot),
@@ -38,8 +41,15 @@ impl PlacedLight {
             Light::Distant { direction, angular_radius, irradiance } => {
                 Distant::new(direction, angular_radius, irradiance).map(Self::Distant)
             }
-            Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-                Spot::new(position, direction, intensity, inner_angle, outer_angle).map(Self::Spot)
+            Light::Ellipse { center, edge_x, edge_y, radiance, visible } => {
+                Ellipse::new(center, edge_x, edge_y, radiance, visible).map(Self::Ellipse)
+            }
+            Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => {
+                let cone = Cone::new(direction, inner_angle, outer_angle)?;
+                match radius {
+                    0.0 => Spot::new(position, intensity, cone).map(Self::Spot),
+                    _ => Sphere::of_spot(position, radius, intensity, cone, visible).map(Self::Sphere),
+                }
             }
             Light::Beam { origin, direction, radius, power } => {
                 Beam::new(origin, direction, radius, power).map(Self::Beam)
@@ -65,7 +75,7 @@ impl PlacedLight {
 
     /// Whether it is a surface at some place.
     pub(crate) fn is_surface(&self) -> bool {
-        matches!(self, Self::Rectangle(_) | Self::Sphere(_))
+        matches!(self, Self::Rectangle(_) | Self::Ellipse(_) | Self::Sphere(_))
     }
 
     /// Estimate of the irradiance (luminance) at a point; 0 only if the light cannot contribute.
@@ -73,6 +83,7 @@ impl PlacedLight {
     fn importance(&self, receiver: &Receiver) -> f32 {
         match self {
             Self::Rectangle(light) => light.importance(receiver),
+            Self::Ellipse(light) => light.importance(receiver),
             Self::Sphere(light) => light.importance(receiver),
             Self::Distant(light) => light.importance(receiver),
             Self::Spot(light) => light.importance(receiver),
@@ -85,6 +96,7 @@ impl PlacedLight {
     fn power(&self, cross_section: f32) -> f32 {
         match self {
             Self::Rectangle(light) => light.power(),
+            Self::Ellipse(light) => light.power(),
             Self::Sphere(light) => light.power(),
             Self::Distant(light) => light.greatest_irradiance() * cross_section,
             Self::Spot(light) => light.power(),
@@ -99,6 +111,7 @@ impl PlacedLight {
     fn bounds(&self) -> Option<LightBounds> {
         match self {
             Self::Rectangle(light) => Some(light.bounds()),
+            Self::Ellipse(light) => Some(light.bounds()),
             Self::Sphere(light) => Some(light.bounds()),
             Self::Spot(light) => Some(light.bounds()),
             Self::Distant(_) | Self::Beam(_) | Self::Environment(_) => None,
@@ -148,10 +161,19 @@ impl Emitters {
         }
     }
 
+    /// Radiance that a light that is a surface sends in a unit direction, if it is not the same in all.
+    pub(crate) fn radiance_toward(&self, light: usize, direction: Vec3) -> Option<Vec3> {
+        match self.sources.get(light) {
+            Some(PlacedLight::Sphere(light)) => Some(light.radiance_toward(direction)),
+            _ => None,
+        }
+    }
+
     /// Unit normal at a place of a light that is a surface.
     pub(crate) fn normal_at(&self, light: usize, place: Vec3) -> Option<Vec3> {
         match self.sources.get(light) {
             Some(PlacedLight::Rectangle(light)) => Some(light.normal()),
+            Some(PlacedLight::Ellipse(light)) => Some(light.normal()),
             Some(PlacedLight::Sphere(light)) => light.normal_at(place),
             Some(_) => None,
             None => self.triangles[light - self.sources.len()].normal(),
@@ -172,6 +194,7 @@ impl Emitters {
     pub(crate) fn sample(&self, light: usize, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
         match self.sources.get(light) {
             Some(PlacedLight::Rectangle(light)) => light.sample(point, v),
+            Some(PlacedLight::Ellipse(light)) => light.sample(point, v),
             Some(PlacedLight::Sphere(light)) => light.sample(point, v),
             Some(PlacedLight::Spot(light)) => light.sample(point),
             Some(PlacedLight::Beam(light)) => light.sample(point),

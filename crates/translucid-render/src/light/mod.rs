@@ -12,9 +12,11 @@
 mod beam;
 mod bent;
 mod bounds;
+mod cone;
 mod directions;
 mod distant;
 mod distribution;
+mod ellipse;
 mod emitters;
 mod environment;
 mod receiver;
@@ -74,7 +76,7 @@ impl LightSample {
     }
 }
 
-/// A rectangle or sphere light that a ray meets.
+/// A light with a surface that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightHit {
     /// Distance along the ray \[L\].
@@ -92,6 +94,7 @@ impl LightHit {
     pub fn pdf(&self, lights: &LightSet, point: Vec3, normal: Vec3) -> f32 {
         let density = match lights.emitters.sources.get(self.light) {
             Some(PlacedLight::Rectangle(rectangle)) => rectangle.pdf(point, self.position),
+            Some(PlacedLight::Ellipse(ellipse)) => ellipse.pdf(point, self.position),
             Some(PlacedLight::Sphere(sphere)) => sphere.pdf(point, self.position),
             _ => 0.0,
         };
@@ -187,7 +190,7 @@ impl LightSet {
         sample.is_usable().then_some(sample)
     }
 
-    /// Nearest rectangle or sphere light that a ray meets, on the side that emits, before `t_max`.
+    /// Nearest light with a surface that a ray meets, on the side that emits, before `t_max`.
     pub fn intersect(&self, origin: Vec3, direction: Vec3, t_max: f32) -> Option<LightHit> {
         self.surfaces.nearest(&self.emitters.sources, (origin, direction), t_max, |_| true)
     }

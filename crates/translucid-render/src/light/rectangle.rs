@@ -18,14 +18,14 @@ const LEAST_SOLID_ANGLE: f64 = 3e-3;
 /// See [`translucid_scene::Light::Rectangle`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Rectangle {
-    corner: Vec3,
+    pub(super) corner: Vec3,
     /// Unit vectors along the edges, and the normal on the side that emits.
-    x: Vec3,
-    y: Vec3,
-    normal: Vec3,
-    size: [f32; 2],
+    pub(super) x: Vec3,
+    pub(super) y: Vec3,
+    pub(super) normal: Vec3,
+    pub(super) size: [f32; 2],
     pub(crate) radiance: Vec3,
-    luminance: f32,
+    pub(super) luminance: f32,
     pub(crate) visible: bool,
 }
 
@@ -54,7 +54,7 @@ impl Rectangle {
         self.normal
     }
 
-    fn area(&self) -> f32 {
+    pub(super) fn area(&self) -> f32 {
         self.size[0] * self.size[1]
     }
 
@@ -148,39 +148,39 @@ impl Rectangle {
     }
 
     /// The corner as seen from a point, in the rectangle's frame.
-    fn local_corner(&self, point: Vec3) -> Vec3 {
+    pub(super) fn local_corner(&self, point: Vec3) -> Vec3 {
         let offset = self.corner - point;
         Vec3::new(offset.dot(self.x), offset.dot(self.y), offset.dot(self.normal))
     }
 }
 
 /// A rectangle as it is seen from a point, in the rectangle's frame; double precision because angles nearly cancel.
-struct View {
-    x0: f64,
-    x1: f64,
-    y0: f64,
-    y1: f64,
+pub(super) struct View {
+    pub(super) x0: f64,
+    pub(super) x1: f64,
+    pub(super) y0: f64,
+    pub(super) y1: f64,
     /// Height of the rectangle's plane, < 0.
-    z0: f64,
+    pub(super) z0: f64,
 }
 
 impl View {
     /// `corner` relative to the point; none if the point is not in front.
     #[inline]
-    fn new(corner: Vec3, size: [f32; 2]) -> Option<Self> {
+    pub(super) fn new(corner: Vec3, size: [f32; 2]) -> Option<Self> {
         let corner = corner.as_dvec3();
         let (x0, y0, z0) = (corner.x, corner.y, corner.z);
         let (x1, y1) = (x0 + f64::from(size[0]), y0 + f64::from(size[1]));
         (z0 < 0.0 && corner.is_finite()).then_some(Self { x0, x1, y0, y1, z0 })
     }
 
-    fn area(&self) -> f64 {
+    pub(super) fn area(&self) -> f64 {
         (self.x1 - self.x0) * (self.y1 - self.y0)
     }
 
     /// The projection on the unit sphere, unless it is small.
     #[inline]
-    fn spherical(&self) -> Option<SphericalRectangle> {
+    pub(super) fn spherical(&self) -> Option<SphericalRectangle> {
         // Area × cosine / distance² at the nearest point is no less than the solid angle.
         let outside = |begin: f64, end: f64| begin.max(0.0).max(-end);
         let (x, y) = (outside(self.x0, self.x1), outside(self.y0, self.y1));
@@ -199,8 +199,26 @@ impl View {
         (offset, self.area_pdf(offset))
     }
 
+    /// Sines of the elevations of two points of the line at x, seen from the point.
+    #[inline]
+    pub(super) fn sines(&self, x: f64, ends: [f64; 2]) -> [f64; 2] {
+        let d2 = x * x + self.z0 * self.z0;
+        ends.map(|y| y / (d2 + y * y).sqrt())
+    }
+
+    /// The point of the line at x between two ends that lies at a share of the way in the sine of the elevation: uniform in
+    /// solid angle over a narrow strip.
+    #[inline]
+    pub(super) fn on_line(&self, x: f64, ends: [f64; 2], share: f64) -> DVec3 {
+        let [h0, h1] = self.sines(x, ends);
+        let h = h0 + share * (h1 - h0);
+        let d2 = x * x + self.z0 * self.z0;
+        let y = (h * (d2 / (1.0 - h * h).max(1e-300)).sqrt()).clamp(ends[0], ends[1]);
+        DVec3::new(x, y, self.z0)
+    }
+
     /// Solid-angle density of `sample_area`.
-    fn area_pdf(&self, offset: DVec3) -> f32 {
+    pub(super) fn area_pdf(&self, offset: DVec3) -> f32 {
         let distance2 = offset.length_squared();
         (distance2 * distance2.sqrt() / (-self.z0 * self.area())) as f32
     }
@@ -209,18 +227,18 @@ impl View {
 /// A rectangle projected on the unit sphere, in the names of the paper.
 ///
 /// Where the paper adds angles, here numbers e^iγ are multiplied: one arc tangent does for four arc cosines.
-struct SphericalRectangle {
+pub(super) struct SphericalRectangle {
     /// z of the normals of the planes through the edges y0 and y1.
     b0: f64,
     b1: f64,
     /// Cosine and sine of k = 2π − γ₂ − γ₃.
     k: [f64; 2],
-    solid_angle: f64,
+    pub(super) solid_angle: f64,
 }
 
 impl SphericalRectangle {
     #[inline]
-    fn new(view: &View) -> Self {
+    pub(super) fn new(view: &View) -> Self {
         let z2 = view.z0 * view.z0;
         let normal_z = |edge: f64| edge / (z2 + edge * edge).sqrt();
         let (n0, n1, n2, n3) = (-normal_z(view.y0), normal_z(view.x1), normal_z(view.y1), -normal_z(view.x0));
@@ -239,19 +257,18 @@ impl SphericalRectangle {
     /// Offset from the point to a point of the rectangle, uniform in solid angle.
     #[inline]
     fn sample(&self, view: &View, v: [f32; 2]) -> DVec3 {
-        // Find x: the area left of it is the share v[0] of the solid angle.
-        let (sin, cos) = (f64::from(v[0]) * self.solid_angle).sin_cos();
+        let x = self.x_at(view, f64::from(v[0]));
+        view.on_line(x, [view.y0, view.y1], f64::from(v[1]))
+    }
+
+    /// The x up to which so great a share of the solid angle lies.
+    #[inline]
+    pub(super) fn x_at(&self, view: &View, share: f64) -> f64 {
+        let (sin, cos) = (share * self.solid_angle).sin_cos();
         let [cos_au, sin_au] = times([cos, sin], self.k);
         let fu = (cos_au * self.b0 - self.b1) / sin_au;
         let cu = (1.0_f64.copysign(fu) / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);
-        let x = (-(cu * view.z0) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(view.x0, view.x1);
-        // Find y: uniform in the sine of the elevation along that line.
-        let d2 = x * x + view.z0 * view.z0;
-        let sine = |y: f64| y / (d2 + y * y).sqrt();
-        let (h0, h1) = (sine(view.y0), sine(view.y1));
-        let h = h0 + f64::from(v[1]) * (h1 - h0);
-        let y = (h * (d2 / (1.0 - h * h).max(1e-300)).sqrt()).clamp(view.y0, view.y1);
-        DVec3::new(x, y, view.z0)
+        (-(cu * view.z0) / (1.0 - cu * cu).max(1e-300).sqrt()).clamp(view.x0, view.x1)
     }
 }
 

@@ -6,19 +6,25 @@ use glam::Vec3;
 
 use super::LightSample;
 use super::bounds::LightBounds;
+use super::cone::Cone;
 use super::directions::{uniform_cone, uniform_cone_pdf};
 use super::receiver::{Receiver, luminance};
 
 /// Cosine up to which a place behind the horizon counts as seen, for rounding.
 const HORIZON: f32 = 1e-3;
 
-/// See [`translucid_scene::Light::Sphere`].
+/// Room for the rounding of cosines.
+const ROUNDING: f32 = 1e-6;
+
+/// See [`translucid_scene::Light::Sphere`], and [`translucid_scene::Light::Spot`] with a radius: each of its points shines
+/// into the cone.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Sphere {
     center: Vec3,
     radius: f32,
-    pub(crate) radiance: Vec3,
+    radiance: Vec3,
     luminance: f32,
+    cone: Option<Cone>,
     pub(crate) visible: bool,
 }
 
@@ -26,20 +32,46 @@ impl Sphere {
     /// None if it has no size or emits nothing.
     pub(crate) fn new(center: Vec3, radius: f32, radiance: Vec3, visible: bool) -> Option<Self> {
         let valid = radius > 0.0 && radius.is_finite() && luminance(radiance) > 0.0;
-        valid.then_some(Self { center, radius, radiance, luminance: luminance(radiance), visible })
+        let luminance = luminance(radiance);
+        valid.then_some(Self { center, radius, radiance, luminance, cone: None, visible })
     }
 
-    /// Emitted power (luminance).
+    /// A spot: none if it has no size or emits nothing.
+    pub(crate) fn of_spot(
+        center: Vec3,
+        radius: f32,
+        intensity: Vec3,
+        cone: Cone,
+        visible: bool,
+    ) -> Option<Self> {
+        let sphere = Self::new(center, radius, intensity / (PI * radius * radius), visible)?;
+        Some(Self { cone: Some(cone), ..sphere })
+    }
+
+    /// Radiance that it sends in a unit direction.
+    pub(crate) fn radiance_toward(&self, direction: Vec3) -> Vec3 {
+        self.radiance * self.cone.map_or(1.0, |cone| cone.falloff(direction.dot(cone.axis)))
+    }
+
+    /// Intensity (luminance), of a spot that on its axis.
+    fn strength(&self) -> f32 {
+        PI * self.radius * self.radius * self.luminance
+    }
+
+    /// Emitted power (luminance), not less than the true one.
     pub(crate) fn power(&self) -> f32 {
-        4.0 * PI * PI * self.radius * self.radius * luminance(self.radiance)
+        2.0 * PI * self.cone.map_or(2.0, |cone| cone.one_minus_cos()) * self.strength()
     }
 
     pub(crate) fn bounds(&self) -> LightBounds {
         let (low, high) = (self.center - self.radius, self.center + self.radius);
-        LightBounds::everywhere(low, high, PI * self.radius * self.radius * luminance(self.radiance))
+        match &self.cone {
+            None => LightBounds::everywhere(low, high, self.strength()),
+            Some(cone) => LightBounds::cone(low, high, cone, self.strength()),
+        }
     }
 
-    /// Estimate of the irradiance; 0 only from inside and below the horizon.
+    /// Estimate of the irradiance; 0 only from inside, outside the cone of all points and below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
         let to_center = self.center - receiver.point;
         let per_distance = 1.0 / to_center.length();
@@ -49,17 +81,32 @@ impl Sphere {
         if sin >= 1.0 || cosine <= 0.0 {
             return 0.0;
         }
-        (PI * self.luminance * sin * sin * cosine.min(1.0)).max(f32::MIN_POSITIVE)
+        // The brightest direction within the angle that the sphere subtends
+        let falloff = self.cone.map_or(1.0, |cone| {
+            let angle = (-to_center.dot(cone.axis) * per_distance).clamp(-1.0, 1.0).acos();
+            cone.falloff((angle - sin.asin()).max(0.0).cos() + ROUNDING)
+        });
+        if falloff <= 0.0 {
+            return 0.0;
+        }
+        (PI * self.luminance * sin * sin * cosine.min(1.0) * falloff).max(f32::MIN_POSITIVE)
     }
 
     /// Draws a direction; the selection is not in its density.
     pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
-        let one_minus_cos = one_minus_cos(self.sin2(point)?);
+        let subtended = one_minus_cos(self.sin2(point)?);
         let to_center = self.center - point;
-        let direction = uniform_cone(to_center.try_normalize()?, one_minus_cos, v);
-        // At the rim rounding may let the ray miss: the foot of the perpendicular is then the nearest point.
-        let distance = self.intersect(point, direction).unwrap_or_else(|| to_center.dot(direction));
-        Some(LightSample::new(direction, distance, self.radiance, uniform_cone_pdf(one_minus_cos)))
+        let (axis, one_minus_cos, distance) = match self.cone.filter(|cone| cone.one_minus_cos() < subtended)
+        {
+            Some(cone) => (-cone.axis, cone.one_minus_cos(), None),
+            // At the rim rounding may let the ray miss: the foot of the perpendicular is then the nearest point.
+            None => (to_center.try_normalize()?, subtended, Some(to_center)),
+        };
+        let direction = uniform_cone(axis, one_minus_cos, v);
+        let distance =
+            self.intersect(point, direction).or(distance.map(|to_center| to_center.dot(direction)))?;
+        let radiance = self.radiance_toward(-direction);
+        Some(LightSample::new(direction, distance, radiance, uniform_cone_pdf(one_minus_cos)))
     }
 
     /// Unit normal at a place of the sphere.
@@ -73,7 +120,13 @@ impl Sphere {
         if outward.dot(toward) < -HORIZON * self.radius * toward.length() {
             return 0.0;
         }
-        self.sin2(point).map_or(0.0, |sin2| uniform_cone_pdf(one_minus_cos(sin2)))
+        let Some(sin2) = self.sin2(point) else { return 0.0 };
+        let subtended = one_minus_cos(sin2);
+        match self.cone.filter(|cone| cone.one_minus_cos() < subtended) {
+            Some(cone) if toward.normalize_or_zero().dot(cone.axis) < cone.cos_outer => 0.0,
+            Some(cone) => uniform_cone_pdf(cone.one_minus_cos()),
+            None => uniform_cone_pdf(subtended),
+        }
     }
 
     /// Distance at which a ray from outside meets the sphere.

@@ -6,39 +6,23 @@ use glam::Vec3;
 
 use super::LightSample;
 use super::bounds::LightBounds;
+use super::cone::Cone;
 use super::receiver::{Receiver, luminance};
 
-/// See [`translucid_scene::Light::Spot`].
-///
-/// Between the two angles the intensity falls by the smooth step 3x² − 2x³ in the cosine.
+/// See [`translucid_scene::Light::Spot`], of radius 0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Spot {
     position: Vec3,
-    direction: Vec3,
     intensity: Vec3,
     luminance: f32,
-    cos_inner: f32,
-    cos_outer: f32,
+    cone: Cone,
 }
 
 impl Spot {
     /// None if it sheds no light.
-    pub(crate) fn new(
-        position: Vec3,
-        direction: Vec3,
-        intensity: Vec3,
-        inner_angle: f32,
-        outer_angle: f32,
-    ) -> Option<Self> {
-        let direction = direction.try_normalize()?;
-        let cos = |degrees: f32| f64::from(degrees).to_radians().cos() as f32;
-        let is_point = outer_angle >= 180.0;
-        // A point light is bright all around, whatever its inner angle.
-        let (cos_inner, cos_outer) =
-            if is_point { (-1.0, -2.0) } else { (cos(inner_angle), cos(outer_angle)) };
-        let valid = luminance(intensity) > 0.0 && outer_angle > 0.0;
+    pub(crate) fn new(position: Vec3, intensity: Vec3, cone: Cone) -> Option<Self> {
         let luminance = luminance(intensity);
-        valid.then_some(Self { position, direction, intensity, luminance, cos_inner, cos_outer })
+        (luminance > 0.0).then_some(Self { position, intensity, luminance, cone })
     }
 
     pub(crate) fn position(&self) -> Vec3 {
@@ -47,29 +31,23 @@ impl Spot {
 
     /// Intensity in a unit direction.
     pub(crate) fn intensity_toward(&self, direction: Vec3) -> Vec3 {
-        self.intensity * self.falloff(direction.dot(self.direction))
+        self.intensity * self.cone.falloff(direction.dot(self.cone.axis))
     }
 
     /// Emitted power (luminance), not less than the true one.
     pub(crate) fn power(&self) -> f32 {
-        2.0 * PI * (1.0 - self.cos_outer.max(-1.0)) * luminance(self.intensity)
+        2.0 * PI * self.cone.one_minus_cos() * self.luminance
     }
 
     pub(crate) fn bounds(&self) -> LightBounds {
-        let (place, strength) = (self.position, luminance(self.intensity));
-        if self.cos_outer <= -1.0 {
-            return LightBounds::everywhere(place, place, strength);
-        }
-        let theta_o = self.cos_inner.acos();
-        let theta_e = (self.cos_outer.acos() - theta_o).max(0.0);
-        LightBounds::cone(place, self.direction, theta_o, theta_e, strength)
+        LightBounds::cone(self.position, self.position, &self.cone, self.luminance)
     }
 
     /// The irradiance; 0 only outside the cone and below the horizon.
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
         let offset = self.position - receiver.point;
         let per_distance = 1.0 / offset.length();
-        let falloff = self.falloff(-offset.dot(self.direction) * per_distance);
+        let falloff = self.cone.falloff(-offset.dot(self.cone.axis) * per_distance);
         let cosine = if receiver.has_normal() { receiver.normal.dot(offset) * per_distance } else { 1.0 };
         if falloff <= 0.0 || cosine <= 0.0 {
             return 0.0;
@@ -82,17 +60,8 @@ impl Spot {
         let offset = self.position - point;
         let distance = offset.length();
         let direction = offset.try_normalize()?;
-        let falloff = self.falloff(-direction.dot(self.direction));
+        let falloff = self.cone.falloff(-direction.dot(self.cone.axis));
         let irradiance = self.intensity * falloff / distance / distance;
         (falloff > 0.0).then(|| LightSample::delta(direction, distance, irradiance))
-    }
-
-    fn falloff(&self, cos: f32) -> f32 {
-        if cos >= self.cos_inner {
-            return 1.0;
-        }
-        let x = ((cos - self.cos_outer) / (self.cos_inner - self.cos_outer)).clamp(0.0, 1.0);
-        // The quotient of two zeros: no falloff between equal angles.
-        if x.is_nan() { 0.0 } else { x * x * (3.0 - 2.0 * x) }
     }
 }

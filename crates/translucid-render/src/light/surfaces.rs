@@ -1,4 +1,4 @@
-//! The rectangles and spheres that rays can meet, in a hierarchy of boxes if there are many.
+//! The lights with a surface that rays can meet, in a hierarchy of boxes if there are many.
 
 use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
@@ -18,7 +18,7 @@ const BOX_ROOM: f32 = 8.0 * f32::EPSILON;
 /// Widens the interval in which a ray is within a box, see `wide_tree`: relative to the distance.
 const WIDEN: f32 = 8.0 * f32::EPSILON;
 
-/// Rectangles and spheres among a scene's lights.
+/// Lights with a surface among a scene's lights.
 #[derive(Clone, Debug)]
 pub(crate) struct Surfaces {
     /// Their numbers.
@@ -92,8 +92,11 @@ fn intersect(
         PlacedLight::Rectangle(shape) if counts(shape.visible) => {
             (shape.intersect(origin, direction)?, shape.radiance)
         }
+        PlacedLight::Ellipse(shape) if counts(shape.visible()) => {
+            (shape.intersect(origin, direction)?, shape.radiance())
+        }
         PlacedLight::Sphere(shape) if counts(shape.visible) => {
-            (shape.intersect(origin, direction)?, shape.radiance)
+            (shape.intersect(origin, direction)?, shape.radiance_toward(-direction))
         }
         _ => return None,
     };
@@ -187,6 +190,7 @@ impl LightBox {
     fn new(sources: &[PlacedLight], light: u32) -> Option<Self> {
         let bounds = match &sources[light as usize] {
             PlacedLight::Rectangle(shape) => shape.bounds(),
+            PlacedLight::Ellipse(shape) => shape.bounds(),
             PlacedLight::Sphere(shape) => shape.bounds(),
             _ => return None,
         };

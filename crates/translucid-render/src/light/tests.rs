@@ -55,6 +55,16 @@ fn rectangle(center: Vec3, edge_x: Vec3, edge_y: Vec3) -> Light {
     Light::Rectangle { center, edge_x, edge_y, radiance: RADIANCE, visible: true }
 }
 
+fn ellipse(center: Vec3, edge_x: Vec3, edge_y: Vec3) -> Light {
+    Light::Ellipse { center, edge_x, edge_y, radiance: RADIANCE, visible: true }
+}
+
+/// A spot with a radius that shines downward.
+fn round_spot(position: Vec3, radius: f32, inner_angle: f32, outer_angle: f32) -> Light {
+    let (direction, intensity) = (Vec3::NEG_Z, RADIANCE);
+    Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: true }
+}
+
 fn sphere(center: Vec3, radius: f32) -> Light {
     Light::Sphere { center, radius, radiance: RADIANCE, visible: true }
 }
@@ -210,12 +220,116 @@ fn distant_irradiance_is_that_of_its_center() {
     }
 }
 
+/// ∫ L cos cos / d² dA over an ellipse, seen from the origin, by strips of a fine grid.
+fn ellipse_quadrature(center: Vec3, x: Vec3, y: Vec3, normal: Vec3) -> f64 {
+    let n = 1000;
+    let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 2.0 - 1.0;
+    let [center, x, y, normal] = [center, x, y, normal].map(Vec3::as_dvec3);
+    let area = x.cross(y);
+    let mut sum = 0.0;
+    for (p, q) in (0..n).flat_map(|i| (0..n).map(move |j| (at(i), at(j)))) {
+        if p * p + q * q <= 1.0 {
+            let place = center + 0.5 * (p * x + q * y);
+            let cosines = -place.dot(area) * place.dot(normal).max(0.0) / place.length_squared();
+            sum += 3.0 * cosines.max(0.0) / place.length_squared() / f64::from(n * n);
+        }
+    }
+    sum
+}
+
+/// Irradiance at the origin, facing +z, of a spot with a radius that shines along −z: ∫ L cos dω over the directions of the
+/// sphere.
+fn round_spot_quadrature(center: Vec3, radius: f64, [inner, outer]: [f64; 2]) -> f64 {
+    let n = 1000;
+    let to_center = center.as_dvec3();
+    let axis = to_center.normalize();
+    let (x, y) = axis.any_orthonormal_pair();
+    let least = (1.0 - (radius / to_center.length()).powi(2)).sqrt();
+    let [inner, outer] = [inner, outer].map(|degrees: f64| degrees.to_radians().cos());
+    let mut sum = 0.0;
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let cos = least + (1.0 - least) * (f64::from(i) + 0.5) / f64::from(n);
+        let (sin_turn, cos_turn) = (std::f64::consts::TAU * (f64::from(j) + 0.5) / f64::from(n)).sin_cos();
+        let direction = cos * axis + (1.0 - cos * cos).sqrt() * (cos_turn * x + sin_turn * y);
+        let share = ((direction.z - outer) / (inner - outer)).clamp(0.0, 1.0);
+        sum += share * share * (3.0 - 2.0 * share) * direction.z.max(0.0);
+    }
+    let solid_angle = std::f64::consts::TAU * (1.0 - least);
+    3.0 / (std::f64::consts::PI * radius * radius) * solid_angle * sum / f64::from(n * n)
+}
+
+#[test]
+fn ellipse_irradiance_is_that_of_quadrature() {
+    for (center, x, y) in [
+        (Vec3::new(0.5, 0.2, 2.0), Vec3::X * 2.0, Vec3::NEG_Y),
+        (Vec3::new(1.0, 0.0, 0.2), Vec3::X * 3.0, Vec3::NEG_Y * 2.0),
+        (Vec3::new(3.0, 1.0, 1.0), Vec3::new(0.0, 0.0, 1.5), Vec3::NEG_Y * 0.5),
+        (Vec3::new(30.0, 10.0, 40.0), Vec3::X * 2.0, Vec3::NEG_Y),
+    ] {
+        let y = if x.z > 0.0 { -y } else { y };
+        let lights = of_light(ellipse(center, x, y));
+        let normal = Vec3::new(0.0, 0.0, 1.0);
+        assert_irradiance("ellipse", &lights, Vec3::ZERO, normal, ellipse_quadrature(center, x, y, normal));
+    }
+    // On the axis of a disc: π L sin²
+    let lights = of_light(ellipse(Vec3::Z, Vec3::X * 2.0, Vec3::NEG_Y * 2.0));
+    assert_irradiance("disc", &lights, Vec3::ZERO, Vec3::Z, 3.0 * std::f64::consts::PI * 0.5);
+}
+
+/// The light of a disc from near and from afar is drawn evenly: the weights of its draws vary little.
+#[test]
+fn ellipse_is_drawn_nearly_uniformly_in_solid_angle() {
+    for (height, most) in [(10.0, 0.01), (1.0, 0.05), (0.3, 0.15)] {
+        for across in [0.0, 0.8] {
+            let lights = of_light(ellipse(Vec3::new(across, 0.3, height), Vec3::X * 2.0, Vec3::NEG_Y * 2.0));
+            let (mut sum, mut squares, n) = (0.0, 0.0, 20_000);
+            for index in 0..n {
+                let [a, b, c, _] = numbers(5, index);
+                let sample = lights.sample(Vec3::ZERO, Vec3::ZERO, a, [b, c]).expect("no draw is in vain");
+                let weight = 1.0 / f64::from(sample.pdf);
+                sum += weight;
+                squares += weight * weight;
+            }
+            let variance = squares * f64::from(n) / (sum * sum) - 1.0;
+            assert!(variance < most, "{height} {across}: relative variance {variance}");
+        }
+    }
+}
+
+#[test]
+fn spot_with_a_radius_is_a_sphere_that_shines_into_a_cone() {
+    for (center, radius, angles) in [
+        (Vec3::new(0.3, 0.1, 2.0), 0.5, [20.0, 40.0]),
+        // At the edge of the cone, where part of the sphere is dark, and with a cone narrower than the sphere
+        (Vec3::new(1.6, 0.0, 2.0), 0.5, [20.0, 40.0]),
+        (Vec3::new(0.2, 0.0, 1.2), 1.0, [5.0, 15.0]),
+    ] {
+        let lights = of_light(round_spot(center, radius, angles[0] as f32, angles[1] as f32));
+        let expected = round_spot_quadrature(center, radius.into(), angles);
+        assert_irradiance("spot with a radius", &lights, Vec3::ZERO, Vec3::Z, expected);
+    }
+    // Far away it is the spot
+    let far = of_light(round_spot(Vec3::Z * 100.0, 0.01, 20.0, 40.0));
+    assert_irradiance("far spot", &far, Vec3::ZERO, Vec3::Z, 3.0e-4);
+    // Outside the cone there is nothing
+    let beside = of_light(round_spot(Vec3::new(5.0, 0.0, 1.0), 0.5, 20.0, 40.0));
+    assert!((0..1000).all(|i| beside.sample(Vec3::ZERO, Vec3::Z, 0.5, [numbers(3, i)[0], 0.4]).is_none()));
+}
+
 #[test]
 fn spot_irradiance_falls_smoothly_between_its_angles() {
     let spot = |inner_angle, outer_angle| {
         let direction = Vec3::NEG_Z;
         let position = Vec3::Z * 2.0;
-        of_light(Light::Spot { position, direction, intensity: RADIANCE, inner_angle, outer_angle })
+        of_light(Light::Spot {
+            position,
+            direction,
+            radius: 0.0,
+            intensity: RADIANCE,
+            inner_angle,
+            outer_angle,
+            visible: true,
+        })
     };
     let lights = spot(20.0, 60.0);
     let at = |degrees: f32| Vec3::X * (2.0 * degrees.to_radians().tan());
@@ -334,11 +448,16 @@ fn all_kinds() -> (LightSet, Vec<EmissiveTriangle>) {
         Light::Spot {
             position: Vec3::new(0.0, -1.0, 1.0),
             direction: Vec3::NEG_Z,
+            radius: 0.0,
+            visible: true,
             intensity: RADIANCE,
             inner_angle: 10.0,
             outer_angle: 90.0,
         },
         Light::Beam { origin: Vec3::Z, direction: Vec3::NEG_Z, radius: 0.3, power: RADIANCE },
+        ellipse(Vec3::new(0.0, 4.0, 3.0), Vec3::X * 1.5, Vec3::NEG_Y * 0.75),
+        ellipse(Vec3::new(0.0, -300.0, 400.0), Vec3::X, Vec3::NEG_Y),
+        round_spot(Vec3::new(2.0, -3.0, 2.0), 0.5, 30.0, 80.0),
     ];
     let first = [Vec3::new(-2.0, 1.0, 1.0), Vec3::new(-1.0, 1.0, 1.5), Vec3::new(-2.0, 0.0, 1.0)];
     let second = [Vec3::new(-2.0, 2.0, 1.0), Vec3::new(-1.0, 2.0, 1.5), Vec3::new(-2.0, 1.0, 1.0)];
@@ -407,6 +526,9 @@ fn assert_sum_of_all(lights: &LightSet) {
     let near = corners(Vec3::Z * 2.0, Vec3::X, Vec3::NEG_Y);
     expected += 3.0 * polygon(Vec3::ZERO, Vec3::Z, &near);
     expected += 3.0 * 0.64 / 250_000.0;
+    expected += ellipse_quadrature(Vec3::new(0.0, 4.0, 3.0), Vec3::X * 1.5, Vec3::NEG_Y * 0.75, Vec3::Z);
+    expected += 3.0 * 0.64 / 250_000.0 * std::f64::consts::FRAC_PI_4;
+    expected += round_spot_quadrature(Vec3::new(2.0, -3.0, 2.0), 0.5, [30.0, 80.0]);
     let ball = |r2: f64, d2: f64| 3.0 * std::f64::consts::PI * r2 * 2.0 / d2.powf(1.5);
     expected += ball(1.0, 13.0) + ball(0.01, 905.0);
     expected += 2.4 + 3.0;
@@ -471,6 +593,15 @@ fn assert_histogram(name: &str, lights: &LightSet, normal: Vec3, pdf: impl Fn(Ve
     assert!(chi2 < bins + 4.5 * (2.0_f64 * bins).sqrt(), "{name}: chi² {chi2} of {bins} bins");
 }
 
+/// The integral of the density of a light over the directions in which it is met.
+fn uniform_share(lights: &LightSet) -> f64 {
+    let density = |(d, w): (Vec3, f64)| {
+        let hit = lights.intersect(Vec3::ZERO, d, f32::INFINITY);
+        w * hit.map_or(0.0, |hit| f64::from(hit.pdf(lights, Vec3::ZERO, Vec3::Z)))
+    };
+    directions(800).map(density).sum()
+}
+
 #[test]
 fn samples_follow_the_density() {
     let met = |lights: &LightSet, normal: Vec3, d: Vec3| {
@@ -478,6 +609,21 @@ fn samples_follow_the_density() {
     };
     let window = of_light(rectangle(Vec3::new(2.0, 1.0, 1.0), Vec3::X * 6.0, Vec3::NEG_Y * 5.0));
     assert_histogram("rectangle", &window, Vec3::Z, |d| met(&window, Vec3::Z, d));
+    for (name, center) in [("ellipse", Vec3::new(2.0, 1.0, 1.0)), ("near ellipse", Vec3::new(2.9, 0.5, 0.05))]
+    {
+        let disc = of_light(ellipse(center, Vec3::X * 6.0, Vec3::NEG_Y * 5.0));
+        assert_histogram(name, &disc, Vec3::Z, |d| met(&disc, Vec3::Z, d));
+    }
+    for (name, outer) in [("spot", 70.0), ("narrow spot", 50.0)] {
+        let spot = of_light(round_spot(Vec3::new(0.5, 0.25, 1.7), 1.4, 20.0, outer));
+        // Of the directions in a cone narrower than the sphere some miss it; four standard deviations are 0.01
+        let drawn = (0..40_000).filter(|&i| {
+            let [a, b, c, _] = numbers(17, i);
+            spot.sample(Vec3::ZERO, Vec3::Z, a, [b, c]).is_some()
+        });
+        let (total, drawn) = (uniform_share(&spot), drawn.count() as f64 / 40_000.0);
+        assert!((total - drawn).abs() < 0.01, "{name}: {total} {drawn}");
+    }
     let ball = of_light(sphere(Vec3::new(1.0, 0.5, 1.0), 1.4));
     assert_histogram("sphere", &ball, Vec3::Z, |d| met(&ball, Vec3::Z, d));
     let skies = [("map", sunny(64, 32)), ("large map", sunny(2050, 1030)), ("constant", constant_sky())];
@@ -535,7 +681,20 @@ fn extreme_lights() -> Vec<Light> {
             lights.push(Light::Distant { direction: Vec3::Z, angular_radius: angle, irradiance });
             let (position, direction) = (center, Vec3::NEG_Z);
             let (inner_angle, outer_angle) = (angle, angle + 1.0);
-            lights.push(Light::Spot { position, direction, intensity, inner_angle, outer_angle });
+            lights.push(Light::Ellipse { center, edge_x, edge_y, radiance, visible: true });
+            lights.push(Light::Ellipse { center: Vec3::Z, edge_x, edge_y, radiance, visible: true });
+            for radius in [0.0, scale] {
+                let visible = true;
+                lights.push(Light::Spot {
+                    position,
+                    direction,
+                    radius,
+                    intensity,
+                    inner_angle,
+                    outer_angle,
+                    visible,
+                });
+            }
         }
     }
     lights

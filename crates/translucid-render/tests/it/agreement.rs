@@ -93,6 +93,8 @@ fn light_inside_a_clear_body_is_absorbed() {
         Material { transmission_color: ColorInput::constant(color), transmission_depth: 1.0, ..straight() };
     let mut by_spot = floor_and(face.clone(), medium.clone());
     by_spot.lights.push(Light::Spot {
+        radius: 0.0,
+        visible: true,
         position: Vec3::Z * 2.25,
         direction: Vec3::NEG_Z,
         intensity: Vec3::ONE,

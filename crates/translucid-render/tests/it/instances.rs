@@ -147,6 +147,8 @@ fn refracted_light_in_instances_is_the_same() {
     for light in [
         distant(Vec3::new(0.5, 1.0, 0.7)),
         Light::Spot {
+            radius: 0.0,
+            visible: true,
             position: Vec3::new(9.0, 12.0, 9.0),
             direction: Vec3::new(0.0, -0.8, -0.6),
             intensity: Vec3::splat(300.0),

@@ -30,6 +30,8 @@ fn hall() -> Scene {
                 visible: false,
             },
             _ => Light::Spot {
+                radius: 0.0,
+                visible: true,
                 position: center,
                 direction: Vec3::new(0.3, 0.2, -1.0).normalize(),
                 intensity: radiance * 0.01,

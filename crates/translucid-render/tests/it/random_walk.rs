@@ -445,7 +445,15 @@ fn small_lamp_lights_a_dielectric_as_a_point_does() {
     let lamp = lit(Light::Sphere { center: position, radius, radiance: Vec3::ONE, visible: false });
     for outer_angle in [180.0, 60.0] {
         let direction = Vec3::NEG_Z;
-        let point = Light::Spot { position, direction, intensity, inner_angle: 59.0, outer_angle };
+        let point = Light::Spot {
+            position,
+            direction,
+            radius: 0.0,
+            intensity,
+            inner_angle: 59.0,
+            outer_angle,
+            visible: true,
+        };
         assert_agree(&format!("{outer_angle}"), lamp, lit(point));
     }
 }

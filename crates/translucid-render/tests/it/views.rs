@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use glam::{Vec2, Vec3};
+use glam::{Affine3A, Vec2, Vec3};
 use translucid_profile::Model;
 use translucid_render::{FilmLayer, FilmSums, Fraction, Goal, LiveFilm, PreparedScene, View};
 use translucid_scene::{
@@ -132,8 +132,8 @@ fn lamps_are_seen_where_their_middles_project() {
         };
         for center in [Vec3::new(0.3, 0.2, 0.0), Vec3::new(-0.4, -0.9, -1.0), Vec3::new(0.9, -0.5, 1.0)] {
             let mut scene = scene(vec![sphere(0.5, 8)], Material::default());
-            scene.objects.clear();
-            scene.materials.clear();
+            // Nothing but the lamp is in the picture
+            scene.objects[0].world_from_local = Affine3A::from_translation(Vec3::Z * 50.0);
             (scene.camera, scene.film) = (camera, film);
             scene.lights = vec![Light::Sphere { center, radius: RADIUS, radiance: Vec3::ONE, visible: true }];
             let picture = rendered_whole(scene, 256);

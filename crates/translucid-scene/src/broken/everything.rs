@@ -121,12 +121,15 @@ fn lights() -> Vec<Light> {
     let (white, place) = (Vec3::ONE, Vec3::new(0.0, 3.0, 1.0));
     vec![
         Light::Rectangle { center: place, edge_x: Vec3::X, edge_y: Vec3::Z, radiance: white, visible: true },
+        Light::Ellipse { center: place, edge_x: Vec3::X, edge_y: Vec3::Y, radiance: white, visible: true },
         Light::Sphere { center: place + Vec3::X, radius: 0.2, radiance: white, visible: true },
         Light::Distant { direction: Vec3::Y, angular_radius: 0.5, irradiance: white },
         Light::Distant { direction: Vec3::Z, angular_radius: 0.0, irradiance: white },
         Light::Spot {
             position: place,
             direction: down,
+            radius: 0.1,
+            visible: true,
             intensity: white,
             inner_angle: 20.0,
             outer_angle: 40.0,

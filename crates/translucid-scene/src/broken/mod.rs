@@ -311,7 +311,8 @@ fn visit_light(index: usize, light: &mut Light, v: &mut Visitor<'_>) {
     let place = |field: &str| format!("light {index} ({kind}), {field}");
     let mut vector = |field: &str, value: &mut Vec3| visit_vector(&place(field), value, v);
     match light {
-        Light::Rectangle { center, edge_x, edge_y, radiance, visible: _ } => {
+        Light::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
+        | Light::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
             vector("center", center);
             vector("edge_x", edge_x);
             vector("edge_y", edge_y);
@@ -327,10 +328,11 @@ fn visit_light(index: usize, light: &mut Light, v: &mut Visitor<'_>) {
             vector("irradiance", irradiance);
             v(&place("angular_radius"), Slot::Number(angular_radius));
         }
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
             vector("position", position);
             vector("direction", direction);
             vector("intensity", intensity);
+            v(&place("radius"), Slot::Number(radius));
             v(&place("inner_angle"), Slot::Number(inner_angle));
             v(&place("outer_angle"), Slot::Number(outer_angle));
         }

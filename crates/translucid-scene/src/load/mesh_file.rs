@@ -103,8 +103,9 @@ pub(crate) fn scale_lengths(model: &mut MeshFile, factor: f32) {
         drop(material.clamp());
     }
     for light in &mut model.lights {
-        if let Light::Spot { position, intensity, .. } = light {
+        if let Light::Spot { position, radius, intensity, .. } = light {
             *position *= factor;
+            *radius *= factor;
             // Irradiance is intensity over distance squared.
             *intensity *= factor * factor;
         }

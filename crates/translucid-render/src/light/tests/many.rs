@@ -32,7 +32,15 @@ fn lamp(index: u32) -> Light {
         },
         _ => {
             let (inner_angle, outer_angle) = (60.0 * angle, 60.0 * angle + 20.0);
-            Light::Spot { position: place, direction, intensity: radiance * size, inner_angle, outer_angle }
+            Light::Spot {
+                position: place,
+                direction,
+                radius: 0.0,
+                intensity: radiance * size,
+                inner_angle,
+                outer_angle,
+                visible: true,
+            }
         }
     }
 }
@@ -135,6 +143,8 @@ fn no_light_that_can_contribute_is_left_out() {
 #[test]
 fn lights_that_graze_are_not_left_out() {
     let spot = |i: u32| Light::Spot {
+        radius: 0.0,
+        visible: true,
         position: Vec3::new(3.0 * i as f32, 0.0, 1.0),
         direction: Vec3::NEG_Z,
         intensity: RADIANCE,

@@ -267,7 +267,9 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
 fn is_dark(scene: &Scene) -> bool {
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
     let color = |light: &Light| match *light {
-        Light::Rectangle { radiance, .. } | Light::Sphere { radiance, .. } => radiance,
+        Light::Rectangle { radiance, .. }
+        | Light::Ellipse { radiance, .. }
+        | Light::Sphere { radiance, .. } => radiance,
         Light::Distant { irradiance, .. } => irradiance,
         Light::Spot { intensity, .. } => intensity,
         Light::Beam { power, .. } => power,

@@ -69,13 +69,23 @@ pub(super) fn light(
         "point" => Ok(Some(Light::Spot {
             position,
             direction,
+            radius: 0.0,
             intensity: color,
             inner_angle: 0.0,
             outer_angle: 180.0,
+            visible: true,
         })),
         "spot" => {
             let (inner_angle, outer_angle) = cone(data, &part, notes);
-            Ok(Some(Light::Spot { position, direction, intensity: color, inner_angle, outer_angle }))
+            Ok(Some(Light::Spot {
+                position,
+                direction,
+                radius: 0.0,
+                intensity: color,
+                inner_angle,
+                outer_angle,
+                visible: true,
+            }))
         }
         kind => {
             let message =

@@ -560,17 +560,22 @@ fn check_bounds(mesh: &Mesh, place: &Place) -> Result<(), SceneError> {
 fn transformed_light(light: &Light, map: &Affine3A) -> Option<Light> {
     let direct = |direction| map.transform_vector3(direction).try_normalize();
     match *light {
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => Some(Light::Spot {
-            position: map.transform_point3(position),
-            direction: direct(direction)?,
-            intensity: intensity * map.matrix3.determinant().abs().powf(2.0 / 3.0),
-            inner_angle,
-            outer_angle,
-        }),
+        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => {
+            let scale = map.matrix3.determinant().abs().cbrt();
+            Some(Light::Spot {
+                position: map.transform_point3(position),
+                direction: direct(direction)?,
+                radius: radius * scale,
+                intensity: intensity * scale * scale,
+                inner_angle,
+                outer_angle,
+                visible,
+            })
+        }
         Light::Distant { direction, angular_radius, irradiance } => {
             Some(Light::Distant { direction: direct(direction)?, angular_radius, irradiance })
         }
         // Mesh files have no others.
-        Light::Rectangle { .. } | Light::Sphere { .. } | Light::Beam { .. } => None,
+        Light::Rectangle { .. } | Light::Ellipse { .. } | Light::Sphere { .. } | Light::Beam { .. } => None,
     }
 }

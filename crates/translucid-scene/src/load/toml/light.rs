@@ -13,9 +13,19 @@ pub(super) const RECTANGLE_KEYS: &[&str] =
 pub(super) const SPHERE_KEYS: &[&str] = &["type", "center", "radius", "radiance", "visible"];
 pub(super) const DISTANT_KEYS: &[&str] =
     &["type", "direction", "unit_direction", "angular_radius", "irradiance"];
-pub(super) const SPOT_KEYS: &[&str] =
-    &["type", "position", "target", "direction", "unit_direction", "intensity", "inner_angle", "outer_angle"];
-pub(super) const POINT_KEYS: &[&str] = &["type", "position", "intensity"];
+pub(super) const SPOT_KEYS: &[&str] = &[
+    "type",
+    "position",
+    "target",
+    "direction",
+    "unit_direction",
+    "radius",
+    "intensity",
+    "inner_angle",
+    "outer_angle",
+    "visible",
+];
+pub(super) const POINT_KEYS: &[&str] = &["type", "position", "radius", "intensity", "visible"];
 pub(super) const BEAM_KEYS: &[&str] =
     &["type", "origin", "target", "direction", "unit_direction", "radius", "power"];
 pub(super) const ENVIRONMENT_KEYS: &[&str] = &["radiance", "file", "rotation", "matrix", "visible"];
@@ -23,8 +33,9 @@ pub(super) const ENVIRONMENT_KEYS: &[&str] = &["radiance", "file", "rotation", "
 type Reader = fn(&Table<'_>) -> Result<Light, SceneError>;
 
 /// Type, keys and reader of every light.
-pub(super) const TYPES: [(&str, (&[&str], Reader)); 6] = [
+pub(super) const TYPES: [(&str, (&[&str], Reader)); 7] = [
     ("rectangle", (RECTANGLE_KEYS, read_rectangle)),
+    ("ellipse", (RECTANGLE_KEYS, read_ellipse)),
     ("sphere", (SPHERE_KEYS, read_sphere)),
     ("distant", (DISTANT_KEYS, read_distant)),
     ("spot", (SPOT_KEYS, read_spot)),
@@ -50,6 +61,15 @@ fn read_rectangle(table: &Table<'_>) -> Result<Light, SceneError> {
         radiance: read_light_color(table, "radiance")?,
         visible: table.read("visible", true, Item::boolean)?,
     })
+}
+
+/// The ellipse in a rectangle.
+fn read_ellipse(table: &Table<'_>) -> Result<Light, SceneError> {
+    let rectangle = read_rectangle(table)?;
+    let Light::Rectangle { center, edge_x, edge_y, radiance, visible } = rectangle else {
+        return Ok(rectangle);
+    };
+    Ok(Light::Ellipse { center, edge_x, edge_y, radiance, visible })
 }
 
 /// Edges of a rectangle about `center` by its direction, `up` and size.
@@ -102,6 +122,8 @@ fn read_spot(table: &Table<'_>) -> Result<Light, SceneError> {
     Ok(Light::Spot {
         position,
         direction: read_single_direction(table, position)?,
+        radius: table.read("radius", 0.0, |item| item.number(Light::SPOT_RADIUS))?,
+        visible: table.read("visible", true, Item::boolean)?,
         intensity: read_light_color(table, "intensity")?,
         inner_angle: table.read("inner_angle", 0.8 * outer_angle, |item| item.number(inner_range))?,
         outer_angle,
@@ -113,6 +135,8 @@ fn read_point(table: &Table<'_>) -> Result<Light, SceneError> {
     Ok(Light::Spot {
         position: read_point_of(table, "position")?,
         direction: Vec3::NEG_Y,
+        radius: table.read("radius", 0.0, |item| item.number(Light::SPOT_RADIUS))?,
+        visible: table.read("visible", true, Item::boolean)?,
         intensity: read_light_color(table, "intensity")?,
         inner_angle: 0.0,
         outer_angle: 180.0,

@@ -238,7 +238,8 @@ fn lights(from: &Scene, to: &Scene) -> String {
 fn light(light: &Light) -> String {
     let shown = |visible: bool| if visible { "" } else { "visible = false\n" };
     let lines = match *light {
-        Light::Rectangle { center, edge_x, edge_y, radiance, visible } => format!(
+        Light::Rectangle { center, edge_x, edge_y, radiance, visible }
+        | Light::Ellipse { center, edge_x, edge_y, radiance, visible } => format!(
             "center = {}\nedge_x = {}\nedge_y = {}\nradiance = {}\n{}",
             vector(center),
             vector(edge_x),
@@ -259,13 +260,15 @@ fn light(light: &Light) -> String {
             number(angular_radius),
             color(irradiance)
         ),
-        Light::Spot { position, direction, intensity, inner_angle, outer_angle } => format!(
-            "position = {}\n{}intensity = {}\ninner_angle = {}\nouter_angle = {}\n",
+        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => format!(
+            "position = {}\n{}radius = {}\nintensity = {}\ninner_angle = {}\nouter_angle = {}\n{}",
             vector(position),
             direction_line(direction),
+            number(radius),
             color(intensity),
             number(inner_angle),
-            number(outer_angle)
+            number(outer_angle),
+            shown(visible)
         ),
         Light::Beam { origin, direction, radius, power } => format!(
             "origin = {}\n{}radius = {}\npower = {}\n",

@@ -113,6 +113,8 @@ fn lights_have_the_same_ranges_in_files_and_in_code() {
         scene.lights[0] = Light::Distant { direction: Vec3::Y, angular_radius: x, irradiance: one };
     });
     let spot = |inner_angle, outer_angle| Light::Spot {
+        radius: 0.0,
+        visible: true,
         position: center,
         direction: Vec3::Y,
         intensity: one,

@@ -358,6 +358,8 @@ fn lights_read_every_key() {
     assert_eq!(light(text), Light::Distant { direction: Vec3::Y, angular_radius: 0.27, irradiance: color });
     let text = "type = \"spot\"\nposition = [1, 2, 3]\ntarget = [1, 2, 9]\ninner_angle = 10\nouter_angle = 20\nintensity = [5, 6, 7]";
     let spot = |direction, inner_angle, outer_angle| Light::Spot {
+        radius: 0.0,
+        visible: true,
         position: center,
         direction,
         intensity: color,

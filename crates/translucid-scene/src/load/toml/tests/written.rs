@@ -185,11 +185,17 @@ impl Random {
             0 => {
                 let turn = self.rotation();
                 let [edge_x, edge_y] = [turn.x_axis * radius, turn.y_axis * self.0.uniform_f32().max(0.1)];
-                Light::Rectangle { center: place, edge_x, edge_y, radiance: color, visible }
+                if self.chance(2) {
+                    Light::Rectangle { center: place, edge_x, edge_y, radiance: color, visible }
+                } else {
+                    Light::Ellipse { center: place, edge_x, edge_y, radiance: color, visible }
+                }
             }
             1 => Light::Sphere { center: place, radius, radiance: color, visible },
             2 => Light::Distant { direction, angular_radius: 80.0 * self.0.uniform_f32(), irradiance: color },
             3 => Light::Spot {
+                radius: 0.0,
+                visible: true,
                 position: place,
                 direction,
                 intensity: color,
@@ -199,7 +205,15 @@ impl Random {
             4 => {
                 let outer_angle = 179.0 * self.0.uniform_f32() + 0.5;
                 let inner_angle = 0.99 * outer_angle * self.0.uniform_f32();
-                Light::Spot { position: place, direction, intensity: color, inner_angle, outer_angle }
+                Light::Spot {
+                    position: place,
+                    direction,
+                    radius,
+                    intensity: color,
+                    inner_angle,
+                    outer_angle,
+                    visible,
+                }
             }
             _ => Light::Beam { origin: place, direction, radius, power: color },
         }
