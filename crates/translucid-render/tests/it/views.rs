@@ -116,7 +116,7 @@ fn live_film_gives_layers_and_says_what_has_changed() {
 
 #[test]
 fn lamps_are_seen_where_their_middles_project() {
-    // Small enough that a picture's mean over the lamp is its middle to a hundredth of a pixel
+    // Small enough that the middle of its picture is the picture of its middle; four standard deviations are 0.035 pixels
     const RADIUS: f32 = 0.02;
     let size = [96.0, 64.0];
     let film = Film { width: 96, height: 64, filter: FilterKind::Box, filter_radius: 0.5, ..Film::default() };
@@ -136,7 +136,7 @@ fn lamps_are_seen_where_their_middles_project() {
             scene.objects[0].world_from_local = Affine3A::from_translation(Vec3::Z * 50.0);
             (scene.camera, scene.film) = (camera, film);
             scene.lights = vec![Light::Sphere { center, radius: RADIUS, radiance: Vec3::ONE, visible: true }];
-            let picture = rendered_whole(scene, 256);
+            let picture = rendered_whole(scene, 1024);
             let (mut sum, mut at) = (0.0, [0.0; 2]);
             for (x, y) in (0..64).flat_map(|y| (0..96).map(move |x| (x, y))) {
                 let light = f64::from(picture.mean(x, y)[9]);
@@ -152,7 +152,7 @@ fn lamps_are_seen_where_their_middles_project() {
                 0.5 * size[1] - size[0] * (f64::from(center.y) / width + 0.125),
             ];
             let off = (at[0] / sum - expected[0]).hypot(at[1] / sum - expected[1]);
-            assert!(off < 0.03, "{projection:?}, {center}: {off} pixels off {expected:?}");
+            assert!(off < 0.035, "{projection:?}, {center}: {off} pixels off {expected:?}");
         }
     }
 }
