@@ -346,7 +346,7 @@ fn broken_shape_combinations_point_at_the_shape() {
 #[test]
 fn broken_light_is_refused() {
     refuse("[[light]]\npower = 1", "light[0] needs the key type", "[[light]]", "");
-    let types = "one of \"rectangle\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"";
+    let types = "one of \"rectangle\", \"ellipse\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"";
     let message = format!("light[0].type is \"rectangel\", but must be {types}");
     refuse("[[light]]\ntype = \"rectangel\"", &message, "\"rectangel\"", "did you mean \"rectangle\"?");
     let help = "did you mean radiance? the keys are type, center, radius, radiance, visible";

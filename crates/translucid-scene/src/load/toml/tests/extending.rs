@@ -416,7 +416,7 @@ fn broken_values_are_refused_before_the_base_is_opened() {
         ("environment = 5", "environment is a number, but must be a table"),
         (
             "[[light]]\ntype = \"sun\"",
-            "light[0].type is \"sun\", but must be one of \"rectangle\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"",
+            "light[0].type is \"sun\", but must be one of \"rectangle\", \"ellipse\", \"sphere\", \"distant\", \"spot\", \"point\", \"beam\"",
         ),
         (
             "[[object]]\nshape = \"sphere\"\nradius = -1",
