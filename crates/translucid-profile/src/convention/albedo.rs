@@ -31,6 +31,12 @@ impl SurfaceAlbedo {
         Self::new(surface_albedo, surface_albedo)
     }
 
+    /// Both albedos by a function that rises.
+    pub(super) fn map(self, f: impl Fn(f64) -> f64) -> Result<Self, ParameterError> {
+        let of_channel = f(self.of_channel);
+        Self::new(of_channel, f(self.greatest).max(of_channel))
+    }
+
     /// Surface albedo A of this channel.
     pub fn of_channel(self) -> f64 {
         self.of_channel

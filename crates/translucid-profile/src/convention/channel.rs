@@ -26,7 +26,7 @@ impl Channel {
     /// A channel whose profile has the width d \[L\].
     ///
     /// # Errors
-    /// d is not in [1e-120, 1e120].
+    /// d is neither 0, for a Lambertian channel, nor in [1e-120, 1e120].
     pub fn from_d(
         albedo: SurfaceAlbedo,
         d: f64,
@@ -39,7 +39,7 @@ impl Channel {
     /// A channel whose medium has the transport mean free path ℓ* \[L\].
     ///
     /// # Errors
-    /// ℓ* is not in [1e-120, 1e120].
+    /// ℓ* is neither 0, for a Lambertian channel, nor in [1e-120, 1e120].
     pub fn from_mfp(
         albedo: SurfaceAlbedo,
         mfp: f64,
@@ -81,7 +81,8 @@ fn scale(albedo: SurfaceAlbedo, configuration: Configuration) -> f64 {
 }
 
 fn require_length(parameter: &'static str, length: f64) -> Result<f64, ParameterError> {
-    require((LENGTH_MIN..=LENGTH_MAX).contains(&length), parameter, length, "in [1e-120, 1e120]")
+    let is_moderate = length == 0.0 || (LENGTH_MIN..=LENGTH_MAX).contains(&length);
+    require(is_moderate, parameter, length, "0 or in [1e-120, 1e120]")
 }
 
 #[cfg(test)]
@@ -102,7 +103,8 @@ mod tests {
     #[test]
     fn lengths_have_room_on_both_sides() {
         let albedo = SurfaceAlbedo::gray(0.5).unwrap();
-        for bad in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e-121, 1e121] {
+        assert_eq!(Channel::from_mfp(albedo, 0.0, Configuration::Diffuse).unwrap().d(), 0.0);
+        for bad in [-1.0, f64::NAN, f64::INFINITY, 1e-121, 1e121] {
             assert!(Channel::from_d(albedo, bad, Configuration::Diffuse).is_err());
             assert!(Channel::from_mfp(albedo, bad, Configuration::Diffuse).is_err());
         }

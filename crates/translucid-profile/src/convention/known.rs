@@ -28,6 +28,10 @@ const G: Parameter = setting("g", 0.0, [-1.0, 1.0], "in (-1, 1)");
 // Cycles keeps it in [1.01, 3.8] by itself
 const SKIN_IOR: Parameter = setting("subsurface_ior", 1.4, [0.0, 10.0], "in (0, 10)");
 
+/// Mean cosine of Cycles' walks.
+pub(super) const WALK_G: Parameter =
+    setting("subsurface_anisotropy", 0.0, [-1e-9, 0.9 + 1e-9], "in [0, 0.9]");
+
 const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
 const UNREAL: &[Parameter] =
     &[length("MeanFreePathColor"), distance("MeanFreePathDistance"), factor("WorldUnitScale", 0.1, 0.1)];
@@ -61,6 +65,7 @@ const fn system(
         parameters,
         unit: LengthUnit::Scene,
         rule,
+        walks_of_cycles: false,
         formula,
         least_length: None,
         source,
@@ -78,6 +83,11 @@ impl System {
 
     const fn albedo(mut self, name: &'static str) -> Self {
         self.albedo_name = Some(name);
+        self
+    }
+
+    const fn walks(mut self) -> Self {
+        self.walks_of_cycles = true;
         self
     }
 
@@ -124,32 +134,34 @@ const KNOWN: &[System] = &[
     system(
         "cycles-burley",
         "Blender Cycles, Christensen-Burley",
-        "3.0 to 4.5",
+        "3.0 to 5.0",
         CYCLES,
         Rule::Width(Factor::OverFourPi),
-        "d = length/(4 pi)",
+        "d = length/(4 pi), cut at 16 d and renormalized",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
     )
     .albedo("base_color"),
     system(
         "cycles-random-walk",
         "Blender Cycles, Random Walk, before 4.0 with Fixed Radius",
-        "3.0 to 4.5",
-        CYCLES,
+        "3.0 to 5.0",
+        &[length("subsurface_radius"), distance("subsurface_scale"), WALK_G],
         Rule::Mfp(Factor::OverFourPi),
-        "mfp = length/(4 pi)",
+        "mfp = length/(4 pi), a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
     )
+    .walks()
     .albedo("base_color"),
     system(
         "cycles-skin",
         "Blender Cycles, Random Walk (Skin), before 4.0 Random Walk",
-        "3.0 to 4.5",
-        &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR],
+        "3.0 to 5.0",
+        &[length("subsurface_radius"), distance("subsurface_scale"), SKIN_IOR, WALK_G],
         Rule::Mfp(Factor::Skin),
-        "mfp = length sqrt(3 (1 - alpha')), alpha' of a dipole",
+        "mfp = length sqrt(3 (1 - alpha')), alpha' of a dipole; a color comes out as another",
         code("Blender intern/cycles/kernel/closure/bssrdf.h, bssrdf_setup_radius (copy Tony7466/BLENDER@7786526)"),
     )
+    .walks()
     .albedo("base_color"),
     system(
         "cycles-2.9",

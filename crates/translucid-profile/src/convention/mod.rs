@@ -24,7 +24,10 @@
 //!   [`Configuration`](crate::Configuration). This is as good as the fit is ([`scaling`](crate::scaling)).
 //!
 //! What the surface albedo is called differs, and media are given it by inversions of different quality; conversions
-//! leave it as it is.
+//! leave it as it is, but for the random walks of Blender Cycles, which do not return the color that they are told
+//! ([`CyclesWalk`]).
+//!
+//! A channel of length 0 is Lambertian in every system.
 //!
 //! ```
 //! use translucid_profile::Configuration;
@@ -46,6 +49,7 @@
 
 mod albedo;
 mod channel;
+mod cycles_walk;
 mod known;
 mod parameter;
 mod rule;
@@ -57,5 +61,6 @@ mod tests;
 
 pub use albedo::SurfaceAlbedo;
 pub use channel::Channel;
+pub use cycles_walk::CyclesWalk;
 pub use parameter::{LengthUnit, Parameter, Role};
 pub use system::{Equal, Source, System, Written};

@@ -1,7 +1,8 @@
 //! A system with its parameters, and the way from them to a material and back.
 
+use super::known::WALK_G;
 use super::rule::{Factor, Rule};
-use super::{Channel, LengthUnit, Parameter, Role, SurfaceAlbedo};
+use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
 use crate::{Configuration, Medium, half_space_single_scattering_albedo, scaling_from_mfp_diffuse};
 
@@ -23,6 +24,8 @@ pub struct System {
     /// Unit of lengths, and the reciprocal of coefficients' unit.
     pub unit: LengthUnit,
     pub(super) rule: Rule,
+    /// Whether the color that the system is told is that of Cycles' random walks, not the surface albedo.
+    pub(super) walks_of_cycles: bool,
     /// The rule as a formula, for people; `length` is the product of the parameters.
     pub formula: &'static str,
     /// The shortest length that the system uses as it is; it takes this one for every shorter one.
@@ -102,8 +105,8 @@ impl System {
 
     /// One channel of the material that the parameters describe, in the system's unit.
     ///
-    /// `values` are those of [`parameters`](Self::parameters); the surface albedo is the system's, or what
-    /// [`surface_albedo`](Self::surface_albedo) says.
+    /// `values` are those of [`parameters`](Self::parameters); the surface albedo is what the system is told, or what
+    /// [`surface_albedo`](Self::surface_albedo) says. That of the channel is the one that comes out.
     ///
     /// # Errors
     /// A value is outside its range, or the rule has no meaning at this surface albedo.
@@ -120,6 +123,10 @@ impl System {
             }
             Rule::Mfp(factor) => {
                 let mfp = self.length(values)? * self.factor(factor, albedo, values)?;
+                let albedo = match self.walk(values)? {
+                    Some(walk) => albedo.map(|color| walk.surface_albedo(color))?,
+                    None => albedo,
+                };
                 Channel::from_mfp(albedo, mfp, configuration)
             }
             Rule::Medium => Channel::from_mfp(albedo, self.medium(values)?.transport_mfp(), configuration),
@@ -143,7 +150,7 @@ impl System {
         settings: &[f64],
         configuration: Configuration,
     ) -> Result<Written, ParameterError> {
-        let albedo = channel.albedo();
+        let albedo = self.own_albedo(channel.albedo(), settings)?;
         let factors = self.factors(settings)?;
         Ok(match self.rule {
             Rule::Width(factor) => {
@@ -163,6 +170,39 @@ impl System {
         })
     }
 
+    /// What the system is to be told for a surface albedo, or the nearest that it reaches.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    pub fn own_albedo(
+        &self,
+        albedo: SurfaceAlbedo,
+        settings: &[f64],
+    ) -> Result<SurfaceAlbedo, ParameterError> {
+        match self.walk(settings)? {
+            Some(walk) => albedo.map(|albedo| walk.color(albedo)),
+            None => Ok(albedo),
+        }
+    }
+
+    /// The greatest surface albedo that the system reaches; 1 for most.
+    ///
+    /// # Errors
+    /// A setting is outside its range.
+    pub fn brightest(&self, settings: &[f64]) -> Result<f64, ParameterError> {
+        Ok(self.walk(settings)?.map_or(1.0, |walk| walk.brightest()))
+    }
+
+    /// Cycles' random walk, if the system is one.
+    fn walk(&self, values: &[f64]) -> Result<Option<CyclesWalk>, ParameterError> {
+        if !self.walks_of_cycles {
+            return Ok(None);
+        }
+        self.setting(values)?;
+        let g = self.with_values(values).find(|(parameter, _)| parameter.name == WALK_G.name);
+        Ok(Some(CyclesWalk::new(g.map_or(0.0, |(_, g)| g))))
+    }
+
     /// Each parameter with its value, the default where there is none.
     fn with_values(&self, values: &[f64]) -> impl Iterator<Item = (&'static Parameter, f64)> {
         self.parameters
@@ -176,7 +216,8 @@ impl System {
         let mut length = self.factors(values)?;
         for (parameter, value) in self.with_values(values) {
             if matches!(parameter.role, Role::Length | Role::Distance) {
-                length *= require_moderate(parameter, value)?;
+                // Length 0 is a Lambertian channel
+                length *= if value == 0.0 { value } else { require_moderate(parameter, value)? };
             }
         }
         Ok(length)
@@ -193,14 +234,16 @@ impl System {
         Ok(product)
     }
 
-    /// The setting, of which no system has two that matter; 0 without one.
+    /// The first setting, of which no rule needs two, once all are in their ranges; 0 without one.
     fn setting(&self, values: &[f64]) -> Result<f64, ParameterError> {
+        let mut first = None;
         for (parameter, value) in self.with_values(values) {
             if let Role::Setting { above, below, allowed, .. } = parameter.role {
-                return require(value > above && value < below, parameter.name, value, allowed);
+                let value = require(value > above && value < below, parameter.name, value, allowed)?;
+                first.get_or_insert(value);
             }
         }
-        Ok(0.0)
+        Ok(first.unwrap_or(0.0))
     }
 
     fn factor(&self, factor: Factor, albedo: SurfaceAlbedo, values: &[f64]) -> Result<f64, ParameterError> {

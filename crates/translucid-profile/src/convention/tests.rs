@@ -122,8 +122,14 @@ fn there_and_back(system: &System, channel: &Channel, configuration: crate::Conf
         }
         Ok(Written::Coefficients { sigma_a, sigma_s }) => values[..2].copy_from_slice(&[sigma_a, sigma_s]),
     }
-    let back = system.read(&values, channel.albedo(), configuration).unwrap();
-    assert!((back.d() / channel.d() - 1.0).abs() < 1e-12, "{name} at {a}: d {}", back.d() / channel.d());
+    let own = system.own_albedo(channel.albedo(), &values).unwrap();
+    let back = system.read(&values, own, configuration).unwrap();
+    if a > system.brightest(&values).unwrap() - 1e-9 || a < 1e-9 && own.of_channel() != a {
+        assert!((back.mfp() / channel.mfp() - 1.0).abs() < 1e-12, "{name} at {a}: mfp");
+        return;
+    }
+    assert!((back.albedo().of_channel() - a).abs() < 1e-12, "{name} at {a}: {:?}", back.albedo());
+    assert!((back.d() / channel.d() - 1.0).abs() < 1e-11, "{name} at {a}: d {}", back.d() / channel.d());
     assert!((back.mfp() / channel.mfp() - 1.0).abs() < 1e-12, "{name} at {a}: mfp");
     if let Some(found) = system.surface_albedo(&values, configuration).unwrap() {
         // 1 − α has no digits beyond the sixteenth, and A = 1 − O(√(1−α)) shows it

@@ -53,7 +53,8 @@ pub struct ArgumentNames {
 pub struct Conversion<'a> {
     /// Parameters of the system that the material comes from.
     pub from: &'a [Setting],
-    /// Surface albedo: one or three; none where coefficients determine it.
+    /// Surface albedo as the system that the material comes from is told it: one or three; none where coefficients
+    /// determine it.
     pub surface_albedo: &'a [f64],
     /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own.
     pub unit: Unit,
@@ -151,6 +152,22 @@ impl Conversion<'_> {
             })
             .collect();
 
+        // A channel of length 0 is Lambertian, but all of them are nothing to convert
+        let is_zero = |values: &Vec<f64>| {
+            let lengths = source.parameters.iter().zip(values);
+            lengths.filter(|(p, _)| matches!(p.role, Role::Length | Role::Distance)).any(|(_, v)| *v == 0.0)
+        };
+        if values.iter().all(is_zero) {
+            let parameter = source.parameters.iter().zip(&values[0]).find(|(_, value)| **value == 0.0);
+            let name = parameter.map_or("", |(parameter, _)| parameter.name);
+            let error = SceneError::new(format!(
+                "{} {}:{name} is 0, but must be above 0",
+                self.names.from, source.name
+            ));
+            return Err(error
+                .with_help("length 0 is a Lambertian surface in every system: there is nothing to convert"));
+        }
+
         // Find the surface albedos, all of them before the first rule, which may ask for the greatest
         let fail = |error: ParameterError| self.source_error(source, &error);
         let albedos = self.albedos(source, &values)?;
@@ -202,12 +219,8 @@ impl Conversion<'_> {
                 "{from} {name} gives {what} = {value}, but it must be {requirement}"
             ));
         };
-        let wrong = SceneError::new(format!("{from} {name}:{what} is {value}, but must be {requirement}"));
-        if error.value == 0.0 && matches!(parameter.role, Role::Length | Role::Distance) {
-            return wrong
-                .with_help("length 0 is a Lambertian surface in every system: there is nothing to convert");
-        }
-        wrong
+        let what = parameter.name;
+        SceneError::new(format!("{from} {name}:{what} is {value}, but must be {requirement}"))
     }
 
     /// A setting must concern a system that is converted to.

@@ -72,7 +72,8 @@ pub(super) fn write(
     };
     if let Some(name) = system.albedo_name {
         for (i, channel) in channels.iter().enumerate() {
-            push(name, channel_name(i, channels.len()), channel.albedo().of_channel(), "", "surface_albedo");
+            let own = system.own_albedo(channel.albedo(), &values)?.of_channel();
+            push(name, channel_name(i, channels.len()), own, "", "surface_albedo");
         }
     }
     let equal = match system.equal() {
@@ -99,7 +100,13 @@ pub(super) fn write(
             }
         }
     }
-    Ok((rows, note_of_short_lengths(system, &lengths)))
+    let brightest = system.brightest(&values)?;
+    let is_beyond = |channel: &Channel| channel.albedo().of_channel() > brightest;
+    let note = channels.iter().any(is_beyond).then(|| {
+        let name = system.name;
+        format!("{name} reaches a surface albedo of {brightest:.3}: brighter channels become that")
+    });
+    Ok((rows, note.or_else(|| note_of_short_lengths(system, &lengths))))
 }
 
 /// Unit of a length, with the factor that the system multiplies it by.
