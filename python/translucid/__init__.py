@@ -4,6 +4,7 @@
 - `reference`: the exact half space and Monte Carlo walks, with errors.
 - `fit`, `fit_scaling`: simple profiles fitted to samples, to other profiles and to the exact half space.
 - `convert`: a material in the numbers of other renderers.
+- `cycles_material`: the subsurface of Blender Cycles as a material that looks the same.
 - `presets`: measured materials.
 - `Scene`, `render`, `Session`: scenes from files and arrays, and pictures of them.
 - `tonemap`, `read_exr`, `write_exr`: pictures in files.
@@ -24,6 +25,7 @@ A wrong argument is a `ValueError` or `TypeError` that says which, its value and
 
 from . import reference
 from ._conversion import Conversion, ConvertedParameter, convert
+from ._cycles import cycles_material
 from ._presets import presets
 from ._render import Picture, Session, render
 from ._translucid import (
@@ -53,6 +55,7 @@ __all__ = [
     "Session",
     "__version__",
     "convert",
+    "cycles_material",
     "fit",
     "fit_scaling",
     "models",

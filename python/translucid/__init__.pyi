@@ -182,6 +182,17 @@ def convert(
     **parameters: ArrayLike,
 ) -> Conversion: ...
 
+def cycles_material(
+    method: str,
+    *,
+    base_color: ArrayLike,
+    radius: ArrayLike,
+    scale: float = 1.0,
+    ior: float = 1.4,
+    anisotropy: float = 0.0,
+    alpha: float = 1.0,
+) -> dict[str, Any]: ...
+
 presets: Final[Presets]
 
 class SceneError(ValueError):

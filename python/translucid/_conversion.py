@@ -77,7 +77,7 @@ def convert(
         System that the material comes from, such as "renderman", "cycles-burley", "arnold", "unreal", "pbrt" or
         "translucid"; `convert.systems()` lists all with their parameters.
     surface_albedo : float or array_like of shape (3,), optional
-        Surface albedo, in [0, 1]; not for a system whose coefficients determine it.
+        Surface albedo as the system is told it, in [0, 1]; not for a system whose coefficients determine it.
     unit, to_unit : {"mm", "cm", "m"}, default "mm"
         Unit of lengths in the scene that the material comes from, and in that it goes to, for systems without a unit of
         their own; the second is that of the first by default.

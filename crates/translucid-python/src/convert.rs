@@ -3,7 +3,8 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use translucid_profile::convention::{LengthUnit, Role, System};
+use translucid_profile::convention::{CyclesWalk, LengthUnit, Role, SurfaceAlbedo, System};
+use translucid_profile::{Configuration, ParameterError};
 use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, SceneError, Setting, Unit};
 
 use crate::arrays::{Any, Numbers, array_like};
@@ -115,6 +116,30 @@ pub(crate) fn _conversion_systems<'py>(py: Python<'py>) -> PyResult<Vec<Bound<'p
         Ok(described)
     };
     System::ALL.iter().map(describe).collect()
+}
+
+/// Surface albedos that colors come out as in Cycles' random walks, and their transport mean free paths in the skin mode for a
+/// radius of 1, in order.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
+pub(crate) fn _cycles_walks(
+    py: Python<'_>,
+    colors: Vec<f64>,
+    g: f64,
+    skin_ior: f64,
+) -> PyResult<(Vec<f64>, Vec<f64>)> {
+    py.detach(|| {
+        let walk = CyclesWalk::new(g);
+        let skin = System::named("cycles-skin").next();
+        let mfp = |&color: &f64| {
+            let Some(skin) = skin else { return Ok(1.0) };
+            let albedo = SurfaceAlbedo::gray(color)?;
+            Ok(skin.read(&[1.0, 1.0, skin_ior], albedo, Configuration::Diffuse)?.mfp())
+        };
+        let lengths: Result<Vec<f64>, ParameterError> = colors.iter().map(mfp).collect();
+        Ok((colors.iter().map(|&color| walk.surface_albedo(color)).collect(), lengths?))
+    })
+    .map_err(|error: ParameterError| PyValueError::new_err(error.to_string()))
 }
 
 /// A named translucent material: measured, with its source, or chosen by eye.

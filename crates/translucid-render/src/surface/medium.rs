@@ -38,14 +38,14 @@ impl WalkRecipe {
         Self {
             g: within(material.subsurface_scatter_anisotropy, AlbedoInversion::G),
             eta: match surface {
-                WalkSurface::Clear | WalkSurface::Rough => {
+                WalkSurface::Clear | WalkSurface::Rough | WalkSurface::Skin => {
                     within(material.subsurface_eta, AlbedoInversion::ETA)
                 }
                 WalkSurface::Diffuse => 1.0,
             },
             configuration: match surface {
                 WalkSurface::Clear => material.subsurface_configuration,
-                WalkSurface::Diffuse | WalkSurface::Rough => Configuration::Diffuse,
+                WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => Configuration::Diffuse,
             },
             surface,
             parameterization: material.subsurface_parameter,

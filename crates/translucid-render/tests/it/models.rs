@@ -87,7 +87,8 @@ fn slab(material: Material, thickness: f32) -> Scene {
 fn plane_under_uniform_light_returns_surface_albedo() {
     for model in SubsurfaceModel::ALL {
         // Their energy depends on where light comes from, or goes; the default is one of them
-        let follows_directions = [WalkSurface::Clear, WalkSurface::Rough].map(SubsurfaceModel::RandomWalk);
+        let follows_directions =
+            [WalkSurface::Clear, WalkSurface::Rough, WalkSurface::Skin].map(SubsurfaceModel::RandomWalk);
         let is_other = [DIRECTIONAL, SubsurfaceModel::Default].contains(&model);
         if is_other || follows_directions.contains(&model) {
             continue;

@@ -644,7 +644,7 @@ fn bodies_of_diffuse_surface_agree_with_an_independent_walk() {
 /// White bodies of any surface in even light cannot be seen.
 #[test]
 fn white_body_of_diffuse_surface_cannot_be_seen() {
-    for surface in [WalkSurface::Diffuse, WalkSurface::Rough] {
+    for surface in [WalkSurface::Diffuse, WalkSurface::Rough, WalkSurface::Skin] {
         let mut scene = scene(vec![sphere(1.0, 48)], white(between(surface, 1.3)));
         scene.environment = seen(Vec3::ONE);
         let result = measure(&prepare(scene), Vec3::new(0.1, 9.0, 0.2), Vec3::NEG_Y, samples(1 << 15));

@@ -38,11 +38,14 @@ pub enum WalkSurface {
     /// Light enters as through a diffuse surface; the view is refracted by facets of `specular_roughness` and the index
     /// `subsurface_eta`, without a loss, as production renderers have it.
     Rough,
+    /// Light enters as through a diffuse surface; one half of the view is refracted by facets of roughness 1 and the index
+    /// `subsurface_eta`, the other goes on in all directions, as Blender Cycles has it for skin.
+    Skin,
 }
 
 impl WalkSurface {
     /// All kinds.
-    pub const ALL: [Self; 3] = [Self::Clear, Self::Diffuse, Self::Rough];
+    pub const ALL: [Self; 4] = [Self::Clear, Self::Diffuse, Self::Rough, Self::Skin];
 
     /// Name of the walk between such surfaces.
     pub const fn name_of_walk(self) -> &'static str {
@@ -50,6 +53,7 @@ impl WalkSurface {
             Self::Clear => "random-walk",
             Self::Diffuse => "random-walk-diffuse",
             Self::Rough => "random-walk-rough",
+            Self::Skin => "random-walk-skin",
         }
     }
 
@@ -61,14 +65,15 @@ impl WalkSurface {
             Self::Rough => {
                 "A walk that the view enters through rough facets and light through a diffuse surface"
             }
+            Self::Skin => "The same where half of the view enters through a diffuse surface",
         }
     }
 }
 
 impl SubsurfaceModel {
     /// Every model that can be asked for by its name alone.
-    pub const ALL: [Self; Model::ALL.len() + 5] = {
-        let mut all = [Self::None; Model::ALL.len() + 5];
+    pub const ALL: [Self; Model::ALL.len() + 6] = {
+        let mut all = [Self::None; Model::ALL.len() + 6];
         let mut i = 0;
         while i < WalkSurface::ALL.len() {
             all[Model::ALL.len() + i] = Self::RandomWalk(WalkSurface::ALL[i]);
@@ -79,7 +84,7 @@ impl SubsurfaceModel {
             all[i] = Self::Profile(Model::ALL[i]);
             i += 1;
         }
-        all[Model::ALL.len() + 4] = Self::Default;
+        all[Model::ALL.len() + 5] = Self::Default;
         all
     };
 

@@ -72,15 +72,23 @@ impl WalkMedium {
         u: [f32; 2],
     ) -> Option<Vec3> {
         let frame = Frame::from_normal(exit.normal * exit.side);
+        let refracted = |u: [f32; 2], roughness: f32| {
+            if self.eta == 1.0 {
+                return Some(path.ray.direction);
+            }
+            let wo = frame.to_local(-path.ray.direction);
+            let facet = Ggx::from_roughness(roughness).sample_visible(wo, u);
+            Some(frame.to_world(refract(wo, facet, self.eta)?))
+        };
+        let diffuse = |u: [f32; 2]| -frame.to_world(sample_cosine(u));
         let direction = match self.surface {
-            WalkSurface::Diffuse => -frame.to_world(sample_cosine(u)),
-            WalkSurface::Clear | WalkSurface::Rough if self.eta == 1.0 => path.ray.direction,
+            WalkSurface::Diffuse => diffuse(u),
+            WalkSurface::Skin if u[0] < 0.5 => diffuse([2.0 * u[0], u[1]]),
+            WalkSurface::Skin => refracted([2.0 * u[0] - 1.0, u[1]], 1.0)?,
             WalkSurface::Clear | WalkSurface::Rough => {
                 let (_, material) = world.material(exit.point);
                 let surface = surface::parameters_at(&world.scene, material, exit.point);
-                let wo = frame.to_local(-path.ray.direction);
-                let facet = Ggx::from_roughness(surface.specular_roughness).sample_visible(wo, u);
-                frame.to_world(refract(wo, facet, self.eta)?)
+                refracted(u, surface.specular_roughness)?
             }
         };
         // Where the shading normal leads outside, the mirror image leads as far in

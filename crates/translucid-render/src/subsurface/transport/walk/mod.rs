@@ -65,7 +65,7 @@ impl Walks {
         let number = place.map(|place| place.number);
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
-            WalkSurface::Diffuse | WalkSurface::Rough => {
+            WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
                 self.medium.scatter_diffuse(tracer, world, path, exit, number, sampler)
             }
         }

@@ -1,0 +1,124 @@
+"""Materials of Blender Cycles."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from . import _translucid
+
+METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
+
+#: Colors at which the relation of a color and what comes out is tabulated for images.
+POINTS = 4096
+
+
+def cycles_material(
+    method: str,
+    *,
+    base_color,
+    radius,
+    scale: float = 1.0,
+    ior: float = 1.4,
+    anisotropy: float = 0.0,
+    alpha: float = 1.0,
+) -> dict:
+    """Return the keys of a material whose subsurface looks like that of Blender Cycles.
+
+    Parameters
+    ----------
+    method : {"BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN"}
+        The method of a Subsurface Scattering node or a Principled BSDF, as Blender writes it.
+    base_color : float or array_like of shape (..., 3)
+        Linear color, clamped to [0, 1]; an image of shape (H, W, 3) gives images.
+    radius : float or array_like of shape (..., 3)
+        Radius socket, at least 0; an image of shape (H, W, 3) gives images. A channel of 0 is Lambertian.
+    scale : float, default 1
+        Scale socket; times factors between the units of the two scenes.
+    ior : float, default 1.4
+        Index that the view is refracted by. Subsurface Scattering node: its IOR. Principled BSDF: its Subsurface IOR for
+        RANDOM_WALK_SKIN; for RANDOM_WALK its IOR, adjusted by the Specular IOR Level as Cycles does, 1.01 at level 0.
+    anisotropy : float, default 0
+        Anisotropy socket, clamped to [0, 0.9].
+    alpha : float, default 1
+        Width of the facets that refract the view in RANDOM_WALK: the square of the Principled BSDF's Roughness, the
+        Roughness of a Subsurface Scattering node as it is.
+
+    Returns
+    -------
+    dict
+        For `Scene.add_material` and `Session.edit_material`: ``subsurface_model``, ``subsurface_color``,
+        ``subsurface_radius``, ``subsurface_radius_scale`` and what else the model takes; numbers and lists, or arrays where
+        an image was given.
+
+    Raises
+    ------
+    ValueError
+        The method is not known, or a number is not finite or negative.
+
+    Notes
+    -----
+    BURLEY is ``normalized-diffusion`` of the width radius * scale / 4 pi; cut where Cycles cuts it by
+    ``scene.set_integrator(subsurface_tail=0.00362)``, for all materials.
+    The walks are ``random-walk-rough`` and ``random-walk-skin`` in the medium that Cycles chooses, so bright colors come out
+    darker than they are: at most 0.919, since its walks end after 256 flights. What these leave out is taken off the
+    single-scattering albedo here.
+
+    Examples
+    --------
+    >>> keys = translucid.cycles_material("RANDOM_WALK", base_color=[0.8, 0.5, 0.2], radius=[1, 0.2, 0.1], scale=0.05)
+    >>> keys["subsurface_model"], np.round(keys["subsurface_color"], 3).tolist()
+    ('random-walk-rough', [0.81, 0.505, 0.202])
+    """
+    if method not in METHODS:
+        raise ValueError(f"method is {method!r}, but must be one of {', '.join(METHODS)}")
+    numbers = {"scale": scale, "ior": ior, "anisotropy": anisotropy, "alpha": alpha}
+    for name, value in numbers.items():
+        if not (math.isfinite(value) and value >= 0.0):
+            raise ValueError(f"{name} is {value}, but must be finite and at least 0")
+    color, length = (np.asarray(values, dtype=np.float64) for values in (base_color, radius))
+    for name, values in (("base_color", color), ("radius", length)):
+        if values.ndim > 0 and values.shape[-1] != 3:
+            raise ValueError(f"{name} has the shape {values.shape}, but must end in 3")
+        if not (np.isfinite(values).all() and (values >= 0.0).all()):
+            raise ValueError(f"{name} has numbers that are not finite or below 0")
+    color = np.clip(color, 0.0, 1.0) + np.zeros(3)
+    length = length * scale + np.zeros(3)
+
+    if method == "BURLEY":
+        # The mean free path of Burley's profile of this width [Christensen & Burley 2015, eq. 6]
+        mfp = length / (4.0 * math.pi) * (1.9 - color + 3.5 * (color - 0.8) ** 2)
+        keys = {"subsurface_model": "normalized-diffusion", "subsurface_configuration": "diffuse"}
+    else:
+        g = min(anisotropy, 0.9)
+        color, skin = _walks(color, g, max(ior, 1.01))
+        mfp = length * (1.0 - g) * (skin if method == "RANDOM_WALK_SKIN" else 1.0 / (4.0 * math.pi))
+        keys = {"subsurface_scatter_anisotropy": g, "subsurface_eta": min(max(ior, 1.01), 3.0)}
+        if method == "RANDOM_WALK_SKIN":
+            keys["subsurface_model"] = "random-walk-skin"
+        else:
+            keys |= {"subsurface_model": "random-walk-rough", "specular_roughness": math.sqrt(min(alpha, 1.0))}
+    greatest = float(mfp.max())
+    shares = mfp / greatest if greatest > 0.0 else np.ones_like(mfp)
+    keys |= {
+        "subsurface_parameter": "mfp",
+        "subsurface_color": _value(color),
+        "subsurface_radius": greatest,
+        "subsurface_radius_scale": _value(shares),
+    }
+    return keys
+
+
+def _walks(color, g, ior):
+    """Surface albedos that colors come out as, and mean free paths of the skin mode for a radius of 1."""
+    if color.size <= POINTS:
+        albedo, skin = _translucid._cycles_walks(color.ravel().tolist(), g, ior)
+        return np.reshape(albedo, color.shape), np.reshape(skin, color.shape)
+    grid = np.linspace(0.0, 1.0, POINTS)
+    tables = _translucid._cycles_walks(grid.tolist(), g, ior)
+    return tuple(np.interp(color, grid, table) for table in tables)
+
+
+def _value(values):
+    return values.tolist() if values.ndim == 1 else values.astype(np.float32)
