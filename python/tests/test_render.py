@@ -579,3 +579,69 @@ def test_script_is_on_the_path():
         pytest.skip("the package is not installed in this environment")
     answer = subprocess.run([script, "--version"], capture_output=True, text=True)
     assert answer.stdout == f"translucid {translucid.__version__}\n"
+
+
+def pyramid():
+    vertices = np.array([[0, 9, 0], [6, 0, 0], [-3, 0, -5.2], [-3, 0, 5.2]])
+    return vertices, np.array([[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
+
+
+def placed(x):
+    matrix = np.eye(4)
+    matrix[0, 3] = x
+    return matrix
+
+
+def test_objects_and_materials_come_move_and_go():
+    """Every edited session has the picture of a scene that is made so."""
+    camera = {"position": [0, 8, 40], "target": [0, 4, 0]}
+
+    def scene(objects, materials):
+        made = translucid.Scene(environment={"radiance": 1.0}, camera=camera)
+        for name, color in materials.items():
+            made.add_material(name, base_color=color)
+        for name, (x, material) in objects.items():
+            made.add_mesh(name, *pyramid(), material=material, matrix=placed(x), movable=True)
+        return made
+
+    def check(session, objects, materials, **words):
+        session.run(2)
+        anew = translucid.render(scene(objects, materials), spp=2, **{"size": (48, 27), **words})
+        assert np.array_equal(session.snapshot(), anew["radiance"])
+
+    red, blue = [0.8, 0.1, 0.1], [0.1, 0.1, 0.8]
+    session = translucid.Session(scene({"a": (0, "red")}, {"red": red}), size=(48, 27))
+    session.start(1000)
+    session.edit_object("a", matrix=placed(-5))
+    check(session, {"a": (-5, "red")}, {"red": red})
+    session.add_material("blue", base_color=blue)
+    session.add_mesh("b", *pyramid(), material="blue", matrix=placed(6), movable=True)
+    check(session, {"a": (-5, "red"), "b": (6, "blue")}, {"red": red, "blue": blue})
+    session.edit_object("b", material="red", translate=[1, 0, 0])
+    check(session, {"a": (-5, "red"), "b": (1, "red")}, {"red": red, "blue": blue})
+    session.remove_material("blue")
+    session.remove_object("a")
+    check(session, {"b": (1, "red")}, {"red": red})
+    session.set_film(size=(32, 18))
+    check(session, {"b": (1, "red")}, {"red": red}, size=(32, 18))
+    session.set_region((4, 2, 20, 12))
+    check(session, {"b": (1, "red")}, {"red": red}, size=(32, 18), region=(4, 2, 20, 12))
+    session.set_region()
+    assert session.size == (32, 18)
+
+    session.add_mesh("fixed", *pyramid(), material="red")
+    for edit, message in [
+        (lambda: session.edit_object("fixed", translate=[1, 0, 0]), "movable=True"),
+        (lambda: session.edit_object("c", material="red"), "there is no object"),
+        (lambda: session.edit_object("b", material="blue"), "material"),
+        (lambda: session.edit_object("b", shape="box"), "no key shape"),
+        (lambda: session.remove_material("red"), "is that of the object"),
+        (lambda: session.add_material("red"), "another has that name"),
+        (lambda: session.add_mesh("b", *pyramid(), material="red"), "no other has"),
+        (lambda: session.add_mesh("d", *pyramid()), "needs the key material"),
+        (lambda: session.set_region((0, 0, 99, 9)), "region"),
+        (lambda: session.set_film(size=(0, 1)), "size"),
+    ]:
+        with pytest.raises(translucid.SceneError, match=message):
+            edit()
+    session.run(1)

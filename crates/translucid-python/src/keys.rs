@@ -297,3 +297,8 @@ pub(crate) fn plain_piece_of(title: &str, keys: Option<&Bound<'_, PyDict>>) -> P
     }
     Err(scene_error(translucid_scene::SceneError::new(format!("{title} takes no images"))))
 }
+
+/// Reads keyword arguments of a thing with a name.
+pub(crate) fn named_piece_of(title: &str, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<Piece> {
+    Ok(Keys::new(title, &mut 0).text("name", name).arguments(keys)?.piece())
+}

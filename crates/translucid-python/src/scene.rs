@@ -236,7 +236,9 @@ impl Scene {
     ///     Linear colors, used by materials whose color is ``'vertex'``.
     /// **keys
     ///     As in an ``[[object]]`` of a scene file: ``material`` (a name), ``translate``, ``rotate``, ``scale`` or
-    ///     ``matrix``, ``subsurface_group``; ``transforms`` for many objects that share the mesh, a list of dictionaries
+    ///     ``matrix``, ``subsurface_group``; ``movable=True`` for one that `Session.edit_object` may move, which rays
+    ///     find a little more slowly and whose place stretches no direction 100 times as much as another; ``transforms``
+    ///     for many objects that share the mesh, a list of dictionaries
     ///     with those keys or an array of matrices of shape (n, 4, 4).
     ///
     /// Raises

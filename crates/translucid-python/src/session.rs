@@ -12,10 +12,10 @@ use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
     Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, View, available_memory,
 };
-use translucid_scene::{Image, Light, Mesh, SceneError, Warning, repair_mesh};
+use translucid_scene::{Image, Light, Material, Mesh, SceneBuilder, SceneError, Warning, repair_mesh};
 
 use crate::arrays::Any;
-use crate::keys::{piece_of, plain_piece_of};
+use crate::keys::{named_piece_of, piece_of, plain_piece_of};
 use crate::long_work;
 use crate::names;
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
@@ -129,9 +129,7 @@ impl Session {
         let seed = seed.map(|seed| whole_number("seed", seed, 0, u64::MAX)).transpose()?;
         let threads = threads.map(|threads| whole_number("threads", threads, 1, MOST_THREADS)).transpose()?;
         let threads = threads.unwrap_or(0) as usize;
-        let must_be = "four numbers, x0, y0, x1, y1";
-        let region =
-            region.map(|region| whole_numbers("region", region, must_be, [0, u32::MAX])).transpose()?;
+        let region = region.map(region_of).transpose()?;
         let py = scene.py();
         let mut scene = scene_of(scene, options)?;
         scene.integrator.seed = seed.unwrap_or(scene.integrator.seed);
@@ -369,6 +367,196 @@ impl Session {
                 ..Default::default()
             };
             session.edit(Edit::Object(index, Box::new(object))).map(drop)
+        })
+    }
+
+    /// Adds an object that is a mesh.
+    ///
+    /// Parameters
+    /// ----------
+    /// name, vertices, triangles, normals, uv, colors
+    ///     As in `Scene.add_mesh`.
+    /// **keys
+    ///     As there; ``material`` must be among them. A ``subsurface_group`` is a new one.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown or missing, or a value not allowed.
+    #[pyo3(signature = (name, vertices, triangles, *, normals=None, uv=None, colors=None, **keys))]
+    #[expect(clippy::too_many_arguments, reason = "the parts of a mesh")]
+    fn add_mesh(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        vertices: &Any<'_>,
+        triangles: &Any<'_>,
+        normals: Option<&Any<'_>>,
+        uv: Option<&Any<'_>>,
+        colors: Option<&Any<'_>>,
+        keys: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let title = format!("mesh {name}");
+        let mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
+        let piece = named_piece_of(&title, name, keys)?;
+        let mut warnings = Vec::new();
+        self.edit(py, |session| {
+            let mut builder = SceneBuilder::from(session.prepared().scene().clone());
+            let materials = builder.scene().materials.len();
+            builder.add_mesh_object(&piece, mesh, &mut warnings)?;
+            if builder.scene().materials.len() > materials {
+                return Err(SceneError::new(format!("{title}: it needs the key material")));
+            }
+            session.edit(Edit::Objects(builder.scene().objects.clone())).map(drop)
+        })?;
+        warn(py, &warnings)
+    }
+
+    /// Moves an object, or gives it another material; what is not named stays.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name. Where `Scene.add_mesh` made several of one mesh, ``name[…]``, it is that of all.
+    /// **keys
+    ///     ``material``; and if it was added with ``movable=True`` its place by ``translate``, ``rotate`` and ``scale`` or by
+    ///     ``matrix``, from the vertices as they were given.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     There is no such object, a key is unknown, or a value not allowed.
+    #[pyo3(signature = (name, **keys))]
+    fn edit_object(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let piece = plain_piece_of(&format!("object {name}"), keys)?;
+        self.edit(py, |session| {
+            let scene = session.prepared().scene();
+            let (place, material) = piece.object_change(scene)?;
+            let mut objects = scene.objects.clone();
+            for index in all_of_object(name, &objects)? {
+                let object = &mut objects[index];
+                object.material = material.unwrap_or(object.material);
+                match place {
+                    Some(place) if object.is_movable => object.world_from_local = place,
+                    Some(_) => {
+                        let message = format!("object {} cannot be moved", object.name);
+                        return Err(SceneError::new(message).with_help("add it with movable=True"));
+                    }
+                    None => {}
+                }
+            }
+            session.edit(Edit::Objects(objects)).map(drop)
+        })
+    }
+
+    /// Takes an object away; one must stay.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     As in `edit_object`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     There is no such object, or no other.
+    fn remove_object(&self, py: Python<'_>, name: &str) -> PyResult<()> {
+        self.edit(py, |session| {
+            let mut objects = session.prepared().scene().objects.clone();
+            let gone = all_of_object(name, &objects)?;
+            let mut index = 0..objects.len();
+            objects.retain(|_| !index.next().is_some_and(|index| gone.contains(&index)));
+            session.edit(Edit::Objects(objects)).map(drop)
+        })
+    }
+
+    /// Adds a material.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name, which no other material has.
+    /// **keys
+    ///     As in `Scene.add_material`, but for ``subsurface_table``.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown, a value out of its range, or the name taken.
+    #[pyo3(signature = (name, **keys))]
+    fn add_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let piece = piece_of(&format!("material {name}"), keys)?;
+        self.edit_with_files(py, |session, warnings| {
+            let scene = session.prepared().scene();
+            if scene.materials.iter().any(|material| material.name == name) {
+                return Err(SceneError::new(format!("material {name}: another has that name")));
+            }
+            let new = Material { name: name.to_owned(), ..Material::default() };
+            let (material, images) = piece.material_with_images(scene, &new, warnings)?;
+            Ok((images, Edit::AddMaterial(Box::new(material))))
+        })
+    }
+
+    /// Takes a material away that no object has.
+    ///
+    /// Parameters
+    /// ----------
+    /// name : str
+    ///     Its name.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     There is no such material, or an object has it.
+    fn remove_material(&self, py: Python<'_>, name: &str) -> PyResult<()> {
+        self.edit(py, |session| {
+            let materials = &session.prepared().scene().materials;
+            let index = index_of("material", name, materials.iter().map(|material| material.name.as_str()))?;
+            session.edit(Edit::RemoveMaterial(index))?;
+            session.edit(Edit::DropUnusedImages).map(drop)
+        })
+    }
+
+    /// Changes the film, and renders all of it.
+    ///
+    /// Parameters
+    /// ----------
+    /// **keys
+    ///     As in `Scene.set_film`.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     A key is unknown, or a value not allowed.
+    #[pyo3(signature = (**keys))]
+    fn set_film(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let piece = plain_piece_of("film", keys)?;
+        self.edit(py, |session| {
+            let view = session.view();
+            let film = piece.film(*view.film())?;
+            session.set_view(View::new(*view.camera(), film, view.seed())?);
+            Ok(())
+        })
+    }
+
+    /// Renders some of the pixels only.
+    ///
+    /// Parameters
+    /// ----------
+    /// region : (int, int, int, int), optional
+    ///     From (x0, y0) at the upper left to just before (x1, y1); all of them if it is not given.
+    ///
+    /// Raises
+    /// ------
+    /// SceneError
+    ///     The region is empty, or reaches beyond the film.
+    #[pyo3(signature = (region=None))]
+    fn set_region(&self, py: Python<'_>, region: Option<&Any<'_>>) -> PyResult<()> {
+        let region = region.map(region_of).transpose()?;
+        self.edit(py, |session| {
+            let [width, height] = session.view().whole_size();
+            session.set_view(session.view().with_region(region.unwrap_or([0, 0, width, height]))?);
+            Ok(())
         })
     }
 
@@ -693,6 +881,21 @@ fn size_of(sums: &FilmSums) -> [usize; 2] {
 fn layer_of(name: &str) -> PyResult<FilmLayer> {
     let names: Vec<&str> = FilmLayer::ALL.iter().map(|layer| layer.name()).chain([DENOISED]).collect();
     FilmLayer::from_name(name).ok_or_else(|| names::unknown("layer", name, &names))
+}
+
+fn region_of(argument: &Any<'_>) -> PyResult<[u32; 4]> {
+    whole_numbers("region", argument, "four numbers, x0, y0, x1, y1", [0, u32::MAX])
+}
+
+/// The numbers of the objects of a name, or of the mesh that several `name[…]` are of.
+fn all_of_object(name: &str, objects: &[translucid_scene::Object]) -> Result<Vec<usize>, SceneError> {
+    let is_of_it =
+        |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
+    let found: Vec<usize> = (0..objects.len()).filter(|&index| is_of_it(&objects[index].name)).collect();
+    if found.is_empty() {
+        index_of("object", name, objects.iter().map(|object| object.name.as_str()))?;
+    }
+    Ok(found)
 }
 
 /// The number of a thing of a name.

@@ -29,6 +29,8 @@ pub struct Object {
     pub material: usize,
     /// Group of objects that share subsurface scattering: light may enter one and leave another. Any number.
     pub subsurface_group: u32,
+    /// Whether its mesh has a hierarchy of its own however few objects share it, so that another place costs next to nothing.
+    pub is_movable: bool,
 }
 
 impl Object {

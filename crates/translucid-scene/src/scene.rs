@@ -1,6 +1,6 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -168,6 +168,34 @@ impl Scene {
                 let (flattest, bounds) = facts[&mesh_of(object)];
                 self.check_material(object)?;
                 object.check_place(|| flattest, bounds)
+            })
+        })
+    }
+
+    /// Checks all objects of a scene that had others before, which were valid: meshes that were there are not looked at again.
+    ///
+    /// # Errors
+    /// As [`validate_objects`](Self::validate_objects).
+    pub fn validate_objects_after(&self, before: &[Object]) -> Result<(), SceneError> {
+        if self.objects.is_empty() {
+            return Err(SceneError::new("the scene has no objects, but must have at least one"));
+        }
+        self.validate_triangle_count()?;
+        let mesh_of = |object: &Object| Arc::as_ptr(&object.mesh).addr();
+        let place_of = |object: &Object| object.world_from_local.to_cols_array().map(f32::to_bits);
+        let meshes: HashSet<usize> = before.iter().map(mesh_of).collect();
+        let placed: HashSet<_> = before.iter().map(|object| (mesh_of(object), place_of(object))).collect();
+        first_error(self.objects.len(), |i| {
+            let object = &self.objects[i];
+            if !meshes.contains(&mesh_of(object)) {
+                return self.validate_object(i);
+            }
+            self.check_object(i, |object| {
+                self.check_material(object)?;
+                if placed.contains(&(mesh_of(object), place_of(object))) {
+                    return Ok(());
+                }
+                object.check_place(|| object.mesh.flattest(), object.mesh.bounds())
             })
         })
     }

@@ -243,7 +243,8 @@ impl Sharing {
         }
         let is_shared = |object: &Object| {
             let uses = uses[&address(object)];
-            uses > 1 && is_worth(&object.mesh, uses) && object.can_be_instanced()
+            let is_worth = object.is_movable || uses > 1 && is_worth(&object.mesh, uses);
+            is_worth && object.can_be_instanced()
         };
         let mut numbers = HashMap::new();
         let mut first_objects = Vec::new();

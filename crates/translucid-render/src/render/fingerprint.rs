@@ -48,6 +48,9 @@ impl Fnv {
         let mut known = HashMap::new();
         for (index, object) in scene.objects.iter().enumerate() {
             self.text(&format!("{} {}", object.material, object.subsurface_group));
+            if object.is_movable {
+                self.word(1);
+            }
             let mesh = &object.mesh;
             if object.is_placed() {
                 self.bytes(bytemuck::cast_slice(&object.world_from_local.to_cols_array()));

@@ -1,5 +1,6 @@
 //! A scene made ready: what is prepared once, and again only as far as an edit reaches.
 
+use std::collections::HashSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -39,6 +40,13 @@ pub enum Edit {
     Environment(Option<Environment>),
     /// Another object in the place of this number: mesh, place, material, subsurface group.
     Object(usize, Box<Object>),
+    /// Other objects in the place of all: some moved, added, gone. Of meshes that are shared or
+    /// [movable](Object::is_movable) only those that are new are prepared.
+    Objects(Vec<Object>),
+    /// Another material, behind those that the scene has.
+    AddMaterial(Box<Material>),
+    /// Without the material of this number, which no object has: those behind it move up.
+    RemoveMaterial(usize),
     /// Other limits of paths, or another way of finding light under surfaces.
     Integrator(Integrator),
     /// Another image, behind those that the scene has, for edits that refer to it.
@@ -119,6 +127,9 @@ impl PreparedScene {
         let renewed = match edit {
             Edit::Material(index, material) => self.edit_material(index, *material)?,
             Edit::Object(index, object) => self.edit_object(index, *object)?,
+            Edit::Objects(objects) => self.edit_objects(objects)?,
+            Edit::AddMaterial(material) => self.add_material(*material)?,
+            Edit::RemoveMaterial(index) => self.remove_material(index)?,
             Edit::Lights(lights) => {
                 let validate =
                     |scene: &Scene| (0..scene.lights.len()).try_for_each(|index| scene.validate_light(index));
@@ -209,6 +220,61 @@ impl PreparedScene {
             self.subsurface.update(scene, material);
         }
         Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
+    }
+
+    fn edit_objects(&mut self, objects: Vec<Object>) -> Result<Renewed, SceneError> {
+        let scene = &mut self.world.scene;
+        let old = std::mem::replace(&mut scene.objects, objects);
+        if let Err(error) = scene.validate_objects_after(&old) {
+            scene.objects = old;
+            return Err(error);
+        }
+        let scene = &self.world.scene;
+        self.world.geometry = Arc::new(self.world.geometry.renewed(&scene.objects));
+        // Vertex colors may count in the widest profile of a material
+        let colored = |objects: &[Object]| -> HashSet<(usize, usize)> {
+            let has_colors = |object: &&Object| !object.mesh.colors.is_empty();
+            let key = |object: &Object| (Arc::as_ptr(&object.mesh).addr(), object.material);
+            objects.iter().filter(has_colors).map(key).collect()
+        };
+        let changed: HashSet<usize> = colored(&old)
+            .symmetric_difference(&colored(&scene.objects))
+            .map(|&(_, material)| material)
+            .collect();
+        for &material in &changed {
+            self.subsurface.update(scene, material);
+        }
+        Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
+    }
+
+    fn add_material(&mut self, material: Material) -> Result<Renewed, SceneError> {
+        let scene = &mut self.world.scene;
+        scene.materials.push(material);
+        let index = scene.materials.len() - 1;
+        if let Err(error) = scene.validate_material(index) {
+            scene.materials.pop();
+            return Err(error);
+        }
+        self.world.surfaces.push(&scene.materials[index], &scene.integrator);
+        self.subsurface.push(scene);
+        Ok(Renewed { materials: 1, ..Renewed::default() })
+    }
+
+    fn remove_material(&mut self, index: usize) -> Result<Renewed, SceneError> {
+        let scene = &mut self.world.scene;
+        require("material", index, scene.materials.len())?;
+        if let Some(object) = scene.objects.iter().find(|object| object.material == index) {
+            let name = &scene.materials[index].name;
+            return Err(SceneError::new(format!("material {name} is that of the object {}", object.name)));
+        }
+        scene.materials.remove(index);
+        for object in &mut scene.objects {
+            object.material -= usize::from(object.material > index);
+        }
+        self.world.surfaces.remove(index);
+        self.subsurface.remove(index);
+        self.world.media = self.subsurface.media();
+        Ok(Renewed::default())
     }
 
     /// Whether the scene asks for points that it does not have yet. Until it has, probes find the light.

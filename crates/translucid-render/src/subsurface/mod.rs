@@ -92,12 +92,23 @@ impl SubsurfaceSet {
             kernels: Cache(Vec::new()),
             media: Cache(Vec::new()),
         };
-        for index in 0..scene.materials.len() {
-            let (transport, notes) = new.prepare(scene, index);
-            new.transports.push(transport);
-            new.notes.push(notes);
-        }
+        scene.materials.iter().for_each(|_| new.push(scene));
         new
+    }
+
+    /// Makes what the next of a scene's materials needs.
+    pub(crate) fn push(&mut self, scene: &Scene) {
+        let (transport, notes) = self.prepare(scene, self.transports.len());
+        self.transports.push(transport);
+        self.notes.push(notes);
+    }
+
+    /// Forgets a material; those behind it move up.
+    pub(crate) fn remove(&mut self, index: usize) {
+        self.transports.remove(index);
+        self.notes.remove(index);
+        self.kernels.clean();
+        self.media.clean();
     }
 
     /// Makes what a changed material needs. Points belong to the scene before the change: see `forget_points`.

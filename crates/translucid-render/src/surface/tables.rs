@@ -17,10 +17,7 @@ pub(crate) struct SurfaceTables {
 impl SurfaceTables {
     pub(crate) fn new(materials: &[Material], integrator: &Integrator) -> Self {
         let mut new = Self { tables: Vec::new(), lets_light_through: Vec::new() };
-        for material in materials {
-            new.tables.push(new.tables_of(material));
-            new.lets_light_through.push(lets_light_through(material, integrator));
-        }
+        materials.iter().for_each(|material| new.push(material, integrator));
         new
     }
 
@@ -28,6 +25,18 @@ impl SurfaceTables {
     pub(crate) fn update(&mut self, index: usize, material: &Material, integrator: &Integrator) {
         self.tables[index] = self.tables_of(material);
         self.lets_light_through[index] = lets_light_through(material, integrator);
+    }
+
+    /// Makes what one more material needs.
+    pub(crate) fn push(&mut self, material: &Material, integrator: &Integrator) {
+        self.tables.push(self.tables_of(material));
+        self.lets_light_through.push(lets_light_through(material, integrator));
+    }
+
+    /// Forgets a material; those behind it move up.
+    pub(crate) fn remove(&mut self, index: usize) {
+        self.tables.remove(index);
+        self.lets_light_through.remove(index);
     }
 
     /// The tables of a material's indices of refraction, which are made if no material has had them.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use glam::{Affine3A, Quat, Vec3};
 use translucid_profile::Model;
 use translucid_render::{Edit, FilmSums, PreparedScene, Renewed};
 use translucid_scene::{
@@ -64,6 +64,74 @@ fn image(name: &str, [left, right]: [Vec3; 2]) -> Arc<Image> {
 fn painted(number: usize) -> Material {
     let color = ColorInput { texture: Some(TextureRef::new(number)), ..ColorInput::constant(Vec3::ONE) };
     Material { subsurface_color: color, ..wax(0.3) }
+}
+
+/// Objects that are moved, added and taken away, and materials with them, leave what a scene prepared anew has.
+#[test]
+fn edited_objects_are_those_of_a_scene_prepared_anew() {
+    let mut wanted = still();
+    wanted.objects.iter_mut().for_each(|object| object.is_movable = true);
+    let mut prepared = PreparedScene::new(wanted.clone()).expect("a valid scene");
+    let check = |prepared: &PreparedScene, wanted: &Scene, what: &str| {
+        let anew = PreparedScene::new(wanted.clone()).expect("a valid scene");
+        assert_eq!(picture(prepared), picture(&anew), "{what}");
+        let view = anew.view().expect("a view");
+        assert_eq!(prepared.fingerprint(&view), anew.fingerprint(&view), "{what}");
+    };
+    check(&prepared, &wanted, "as it was");
+
+    // The same picture as of one hierarchy over all triangles, but for rounding
+    let baked = PreparedScene::new(still()).expect("a valid scene");
+    let mean = |prepared: &PreparedScene| {
+        let film = picture(prepared);
+        let pixels = (0..16).flat_map(|y| (0..16).map(move |x| (x, y)));
+        pixels.map(|(x, y)| film.mean(x, y)[..12].iter().sum::<f64>()).sum::<f64>()
+    };
+    assert!((mean(&prepared) / mean(&baked) - 1.0).abs() < 0.01, "{} {}", mean(&prepared), mean(&baked));
+
+    let place = Affine3A::from_scale_rotation_translation(
+        Vec3::new(1.0, 0.5, 1.5),
+        Quat::from_rotation_z(0.4),
+        Vec3::new(0.3, 0.2, 0.0),
+    );
+    wanted.objects[0].world_from_local = place;
+    let renewed = prepared.edit(Edit::Objects(wanted.objects.clone())).expect("a valid edit");
+    assert_eq!(renewed, Renewed { geometry: true, lights: true, ..Renewed::default() });
+    check(&prepared, &wanted, "moved");
+
+    wanted.materials.push(matte(Vec3::new(0.9, 0.1, 0.1)));
+    prepared.edit(Edit::AddMaterial(Box::new(wanted.materials[2].clone()))).expect("a valid edit");
+    let mesh = Arc::new(sphere(0.3, 8));
+    for (number, x) in [-1.0, 1.2].into_iter().enumerate() {
+        wanted.objects.push(Object {
+            name: format!("small {number}"),
+            mesh: Arc::clone(&mesh),
+            material: 2,
+            subsurface_group: 2,
+            world_from_local: Affine3A::from_translation(Vec3::new(x, 1.0, 0.5)),
+            is_movable: true,
+        });
+    }
+    prepared.edit(Edit::Objects(wanted.objects.clone())).expect("a valid edit");
+    check(&prepared, &wanted, "added");
+
+    wanted.objects.remove(0);
+    prepared.edit(Edit::Objects(wanted.objects.clone())).expect("a valid edit");
+    check(&prepared, &wanted, "removed");
+    assert!(prepared.edit(Edit::RemoveMaterial(1)).is_err(), "it is that of an object");
+    wanted.materials.remove(0);
+    wanted.objects.iter_mut().for_each(|object| object.material -= 1);
+    prepared.edit(Edit::RemoveMaterial(0)).expect("a valid edit");
+    check(&prepared, &wanted, "without its material");
+
+    let broken = Object {
+        world_from_local: Affine3A::from_scale(Vec3::new(1.0, 1.0, 0.0)),
+        ..wanted.objects[1].clone()
+    };
+    for objects in [Vec::new(), vec![Object { material: 2, ..wanted.objects[0].clone() }], vec![broken]] {
+        assert!(prepared.edit(Edit::Objects(objects)).is_err());
+        check(&prepared, &wanted, "refused");
+    }
 }
 
 fn picture(prepared: &PreparedScene) -> FilmSums {

@@ -213,7 +213,7 @@ fn visit_settings(film: &mut Film, integrator: &mut Integrator, v: &mut Visitor<
 }
 
 fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
-    let Object { name, mesh, world_from_local, material, subsurface_group } = object;
+    let Object { name, mesh, world_from_local, material, subsurface_group, is_movable: _ } = object;
     let place = |field: &str| format!("object {name}, {field}");
     let mut numbers = world_from_local.to_cols_array();
     numbers.iter_mut().for_each(|number| v(&place("world_from_local"), Slot::Number(number)));

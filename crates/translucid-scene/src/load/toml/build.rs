@@ -160,6 +160,19 @@ impl ReadyMesh {
         }
     }
 
+    /// A mesh in its own space.
+    fn movable(entry: &ObjectEntry, place: &Affine3A, mut mesh: Mesh) -> Result<Self, SceneError> {
+        let triangles = mesh.triangles.len();
+        let mut warnings = Vec::new();
+        repair_mesh(&mut mesh, &entry.place, &mut warnings)?;
+        let object = Object { mesh: mesh.into(), world_from_local: *place, ..Object::default() };
+        object.check_place(|| object.mesh.flattest(), object.mesh.bounds()).map_err(|error| {
+            let message = format!("it is movable, but its {}", error.message);
+            SceneError::at(entry.place.clone(), message).with_help("leave movable out")
+        })?;
+        Ok(Self { mesh: object.mesh, world_from_local: *place, triangles, warnings })
+    }
+
     /// A mesh with its place baked into its vertices.
     fn new(entry: &ObjectEntry, place: &Affine3A, mesh: Mesh) -> Result<Self, SceneError> {
         let triangles = mesh.triangles.len();
@@ -356,6 +369,9 @@ impl SceneBuilder {
         warnings: &mut Vec<Warning>,
     ) -> Result<(), SceneError> {
         match &entry.places[..] {
+            [place] if entry.is_movable => {
+                self.add_ready(entry, 0, ReadyMesh::movable(entry, place, mesh)?, warnings)
+            }
             [place] => self.add_ready(entry, 0, ReadyMesh::new(entry, place, mesh)?, warnings),
             places => {
                 let shared = SharedMesh::new(mesh.into(), places.len(), &entry.place, warnings)?;
@@ -513,7 +529,15 @@ impl SceneBuilder {
             let message = format!("the scene has more than {MOST_OBJECTS} objects up to here");
             return Err(SceneError::at(entry.place.clone(), message));
         }
-        self.scene.objects.push(Object { name, mesh, world_from_local, material, subsurface_group });
+        let is_movable = entry.is_movable;
+        self.scene.objects.push(Object {
+            name,
+            mesh,
+            world_from_local,
+            material,
+            subsurface_group,
+            is_movable,
+        });
         Ok(())
     }
 

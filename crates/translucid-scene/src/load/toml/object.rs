@@ -28,8 +28,17 @@ pub(super) const KEYS: &[&str] = &[
 ];
 
 /// Keys of an object whose mesh is at hand.
-const MESH_KEYS: &[&str] =
-    &["name", "material", "translate", "rotate", "scale", "matrix", "transforms", "subsurface_group"];
+const MESH_KEYS: &[&str] = &[
+    "name",
+    "material",
+    "translate",
+    "rotate",
+    "scale",
+    "matrix",
+    "transforms",
+    "subsurface_group",
+    "movable",
+];
 
 /// Keys of a place.
 const PLACE_KEYS: &[&str] = &["translate", "rotate", "scale", "matrix"];
@@ -60,6 +69,8 @@ pub(super) struct ObjectEntry {
     pub(super) material: Option<usize>,
     /// Name of the set of objects that share subsurface scattering.
     pub(super) subsurface_group: Option<String>,
+    /// Whether the mesh stays in its own space.
+    pub(super) is_movable: bool,
 }
 
 impl ObjectEntry {
@@ -89,7 +100,9 @@ pub(super) fn read_mesh_object(
     place: Place,
     materials: &[Material],
 ) -> Result<ObjectEntry, SceneError> {
-    read_entry(&table.allow(MESH_KEYS)?, GeometryOrigin::Given, place, Some(materials))
+    let table = table.allow(MESH_KEYS)?;
+    let is_movable = table.read("movable", false, Item::boolean)?;
+    Ok(ObjectEntry { is_movable, ..read_entry(&table, GeometryOrigin::Given, place, Some(materials))? })
 }
 
 fn read_entry(
@@ -117,8 +130,23 @@ fn read_entry(
             (None, _) => None,
         },
         subsurface_group: table.get("subsurface_group").map(|item| item.name()).transpose()?,
+        is_movable: false,
     })
 }
+
+/// Another place and another material of an object, as far as they are stated.
+pub(super) fn read_change(
+    table: &Table<'_>,
+    materials: &[Material],
+) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
+    let is_placed = PLACE_KEYS.iter().any(|key| table.get(key).is_some());
+    let place = is_placed.then(|| read_transform(table)).transpose()?;
+    let material = table.get("material").map(|item| read_material_name(&item, materials)).transpose()?;
+    Ok((place, material))
+}
+
+/// Keys of a change of an object.
+pub(super) const CHANGE_KEYS: &[&str] = &["material", "translate", "rotate", "scale", "matrix"];
 
 type ShapeList = &'static [crate::ShapeParameter];
 

@@ -3,6 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Affine3A;
+
 use super::build::{SceneBuilder, check_present, staged};
 use super::document::{DocumentText, Table};
 use super::input::{FileList, FileRequest};
@@ -58,6 +60,15 @@ impl Piece {
     /// A key is unknown or missing, or a value out of its range.
     pub fn light(&self) -> Result<Light, SceneError> {
         self.read(light::read_light)
+    }
+
+    /// Another place and another material of an object of a scene, by those keys of an `[[object]]`; none where no key
+    /// says one.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value not allowed.
+    pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
+        self.read(|table| object::read_change(&table.allow(object::CHANGE_KEYS)?, &scene.materials))
     }
 
     /// A film with the changes of a `[film]`.

@@ -355,13 +355,17 @@ fn with_numbers_of(from: &Scene, to: &Scene) -> Scene {
 }
 
 fn without_meshes(scene: &Scene) -> Scene {
-    let object = |&Object { ref name, world_from_local, material, subsurface_group, .. }: &Object| Object {
-        name: name.clone(),
-        mesh: Arc::default(),
-        world_from_local,
-        material,
-        subsurface_group,
-    };
+    let object =
+        |&Object { ref name, world_from_local, material, subsurface_group, is_movable, .. }: &Object| {
+            Object {
+                name: name.clone(),
+                mesh: Arc::default(),
+                world_from_local,
+                material,
+                subsurface_group,
+                is_movable,
+            }
+        };
     Scene {
         unit: scene.unit,
         camera: scene.camera,
