@@ -458,3 +458,14 @@ def test_transforms_that_are_none_are_refused():
     ]:
         with pytest.raises(SceneError, match=words):
             wax().add_object("ball", shape="sphere", transforms=transforms)
+
+
+def test_triangles_of_packed_records_are_read():
+    """Faces of PLY files, say: a count of one byte, then three indices that no machine reads in their place."""
+    for kind in ("<i4", "<u4", "<u8", "<i8"):
+        faces = np.zeros(2, dtype=[("count", "u1"), ("corners", kind, 3)])
+        faces["corners"] = [[0, 1, 2], [0, 2, 3]]
+        assert not faces["corners"].flags.aligned
+        scene = translucid.Scene()
+        scene.add_mesh("square", [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], faces["corners"])
+        assert "2 triangles" in repr(scene)

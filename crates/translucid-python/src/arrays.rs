@@ -33,7 +33,7 @@ pub(crate) enum Numbers<'py> {
 }
 
 /// Tells whether all elements lie where the machine reads them: those of packed records and of bytes need not.
-fn is_aligned<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
+pub(crate) fn is_aligned<T: Element>(array: &Bound<'_, PyArrayDyn<T>>) -> bool {
     let step = size_of::<T>();
     (array.data() as usize).is_multiple_of(step)
         && array.strides().iter().all(|stride| stride % step as isize == 0)

@@ -13,7 +13,7 @@ use translucid_scene::{
     Film, LoadOptions, Mesh, Piece, SceneBuilder, SceneError, SubsurfaceModel, Unit, Warning, load_scene,
 };
 
-use crate::arrays::{Any, Numbers, Rule};
+use crate::arrays::{Any, Numbers, Rule, is_aligned};
 use crate::keys::Keys;
 use crate::long_work;
 use crate::names;
@@ -678,15 +678,18 @@ fn triangles_of(title: &str, array: &Any<'_>, vertices: usize) -> PyResult<Vec<[
     if shape[0] > MOST_TRIANGLES {
         return Err(wrong(title, &format!("{name} has {} rows, but may have {MOST_TRIANGLES}", shape[0])));
     }
-    let found = if let Ok(array) = array.cast::<PyArrayDyn<u32>>() {
-        indices(array, vertices)
-    } else if let Ok(array) = array.cast::<PyArrayDyn<i32>>() {
-        indices(array, vertices)
-    } else if let Ok(array) = array.cast::<PyArrayDyn<u64>>() {
-        indices(array, vertices)
-    } else {
-        let array = array.call_method1("astype", ("int64",))?;
-        indices(array.cast::<PyArrayDyn<i64>>()?, vertices)
+    let found = match (
+        array.cast::<PyArrayDyn<u32>>(),
+        array.cast::<PyArrayDyn<i32>>(),
+        array.cast::<PyArrayDyn<u64>>(),
+    ) {
+        (Ok(array), ..) if is_aligned(array) => indices(array, vertices),
+        (_, Ok(array), _) if is_aligned(array) => indices(array, vertices),
+        (.., Ok(array)) if is_aligned(array) => indices(array, vertices),
+        _ => {
+            let array = array.call_method1("astype", ("int64",))?;
+            indices(array.cast::<PyArrayDyn<i64>>()?, vertices)
+        }
     };
     found?.map_err(|(row, column)| {
         let index = array.get_item((row, column)).and_then(|n| n.str().map(|n| n.to_string()));

@@ -72,6 +72,7 @@ fn object(number: usize) -> Object {
         world_from_local: Affine3A::from_scale(scale),
         material: number,
         subsurface_group: number as u32 % 2,
+        is_movable: number == 1,
     }
 }
 

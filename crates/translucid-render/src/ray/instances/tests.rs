@@ -50,6 +50,7 @@ fn scene() -> Scene {
             material: 0,
             // The last six share a group
             subsurface_group: i.min(24),
+            is_movable: false,
         })
         .collect();
     let sphere = build_shape("sphere", &ShapeParameters::new()).expect("a sphere");
