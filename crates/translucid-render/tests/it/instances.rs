@@ -59,6 +59,7 @@ fn row(material: Material) -> Scene {
                 ),
                 material: 0,
                 subsurface_group: i as u32,
+                is_movable: false,
             }
         })
         .collect();

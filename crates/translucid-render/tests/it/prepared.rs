@@ -198,7 +198,9 @@ fn apply(scene: &mut Scene, edit: Edit) {
         Edit::Environment(environment) => scene.environment = environment,
         Edit::Integrator(integrator) => scene.integrator = integrator,
         Edit::AddImage(image) => scene.images.push(image),
-        Edit::DropUnusedImages => {}
+        Edit::Objects(objects) => scene.objects = objects,
+        Edit::AddMaterial(material) => scene.materials.push(*material),
+        Edit::RemoveMaterial(_) | Edit::DropUnusedImages => {}
     }
 }
 
