@@ -139,7 +139,7 @@ fn lamps_are_seen_where_their_middles_project() {
             let picture = rendered_whole(scene, 1024);
             let (mut sum, mut at) = (0.0, [0.0; 2]);
             for (x, y) in (0..64).flat_map(|y| (0..96).map(move |x| (x, y))) {
-                let light = f64::from(picture.mean(x, y)[9]);
+                let light = picture.mean(x, y)[9];
                 sum += light;
                 at = [at[0] + light * (f64::from(x) + 0.5), at[1] + light * (f64::from(y) + 0.5)];
             }

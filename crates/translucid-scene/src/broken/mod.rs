@@ -177,7 +177,7 @@ fn visit_camera(camera: &mut Camera, v: &mut Visitor<'_>) {
     visit_vector("camera, up", up, v);
     match projection {
         Projection::Perspective { horizontal_fov } => {
-            v("camera, horizontal_fov", Slot::Number(horizontal_fov))
+            v("camera, horizontal_fov", Slot::Number(horizontal_fov));
         }
         Projection::Orthographic { width } => v("camera, width", Slot::Number(width)),
     }
