@@ -116,7 +116,7 @@ test("lights of every kind are added, turned, removed, and come back by undo", a
     before = await view.pixels();
     const count = async () => (await view.state()).sides.a.lights.length;
     const first = await count();
-    const kinds = ["rectangle", "sphere", "distant", "spot", "point", "beam"];
+    const kinds = ["rectangle", "ellipse", "sphere", "distant", "spot", "point", "beam"];
     for (const [i, kind] of kinds.entries()) {
         await changes(`${kind} added`, () => view.adds(kind));
         assert.equal((await light(first + i)).kind, kind === "point" ? "spot" : kind);

@@ -157,7 +157,7 @@ fn lights_come_and_go_and_the_saved_scene_has_them() {
     let sun =
         json!({"kind":"distant","direction":[0.0,0.6,0.8],"angular_radius":0.5,"irradiance":[2.0,1.5,1.0]});
     let bulb = json!({"kind":"spot","position":[0,40,30],"direction":[0,-0.8,-0.6],"intensity":[900,900,900],
-        "inner_angle":0,"outer_angle":180});
+        "inner_angle":0,"outer_angle":180,"radius":1.5,"visible":false});
     client.apply(json!({"type":"add_light","light":sun}));
     client.apply(json!({"type":"add_light","light":bulb}));
     let version = client.apply(json!({"type":"remove_light","index":0}));
