@@ -122,12 +122,12 @@ test("lights of every kind are added, turned, removed, and come back by undo", a
         assert.equal((await light(first + i)).kind, kind === "point" ? "spot" : kind);
         await view.page.locator(`#section-light-${first + i}[open]`).waitFor();
     }
-    assert.match(await view.page.locator(`#section-light-${first + 4} summary`).textContent(), /^Point/);
+    assert.match(await view.page.locator(`#section-light-${first + 5} summary`).textContent(), /^Point/);
     await changes("turned", () => view.type(`light-${first}-azimuth`, -120));
-    const [, sphere] = (await view.state()).sides.a.lights.slice(first);
+    const [, second] = (await view.state()).sides.a.lights.slice(first);
     await changes("removed", () => view.history(`light-${first}-remove`));
     assert.equal(await count(), first + kinds.length - 1);
-    near((await light(first)).center, sphere.center);
+    near((await light(first)).center, second.center);
     await view.history("undo");
     await view.history("undo");
     assert.equal(await count(), first + kinds.length);
