@@ -1,0 +1,611 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node trees as materials of the renderer.
+
+A surface is a sum of weighted lobes, which Mix Shader and Principled BSDF make of each other; the renderer's material
+holds one of each kind: a metal, clear glass, subsurface scattering and a matte base, under a coat, partly transparent.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .nodes import Evaluator, Socket
+from .subsurface import transport_keys
+from .value import Placement, Value, combine
+
+_ONE, _ZERO = Value.of(1.0), Value.of(0.0)
+
+# Cycles' surface of a mesh without a material.
+DEFAULT_COLOR = (0.8, 0.8, 0.8)
+
+# Roughness of Cycles' entry into a walk of the method for skin.
+_SKIN_ROUGHNESS = 1.0
+
+
+@dataclass
+class Lobe:
+    kind: str
+    weight: Value
+    node: object
+    color: Value
+    # Keys of the renderer that belong to it alone.
+    keys: dict = field(default_factory=dict)
+    # Keys of the interface: specular_roughness, specular_ior, coat_… ; of a matte lobe without an interface none.
+    interface: dict = field(default_factory=dict)
+
+
+@dataclass
+class Material:
+    """Keys of the renderer's material, and the parts of a mesh that it looks at."""
+
+    keys: dict
+    uv_layer: str | None = None
+    color_attribute: str | None = None
+
+    @property
+    def scatters(self):
+        """Whether light travels below its surface."""
+        weight = self.keys.get("subsurface_weight", 0)
+        return isinstance(weight, dict) or weight > 0
+
+    @property
+    def emits(self):
+        return self.keys.get("emission_luminance", 0) > 0
+
+
+def default_material():
+    return Material({"base_color": list(DEFAULT_COLOR), "specular_weight": 0.0})
+
+
+def material_of(material, report, model=None):
+    """Translate a material.
+
+    `model` takes the place of the transport that belongs to the nodes' method.
+    """
+    name = f"material {material.name}"
+    if material.node_tree is None or not getattr(material, "use_nodes", True):
+        return _without_nodes(material)
+    evaluator = Evaluator(report, name)
+    output = _output_node(material.node_tree)
+    surface = Socket(output.inputs["Surface"]).source()[0] if output is not None else None
+    if surface is None:
+        text = "there is no surface (Cycles shows black); it is light gray"
+        report.add(name, output.name if output is not None else "", text)
+        return default_material()
+    for kind in ("Volume", "Displacement"):
+        if Socket(output.inputs[kind]).is_linked:
+            report.add(name, output.name, f"{kind} cannot be translated and is left out")
+    lobes = _lobes(evaluator, surface, _ONE)
+    keys = _MaterialKeys(evaluator, material.name, lobes).keys
+    if model is not None and "subsurface_model" in keys:
+        keys["subsurface_model"] = model
+    return _spelled(evaluator, output, keys)
+
+
+def _without_nodes(material):
+    return Material(
+        {
+            "base_color": [_unit(x) for x in material.diffuse_color[:3]],
+            "base_metalness": _unit(material.metallic),
+            "specular_roughness": _unit(material.roughness),
+        }
+    )
+
+
+def _unit(x):
+    return min(max(float(x), 0.0), 1.0)
+
+
+def _output_node(tree):
+    outputs = [node for node in tree.nodes if node.type == "OUTPUT_MATERIAL" and node.target in {"ALL", "CYCLES"}]
+    active = [node for node in outputs if node.is_active_output]
+    return (active or outputs or [None])[0]
+
+
+# --- lobes
+
+def _lobes(evaluator, output, weight):
+    """The lobes of the shader of an output, each times a weight."""
+    translate = _SHADERS.get(output.node.type)
+    if translate is None:
+        text = f"a {output.node.bl_label} node cannot be translated; it is diffuse"
+        evaluator.say(output.node, text)
+        socket = output.input("Color") or output.input("Base Color")
+        return [Lobe("diffuse", weight, output.node, evaluator.value(socket, DEFAULT_COLOR))]
+    return translate(evaluator, output, weight)
+
+
+def _times(a, b):
+    return combine(np.multiply, a, b)
+
+
+def _rest(value):
+    return combine(lambda x: 1 - x, value)
+
+
+def _weight(evaluator, output, name, default):
+    return combine(lambda x: np.clip(x, 0, 1), evaluator.value(output.input(name), default))
+
+
+def _mix(evaluator, output, weight):
+    factor = _weight(evaluator, output, "Fac", 0.5)
+    lobes = []
+    for socket, share in zip(output.node.inputs[1:3], (_rest(factor), factor), strict=True):
+        if share.is_everywhere(0):
+            continue
+        source = Socket(socket, output.groups).source()[0]
+        if source is None:
+            lobes.append(Lobe("diffuse", _times(weight, share), output.node, Value.of([0.0, 0.0, 0.0])))
+        else:
+            lobes += _lobes(evaluator, source, _times(weight, share))
+    return lobes
+
+
+def _add(evaluator, output, weight):
+    sources = [Socket(socket, output.groups).source()[0] for socket in output.node.inputs[:2]]
+    return [lobe for source in sources if source is not None for lobe in _lobes(evaluator, source, weight)]
+
+
+def _diffuse(evaluator, output, weight):
+    _say_unless_zero(evaluator, output, "Roughness", "the roughness of diffuse light cannot be translated and is 0")
+    return [Lobe("diffuse", weight, output.node, _color(evaluator, output), _normal(evaluator, output))]
+
+
+def _color(evaluator, output, name="Color"):
+    return combine_unit(evaluator.value(output.input(name), DEFAULT_COLOR))
+
+
+def combine_unit(value):
+    """A value in [0, 1]; one that is keeps its codes and its mesh's colors."""
+    if value.pixels.dtype == np.uint8:
+        return value
+    return Value(np.clip(value.pixels, 0, 1), value.placement, value.attribute)
+
+
+def _say_unless_zero(evaluator, output, name, text):
+    if not evaluator.value(output.input(name)).is_everywhere(0):
+        evaluator.say(output.node, text)
+
+
+def _subsurface(evaluator, output, weight):
+    node = output.node
+    number = lambda name, default: evaluator.value(output.input(name), default).number
+    color = _color(evaluator, output)
+    keys = transport_keys(
+        node.falloff,
+        color,
+        evaluator.value(output.input("Radius")).color(),
+        evaluator.value(output.input("Scale")),
+        number("IOR", 1.4),
+        number("Anisotropy", 0.0),
+    )
+    roughness = Value.of(_SKIN_ROUGHNESS) if node.falloff == "RANDOM_WALK_SKIN" else _weight(evaluator, output, "Roughness", 1.0)
+    keys["entry_roughness"] = roughness
+    return [Lobe("subsurface", weight, node, color, keys | _normal(evaluator, output))]
+
+
+def _glossy(evaluator, output, weight):
+    _say_unless_zero(evaluator, output, "Anisotropy", "anisotropic reflection cannot be translated; it is isotropic")
+    interface = {"specular_roughness": _weight(evaluator, output, "Roughness", 0.5)}
+    return [Lobe("metal", weight, output.node, _color(evaluator, output), _normal(evaluator, output), interface)]
+
+
+def _metallic(evaluator, output, weight):
+    if output.node.fresnel_type != "F82":
+        evaluator.say(output.node, "physical conductors cannot be translated; its base color is the reflectance")
+    interface = {"specular_roughness": _weight(evaluator, output, "Roughness", 0.5)}
+    color = _color(evaluator, output, "Base Color")
+    return [Lobe("metal", weight, output.node, color, _normal(evaluator, output), interface)]
+
+
+def _glass(evaluator, output, weight):
+    node = output.node
+    if node.type == "BSDF_REFRACTION":
+        evaluator.say(node, "refraction without reflection cannot be translated; it is glass")
+    interface = {
+        "specular_roughness": _weight(evaluator, output, "Roughness", 0.0),
+        "specular_ior": evaluator.value(output.input("IOR"), 1.5),
+    }
+    return [Lobe("glass", weight, node, _color(evaluator, output), _normal(evaluator, output), interface)]
+
+
+def _transparent(evaluator, output, weight):
+    color = _color(evaluator, output)
+    if not color.is_everywhere(1):
+        evaluator.say(output.node, "colored transparency cannot be translated; it lets through the color's luminance")
+        clear = color.scalar()
+        return [
+            Lobe("transparent", _times(weight, clear), output.node, _ONE),
+            Lobe("diffuse", _times(weight, _rest(clear)), output.node, Value.of([0.0, 0.0, 0.0])),
+        ]
+    return [Lobe("transparent", weight, output.node, color)]
+
+
+def _emission(evaluator, output, weight):
+    color, strength = evaluator.value(output.input("Color")), evaluator.value(output.input("Strength"), 1.0)
+    return [Lobe("emission", weight, output.node, _radiance(color, strength))]
+
+
+def _radiance(color, strength):
+    if color.attribute and strength.is_constant:
+        return Value(color.linear * max(strength.number, 0), color.placement, color.attribute)
+    return combine(lambda c, s: np.maximum(c * s, 0), color, strength)
+
+
+def _normal(evaluator, output):
+    """The normal map of a shader."""
+    source = output.input("Normal").source()[0] if output.input("Normal") else None
+    if source is None:
+        return {}
+    node = source.node
+    if node.type != "NORMAL_MAP":
+        evaluator.say(node, f"normals from a {node.bl_label} node cannot be translated; the mesh's own are used")
+        return {}
+    if node.space != "TANGENT":
+        evaluator.say(node, "only normal maps in tangent space can be translated; the mesh's own normals are used")
+        return {}
+    color, strength = evaluator.value(source.input("Color")), evaluator.value(source.input("Strength"), 1.0)
+    if color.placement is None:
+        if not np.allclose(color.constant, [0.5, 0.5, 1.0], atol=1e-3):
+            evaluator.say(node, "a normal map that is no image cannot be translated; the mesh's own normals are used")
+        return {}
+    if node.uv_map and color.placement.layer not in {"", node.uv_map}:
+        evaluator.say(node, f"the tangents are those of the UV map {color.placement.layer!r}")
+    return {"geometry_normal": strengthened(color, strength.number)}
+
+
+def strengthened(color, strength):
+    """A normal map whose normals are mixed with the surface's, as Cycles' Strength does."""
+    if strength == 1:
+        return color
+
+    def function(codes):
+        normal = 2 * codes - 1
+        mixed = np.array([0.0, 0.0, 1.0]) * (1 - strength) + normal * strength
+        mixed[..., 2] = np.maximum(mixed[..., 2], 1e-3)
+        mixed /= np.linalg.norm(mixed, axis=-1, keepdims=True)
+        return (mixed + 1) / 2
+
+    return combine(function, color)
+
+
+_LEFT_OUT = {
+    "Diffuse Roughness": "the roughness of diffuse light cannot be translated and is 0",
+    "Anisotropic": "anisotropic reflection cannot be translated; it is isotropic",
+    "Sheen Weight": "sheen cannot be translated and is left out",
+    "Thin Film Thickness": "a thin film cannot be translated and is left out",
+}
+
+
+def interface_index(ior, level):
+    """The index of refraction whose reflectance at normal incidence is that of `ior` times twice `level`."""
+    f0 = min(((ior - 1) / (ior + 1)) ** 2 * 2 * max(level, 0.0), 0.99)
+    return (1 + f0**0.5) / (1 - f0**0.5)
+
+
+def _principled(evaluator, output, weight):
+    node = output.node
+    for name, text in _LEFT_OUT.items():
+        _say_unless_zero(evaluator, output, name, text)
+    number = lambda name, default: evaluator.value(output.input(name), default).number
+    base = _color(evaluator, output, "Base Color")
+    metallic, transmission, scattering, alpha, coat = (
+        _weight(evaluator, output, name, default)
+        for name, default in (
+            ("Metallic", 0.0),
+            ("Transmission Weight", 0.0),
+            ("Subsurface Weight", 0.0),
+            ("Alpha", 1.0),
+            ("Coat Weight", 0.0),
+        )
+    )
+    ior, level = number("IOR", 1.5), number("Specular IOR Level", 0.5)
+    index = interface_index(ior, level)
+    roughness = _weight(evaluator, output, "Roughness", 0.5)
+    tint = _color(evaluator, output, "Specular Tint") if output.input("Specular Tint") else Value.of([1.0, 1.0, 1.0])
+    interface = {"specular_roughness": roughness, "specular_ior": Value.of(index)}
+    if not tint.is_everywhere(1):
+        interface["specular_color"] = tint
+    if not coat.is_everywhere(0):
+        interface |= {
+            "coat_weight": coat,
+            "coat_roughness": _weight(evaluator, output, "Coat Roughness", 0.03),
+            "coat_ior": evaluator.value(output.input("Coat IOR"), 1.5),
+            "coat_color": _color(evaluator, output, "Coat Tint"),
+        }
+        if output.input("Coat Normal") and output.input("Coat Normal").is_linked:
+            evaluator.say(node, "a normal of the coat's own cannot be translated; it is the surface's")
+    normal = _normal(evaluator, output)
+    solid = _times(weight, alpha)
+    opaque = _times(solid, _rest(metallic))
+    below = _times(opaque, _rest(transmission))
+    parts = [
+        Lobe("transparent", _times(weight, _rest(alpha)), node, _ONE),
+        Lobe("metal", _times(solid, metallic), node, base, normal, interface),
+        # Light crosses glass twice, and shall then have the base color.
+        Lobe("glass", _times(opaque, transmission), node, _glass_color(base, transmission), normal, interface),
+        Lobe("diffuse", _times(below, _rest(scattering)), node, base, normal, interface),
+    ]
+    if not scattering.is_everywhere(0):
+        keys = transport_keys(
+            node.subsurface_method,
+            base,
+            evaluator.value(output.input("Subsurface Radius"), [1.0, 0.2, 0.1]).color(),
+            evaluator.value(output.input("Subsurface Scale"), 0.05),
+            number("Subsurface IOR", 1.4) if node.subsurface_method == "RANDOM_WALK_SKIN" else max(index, 1.01),
+            number("Subsurface Anisotropy", 0.0),
+        )
+        keys["entry_roughness"] = Value.of(_SKIN_ROUGHNESS) if node.subsurface_method == "RANDOM_WALK_SKIN" else roughness
+        parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | normal, interface))
+    lobes = [lobe for lobe in parts if not lobe.weight.is_everywhere(0)]
+    emitted = _radiance(evaluator.value(output.input("Emission Color"), [1.0, 1.0, 1.0]), evaluator.value(output.input("Emission Strength")))
+    if not emitted.is_everywhere(0):
+        lobes.append(Lobe("emission", solid, node, emitted))
+    return lobes
+
+
+def _glass_color(base, transmission):
+    return base if transmission.is_everywhere(0) else combine(np.sqrt, base)
+
+
+_SHADERS = {
+    "BSDF_DIFFUSE": _diffuse,
+    "SUBSURFACE_SCATTERING": _subsurface,
+    "BSDF_GLOSSY": _glossy,
+    "BSDF_ANISOTROPIC": _glossy,
+    "BSDF_METALLIC": _metallic,
+    "BSDF_GLASS": _glass,
+    "BSDF_REFRACTION": _glass,
+    "BSDF_TRANSPARENT": _transparent,
+    "EMISSION": _emission,
+    "BSDF_PRINCIPLED": _principled,
+    "MIX_SHADER": _mix,
+    "ADD_SHADER": _add,
+}
+
+
+# --- one material of many lobes
+
+
+class _MaterialKeys:
+    """The keys of a sum of lobes, as values."""
+
+    def __init__(self, evaluator, name, lobes):
+        self._evaluator, self._name = evaluator, name
+        groups = {kind: [lobe for lobe in lobes if lobe.kind == kind] for kind in _KINDS}
+        weights = {kind: _sum(lobe.weight for lobe in group) for kind, group in groups.items()}
+        surface = [lobe for kind in ("metal", "glass", "subsurface", "diffuse") for lobe in groups[kind]]
+        self.keys = {}
+        self._weigh(weights, surface)
+        self._color(groups)
+        self._scatter(groups["subsurface"])
+        self._cover(surface, weights)
+        self._emit(groups["emission"])
+        self._shape(surface)
+
+    def _say(self, lobe, text):
+        self._evaluator.say(lobe.node, text)
+
+    def _weigh(self, weights, surface):
+        opaque = _sum([weights["subsurface"], weights["diffuse"]])
+        dielectric = _sum([weights["glass"], opaque])
+        solid = _sum([weights["metal"], dielectric])
+        opacity = _rest(weights["transparent"])
+        if solid.is_constant and solid.number > 1 + 1e-4:
+            self._say(surface[-1], "surfaces that are added are mixed by their weights")
+        self.keys["base_metalness"] = _share(weights["metal"], solid)
+        self.keys["transmission_weight"] = _share(weights["glass"], dielectric)
+        self.keys["subsurface_weight"] = _share(weights["subsurface"], opaque)
+        self.keys["geometry_opacity"] = combine(lambda x: np.clip(x, 0, 1), opacity)
+        self._opaque = opaque
+
+    def _color(self, groups):
+        matte = _mean_color(groups["diffuse"])
+        metal = _mean_color(groups["metal"])
+        if matte is not None and metal is not None and not _same(matte, metal):
+            lobe = groups["metal"][0]
+            if self.keys["base_metalness"].is_everywhere(1):
+                matte = None
+            else:
+                self._say(lobe, "a matte and a metallic part of one surface have the same color, the mean of theirs")
+                matte = _mean_color(groups["diffuse"] + groups["metal"])
+        base = matte if matte is not None else metal
+        no_surface = not any(groups[kind] for kind in ("metal", "glass", "subsurface", "diffuse"))
+        black = Value.of([0.0, 0.0, 0.0])
+        self.keys["base_color"] = base if base is not None else black if no_surface else Value.of(DEFAULT_COLOR)
+        if groups["glass"]:
+            self.keys["transmission_color"] = _mean_color(groups["glass"])
+
+    def _scatter(self, lobes):
+        if not lobes:
+            return
+        first = lobes[0]
+        if any(not _same_keys(lobe.keys, first.keys) for lobe in lobes[1:]):
+            self._say(lobes[1], "subsurface scattering of several kinds in one surface is that of the first")
+        self.keys |= {key: value for key, value in first.keys.items() if key.startswith("subsurface_")}
+        if len(lobes) > 1:
+            self.keys["subsurface_color"] = _mean_color(lobes)
+        self._entry_roughness = first.keys["entry_roughness"]
+
+    def _cover(self, surface, weights):
+        """The interface: what of the matte parts has one, and its roughness and index."""
+        with_interface = [lobe for lobe in surface if lobe.interface]
+        covered = _sum(lobe.weight for lobe in with_interface if lobe.kind in {"subsurface", "diffuse"})
+        share = _share(covered, self._opaque)
+        has_mirror = any(lobe.kind in {"metal", "glass"} for lobe in surface)
+        self.keys["specular_weight"] = _ONE if has_mirror else share
+        if not with_interface:
+            self._enter(surface)
+            return
+        first = next((lobe for lobe in with_interface if lobe.kind != "metal"), with_interface[0])
+        if any(not _same_keys(lobe.interface, first.interface) for lobe in with_interface if lobe.kind != "metal"):
+            self._say(first, "parts of one surface with different roughness, index or coat have those of the first")
+        metal = next((lobe for lobe in with_interface if lobe.kind == "metal"), first)
+        if not _same(metal.interface["specular_roughness"], first.interface["specular_roughness"]):
+            self._say(metal, "a metallic part of a surface has the roughness of the other part")
+        self.keys |= first.interface
+        if has_mirror and share.is_everywhere(0) and not weights["glass"].is_everywhere(0):
+            if not self._opaque.is_everywhere(0):
+                self._say(first, "the matte part beside glass gets a specular reflection, too")
+        elif has_mirror and share.is_everywhere(0):
+            self.keys["specular_ior"] = _ONE
+        elif has_mirror and not share.is_everywhere(1) and not self._opaque.is_everywhere(0):
+            self._say(first, "a matte part beside a metal or glass has the specular reflection everywhere")
+        self._enter(surface)
+
+    def _enter(self, surface):
+        """Walks enter through the roughness of the interface, whatever it is called."""
+        roughness = getattr(self, "_entry_roughness", None)
+        if roughness is None or self.keys.get("subsurface_model") != "random-walk-rough":
+            return
+        if "specular_roughness" not in self.keys or self.keys["specular_weight"].is_everywhere(0):
+            self.keys["specular_roughness"] = roughness
+
+    def _emit(self, lobes):
+        if not lobes:
+            return
+        opacity = self.keys["geometry_opacity"]
+        if opacity.is_everywhere(0):
+            self._say(lobes[0], "light that is added to a transparent surface cannot be translated; it is opaque")
+            opacity = self.keys["geometry_opacity"] = _ONE
+        if len(lobes) == 1 and lobes[0].weight.is_constant and opacity.is_constant:
+            factor = lobes[0].weight.number / opacity.number
+            color = lobes[0].color
+            radiance = Value(color.linear * np.float32(factor), color.placement, color.attribute)
+        else:
+            radiance = combine(
+                lambda o, *rest: sum(w * c for w, c in zip(rest[::2], rest[1::2], strict=True)) / np.maximum(o, 1e-3),
+                opacity,
+                *(value for lobe in lobes for value in (lobe.weight, lobe.color)),
+            )
+        # Colors of textures and meshes are in [0, 1]; the strength is a number apart.
+        brightest = float(radiance.linear.max())
+        if brightest > 0:
+            self.keys["emission_luminance"] = brightest
+            self.keys["emission_color"] = Value(radiance.linear / brightest, radiance.placement, radiance.attribute)
+
+    def _shape(self, surface):
+        maps = [lobe.keys.get("geometry_normal") for lobe in surface]
+        given = [value for value in maps if value is not None]
+        if not given:
+            return
+        if len(given) < len(maps) or any(not _same(value, given[0]) for value in given[1:]):
+            self._say(surface[0], "shaders of one surface with different normals have those of the first normal map")
+        self.keys["geometry_normal"] = given[0]
+
+
+_KINDS = ("metal", "glass", "subsurface", "diffuse", "transparent", "emission")
+
+
+def _sum(values):
+    values = list(values)
+    return combine(lambda *all: sum(all), *values) if values else _ZERO
+
+
+def _share(part, whole):
+    if part.is_everywhere(0):
+        return _ZERO
+    if part is whole or _same(part, whole):
+        return _ONE
+    return combine(lambda p, w: np.where(w > 0, np.clip(p / np.where(w > 0, w, 1), 0, 1), 0), part, whole)
+
+
+def _same(a, b):
+    if a is b:
+        return True
+    if (a.placement, a.attribute, a.pixels.shape) != (b.placement, b.attribute, b.pixels.shape):
+        return False
+    return a.pixels is b.pixels or bool(np.array_equal(a.linear, b.linear))
+
+
+def _same_keys(a, b):
+    def same(x, y):
+        return _same(x, y) if isinstance(x, Value) and isinstance(y, Value) else x == y
+
+    return a.keys() == b.keys() and all(same(a[key], b[key]) for key in a)
+
+
+def _mean_color(lobes):
+    """The color of lobes of one kind, weighted."""
+    if not lobes:
+        return None
+    if all(_same(lobe.color, lobes[0].color) for lobe in lobes):
+        return lobes[0].color
+
+    def function(*rest):
+        weights, colors = rest[::2], rest[1::2]
+        whole = sum(weights)
+        return sum(w * c for w, c in zip(weights, colors, strict=True)) / np.where(whole > 0, whole, 1)
+
+    return combine(function, *(value for lobe in lobes for value in (lobe.weight, lobe.color)))
+
+
+# --- spelling
+
+
+_COLORS = {
+    "base_color",
+    "specular_color",
+    "transmission_color",
+    "subsurface_color",
+    "subsurface_radius_scale",
+    "coat_color",
+    "emission_color",
+}
+
+# Keys that take a number only.
+_NUMBERS = {
+    "specular_ior": (1.0, 4.0),
+    "coat_ior": (1.0, 4.0),
+    "subsurface_scatter_anisotropy": (-0.95, 0.95),
+    "subsurface_eta": (0.5, 3.0),
+}
+
+
+def _spelled(evaluator, node, keys):
+    """The keys as the renderer takes them."""
+    spelled, layers, attributes = {}, [], []
+    for key, value in keys.items():
+        if not isinstance(value, Value):
+            spelled[key] = value
+            continue
+        if value.placement is not None:
+            layers.append(value.placement.layer)
+        if value.attribute is not None:
+            attributes.append(value.attribute)
+        spelled[key] = _spelled_value(evaluator, node, key, value)
+    for names, what in ((layers, "UV maps"), (attributes, "color attributes")):
+        if len(set(names)) > 1:
+            evaluator.say(node, f"of several {what} in one material only {names[0] or 'the active one'!r} is used")
+    return Material(spelled, layers[0] if layers else None, attributes[0] if attributes else None)
+
+
+def _spelled_value(evaluator, node, key, value):
+    if key in _NUMBERS:
+        if not value.is_constant:
+            evaluator.say(node, f"a texture of {key} cannot be translated; its mean is used")
+        low, high = _NUMBERS[key]
+        return min(max(value.number, low), high)
+    if value.is_constant:
+        constant = value.constant
+        return [float(x) for x in constant] if key in _COLORS else float(constant[0])
+    if value.placement is None:
+        if key not in _COLORS or not (key == "emission_color" or np.all(value.linear == 1)):
+            evaluator.say(node, f"a color attribute of {key} cannot be translated; it is white")
+            return [1.0, 1.0, 1.0] if key in _COLORS else 1.0
+        if np.all(value.linear == 1):
+            return "vertex"
+        evaluator.say(node, "a color attribute that is scaled by a color has the mean of it")
+        return "vertex"
+    place, is_exact = value.placement.keys()
+    if not is_exact:
+        evaluator.say(node, f"a texture of {key} is skewed, which cannot be translated; it is turned and stretched")
+    # The renderer keeps sRGB codes, linear numbers as floating point.
+    table = {"image": value.pixels if key in _COLORS else value.linear, **place}
+    if key in _COLORS:
+        table["color_space"] = "srgb" if value.pixels.dtype == np.uint8 else "linear"
+        if value.attribute is not None:
+            table["vertex_color"] = True
+    elif key != "geometry_normal":
+        table["image"] = np.ascontiguousarray(value.scalar().linear[..., 0])
+    return table

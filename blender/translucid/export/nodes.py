@@ -1,0 +1,551 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shader nodes as constants and textures.
+
+What depends on texture coordinates is calculated here, texel by texel; what depends on anything else, as the point or
+the view, is reported and replaced by its nearest.
+"""
+
+import numpy as np
+
+from .image import pixels_of
+from .value import LUMINANCE, Placement, Value, combine
+
+# Samples of a color ramp or curve.
+_RAMP = 1025
+
+
+class Socket:
+    """An input of a node, within the groups that it is in."""
+
+    def __init__(self, socket, groups=()):
+        self.socket, self.groups = socket, groups
+
+    @property
+    def node(self):
+        return self.socket.node
+
+    def source(self):
+        """The output that feeds it, through reroutes, groups and muted nodes; or the input whose own value counts."""
+        socket, groups = self.socket, self.groups
+        while True:
+            link = next((link for link in socket.links if link.is_valid and not link.is_muted), None)
+            if link is None:
+                return None, Socket(socket, groups)
+            output, node = link.from_socket, link.from_node
+            if node.type == "GROUP" and node.node_tree is not None and not node.mute:
+                ends = [inner for inner in node.node_tree.nodes if inner.type == "GROUP_OUTPUT"]
+                end = next((inner for inner in ends if inner.is_active_output), None)
+                if end is None:
+                    return Output(output, groups), None
+                groups = (*groups, node)
+                socket = _by_identifier(end.inputs, output.identifier)
+            elif node.type == "GROUP_INPUT" and groups:
+                socket, groups = _by_identifier(groups[-1].inputs, output.identifier), groups[:-1]
+            elif node.type == "REROUTE":
+                socket = node.inputs[0]
+            elif node.mute:
+                passed = next((link for link in node.internal_links if link.to_socket == output), None)
+                if passed is None:
+                    return Output(output, groups), None
+                socket = passed.from_socket
+            else:
+                return Output(output, groups), None
+
+    @property
+    def is_linked(self):
+        return self.source()[0] is not None
+
+
+class Output:
+    """An output of a node, within the groups that it is in."""
+
+    def __init__(self, socket, groups):
+        self.socket, self.groups, self.node = socket, groups, socket.node
+
+    def input(self, name):
+        """An input of its node, by identifier or name; None where this version of Blender has none."""
+        socket = _by_identifier(self.node.inputs, name) or self.node.inputs.get(name)
+        return None if socket is None else Socket(socket, self.groups)
+
+
+def _by_identifier(sockets, identifier):
+    return next((socket for socket in sockets if socket.identifier == identifier), None)
+
+
+class Evaluator:
+    """The values of sockets; what it cannot calculate it reports for `name`."""
+
+    def __init__(self, report, name, placement_of=None):
+        self._report, self._name = report, name
+        self._values = {}
+        self._placement_of = placement_of or self._uv_placement
+
+    def say(self, node, text):
+        self._report.add(self._name, node.label or node.name, text)
+
+    def value(self, socket, default=0.0):
+        """The value of an input, of as many channels as its kind has; the default where there is no such input."""
+        if socket is None:
+            return Value.of(default)
+        output, end = socket.source()
+        if output is not None:
+            return _as_kind(self._output(output), socket.socket.type)
+        if end.socket.hide_value or not hasattr(end.socket, "default_value"):
+            return Value.of(default)
+        number = end.socket.default_value
+        if end.socket.type == "RGBA":
+            number = tuple(number)[:3]
+        return _as_kind(Value.of(number), socket.socket.type)
+
+    def _output(self, output):
+        key = (output.socket.as_pointer(), tuple(group.as_pointer() for group in output.groups))
+        if key not in self._values:
+            evaluate = _NODES.get(output.node.type)
+            if evaluate is None:
+                self.say(output.node, f"a {output.node.bl_label} node cannot be translated; its output counts as 0.5")
+                self._values[key] = Value.of(0.5)
+            else:
+                self._values[key] = evaluate(self, output)
+        return self._values[key]
+
+    def placement(self, socket, wrap):
+        """How the texture that takes these coordinates lies on the surface."""
+        return self._placement_of(socket, wrap)
+
+    def _uv_placement(self, socket, wrap):
+        output, _ = socket.source()
+        plain = Placement(wrap=wrap)
+        if output is None:
+            return plain
+        node = output.node
+        if node.type == "UVMAP":
+            return Placement(wrap=wrap, layer=node.uv_map)
+        if node.type == "TEX_COORD":
+            if output.socket.identifier != "UV":
+                self.say(node, f"{output.socket.name} coordinates cannot be translated; the UV map is used")
+            return plain
+        if node.type == "MAPPING":
+            before = self._uv_placement(output.input("Vector"), wrap)
+            return before.mapped(*self._affine(output))
+        self.say(node, f"texture coordinates from a {node.bl_label} node cannot be translated; the UV map is used")
+        return plain
+
+    def _affine(self, output):
+        """The map of a Mapping node, of u and v."""
+        location, rotation, scale = (
+            self.value(output.input(name)).color().constant for name in ("Location", "Rotation", "Scale")
+        )
+        kind = output.node.vector_type
+        if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
+            self.say(output.node, "rotations about x and y cannot be translated and are left out")
+        cos, sin = np.cos(rotation[2]), np.sin(rotation[2])
+        turn, stretch = np.array([[cos, -sin], [sin, cos]]), np.diag(scale[:2])
+        if kind == "TEXTURE":
+            if np.any(scale[:2] == 0):
+                self.say(output.node, "a scale of 0 cannot be undone and is left out")
+                stretch = np.eye(2)
+            linear = np.linalg.inv(stretch) @ turn.T
+            return linear, -linear @ location[:2]
+        if kind == "POINT":
+            return turn @ stretch, location[:2]
+        if kind == "VECTOR":
+            return turn @ stretch, np.zeros(2)
+        self.say(output.node, "the kind Normal cannot be translated; texture coordinates are taken as they are")
+        return np.eye(2), np.zeros(2)
+
+
+def _as_kind(value, kind):
+    if kind in {"RGBA", "VECTOR"}:
+        return value.color()
+    return value.scalar() if value.channels != 1 else value
+
+
+def luminance(color):
+    return color @ LUMINANCE[:, None]
+
+
+# --- nodes: each takes the evaluator and the output that is asked for
+
+_EXTENSIONS = {"REPEAT": "repeat", "EXTEND": "clamp", "MIRROR": "mirror", "CLIP": "clamp"}
+
+
+def _image_texture(evaluator, output):
+    node = output.node
+    # Cycles' color of a missing image.
+    missing = Value.of([1.0, 0.0, 1.0])
+    if node.image is None:
+        evaluator.say(node, "it has no image and is magenta, as in Cycles")
+        return missing
+    pixels = pixels_of(node.image, lambda text: evaluator.say(node, f"image {node.image.name}: {text}"))
+    if pixels is None:
+        evaluator.say(node, f"image {node.image.name} cannot be read and is magenta, as in Cycles")
+        return missing
+    wrap = "repeat"
+    if node.type == "TEX_IMAGE":
+        if node.projection != "FLAT":
+            evaluator.say(node, f"the projection {node.projection.capitalize()} cannot be translated; it is flat")
+        if node.extension == "CLIP":
+            evaluator.say(node, "the extension Clip cannot be translated; the edge is extended")
+        wrap = _EXTENSIONS[node.extension]
+    placement = evaluator.placement(output.input("Vector"), wrap)
+    alpha = pixels[..., 3:4]
+    if alpha.dtype == np.uint8:
+        alpha = alpha.astype(np.float32) / 255
+    if output.socket.identifier == "Alpha":
+        return Value(alpha, placement)
+    color = Value(np.ascontiguousarray(pixels[..., :3]), placement)
+    is_opaque = node.image.alpha_mode in {"NONE", "CHANNEL_PACKED"} or float(alpha.min()) == 1
+    if is_opaque or node.outputs["Alpha"].is_linked:
+        return color
+    # Cycles associates alpha with the color unless alpha is used, too.
+    return Value(color.linear * alpha, placement)
+
+
+def _vertex_color(evaluator, output):
+    name = output.node.layer_name if output.node.type == "VERTEX_COLOR" else output.node.attribute_name
+    if output.node.type == "ATTRIBUTE" and output.node.attribute_type != "GEOMETRY":
+        evaluator.say(output.node, f"an attribute of {output.node.attribute_type} cannot be translated; it is white")
+        return Value.of([1.0, 1.0, 1.0])
+    if output.socket.identifier != "Color":
+        evaluator.say(output.node, f"the output {output.socket.name} cannot be translated; it is 1")
+        return Value.of(1.0)
+    return Value(np.ones((1, 1, 3), dtype=np.float32), None, name)
+
+
+def _given(evaluator, output):
+    number = output.node.outputs[0].default_value
+    return Value.of(tuple(number)[:3] if output.node.type == "RGB" else number)
+
+
+def _combine(evaluator, output, function, *values):
+    """A function of values, which a mesh's colors get lost in: said where there are any."""
+    if any(value.attribute for value in values):
+        evaluator.say(output.node, "a color attribute can be used directly or times a constant only; it is white here")
+    return combine(function, *values)
+
+
+def _ramp(evaluator, output):
+    node = output.node
+    channels = slice(0, 3) if output.socket.identifier == "Color" else slice(3, 4)
+    factor = evaluator.value(output.input("Fac"))
+    if factor.is_constant:
+        return Value.of(tuple(node.color_ramp.evaluate(factor.number))[channels])
+    table = np.array([tuple(node.color_ramp.evaluate(i / (_RAMP - 1)))[channels] for i in range(_RAMP)])
+    return _combine(evaluator, output, lambda x: _look_up(table, x), factor)
+
+
+def _look_up(table, x):
+    place = np.linspace(0, 1, _RAMP)
+    return np.stack([np.interp(x[..., 0], place, column) for column in table.T], axis=-1)
+
+
+def _curves(evaluator, output):
+    mapping = output.node.mapping
+    mapping.initialize()
+    factor, color = (evaluator.value(output.input(name)) for name in ("Fac", "Color"))
+    place = np.linspace(0, 1, _RAMP)
+    combined = mapping.curves[3]
+    tables = [
+        np.array([mapping.evaluate(combined, mapping.evaluate(curve, x)) for x in place])
+        for curve in mapping.curves[:3]
+    ]
+
+    def function(factor, color):
+        curved = np.stack([np.interp(color[..., i], place, tables[i]) for i in range(3)], axis=-1)
+        return color + factor * (curved - color)
+
+    return _combine(evaluator, output, function, factor, color)
+
+
+def _blends():
+    def screen(a, b):
+        return 1 - (1 - a) * (1 - b)
+
+    def overlay(a, b):
+        return np.where(a < 0.5, 2 * a * b, 1 - 2 * (1 - a) * (1 - b))
+
+    def divide(a, b):
+        return np.where(b == 0, a, a / np.where(b == 0, 1, b))
+
+    def dodge(a, b):
+        return np.where(a == 0, 0, np.where(b >= 1, 1, np.minimum(a / np.maximum(1 - b, 1e-6), 1)))
+
+    def burn(a, b):
+        return np.where(b <= 0, 0, np.clip(1 - (1 - a) / np.maximum(b, 1e-6), 0, 1))
+
+    def soft_light(a, b):
+        return (1 - a) * b * a + a * screen(a, b)
+
+    return {
+        "MIX": lambda a, b: b,
+        "ADD": lambda a, b: a + b,
+        "SUBTRACT": lambda a, b: a - b,
+        "MULTIPLY": lambda a, b: a * b,
+        "SCREEN": screen,
+        "OVERLAY": overlay,
+        "DIVIDE": divide,
+        "DIFFERENCE": lambda a, b: np.abs(a - b),
+        "EXCLUSION": lambda a, b: a + b - 2 * a * b,
+        "DARKEN": np.minimum,
+        "LIGHTEN": np.maximum,
+        "DODGE": dodge,
+        "BURN": burn,
+        "SOFT_LIGHT": soft_light,
+        "LINEAR_LIGHT": lambda a, b: a + 2 * b - 1,
+    }
+
+
+_BLENDS = _blends()
+
+
+def _mix(evaluator, output):
+    node = output.node
+    if node.type == "MIX":
+        kind = {"FLOAT": "Float", "VECTOR": "Vector", "RGBA": "Color"}.get(node.data_type)
+        if kind is None:
+            evaluator.say(node, f"a mix of {node.data_type.lower()}s cannot be translated; it is 0.5")
+            return Value.of(0.5)
+        uniform = kind != "Vector" or node.factor_mode == "UNIFORM"
+        names = ("Factor_Float" if uniform else "Factor_Vector", f"A_{kind}", f"B_{kind}")
+        blend = node.blend_type if kind == "Color" else "MIX"
+        clamp_factor, clamp_result = node.clamp_factor, kind == "Color" and node.clamp_result
+    else:
+        names, blend = ("Fac", "Color1", "Color2"), node.blend_type
+        clamp_factor, clamp_result = True, node.use_clamp
+    function = _BLENDS.get(blend)
+    if function is None:
+        evaluator.say(node, f"the blend {blend.capitalize()} cannot be translated; it is Mix")
+        function = _BLENDS["MIX"]
+    factor, a, b = (evaluator.value(output.input(name)) for name in names)
+    tinted = _tinted(blend, factor, a, b)
+    if tinted is not None:
+        return tinted
+
+    def mixed(factor, a, b):
+        t = np.clip(factor, 0, 1) if clamp_factor else factor
+        result = a + t * (function(a, b) - a)
+        return np.clip(result, 0, 1) if clamp_result else result
+
+    return _combine(evaluator, output, mixed, factor, a, b)
+
+
+def _tinted(blend, factor, a, b):
+    """A product of a mesh's colors with something else: the renderer knows that."""
+    if blend != "MULTIPLY" or not factor.is_everywhere(1) or bool(a.attribute) == bool(b.attribute):
+        return None
+    colors, other = (a, b) if a.attribute else (b, a)
+    product = combine(np.multiply, Value(colors.pixels, colors.placement), other)
+    return Value(product.pixels, product.placement, colors.attribute)
+
+
+def _rounded(function):
+    return lambda a, b, c: function(a)
+
+
+_MATH = {
+    "ADD": lambda a, b, c: a + b,
+    "SUBTRACT": lambda a, b, c: a - b,
+    "MULTIPLY": lambda a, b, c: a * b,
+    "DIVIDE": lambda a, b, c: np.where(b == 0, 0, a / np.where(b == 0, 1, b)),
+    "MULTIPLY_ADD": lambda a, b, c: a * b + c,
+    "POWER": lambda a, b, c: np.nan_to_num(np.power(np.maximum(a, 0), b), posinf=0),
+    "LOGARITHM": lambda a, b, c: np.where((a > 0) & (b > 0), np.log(np.maximum(a, 1e-30)) / np.where(b == 1, 1, np.log(np.maximum(b, 1e-30))), 0),
+    "SQRT": lambda a, b, c: np.sqrt(np.maximum(a, 0)),
+    "INVERSE_SQRT": lambda a, b, c: np.where(a > 0, 1 / np.sqrt(np.maximum(a, 1e-30)), 0),
+    "ABSOLUTE": lambda a, b, c: np.abs(a),
+    "EXPONENT": lambda a, b, c: np.exp(np.minimum(a, 80)),
+    "MINIMUM": lambda a, b, c: np.minimum(a, b),
+    "MAXIMUM": lambda a, b, c: np.maximum(a, b),
+    "LESS_THAN": lambda a, b, c: (a < b).astype(np.float32),
+    "GREATER_THAN": lambda a, b, c: (a > b).astype(np.float32),
+    "SIGN": lambda a, b, c: np.sign(a),
+    "COMPARE": lambda a, b, c: (np.abs(a - b) <= np.maximum(c, 1e-5)).astype(np.float32),
+    "ROUND": _rounded(lambda a: np.floor(a + 0.5)),
+    "FLOOR": _rounded(np.floor),
+    "CEIL": _rounded(np.ceil),
+    "TRUNC": _rounded(np.trunc),
+    "FRACT": lambda a, b, c: a - np.floor(a),
+    "MODULO": lambda a, b, c: np.where(b == 0, 0, np.fmod(a, np.where(b == 0, 1, b))),
+    "FLOORED_MODULO": lambda a, b, c: np.where(b == 0, 0, np.mod(a, np.where(b == 0, 1, b))),
+    "SINE": lambda a, b, c: np.sin(a),
+    "COSINE": lambda a, b, c: np.cos(a),
+    "TANGENT": lambda a, b, c: np.tan(a),
+    "ARCSINE": lambda a, b, c: np.arcsin(np.clip(a, -1, 1)),
+    "ARCCOSINE": lambda a, b, c: np.arccos(np.clip(a, -1, 1)),
+    "ARCTANGENT": lambda a, b, c: np.arctan(a),
+    "ARCTAN2": lambda a, b, c: np.arctan2(a, b),
+    "RADIANS": lambda a, b, c: np.radians(a),
+    "DEGREES": lambda a, b, c: np.degrees(a),
+}
+
+
+def _math(evaluator, output):
+    node = output.node
+    function = _MATH.get(node.operation)
+    if function is None:
+        evaluator.say(node, f"the operation {node.operation.capitalize()} cannot be translated; it counts as 0.5")
+        return Value.of(0.5)
+    values = [evaluator.value(Socket(socket, output.groups)) for socket in node.inputs[:3]]
+    values += [Value.of(0.0)] * (3 - len(values))
+
+    def clamped(*numbers):
+        result = function(*numbers)
+        return np.clip(result, 0, 1) if node.use_clamp else result
+
+    return _combine(evaluator, output, clamped, *values)
+
+
+def _invert(evaluator, output):
+    factor, color = evaluator.value(output.input("Fac"), 1.0), evaluator.value(output.input("Color"))
+    return _combine(evaluator, output, lambda f, c: c + f * (1 - 2 * c), factor, color)
+
+
+def _gamma(evaluator, output):
+    color, gamma = evaluator.value(output.input("Color")), evaluator.value(output.input("Gamma"), 1.0)
+    return _combine(evaluator, output, lambda c, g: np.where(c > 0, np.power(np.maximum(c, 1e-30), g), c), color, gamma)
+
+
+def _bright_contrast(evaluator, output):
+    color, bright, contrast = (evaluator.value(output.input(name)) for name in ("Color", "Bright", "Contrast"))
+    function = lambda c, b, k: np.maximum((1 + k) * c + b - k / 2, 0)
+    return _combine(evaluator, output, function, color, bright, contrast)
+
+
+def _hue_saturation(evaluator, output):
+    names = ("Hue", "Saturation", "Value", "Fac", "Color")
+    values = [evaluator.value(output.input(name)) for name in names]
+
+    def function(hue, saturation, value, factor, color):
+        h, s, v = np.moveaxis(rgb_to_hsv(np.broadcast_to(color, np.broadcast_shapes(color.shape, hue.shape))), -1, 0)
+        h = np.mod(h + hue[..., 0] + 0.5, 1)
+        changed = hsv_to_rgb(np.stack([h, np.clip(s * saturation[..., 0], 0, 1), v * value[..., 0]], axis=-1))
+        return color + factor * (np.maximum(changed, 0) - color)
+
+    return _combine(evaluator, output, function, *values)
+
+
+def rgb_to_hsv(color):
+    value = color.max(axis=-1)
+    span = value - color.min(axis=-1)
+    safe = np.where(span > 0, span, 1)
+    r, g, b = np.moveaxis(color, -1, 0)
+    hue = np.select([value == r, value == g], [((g - b) / safe) % 6, (b - r) / safe + 2], (r - g) / safe + 4) / 6
+    saturation = np.where(value > 0, span / np.where(value > 0, value, 1), 0)
+    return np.stack([np.where(span > 0, hue, 0), saturation, value], axis=-1)
+
+
+def hsv_to_rgb(hsv):
+    h, s, v = np.moveaxis(hsv, -1, 0)
+    k = (np.stack([h * 6 + 5, h * 6 + 3, h * 6 + 1], axis=-1)) % 6
+    return v[..., None] - (v * s)[..., None] * np.clip(np.minimum(k, 4 - k), 0, 1)
+
+
+def _clamp(evaluator, output):
+    value, low, high = (evaluator.value(output.input(name)) for name in ("Value", "Min", "Max"))
+
+    def function(x, a, b):
+        if output.node.clamp_type == "RANGE":
+            a, b = np.minimum(a, b), np.maximum(a, b)
+        return np.clip(x, a, np.maximum(a, b))
+
+    return _combine(evaluator, output, function, value, low, high)
+
+
+def _map_range(evaluator, output):
+    node = output.node
+    if node.data_type != "FLOAT" or node.interpolation_type not in {"LINEAR", "SMOOTHSTEP"}:
+        evaluator.say(node, "only linear and smooth ranges of numbers can be translated; it counts as 0.5")
+        return Value.of(0.5)
+    values = [evaluator.value(output.input(name)) for name in ("Value", "From Min", "From Max", "To Min", "To Max")]
+
+    def function(x, from_min, from_max, to_min, to_max):
+        span = from_max - from_min
+        t = np.where(span == 0, 0, (x - from_min) / np.where(span == 0, 1, span))
+        if node.clamp or node.interpolation_type == "SMOOTHSTEP":
+            t = np.clip(t, 0, 1)
+        if node.interpolation_type == "SMOOTHSTEP":
+            t = t * t * (3 - 2 * t)
+        return to_min + t * (to_max - to_min)
+
+    return _combine(evaluator, output, function, *values)
+
+
+def _separate(evaluator, output):
+    node = output.node
+    color = evaluator.value(Socket(node.inputs[0], output.groups))
+    channel = list(node.outputs).index(output.socket)
+    if getattr(node, "mode", "RGB") == "HSV":
+        return _combine(evaluator, output, lambda c: rgb_to_hsv(c)[..., channel : channel + 1], color)
+    if getattr(node, "mode", "RGB") == "HSL":
+        evaluator.say(node, "the mode HSL cannot be translated; it is RGB")
+    if color.attribute is None:
+        return Value(np.ascontiguousarray(color.linear[..., channel : channel + 1]), color.placement)
+    return _combine(evaluator, output, lambda c: c[..., channel : channel + 1], color)
+
+
+def _join(evaluator, output):
+    node = output.node
+    parts = [evaluator.value(Socket(socket, output.groups)) for socket in node.inputs[:3]]
+
+    def function(*parts):
+        color = np.concatenate(np.broadcast_arrays(*parts), axis=-1)
+        return hsv_to_rgb(color) if getattr(node, "mode", "RGB") == "HSV" else color
+
+    return _combine(evaluator, output, function, *parts)
+
+
+def _to_gray(evaluator, output):
+    return _combine(evaluator, output, luminance, evaluator.value(output.input("Color")))
+
+
+def _blackbody(evaluator, output):
+    temperature = evaluator.value(output.input("Temperature")).number
+    return Value.of(blackbody(temperature))
+
+
+def blackbody(temperature):
+    """The color of a black body of luminance 1, linear Rec. 709.
+
+    Planck's law against the fit of the CIE 1931 color matching functions by C. Wyman, P.-P. Sloan and P. Shirley,
+    "Simple Analytic Approximations to the CIE XYZ Color Matching Functions", 2013.
+    """
+    nm = np.arange(360.0, 831.0)
+    lobe = lambda mean, below, above: np.exp(-0.5 * ((nm - mean) / np.where(nm < mean, below, above)) ** 2)
+    x = 1.056 * lobe(599.8, 37.9, 31.0) + 0.362 * lobe(442.0, 16.0, 26.7) - 0.065 * lobe(501.1, 20.4, 26.2)
+    y = 0.821 * lobe(568.8, 46.9, 40.5) + 0.286 * lobe(530.9, 16.3, 31.1)
+    z = 1.217 * lobe(437.0, 11.8, 36.0) + 0.681 * lobe(459.0, 26.0, 13.8)
+    kelvin = np.clip(temperature, 800.0, 40000.0)
+    power = nm**-5 / np.expm1(1.438777e7 / (nm * kelvin))
+    xyz = np.array([(power * curve).sum() for curve in (x, y, z)])
+    to_rec709 = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
+    rgb = np.maximum(to_rec709 @ (xyz / xyz[1]), 0)
+    return rgb / (rgb @ LUMINANCE)
+
+
+_NODES = {
+    "TEX_IMAGE": _image_texture,
+    "TEX_ENVIRONMENT": _image_texture,
+    "VERTEX_COLOR": _vertex_color,
+    "ATTRIBUTE": _vertex_color,
+    "RGB": _given,
+    "VALUE": _given,
+    "VALTORGB": _ramp,
+    "CURVE_RGB": _curves,
+    "MIX": _mix,
+    "MIX_RGB": _mix,
+    "MATH": _math,
+    "INVERT": _invert,
+    "GAMMA": _gamma,
+    "BRIGHTCONTRAST": _bright_contrast,
+    "HUE_SAT": _hue_saturation,
+    "CLAMP": _clamp,
+    "MAP_RANGE": _map_range,
+    "SEPARATE_COLOR": _separate,
+    "SEPRGB": _separate,
+    "SEPXYZ": _separate,
+    "COMBINE_COLOR": _join,
+    "COMBRGB": _join,
+    "COMBXYZ": _join,
+    "RGBTOBW": _to_gray,
+    "BLACKBODY": _blackbody,
+}
