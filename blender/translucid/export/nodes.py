@@ -73,12 +73,15 @@ def _by_identifier(sockets, identifier):
 
 
 class Evaluator:
-    """The values of sockets; what it cannot calculate it reports for `name`."""
+    """The values of sockets; what it cannot calculate it reports for `name`.
+
+    `placement_of` is how the texture that takes the coordinates of a socket lies, by UV unless something else is given.
+    """
 
     def __init__(self, report, name, placement_of=None):
         self._report, self._name = report, name
         self._values = {}
-        self._placement_of = placement_of or self._uv_placement
+        self._placement_of = placement_of or Evaluator._uv_placement
 
     def say(self, node, text):
         self._report.add(self._name, node.label or node.name, text)
@@ -110,7 +113,7 @@ class Evaluator:
 
     def placement(self, socket, wrap):
         """How the texture that takes these coordinates lies on the surface."""
-        return self._placement_of(socket, wrap)
+        return self._placement_of(self, socket, wrap)
 
     def _uv_placement(self, socket, wrap):
         output, _ = socket.source()

@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine: final pictures here, the viewport by `viewport.Viewport`.
+
+The renderer's threads know nothing of Blender. Blender's data are read in `update` and `view_update` only, by the thread
+that Blender calls; `render` looks after the renderer and hands its pictures over.
+"""
+
+import time
+
+import bpy
+import numpy as np
+import translucid
+
+from . import settings
+from .export.camera import depth_along_view, scene_camera
+from .export.report import Report
+from .export.scene import Exporter, build
+from .process import memory_in_use
+from .task import Task
+from .viewport import Viewport
+
+# Seconds between two looks at a rendering, and between two of its pictures.
+_NAP, _SHOWN_EVERY = 0.02, 0.5
+
+_PREVIEW_SAMPLES = 32
+
+# Blender's name, the renderer's layer, channels; and whether a view layer has it.
+PASSES = (
+    ("Depth", "depth", "Z", lambda layer: layer.use_pass_z),
+    ("Normal", "normal", "XYZ", lambda layer: layer.use_pass_normal),
+    ("Diffuse", "diffuse", "RGB", lambda layer: layer.translucid.use_diffuse),
+    ("Glossy", "specular", "RGB", lambda layer: layer.translucid.use_glossy),
+    ("Subsurface", "subsurface", "RGB", lambda layer: layer.translucid.use_subsurface),
+    ("Emission", "emission", "RGB", lambda layer: layer.translucid.use_emission),
+    ("Albedo", "albedo", "RGB", lambda layer: layer.translucid.use_albedo),
+)
+
+# Messages of the last rendering, for the panel.
+last_messages = []
+
+
+class Cancelled(Exception):
+    """The user wants no more."""
+
+
+class TranslucidRenderEngine(bpy.types.RenderEngine):
+    bl_idname = "TRANSLUCID"
+    bl_label = "translucid"
+    bl_use_preview = True
+    bl_use_eevee_viewport = True
+    bl_use_spherical_stereo = False
+
+    # Blender makes engines itself, with arguments that differ by version: what they begin with is here.
+    _session = None
+    _viewport = None
+    _description = None
+    _report = None
+
+    def __del__(self):
+        self._end()
+        if self._viewport is not None:
+            self._viewport.end()
+
+    def _end(self):
+        if self._session is not None:
+            self._session.cancel()
+            self._session = None
+
+    # --- final pictures
+
+    def update_render_passes(self, scene, layer):
+        self.register_pass(scene, layer, "Combined", 4, "RGBA", "COLOR")
+        for name, _, channels, is_wanted in PASSES:
+            if is_wanted(layer):
+                kind = {"Z": "VALUE", "XYZ": "VECTOR"}.get(channels, "COLOR")
+                self.register_pass(scene, layer, name, len(channels), channels, kind)
+
+    def update(self, data, depsgraph):
+        self._report = Report()
+        self._started = time.perf_counter()
+        self.update_stats("", "Exporting")
+        try:
+            exporter = Exporter(depsgraph, self._report, settings.model_of(depsgraph.scene), self.test_break)
+            self._description = exporter.describe()
+        except InterruptedError:
+            self._description = None
+
+    def render(self, depsgraph):
+        scene, layer = depsgraph.scene, depsgraph.view_layer_eval
+        if self._description is None:
+            return
+        try:
+            self._render(depsgraph, scene, layer)
+        except Cancelled:
+            pass
+        except (translucid.SceneError, ValueError, RuntimeError, MemoryError) as error:
+            # Shown by Blender, and raised by bpy.ops.render.render.
+            self.error_set(f"translucid: {error}")
+        finally:
+            self._end()
+            self._description = None
+
+    def _render(self, depsgraph, scene, layer):
+        width, height = self._size(scene)
+        region = self._region(scene, width, height)
+        samples = min(_PREVIEW_SAMPLES, scene.translucid.samples) if self.is_preview else scene.translucid.samples
+        camera = self._camera(scene, depsgraph, width, height)
+        description = self._description
+        film, integrator = settings.film_keys(scene, width, height), settings.integrator_keys(scene, samples)
+        threads = settings.threads_of(scene)
+        self.update_stats("", "Preparing")
+
+        def prepare():
+            made = build(description, camera, film, integrator)
+            return translucid.Session(made, threads=threads, region=region)
+
+        task = Task(prepare)
+        while not task.wait(_NAP):
+            if self.test_break():
+                raise Cancelled
+        self._session = session = task.result()
+        for message in (*task.warnings, *session.notes):
+            self._report.add("", None, message)
+        self._say()
+        session.start(samples)
+        result = self.begin_result(0, 0, region[2] - region[0], region[3] - region[1], layer=layer.name)
+        try:
+            self._watch(session, scene, samples, lambda: self._show(result, session, camera, region, layer, False))
+            self._show(result, session, camera, region, layer, scene.translucid.use_denoising and not self.is_preview)
+        finally:
+            self.end_result(result, cancel=False)
+
+    def _size(self, scene):
+        render = scene.render
+        if self.is_preview:
+            return render.resolution_x, render.resolution_y
+        share = render.resolution_percentage / 100
+        return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
+
+    def _region(self, scene, width, height):
+        """The pixels to render: from the upper left to just before the lower right."""
+        render = scene.render
+        if not render.use_border or self.is_preview:
+            return 0, 0, width, height
+        left, right = int(render.border_min_x * width), int(render.border_max_x * width)
+        bottom, top = int(render.border_min_y * height), int(render.border_max_y * height)
+        return left, height - top, right, height - bottom
+
+    def _camera(self, scene, depsgraph, width, height):
+        owner = scene.camera
+        if owner is None:
+            raise ValueError("the scene has no camera")
+        if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
+            self._report.add("scene", None, "pixels that are not square cannot be rendered; they are square")
+        return scene_camera(owner.evaluated_get(depsgraph), depsgraph, width, height, self._report)
+
+    def _say(self):
+        if self.is_preview:
+            return
+        last_messages[:] = self._report.messages
+        for message in last_messages:
+            self.report({"WARNING"}, f"translucid: {message}")
+
+    def _watch(self, session, scene, samples, show):
+        """Waits for the samples, the user or the time limit."""
+        limit = scene.translucid.time_limit
+        shown = begun = time.perf_counter()
+        while session.is_running:
+            now = time.perf_counter()
+            if self.test_break():
+                session.cancel()
+                return
+            done = session.samples
+            if limit > 0 and now - begun >= limit and done > 0:
+                session.cancel()
+                return
+            share = done / samples if limit == 0 else max(done / samples, min((now - begun) / limit, 1))
+            self.update_progress(share)
+            used, peak = memory_in_use()
+            self.update_memory_stats(memory_used=used, memory_peak=peak)
+            self.update_stats("", f"Time {now - self._started:.1f} s | Memory {used:.0f} M | Sample {done}/{samples}")
+            if not bpy.app.background and now - shown >= _SHOWN_EVERY:
+                show()
+                shown = time.perf_counter()
+            time.sleep(_NAP)
+        session.wait()
+        self.update_progress(1.0)
+
+    def _show(self, result, session, camera, region, layer, denoise):
+        """Hands the layers over: Blender's first row is the lowest."""
+        radiance = session.snapshot("radiance")
+        if denoise and not self.test_break():
+            radiance = self._denoised(session, radiance)
+        passes = result.layers[0].passes
+        picture = np.concatenate([radiance, session.snapshot("alpha")], axis=2)
+        _hand_over(passes["Combined"], picture)
+        for name, ours, _, is_wanted in PASSES:
+            taken = passes.get(name)
+            if taken is None or not is_wanted(layer):
+                continue
+            values = session.snapshot(ours)
+            if ours == "depth":
+                values = depth_along_view(values, camera, session.size, region)[..., None]
+            _hand_over(taken, values)
+        self.update_result(result)
+
+    def _denoised(self, session, radiance):
+        self.update_stats("", "Denoising")
+        task = Task(lambda: session.snapshot("denoised"))
+        while not task.wait(_NAP):
+            if self.test_break():
+                return radiance
+        try:
+            return task.result()
+        except RuntimeError as error:
+            self.report({"WARNING"}, f"translucid: not denoised: {error}")
+            return radiance
+
+    # --- the viewport
+
+    def view_update(self, context, depsgraph):
+        if self._viewport is None:
+            self._viewport = Viewport(self)
+        self._viewport.update(context, depsgraph)
+
+    def view_draw(self, context, depsgraph):
+        if self._viewport is None:
+            self._viewport = Viewport(self)
+            self._viewport.update(context, depsgraph)
+        self._viewport.draw(context, depsgraph)
+
+
+def _hand_over(render_pass, values):
+    render_pass.rect.foreach_set(np.ascontiguousarray(values[::-1], dtype=np.float32).ravel())
+
+
+class TranslucidLayerSettings(bpy.types.PropertyGroup):
+    use_diffuse: bpy.props.BoolProperty(name="Diffuse", description="Light that matte surfaces reflect")
+    use_glossy: bpy.props.BoolProperty(name="Glossy", description="Light that interfaces reflect or refract")
+    use_subsurface: bpy.props.BoolProperty(name="Subsurface", description="Light that has traveled below a surface")
+    use_emission: bpy.props.BoolProperty(name="Emission", description="Light straight from emitters")
+    use_albedo: bpy.props.BoolProperty(name="Albedo", description="Albedo of the first surface")
+
+
+def register():
+    bpy.utils.register_class(TranslucidLayerSettings)
+    bpy.types.ViewLayer.translucid = bpy.props.PointerProperty(type=TranslucidLayerSettings)
+    bpy.utils.register_class(TranslucidRenderEngine)
+
+
+def unregister():
+    bpy.utils.unregister_class(TranslucidRenderEngine)
+    del bpy.types.ViewLayer.translucid
+    bpy.utils.unregister_class(TranslucidLayerSettings)

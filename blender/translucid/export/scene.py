@@ -1,0 +1,198 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A depsgraph as a description: meshes, materials, lamps, world; and that as a `translucid.Scene`."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import translucid
+
+from .light import light_keys
+from .material import default_material, material_of
+from .mesh import arrays_of
+from .world import environment_keys
+
+# Kinds of objects that have surfaces.
+_SURFACES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+
+# Kinds that show nothing in a rendering.
+_SILENT = {"EMPTY", "ARMATURE", "LATTICE", "SPEAKER", "CAMERA", "LIGHT_PROBE", "LIGHT"}
+
+_KINDS = {"CURVES": "hair curves", "POINTCLOUD": "point clouds", "VOLUME": "volumes", "GREASEPENCIL": "grease pencil", "GPENCIL": "grease pencil"}
+
+
+@dataclass
+class Body:
+    """A mesh of one or several materials, and the places where it stands."""
+
+    name: str
+    # Names of the materials and arrays, for each part.
+    parts: list
+    places: list = field(default_factory=list)
+    # A name for each place.
+    owners: list = field(default_factory=list)
+
+
+@dataclass
+class Description:
+    bodies: list = field(default_factory=list)
+    materials: dict = field(default_factory=dict)
+    lights: list = field(default_factory=list)
+    environment: dict = field(default_factory=dict)
+
+
+class Exporter:
+    """Describes what a depsgraph shows.
+
+    `model` takes the place of the transports of the materials' own methods; `is_cancelled` is asked between objects.
+    """
+
+    def __init__(self, depsgraph, report, model=None, is_cancelled=lambda: False):
+        self._depsgraph, self._report, self._model = depsgraph, report, model
+        self._is_cancelled = is_cancelled
+
+    def describe(self):
+        description = Description(environment=self.environment())
+        bodies = {}
+        # What is found in an iteration is gone after it.
+        for instance in self._depsgraph.object_instances:
+            shown = instance.object
+            if not instance.show_self:
+                continue
+            if shown.type == "LIGHT":
+                light = light_keys(shown, instance.matrix_world, self._report)
+                if light is not None:
+                    description.lights.append(light)
+            elif shown.type in _SURFACES:
+                self._place(bodies, instance, shown, description)
+            elif shown.type not in _SILENT:
+                what = _KINDS.get(shown.type, shown.type.lower())
+                self._report.add(f"object {shown.name}", None, f"{what} cannot be rendered")
+        description.bodies = [body for body in bodies.values() if body.parts]
+        return description
+
+    def lights(self):
+        instances = (i for i in self._depsgraph.object_instances if i.show_self and i.object.type == "LIGHT")
+        found = (light_keys(i.object, i.matrix_world, self._report) for i in instances)
+        return [light for light in found if light is not None]
+
+    def environment(self):
+        scene = self._depsgraph.scene
+        return environment_keys(scene.world, self._report, not scene.render.film_transparent)
+
+    def material(self, material):
+        if material is None:
+            return default_material()
+        return material_of(material, self._report, self._model)
+
+    def _place(self, bodies, instance, shown, description):
+        materials = [slot.material for slot in shown.material_slots] or [None]
+        # Objects with the same evaluated mesh and the same materials share it.
+        owner = 0 if shown.type == "MESH" else shown.original.as_pointer()
+        key = (shown.data.as_pointer(), owner, *(material.as_pointer() if material else 0 for material in materials))
+        body = bodies.get(key)
+        if body is None:
+            if self._is_cancelled():
+                raise InterruptedError("cancelled")
+            self._look_at(shown)
+            names = [self._add_material(description, material) for material in materials]
+            source = instance.instance_object if instance.is_instance and shown.type != "MESH" else shown
+            body = bodies[key] = Body(shown.name_full, self._parts(source, names, description))
+        body.places.append(np.array(instance.matrix_world, dtype=np.float64))
+        body.owners.append(_place_name(instance))
+
+    def _look_at(self, shown):
+        where = f"object {shown.name}"
+        if getattr(shown, "is_holdout", False):
+            self._report.add(where, None, "a holdout cannot be rendered; it is seen")
+        if getattr(shown, "is_shadow_catcher", False):
+            self._report.add(where, None, "a shadow catcher cannot be rendered; it is seen")
+        rays = ("camera", "diffuse", "glossy", "transmission", "shadow")
+        if not all(getattr(shown, f"visible_{ray}", True) for ray in rays):
+            self._report.add(where, None, "visibility by kind of ray cannot be rendered; all rays see it")
+        for system in shown.particle_systems:
+            if system.settings.type == "HAIR" and system.settings.render_type == "PATH":
+                self._report.add(where, system.name, "hair cannot be rendered")
+
+    def _parts(self, shown, names, description):
+        """The mesh of an object, by materials."""
+        own = [description.materials[name] for name in names]
+        uv_layers = _Clamped({slot: m.uv_layer for slot, m in enumerate(own) if m.uv_layer is not None}, len(own))
+        colors = _Clamped({slot: m.color_attribute for slot, m in enumerate(own) if m.color_attribute is not None}, len(own))
+        is_mesh = shown.type == "MESH"
+        mesh = shown.data if is_mesh else shown.to_mesh()
+        if mesh is None:
+            return []
+        try:
+            parts = arrays_of(mesh, uv_layers, colors, len(names) == 1)
+        finally:
+            if not is_mesh:
+                shown.to_mesh_clear()
+        where = f"object {shown.name}"
+        for part in parts:
+            if part.slot in uv_layers and part.uv is None:
+                wanted = f" {uv_layers[part.slot]!r}" if uv_layers[part.slot] else ""
+                self._report.add(where, None, f"it has no UV map{wanted}; its textures show one texel")
+            if part.slot in colors and part.colors is None:
+                self._report.add(where, None, f"it has no color attribute {colors[part.slot]!r}; it is white")
+        return [(names[min(part.slot, len(names) - 1)], part) for part in parts]
+
+    def _add_material(self, description, material):
+        name = material_name(material)
+        if name not in description.materials:
+            description.materials[name] = self.material(material)
+        return name
+
+
+class _Clamped(dict):
+    """A map of slots in which those beyond the last count as the last, as in Blender."""
+
+    def __init__(self, slots, count):
+        super().__init__(slots)
+        self._last = count - 1
+
+    def __contains__(self, slot):
+        return super().__contains__(min(slot, self._last))
+
+    def __getitem__(self, slot):
+        return super().__getitem__(min(slot, self._last))
+
+
+def material_name(material):
+    return material.name_full if material is not None else "no material"
+
+
+def _place_name(instance):
+    if not instance.is_instance:
+        return instance.object.name_full
+    parent = instance.parent.name_full if instance.parent else ""
+    numbers = [str(i) for i in instance.persistent_id if i != 0x7FFFFFFF]
+    return f"{instance.object.name_full} of {':'.join([parent, *numbers])}"
+
+
+def build(description, camera, film, integrator):
+    """The renderer's scene of a description."""
+    scene = translucid.Scene("m", camera=camera, film=film, integrator=integrator, environment=description.environment)
+    for name, material in description.materials.items():
+        scene.add_material(name, **material.keys)
+    for body in description.bodies:
+        _add_body(scene, body, description.materials)
+    for light in description.lights:
+        scene.add_light(**light)
+    return scene
+
+
+def _add_body(scene, body, materials):
+    # The parts of a body share the light below their surfaces, and each place is a body of its own.
+    is_shared = len(body.parts) > 1 and any(materials[name].scatters for name, _ in body.parts)
+    places = np.array(body.places)
+    for number, (material, part) in enumerate(body.parts):
+        name = body.name if len(body.parts) == 1 else f"{body.name}/{number}"
+        words = {"material": material, "normals": part.normals, "uv": part.uv, "colors": part.colors}
+        if len(places) > 1 and not is_shared:
+            scene.add_mesh(name, part.vertices, part.triangles, transforms=places, **words)
+            continue
+        for i, place in enumerate(places):
+            if is_shared:
+                words["subsurface_group"] = body.owners[i]
+            unique = name if len(places) == 1 else f"{name}[{i}]"
+            scene.add_mesh(unique, part.vertices, part.triangles, matrix=place.ravel().tolist(), **words)

@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings of a scene: `scene.translucid`."""
+
+import bpy
+import translucid
+
+_WALKS = ("random-walk", "random-walk-diffuse", "random-walk-rough")
+
+# Blender forgets what a callback returns, unless Python keeps it.
+_MODELS = [
+    ("NODE", "As the nodes say", "The transport that looks like the node's method in Cycles"),
+    *((name, name, "Random walk: the truth of a body" if name == "random-walk" else "Random walk") for name in _WALKS),
+    *((name, name, "Reflectance profile") for name in translucid.models if name not in {*_WALKS, "none"}),
+    ("none", "none", "No light below the surfaces"),
+]
+
+
+class TranslucidSceneSettings(bpy.types.PropertyGroup):
+    samples: bpy.props.IntProperty(
+        name="Samples", description="Samples per pixel of a rendering", default=128, min=1, max=1 << 24
+    )
+    preview_samples: bpy.props.IntProperty(
+        name="Viewport Samples", description="Samples per pixel of the viewport", default=64, min=1, max=1 << 24
+    )
+    time_limit: bpy.props.FloatProperty(
+        name="Time Limit", description="Longest time to render a picture; 0 is no limit", default=0.0, min=0.0, unit="TIME_ABSOLUTE"
+    )
+    seed: bpy.props.IntProperty(name="Seed", description="Seed of the random numbers", default=0, min=0)
+    use_animated_seed: bpy.props.BoolProperty(
+        name="Animate Seed", description="Another noise in each frame", default=True
+    )
+    model: bpy.props.EnumProperty(
+        name="Model", description="Transport of light below surfaces", items=_MODELS, default="NODE"
+    )
+    method: bpy.props.EnumProperty(
+        name="Method",
+        description="How light below surfaces is found; walks are always traced",
+        items=[
+            ("ray-traced", "Ray-Traced", "Every path looks for the place where its light entered"),
+            ("point-based", "Point-Based", "The light that enters is computed at points beforehand and summed"),
+        ],
+        default="ray-traced",
+    )
+    use_sharing: bpy.props.BoolProperty(
+        name="Share between Pixels", description="Light that entered below one pixel serves those around it", default=True
+    )
+    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path", default=12, min=1, max=1024)
+    use_denoising: bpy.props.BoolProperty(
+        name="Denoise", description="By Open Image Denoise, if Blender's library is found", default=False
+    )
+    compare_model: bpy.props.EnumProperty(
+        name="Beside", description="Model that Compare renders beside the scene's", items=_MODELS, default="random-walk"
+    )
+    compare_samples: bpy.props.IntProperty(name="Samples", description="Samples of each picture of Compare", default=64, min=1, max=1 << 16)
+
+
+def register():
+    bpy.utils.register_class(TranslucidSceneSettings)
+    bpy.types.Scene.translucid = bpy.props.PointerProperty(type=TranslucidSceneSettings)
+
+
+def unregister():
+    del bpy.types.Scene.translucid
+    bpy.utils.unregister_class(TranslucidSceneSettings)

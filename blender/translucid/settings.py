@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A scene's settings as keys of the renderer."""
+
+# Share of Burley's profile beyond 16 d, where Cycles cuts it off and renormalizes the rest.
+CYCLES_TAIL = 0.00362
+
+# Diffuse events on a path, Cycles' default.
+_DIFFUSE_BOUNCES = 4
+
+
+def integrator_keys(scene, samples):
+    settings = scene.translucid
+    keys = {
+        "samples_per_pixel": samples,
+        "max_depth": settings.max_bounces,
+        "max_diffuse_depth": min(_DIFFUSE_BOUNCES, settings.max_bounces),
+        "subsurface_method": settings.method,
+        "subsurface_sharing": settings.use_sharing,
+        "seed": seed_of(scene),
+    }
+    if model_of(scene) is None:
+        keys["subsurface_tail"] = CYCLES_TAIL
+    return keys
+
+
+def seed_of(scene):
+    """The seed of a frame: the 32 bits above the setting's number the frames."""
+    settings = scene.translucid
+    frame = scene.frame_current + (1 << 20) if settings.use_animated_seed else 0
+    return settings.seed + (frame << 32)
+
+
+def film_keys(scene, width, height):
+    # Blender states the whole extent of the filter.
+    return {"size": [width, height], "filter_radius": max(scene.render.filter_size / 2, 0.01)}
+
+
+def model_of(scene):
+    """The model in place of the nodes' own, or None."""
+    model = scene.translucid.model
+    return None if model == "NODE" else model
+
+
+def threads_of(scene):
+    return scene.render.threads if scene.render.threads_mode == "FIXED" else None
