@@ -6,6 +6,7 @@ that Blender calls; `render` looks after the renderer and hands its pictures ove
 """
 
 import time
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -37,6 +38,17 @@ PASSES = (
 
 # Messages of the last rendering, for the panel.
 last_messages = []
+
+
+@dataclass
+class _Frame:
+    """Where a picture goes: Blender's result, its view layer, the keys of its camera, its size and region."""
+
+    result: object
+    layer: object
+    camera: dict
+    size: tuple
+    region: tuple
 
 
 class Cancelled(Exception):
@@ -125,8 +137,9 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         session.start(samples)
         result = self.begin_result(0, 0, region[2] - region[0], region[3] - region[1], layer=layer.name)
         try:
-            self._watch(session, scene, samples, lambda: self._show(result, session, camera, region, layer, False))
-            self._show(result, session, camera, region, layer, scene.translucid.use_denoising and not self.is_preview)
+            frame = _Frame(result, layer, camera, (width, height), region)
+            self._watch(session, scene, samples, lambda: self._show(frame, session, False))
+            self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
         finally:
             self.end_result(result, cancel=False)
 
@@ -186,23 +199,23 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         session.wait()
         self.update_progress(1.0)
 
-    def _show(self, result, session, camera, region, layer, denoise):
+    def _show(self, frame, session, denoise):
         """Hands the layers over: Blender's first row is the lowest."""
         radiance = session.snapshot("radiance")
         if denoise and not self.test_break():
             radiance = self._denoised(session, radiance)
-        passes = result.layers[0].passes
+        passes = frame.result.layers[0].passes
         picture = np.concatenate([radiance, session.snapshot("alpha")], axis=2)
         _hand_over(passes["Combined"], picture)
         for name, ours, _, is_wanted in PASSES:
             taken = passes.get(name)
-            if taken is None or not is_wanted(layer):
+            if taken is None or not is_wanted(frame.layer):
                 continue
             values = session.snapshot(ours)
             if ours == "depth":
-                values = depth_along_view(values, camera, session.size, region)[..., None]
+                values = depth_along_view(values, frame.camera, frame.size, frame.region)[..., None]
             _hand_over(taken, values)
-        self.update_result(result)
+        self.update_result(frame.result)
 
     def _denoised(self, session, radiance):
         self.update_stats("", "Denoising")
