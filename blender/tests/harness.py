@@ -160,7 +160,8 @@ def render_cycles(samples, seed=1):
     cycles.use_adaptive_sampling = cycles.use_denoising = False
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", scene.render.filter_size
     cycles.max_bounces, cycles.diffuse_bounces = 12, 4
-    cycles.caustics_reflective = cycles.caustics_refractive = False
+    cycles.caustics_reflective = cycles.caustics_refractive = scene.translucid.use_caustics
+    cycles.blur_glossy = 0.0
     cycles.sample_clamp_direct = cycles.sample_clamp_indirect = cycles.light_sampling_threshold = 0.0
     try:
         return combined()

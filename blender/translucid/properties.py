@@ -44,7 +44,10 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
     use_sharing: bpy.props.BoolProperty(
         name="Share between Pixels", description="Light that entered below one pixel serves those around it", default=True
     )
-    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path", default=12, min=1, max=1024)
+    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path after the first", default=12, min=0, max=1023)
+    use_caustics: bpy.props.BoolProperty(
+        name="Caustics", description="Light that glossy surfaces throw onto matte ones: noisy", default=False
+    )
     use_denoising: bpy.props.BoolProperty(
         name="Denoise", description="By Open Image Denoise, if Blender's library is found", default=False
     )

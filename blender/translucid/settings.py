@@ -4,16 +4,17 @@
 # Share of Burley's profile beyond 16 d, where Cycles cuts it off and renormalizes the rest.
 CYCLES_TAIL = 0.00362
 
-# Diffuse events on a path, Cycles' default.
-_DIFFUSE_BOUNCES = 4
+# Diffuse events on a path: Cycles' default is four after the first.
+_DIFFUSE_EVENTS = 5
 
 
 def integrator_keys(scene, samples):
     settings = scene.translucid
     keys = {
         "samples_per_pixel": samples,
-        "max_depth": settings.max_bounces,
-        "max_diffuse_depth": min(_DIFFUSE_BOUNCES, settings.max_bounces),
+        "max_depth": settings.max_bounces + 1,
+        "max_diffuse_depth": min(_DIFFUSE_EVENTS, settings.max_bounces + 1),
+        "caustics": settings.use_caustics,
         "subsurface_method": settings.method,
         "subsurface_sharing": settings.use_sharing,
         "seed": seed_of(scene),

@@ -49,8 +49,9 @@ class Material:
         return isinstance(weight, dict) or weight > 0
 
     @property
-    def emits(self):
-        return self.keys.get("emission_luminance", 0) > 0
+    def asked(self):
+        """The UV map and the color attribute that its meshes are asked for."""
+        return self.uv_layer, self.color_attribute
 
 
 def default_material():
@@ -202,11 +203,13 @@ def _glass(evaluator, output, weight):
     node = output.node
     if node.type == "BSDF_REFRACTION":
         evaluator.say(node, "refraction without reflection cannot be translated; it is glass")
+    color = _color(evaluator, output)
     interface = {
         "specular_roughness": _weight(evaluator, output, "Roughness", 0.0),
         "specular_ior": evaluator.value(output.input("IOR"), 1.5),
+        "specular_color": color,
     }
-    return [Lobe("glass", weight, node, _color(evaluator, output), _normal(evaluator, output), interface)]
+    return [Lobe("glass", weight, node, color, _normal(evaluator, output), interface)]
 
 
 def _transparent(evaluator, output, weight):
@@ -372,6 +375,7 @@ class _MaterialKeys:
 
     def __init__(self, evaluator, name, lobes):
         self._evaluator, self._name = evaluator, name
+        lobes = lobes + _unlit(lobes)
         groups = {kind: [lobe for lobe in lobes if lobe.kind == kind] for kind in _KINDS}
         weights = {kind: _sum(lobe.weight for lobe in group) for kind, group in groups.items()}
         surface = [lobe for kind in ("metal", "glass", "subsurface", "diffuse") for lobe in groups[kind]]
@@ -403,16 +407,15 @@ class _MaterialKeys:
         matte = _mean_color(groups["diffuse"])
         metal = _mean_color(groups["metal"])
         if matte is not None and metal is not None and not _same(matte, metal):
-            lobe = groups["metal"][0]
-            if self.keys["base_metalness"].is_everywhere(1):
-                matte = None
-            else:
-                self._say(lobe, "a matte and a metallic part of one surface have the same color, the mean of theirs")
+            if groups["subsurface"]:
+                self._say(groups["metal"][0], "a matte and a metallic part of one surface have the same color, the mean of theirs")
                 matte = _mean_color(groups["diffuse"] + groups["metal"])
+            else:
+                # Scattering without transport is matte, too, and has a color of its own.
+                self.keys |= {"subsurface_model": "none", "subsurface_weight": _ONE, "subsurface_color": matte}
+                matte = None
         base = matte if matte is not None else metal
-        no_surface = not any(groups[kind] for kind in ("metal", "glass", "subsurface", "diffuse"))
-        black = Value.of([0.0, 0.0, 0.0])
-        self.keys["base_color"] = base if base is not None else black if no_surface else Value.of(DEFAULT_COLOR)
+        self.keys["base_color"] = base if base is not None else Value.of(DEFAULT_COLOR)
         if groups["glass"]:
             self.keys["transmission_color"] = _mean_color(groups["glass"])
 
@@ -492,6 +495,15 @@ class _MaterialKeys:
         if len(given) < len(maps) or any(not _same(value, given[0]) for value in given[1:]):
             self._say(surface[0], "shaders of one surface with different normals have those of the first normal map")
         self.keys["geometry_normal"] = given[0]
+
+
+def _unlit(lobes):
+    """The black part of what is neither transparent nor scatters: emission takes it where shaders are mixed."""
+    weights = [lobe.weight for lobe in lobes if lobe.kind != "emission"]
+    rest = combine(lambda x: np.maximum(1 - x, 0), _sum(weights))
+    if float(rest.linear.max()) < 1e-5:
+        return []
+    return [Lobe("diffuse", rest, lobes[0].node, Value.of([0.0, 0.0, 0.0]))]
 
 
 _KINDS = ("metal", "glass", "subsurface", "diffuse", "transparent", "emission")

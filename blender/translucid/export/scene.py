@@ -34,7 +34,9 @@ class Body:
 
 @dataclass
 class Description:
-    bodies: list = field(default_factory=list)
+    """What a scene shows. A part, a material or an image that stays is the same object in the next description."""
+
+    bodies: dict = field(default_factory=dict)
     materials: dict = field(default_factory=dict)
     lights: list = field(default_factory=list)
     environment: dict = field(default_factory=dict)
@@ -43,15 +45,17 @@ class Description:
 class Exporter:
     """Describes what a depsgraph shows.
 
-    `model` takes the place of the transports of the materials' own methods; `is_cancelled` is asked between objects.
+    `model` takes the place of the transports of the materials' own methods; `is_cancelled` is asked between objects;
+    `cache` has what an earlier description found and what has changed since.
     """
 
-    def __init__(self, depsgraph, report, model=None, is_cancelled=lambda: False):
+    def __init__(self, depsgraph, report, model=None, is_cancelled=lambda: False, cache=None):
         self._depsgraph, self._report, self._model = depsgraph, report, model
         self._is_cancelled = is_cancelled
+        self._cache = cache if cache is not None else Cache()
 
     def describe(self):
-        description = Description(environment=self.environment())
+        description = Description(environment=self._environment())
         bodies = {}
         # What is found in an iteration is gone after it.
         for instance in self._depsgraph.object_instances:
@@ -67,19 +71,19 @@ class Exporter:
             elif shown.type not in _SILENT:
                 what = _KINDS.get(shown.type, shown.type.lower())
                 self._report.add(f"object {shown.name}", None, f"{what} cannot be rendered")
-        description.bodies = [body for body in bodies.values() if body.parts]
+        for body in bodies.values():
+            if body.parts:
+                description.bodies[_unique(body.name, description.bodies)] = body
+        self._cache.keep(bodies, description)
         return description
 
-    def lights(self):
-        instances = (i for i in self._depsgraph.object_instances if i.show_self and i.object.type == "LIGHT")
-        found = (light_keys(i.object, i.matrix_world, self._report) for i in instances)
-        return [light for light in found if light is not None]
-
-    def environment(self):
+    def _environment(self):
+        if self._cache.environment is not None:
+            return self._cache.environment
         scene = self._depsgraph.scene
         return environment_keys(scene.world, self._report, not scene.render.film_transparent)
 
-    def material(self, material):
+    def _material(self, material):
         if material is None:
             return default_material()
         return material_of(material, self._report, self._model)
@@ -87,16 +91,23 @@ class Exporter:
     def _place(self, bodies, instance, shown, description):
         materials = [slot.material for slot in shown.material_slots] or [None]
         # Objects with the same evaluated mesh and the same materials share it.
-        owner = 0 if shown.type == "MESH" else shown.original.as_pointer()
-        key = (shown.data.as_pointer(), owner, *(material.as_pointer() if material else 0 for material in materials))
+        owner = "" if shown.type == "MESH" else shown.name_full
+        names = tuple(material_name(material) for material in materials)
+        for material in materials:
+            self._add_material(description, material)
+        asked = tuple(description.materials[name].asked for name in names)
+        key = (shown.data.as_pointer(), shown.data.name_full, owner, names, asked)
         body = bodies.get(key)
         if body is None:
             if self._is_cancelled():
                 raise InterruptedError("cancelled")
-            self._look_at(shown)
-            names = [self._add_material(description, material) for material in materials]
-            source = instance.instance_object if instance.is_instance and shown.type != "MESH" else shown
-            body = bodies[key] = Body(shown.name_full, self._parts(source, names, description))
+            parts = self._cache.parts.get(key)
+            if parts is None:
+                self._look_at(shown)
+                source = instance.instance_object if instance.is_instance and shown.type != "MESH" else shown
+                parts = self._parts(source, names, description)
+            body = bodies[key] = Body(shown.name_full, parts)
+            self._cache.sources.setdefault(key, set()).update((shown.name_full, shown.data.name_full))
         body.places.append(np.array(instance.matrix_world, dtype=np.float64))
         body.owners.append(_place_name(instance))
 
@@ -139,8 +150,33 @@ class Exporter:
     def _add_material(self, description, material):
         name = material_name(material)
         if name not in description.materials:
-            description.materials[name] = self.material(material)
-        return name
+            known = self._cache.materials.get(name)
+            description.materials[name] = self._material(material) if known is None else known
+
+
+class Cache:
+    """What the last description found."""
+
+    def __init__(self):
+        self.parts, self.sources, self.materials, self.environment = {}, {}, {}, None
+
+    def keep(self, bodies, description):
+        self.parts = {key: body.parts for key, body in bodies.items()}
+        self.sources = {key: names for key, names in self.sources.items() if key in bodies}
+        self.materials, self.environment = dict(description.materials), description.environment
+
+    def forget_mesh(self, name):
+        """An object's or a mesh's geometry has changed."""
+        for key, names in self.sources.items():
+            if name in names:
+                self.parts.pop(key, None)
+
+    def forget_material(self, name):
+        """A material has changed; it may ask its meshes for other texture coordinates or colors."""
+        self.materials.pop(name, None)
+
+    def forget_materials(self):
+        self.materials = {}
 
 
 class _Clamped(dict):
@@ -158,7 +194,7 @@ class _Clamped(dict):
 
 
 def material_name(material):
-    return material.name_full if material is not None else "no material"
+    return material.name_full if material is not None else "(no material)"
 
 
 def _place_name(instance):
@@ -174,25 +210,42 @@ def build(description, camera, film, integrator):
     scene = translucid.Scene("m", camera=camera, film=film, integrator=integrator, environment=description.environment)
     for name, material in description.materials.items():
         scene.add_material(name, **material.keys)
-    for body in description.bodies:
-        _add_body(scene, body, description.materials)
+    for name, body in description.bodies.items():
+        for keys in meshes_of(name, body, description.materials):
+            scene.add_mesh(**keys)
     for light in description.lights:
         scene.add_light(**light)
     return scene
 
 
-def _add_body(scene, body, materials):
+def meshes_of(name, body, materials):
+    """The arguments of `Scene.add_mesh` for the parts of a body."""
     # The parts of a body share the light below their surfaces, and each place is a body of its own.
-    is_shared = len(body.parts) > 1 and any(materials[name].scatters for name, _ in body.parts)
+    is_shared = len(body.parts) > 1 and any(materials[material].scatters for material, _ in body.parts)
     places = np.array(body.places)
     for number, (material, part) in enumerate(body.parts):
-        name = body.name if len(body.parts) == 1 else f"{body.name}/{number}"
-        words = {"material": material, "normals": part.normals, "uv": part.uv, "colors": part.colors}
+        own = name if len(body.parts) == 1 else f"{name}/{number}"
+        words = {
+            "vertices": part.vertices,
+            "triangles": part.triangles,
+            "normals": part.normals,
+            "uv": part.uv,
+            "colors": part.colors,
+            "material": material,
+        }
         if len(places) > 1 and not is_shared:
-            scene.add_mesh(name, part.vertices, part.triangles, transforms=places, **words)
+            yield {"name": own, "transforms": places, **words}
             continue
         for i, place in enumerate(places):
-            if is_shared:
-                words["subsurface_group"] = body.owners[i]
-            unique = name if len(places) == 1 else f"{name}[{i}]"
-            scene.add_mesh(unique, part.vertices, part.triangles, matrix=place.ravel().tolist(), **words)
+            group = {"subsurface_group": body.owners[i]} if is_shared else {}
+            unique = own if len(places) == 1 else f"{own}[{i}]"
+            yield {"name": unique, "matrix": place.ravel().tolist(), **group, **words}
+
+
+def _unique(name, taken):
+    number = 1
+    unique = name
+    while unique in taken:
+        number += 1
+        unique = f"{name} {number}"
+    return unique
