@@ -18,7 +18,6 @@ from .export.report import Report
 from .export.scene import Exporter, build
 from .process import memory_in_use
 from .task import Task
-from .viewport import Viewport
 
 # Seconds between two looks at a rendering, and between two of its pictures.
 _NAP, _SHOWN_EVERY = 0.02, 0.5
@@ -67,11 +66,6 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     _viewport = None
     _description = None
     _report = None
-
-    def __del__(self):
-        self._end()
-        if self._viewport is not None:
-            self._viewport.end()
 
     def _end(self):
         if self._session is not None:
@@ -233,14 +227,16 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
 
     def view_update(self, context, depsgraph):
         if self._viewport is None:
-            self._viewport = Viewport(self)
-        self._viewport.update(context, depsgraph)
+            # Drawing needs a display, which Blender in the background has not.
+            from .viewport import Viewport
+
+            self._viewport = Viewport()
+        self._viewport.update(depsgraph)
 
     def view_draw(self, context, depsgraph):
         if self._viewport is None:
-            self._viewport = Viewport(self)
-            self._viewport.update(context, depsgraph)
-        self._viewport.draw(context, depsgraph)
+            self.view_update(context, depsgraph)
+        self._viewport.draw(self, context, depsgraph)
 
 
 def _hand_over(render_pass, values):

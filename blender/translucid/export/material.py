@@ -153,7 +153,7 @@ def _diffuse(evaluator, output, weight):
 
 
 def _color(evaluator, output, name="Color"):
-    return combine_unit(evaluator.value(output.input(name), DEFAULT_COLOR))
+    return combine_unit(evaluator.value(output.input(name), DEFAULT_COLOR).color())
 
 
 def combine_unit(value):
