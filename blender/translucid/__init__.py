@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """translucid in Blender: subsurface scattering you can trust."""
 
-from . import engine, process, properties
+import sys
 
-_PARTS = (properties, engine)
+from . import compare, engine, panels, presets, process, properties
+
+_PARTS = (properties, engine, compare, presets, panels)
 
 
 def register():
@@ -13,5 +15,9 @@ def register():
 
 
 def unregister():
+    # There is a viewport only where there is a display.
+    viewport = sys.modules.get(f"{__name__}.viewport")
+    if viewport is not None:
+        viewport.unregister()
     for part in reversed(_PARTS):
         part.unregister()

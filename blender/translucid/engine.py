@@ -107,8 +107,9 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             self._description = None
 
     def _render(self, depsgraph, scene, layer):
-        width, height = self._size(scene)
-        region = self._region(scene, width, height)
+        render = scene.render
+        width, height = (render.resolution_x, render.resolution_y) if self.is_preview else picture_size(scene)
+        region = (0, 0, width, height) if self.is_preview else picture_region(scene, width, height)
         samples = min(_PREVIEW_SAMPLES, scene.translucid.samples) if self.is_preview else scene.translucid.samples
         camera = self._camera(scene, depsgraph, width, height)
         description = self._description
@@ -136,22 +137,6 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
         finally:
             self.end_result(result, cancel=False)
-
-    def _size(self, scene):
-        render = scene.render
-        if self.is_preview:
-            return render.resolution_x, render.resolution_y
-        share = render.resolution_percentage / 100
-        return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
-
-    def _region(self, scene, width, height):
-        """The pixels to render: from the upper left to just before the lower right."""
-        render = scene.render
-        if not render.use_border or self.is_preview:
-            return 0, 0, width, height
-        left, right = int(render.border_min_x * width), int(render.border_max_x * width)
-        bottom, top = int(render.border_min_y * height), int(render.border_max_y * height)
-        return left, height - top, right, height - bottom
 
     def _camera(self, scene, depsgraph, width, height):
         owner = scene.camera
@@ -237,6 +222,23 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         if self._viewport is None:
             self.view_update(context, depsgraph)
         self._viewport.draw(self, context, depsgraph)
+
+
+def picture_size(scene):
+    """Width and height of a scene's picture in pixels."""
+    render = scene.render
+    share = render.resolution_percentage / 100
+    return max(int(render.resolution_x * share), 1), max(int(render.resolution_y * share), 1)
+
+
+def picture_region(scene, width, height):
+    """The pixels to render: from the upper left to just before the lower right."""
+    render = scene.render
+    if not render.use_border:
+        return 0, 0, width, height
+    left, right = int(render.border_min_x * width), int(render.border_max_x * width)
+    bottom, top = int(render.border_min_y * height), int(render.border_max_y * height)
+    return left, height - top, right, height - bottom
 
 
 def _hand_over(render_pass, values):
