@@ -6,6 +6,7 @@ that Blender calls; `render` looks after the renderer and hands its pictures ove
 """
 
 import time
+import traceback
 from dataclasses import dataclass
 
 import bpy
@@ -66,6 +67,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     _viewport = None
     _description = None
     _report = None
+    _error = None
 
     def _end(self):
         if self._session is not None:
@@ -90,53 +92,63 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             self._description = exporter.describe()
         except InterruptedError:
             self._description = None
+        except Exception as error:
+            # Blender would print it, and show a black picture.
+            traceback.print_exc()
+            self._description, self._error = None, f"{type(error).__name__}: {error}"
 
     def render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer_eval
-        if self._description is None:
-            return
+        render = scene.render
+        size = (render.resolution_x, render.resolution_y) if self.is_preview else picture_size(scene)
+        region = (0, 0, *size) if self.is_preview else picture_region(scene, *size)
+        for name, _, channels, is_wanted in PASSES:
+            if is_wanted(layer):
+                self.add_pass(name, len(channels), channels, layer=layer.name)
+        # Blender wants a result, whatever happens.
+        result = self.begin_result(0, 0, region[2] - region[0], region[3] - region[1], layer=layer.name)
         try:
-            self._render(depsgraph, scene, layer)
+            if self._error is not None:
+                raise RuntimeError(f"the scene cannot be exported: {self._error}")
+            if self._description is not None:
+                self._render(depsgraph, scene, _Frame(result, layer, None, size, region))
         except Cancelled:
             pass
         except (translucid.SceneError, ValueError, RuntimeError, MemoryError) as error:
             # Shown by Blender, and raised by bpy.ops.render.render.
-            self.error_set(f"translucid: {error}")
+            self.report({"ERROR"}, f"translucid: {error}")
         finally:
+            self.end_result(result, cancel=False)
             self._end()
             self._description = None
 
-    def _render(self, depsgraph, scene, layer):
-        render = scene.render
-        width, height = (render.resolution_x, render.resolution_y) if self.is_preview else picture_size(scene)
-        region = (0, 0, width, height) if self.is_preview else picture_region(scene, width, height)
+    def _render(self, depsgraph, scene, frame):
         samples = min(_PREVIEW_SAMPLES, scene.translucid.samples) if self.is_preview else scene.translucid.samples
-        camera = self._camera(scene, depsgraph, width, height)
+        frame.camera = camera = self._camera(scene, depsgraph, *frame.size)
+        self._session = session = self._prepared(scene, camera, frame, samples)
+        session.start(samples)
+        self._watch(session, scene, samples, lambda: self._show(frame, session, False))
+        self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
+
+    def _prepared(self, scene, camera, frame, samples):
+        """A session, which another thread makes."""
         description = self._description
-        film, integrator = settings.film_keys(scene, width, height), settings.integrator_keys(scene, samples)
+        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, samples)
         threads = settings.threads_of(scene)
         self.update_stats("", "Preparing")
 
         def prepare():
-            made = build(description, camera, film, integrator)
-            return translucid.Session(made, threads=threads, region=region)
+            return translucid.Session(build(description, camera, film, integrator), threads=threads, region=frame.region)
 
         task = Task(prepare)
         while not task.wait(_NAP):
             if self.test_break():
                 raise Cancelled
-        self._session = session = task.result()
+        session = task.result()
         for message in (*task.warnings, *session.notes):
             self._report.add("", None, message)
         self._say()
-        session.start(samples)
-        result = self.begin_result(0, 0, region[2] - region[0], region[3] - region[1], layer=layer.name)
-        try:
-            frame = _Frame(result, layer, camera, (width, height), region)
-            self._watch(session, scene, samples, lambda: self._show(frame, session, False))
-            self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
-        finally:
-            self.end_result(result, cancel=False)
+        return session
 
     def _camera(self, scene, depsgraph, width, height):
         owner = scene.camera

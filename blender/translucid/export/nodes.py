@@ -198,7 +198,7 @@ def _image_texture(evaluator, output):
         return Value(alpha, placement)
     color = Value(np.ascontiguousarray(pixels[..., :3]), placement)
     is_opaque = node.image.alpha_mode in {"NONE", "CHANNEL_PACKED"} or float(alpha.min()) == 1
-    if is_opaque or node.outputs["Alpha"].is_linked:
+    if is_opaque or node.type == "TEX_ENVIRONMENT" or node.outputs["Alpha"].is_linked:
         return color
     # Cycles associates alpha with the color unless alpha is used, too.
     return Value(color.linear * alpha, placement)

@@ -213,6 +213,10 @@ def build(description, camera, film, integrator):
     for name, body in description.bodies.items():
         for keys in meshes_of(name, body, description.materials):
             scene.add_mesh(**keys)
+    if not description.bodies:
+        # The renderer wants an object: one that is too small and too clear to be seen.
+        scene.add_material("(nothing)", geometry_opacity=0.0)
+        scene.add_mesh("(nothing)", np.eye(3) * 1e-6, [[0, 1, 2]], material="(nothing)")
     for light in description.lights:
         scene.add_light(**light)
     return scene
