@@ -140,10 +140,12 @@ def test_mapping_moves_turns_and_stretches_textures(kind):
     full = Matrix.LocRotScale(Vector(values[0]), Matrix.Rotation(values[1][2], 3, "Z"), Vector(values[2]))
     full = full.inverted() if kind == "TEXTURE" else full
     mapped = np.einsum("ij,jhw->ihw", np.array(full), np.stack([u, v, 0 * u, 0 * u + 1]))
-    inside = (mapped[:2] > 0.02).all(axis=0) & (mapped[:2] < 0.98).all(axis=0)
-    assert inside.mean() > 0.9
-    assert np.abs(picture[..., 0] - mapped[0])[inside].max() < 0.06
-    assert np.abs(picture[..., 1] - mapped[1])[inside].max() < 0.06
+    inside = (mapped[:2] > 0.06).all(axis=0) & (mapped[:2] < 0.94).all(axis=0)
+    # At its edges the picture shows what is beside the plane.
+    inside[:2] = inside[-2:] = inside[:, :2] = inside[:, -2:] = False
+    assert inside.mean() > 0.6
+    assert np.abs(picture[..., 0] - mapped[0])[inside].max() < 0.02
+    assert np.abs(picture[..., 1] - mapped[1])[inside].max() < 0.02
 
 
 def test_color_attributes_of_points_and_corners():

@@ -74,6 +74,10 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             self._session.cancel()
             self._session = None
 
+    def is_cancelled(self):
+        """Whether the user wants no more."""
+        return self.test_break()
+
     # --- final pictures
 
     def update_render_passes(self, scene, layer):
@@ -88,7 +92,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         self._started = time.perf_counter()
         self.update_stats("", "Exporting")
         try:
-            exporter = Exporter(depsgraph, self._report, settings.model_of(depsgraph.scene), self.test_break)
+            exporter = Exporter(depsgraph, self._report, settings.model_of(depsgraph.scene), self.is_cancelled)
             self._description = exporter.describe()
         except InterruptedError:
             self._description = None
@@ -142,7 +146,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
 
         task = Task(prepare)
         while not task.wait(_NAP):
-            if self.test_break():
+            if self.is_cancelled():
                 raise Cancelled
         session = task.result()
         for message in (*task.warnings, *session.notes):
@@ -171,7 +175,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         shown = begun = time.perf_counter()
         while session.is_running:
             now = time.perf_counter()
-            if self.test_break():
+            if self.is_cancelled():
                 session.cancel()
                 return
             done = session.samples
@@ -193,7 +197,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     def _show(self, frame, session, denoise):
         """Hands the layers over: Blender's first row is the lowest."""
         radiance = session.snapshot("radiance")
-        if denoise and not self.test_break():
+        if denoise and not self.is_cancelled():
             radiance = self._denoised(session, radiance)
         passes = frame.result.layers[0].passes
         picture = np.concatenate([radiance, session.snapshot("alpha")], axis=2)
@@ -212,7 +216,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         self.update_stats("", "Denoising")
         task = Task(lambda: session.snapshot("denoised"))
         while not task.wait(_NAP):
-            if self.test_break():
+            if self.is_cancelled():
                 return radiance
         try:
             return task.result()

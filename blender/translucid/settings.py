@@ -32,8 +32,8 @@ def seed_of(scene):
 
 
 def film_keys(scene, width, height):
-    # Blender states the whole extent of the filter.
-    return {"size": [width, height], "filter_radius": max(scene.render.filter_size / 2, 0.01)}
+    # Cycles' filter of 1.5 pixels reaches 1.5 pixels to each side.
+    return {"size": [width, height], "filter_radius": max(scene.render.filter_size, 0.01)}
 
 
 def model_of(scene):

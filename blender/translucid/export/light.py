@@ -61,7 +61,7 @@ def _point(light, world, power, visible, where, report):
     position = world[:3, 3].tolist()
     if radius <= 0:
         return {"type": "point", "position": position, "intensity": (power / (4 * math.pi)).tolist()}
-    power = _normalized(light, power, math.pi * radius**2)
+    power = _normalized(light, power, 4 * math.pi * radius**2)
     radiance = power / (4 * math.pi**2 * radius**2)
     return {"type": "sphere", "center": position, "radius": radius, "radiance": radiance.tolist(), "visible": visible}
 
@@ -69,7 +69,7 @@ def _point(light, world, power, visible, where, report):
 def _spot(light, world, power, visible, where, report):
     radius = light.shadow_soft_size
     if radius > 0:
-        power = _normalized(light, power, math.pi * radius**2)
+        power = _normalized(light, power, 4 * math.pi * radius**2)
     lengths = [np.linalg.norm(world[:3, i]) for i in range(3)]
     if max(lengths) > 1.001 * min(lengths):
         report.add(where, None, "a cone that is stretched cannot be translated; it is round")
