@@ -128,7 +128,7 @@ def test_mapping_moves_turns_and_stretches_textures(kind):
     new_scene(64, 64, 64)
     nodes, texture = uv_material()
     # Within the unit square of the texture, so that nothing repeats.
-    values = ((0.3, 0.2, 0), (0, 0, 0.5), (0.4, 0.3, 1)) if kind == "POINT" else ((-0.6, -0.7, 0), (0, 0, 0.2), (2.5, 3, 1))
+    values = ((0.3, 0.2, 0), (0, 0, 0.5), (0.4, 0.3, 1)) if kind == "POINT" else ((-0.6, -0.7, 0), (0, 0, 0.2), (2.5, 2.5, 1))
     mapping = nodes.add("Mapping", Location=values[0], Rotation=values[1], Scale=values[2])
     mapping.vector_type = kind
     nodes.tree.links.new(nodes.add("UVMap").outputs[0], mapping.inputs[0])

@@ -8,8 +8,6 @@ import numpy as np
 import translucid
 
 from .export.material import interface_index
-from .export.subsurface import TRANSPORTS, mean_free_path
-from .export.value import Value
 
 # Radii in mean free paths at which a profile is compared with the exact one.
 _RADII = np.geomspace(1e-2, 30.0, 60)
@@ -20,13 +18,9 @@ class Facts:
     """Surface albedo and mean free path of the channels, None where they are textured."""
 
     node: object
-    method: str
+    model: str
     surface_albedo: object
     mean_free_path_mm: object
-
-    @property
-    def model(self):
-        return TRANSPORTS[self.method][0]
 
 
 def facts_of(material, unit_scale):
@@ -37,14 +31,15 @@ def facts_of(material, unit_scale):
         if names is None or node.type == "BSDF_PRINCIPLED" and not _scatters(node):
             continue
         method = node.falloff if node.type == "SUBSURFACE_SCATTERING" else node.subsurface_method
-        color, radius, scale = (node.inputs[name] for name in names)
-        albedo = None if color.is_linked else np.array(color.default_value[:3])
-        path = None
-        if albedo is not None and not radius.is_linked and not scale.is_linked:
-            length = np.array(radius.default_value[:]) * scale.default_value
-            values = Value.of(np.clip(albedo, 0, 1)), Value.of(length)
-            path = mean_free_path(method, *values, _index(node, method)).constant * unit_scale * 1000
-        return Facts(node, method, albedo, path)
+        sockets = [node.inputs[name] for name in names]
+        color, radius, scale = (np.array(socket.default_value) for socket in sockets)
+        keys = translucid.cycles_material(
+            method, base_color=color[:3], radius=np.maximum(radius * scale, 0), ior=_index(node, method)
+        )
+        path = keys["subsurface_radius"] * np.array(keys["subsurface_radius_scale"]) * unit_scale * 1000
+        is_textured = sockets[0].is_linked, any(socket.is_linked for socket in sockets)
+        albedo = None if is_textured[0] else np.array(keys["subsurface_color"])
+        return Facts(node, keys["subsurface_model"], albedo, None if is_textured[1] else path)
     return None
 
 

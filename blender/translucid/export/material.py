@@ -18,9 +18,6 @@ _ONE, _ZERO = Value.of(1.0), Value.of(0.0)
 # Cycles' surface of a mesh without a material.
 DEFAULT_COLOR = (0.8, 0.8, 0.8)
 
-# Roughness of Cycles' entry into a walk of the method for skin.
-_SKIN_ROUGHNESS = 1.0
-
 
 @dataclass
 class Lobe:
@@ -78,8 +75,9 @@ def material_of(material, report, model=None):
             report.add(name, output.name, f"{kind} cannot be translated and is left out")
     lobes = _lobes(evaluator, surface, _ONE)
     keys = _MaterialKeys(evaluator, material.name, lobes).keys
-    if model is not None and "subsurface_model" in keys:
-        keys["subsurface_model"] = model
+    if model is not None and keys.get("subsurface_model", "none") != "none":
+        # Cycles' index is that of the view's refraction; here it would be that of a body.
+        keys |= {"subsurface_model": model, "subsurface_eta": _ONE}
     return _spelled(evaluator, output, keys)
 
 
@@ -179,10 +177,15 @@ def _subsurface(evaluator, output, weight):
         evaluator.value(output.input("Scale")),
         number("IOR", 1.4),
         number("Anisotropy", 0.0),
+        _weight(evaluator, output, "Roughness", 1.0).number,
     )
-    roughness = Value.of(_SKIN_ROUGHNESS) if node.falloff == "RANDOM_WALK_SKIN" else _weight(evaluator, output, "Roughness", 1.0)
-    keys["entry_roughness"] = roughness
+    _say_of_attribute(evaluator, node, color)
     return [Lobe("subsurface", weight, node, color, keys | _normal(evaluator, output))]
+
+
+def _say_of_attribute(evaluator, node, color):
+    if color.attribute is not None:
+        evaluator.say(node, "below a color attribute light travels as far as below white")
 
 
 def _glossy(evaluator, output, weight):
@@ -335,10 +338,11 @@ def _principled(evaluator, output, weight):
             base,
             evaluator.value(output.input("Subsurface Radius"), [1.0, 0.2, 0.1]).color(),
             evaluator.value(output.input("Subsurface Scale"), 0.05),
-            number("Subsurface IOR", 1.4) if node.subsurface_method == "RANDOM_WALK_SKIN" else max(index, 1.01),
+            number("Subsurface IOR", 1.4) if node.subsurface_method == "RANDOM_WALK_SKIN" else index,
             number("Subsurface Anisotropy", 0.0),
+            roughness.number**2,
         )
-        keys["entry_roughness"] = Value.of(_SKIN_ROUGHNESS) if node.subsurface_method == "RANDOM_WALK_SKIN" else roughness
+        _say_of_attribute(evaluator, node, base)
         parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | normal, interface))
     lobes = [lobe for lobe in parts if not lobe.weight.is_everywhere(0)]
     emitted = _radiance(evaluator.value(output.input("Emission Color"), [1.0, 1.0, 1.0]), evaluator.value(output.input("Emission Strength")))
@@ -428,7 +432,7 @@ class _MaterialKeys:
         self.keys |= {key: value for key, value in first.keys.items() if key.startswith("subsurface_")}
         if len(lobes) > 1:
             self.keys["subsurface_color"] = _mean_color(lobes)
-        self._entry_roughness = first.keys["entry_roughness"]
+        self._entry_roughness = first.keys.get("specular_roughness")
 
     def _cover(self, surface, weights):
         """The interface: what of the matte parts has one, and its roughness and index."""
@@ -457,9 +461,9 @@ class _MaterialKeys:
         self._enter(surface)
 
     def _enter(self, surface):
-        """Walks enter through the roughness of the interface, whatever it is called."""
+        """Walks enter through the roughness of the interface, also where it reflects nothing."""
         roughness = getattr(self, "_entry_roughness", None)
-        if roughness is None or self.keys.get("subsurface_model") != "random-walk-rough":
+        if roughness is None:
             return
         if "specular_roughness" not in self.keys or self.keys["specular_weight"].is_everywhere(0):
             self.keys["specular_roughness"] = roughness

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Node trees as materials: beside Cycles, and what is said of what cannot be translated."""
+
+import bpy
+import numpy as np
+import pytest
+from harness import Nodes, add_camera, add_light, add_plane, addon, combined, matte, messages, new_scene, radians, regions, render_cycles, set_world
+
+# Modules of the extension, which is loaded under a name of its own.
+material_of = addon.engine.Exporter.describe.__globals__["material_of"]
+Report = addon.engine.Report
+
+
+def translate(material, model=None):
+    report = Report()
+    return material_of(material, report, model).keys, report.messages
+
+
+def of(kind, **inputs):
+    nodes = Nodes()
+    return nodes.surface(nodes.add(kind, **inputs))
+
+
+def mixed(factor, a, b, kind="MixShader"):
+    nodes = Nodes()
+    first, second = (nodes.add(name, **inputs) for name, inputs in (a, b))
+    sockets = {"i1": first.outputs[0], "i2": second.outputs[0], "i0": factor}
+    if kind == "AddShader":
+        sockets = {"i0": first.outputs[0], "i1": second.outputs[0]}
+    return nodes.surface(nodes.add(kind, **sockets))
+
+
+def scattering(kind, method, **inputs):
+    nodes = Nodes()
+    node = nodes.add(kind, **inputs)
+    if kind == "BsdfPrincipled":
+        node.subsurface_method = method
+    else:
+        node.falloff = method
+    return nodes.surface(node)
+
+
+DIFFUSE = ("BsdfDiffuse", dict(Color=(0.7, 0.3, 0.2)))
+BLUE = ("BsdfDiffuse", dict(Color=(0.1, 0.3, 0.9)))
+GLOSSY = ("BsdfAnisotropic", dict(Color=(0.9, 0.8, 0.4), Roughness=0.4))
+EMISSION = ("Emission", dict(Color=(1, 0.5, 0.2), Strength=2.0))
+CLEAR = ("BsdfTransparent", {})
+
+# Material, and how far the light of all of it may be from Cycles'.
+BESIDE_CYCLES = {
+    "none": (lambda: None, 0.01),
+    "diffuse": (lambda: of(*DIFFUSE[:1], **DIFFUSE[1]), 0.01),
+    "principled": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1)), 0.01),
+    "shiny": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Roughness=0.2), 0.015),
+    "metal": (lambda: of("BsdfPrincipled", Base_Color=(0.9, 0.6, 0.3), Metallic=1.0, Roughness=0.3), 0.015),
+    "half metal": (lambda: of("BsdfPrincipled", Base_Color=(0.9, 0.6, 0.3), Metallic=0.5, Roughness=0.3), 0.015),
+    "specular level": (lambda: of("BsdfPrincipled", Base_Color=(0.1,) * 3, Specular_IOR_Level=0.9, Roughness=0.3), 0.015),
+    "coat": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Coat_Weight=1.0, Coat_Tint=(0.9, 0.8, 0.7)), 0.025),
+    "half transparent": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Alpha=0.4), 0.01),
+    "glowing": (lambda: of("BsdfPrincipled", Base_Color=(0.6, 0.3, 0.1), Emission_Color=(0.2, 0.5, 1), Emission_Strength=1.5), 0.01),
+    "glossy": (lambda: of(*GLOSSY[:1], **GLOSSY[1]), 0.015),
+    "glass": (lambda: of("BsdfGlass", Color=(0.9, 0.9, 0.7), Roughness=0.0), 0.02),
+    "diffuse and glossy": (lambda: mixed(0.3, DIFFUSE, GLOSSY), 0.015),
+    "two diffuse": (lambda: mixed(0.3, DIFFUSE, BLUE), 0.01),
+    "transparent and diffuse": (lambda: mixed(0.3, CLEAR, DIFFUSE), 0.01),
+    "diffuse mixed with emission": (lambda: mixed(0.3, DIFFUSE, EMISSION), 0.01),
+    "diffuse and emission added": (lambda: mixed(None, DIFFUSE, EMISSION, "AddShader"), 0.01),
+    "Burley": (lambda: scattering("SubsurfaceScattering", "BURLEY", Color=(0.8, 0.5, 0.2), Scale=0.3, Radius=(1, 0.5, 0.25)), 0.02),
+    "random walk": (lambda: scattering("SubsurfaceScattering", "RANDOM_WALK", Color=(0.8, 0.5, 0.2), Scale=0.3, Radius=(1, 0.5, 0.25)), 0.02),
+    "skin": (lambda: scattering("SubsurfaceScattering", "RANDOM_WALK_SKIN", Color=(0.8, 0.5, 0.2), Scale=0.3, Radius=(1, 0.5, 0.25)), 0.02),
+    "principled Burley": (lambda: scattering("BsdfPrincipled", "BURLEY", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
+    "principled walk": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
+    "principled skin": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK_SKIN", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=1.0, Subsurface_Scale=0.3), 0.02),
+    "half scattering": (lambda: scattering("BsdfPrincipled", "RANDOM_WALK", Base_Color=(0.8, 0.5, 0.2), Subsurface_Weight=0.5, Subsurface_Scale=0.3), 0.02),
+}
+
+
+@pytest.mark.parametrize("make, tolerance", BESIDE_CYCLES.values(), ids=BESIDE_CYCLES.keys())
+def test_materials_are_as_bright_as_in_cycles(make, tolerance):
+    scene = new_scene(40, 40, 200)
+    scene.translucid.use_caustics = True
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32, radius=1)
+    ball = bpy.context.object
+    bpy.ops.object.shade_smooth()
+    material = make()
+    if material is not None:
+        ball.data.materials.append(material)
+    add_plane(8, z=-1, material=matte((0.6, 0.6, 0.6), "floor"))
+    add_camera((0, -4, 1.2), radians(78, 0, 0), lens=45)
+    add_light("AREA", (2, -2, 3), radians(40, 0, 45), energy=200.0, size=1.5)
+    set_world((0.3, 0.35, 0.4))
+    inner = (slice(9, 31), slice(9, 31), slice(0, 3))
+    ours, theirs = combined()[inner], render_cycles(200)[inner]
+    ratio = ours.mean(axis=(0, 1)) / theirs.mean(axis=(0, 1))
+    parts = regions(ours, 3, 3) / regions(theirs, 3, 3)
+    print(f"ratio {ratio.round(4)}, regions {parts.min():.4f} to {parts.max():.4f}")
+    assert messages() == []
+    # 484 pixels of 200 samples: the noise of the mean is below 0.3 %.
+    assert np.abs(ratio - 1).max() < tolerance
+
+
+def test_constant_nodes_become_numbers():
+    nodes = Nodes()
+    ramp = nodes.add("ValToRGB", Fac=0.25)
+    ramp.color_ramp.elements[0].color, ramp.color_ramp.elements[1].color = (0, 0, 0, 1), (1, 0.5, 0, 1)
+    keys, said = translate(nodes.surface(nodes.add("BsdfDiffuse", Color=ramp.outputs[0])))
+    assert keys["base_color"] == pytest.approx([0.25, 0.125, 0], abs=1e-4)
+    nodes = Nodes()
+    math = nodes.add("Math", i0=0.3, i1=0.5)
+    math.operation = "MULTIPLY"
+    keys, _ = translate(nodes.surface(nodes.add("BsdfPrincipled", Roughness=math.outputs[0])))
+    assert keys["specular_roughness"] == pytest.approx(0.15)
+    assert said == []
+
+
+def checker(size=8):
+    image = bpy.data.images.new("checker", size, size, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    x, y = np.meshgrid(np.arange(size), np.arange(size))
+    pixels = np.stack([(x + y) % 2, x / size, y / size, np.ones_like(x)], axis=-1)
+    image.pixels.foreach_set(pixels.astype(np.float32).ravel())
+    return image, pixels[::-1, :, :3]
+
+
+def test_textures_through_ramps_and_mixes_are_baked():
+    image, pixels = checker()
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    mix = nodes.add("MixRGB", i0=0.25, i1=texture.outputs[0], i2=(1, 1, 1))
+    keys, said = translate(nodes.surface(nodes.add("BsdfDiffuse", Color=mix.outputs[0])))
+    assert np.allclose(keys["base_color"]["image"], pixels * 0.75 + 0.25, atol=1e-6)
+    assert said == []
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    ramp = nodes.add("ValToRGB", Fac=texture.outputs[0])
+    keys, _ = translate(nodes.surface(nodes.add("BsdfPrincipled", Roughness=ramp.outputs[0])))
+    gray = pixels @ np.array([0.2126, 0.7152, 0.0722])
+    assert np.allclose(keys["specular_roughness"]["image"], gray, atol=1e-3)
+
+
+def test_byte_images_keep_their_codes():
+    image = bpy.data.images.new("bytes", 4, 4)
+    image.pixels.foreach_set(np.tile(np.array([128 / 255, 64 / 255, 1, 1], dtype=np.float32), 16))
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    keys, said = translate(nodes.surface(nodes.add("BsdfDiffuse", Color=texture.outputs[0])))
+    table = keys["base_color"]
+    assert table["image"].dtype == np.uint8 and table["image"][0, 0].tolist() == [128, 64, 255]
+    assert table["color_space"] == "srgb" and said == []
+
+
+def test_groups_reroutes_and_muted_nodes_are_seen_through():
+    tree = bpy.data.node_groups.new("group", "ShaderNodeTree")
+    tree.interface.new_socket("Color", in_out="INPUT", socket_type="NodeSocketColor")
+    tree.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    begin, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    inner = tree.nodes.new("ShaderNodeBsdfDiffuse")
+    tree.links.new(begin.outputs[0], inner.inputs["Color"])
+    tree.links.new(inner.outputs[0], end.inputs[0])
+    nodes = Nodes()
+    group = nodes.add("Group")
+    group.node_tree = tree
+    invert = nodes.add("Invert", Color=(0.2, 0.4, 0.6))
+    invert.mute = True
+    reroute = nodes.tree.nodes.new("NodeReroute")
+    nodes.tree.links.new(invert.outputs[0], reroute.inputs[0])
+    nodes.tree.links.new(reroute.outputs[0], group.inputs[0])
+    keys, said = translate(nodes.surface(group))
+    assert keys["base_color"] == pytest.approx([0.2, 0.4, 0.6])
+    assert said == []
+
+
+def test_models_are_a_menu_away():
+    material = scattering("SubsurfaceScattering", "RANDOM_WALK", Color=(0.8, 0.5, 0.2), Scale=0.3)
+    as_node, _ = translate(material)
+    exact, _ = translate(material, "random-walk")
+    assert as_node["subsurface_model"] == "random-walk-rough" and exact["subsurface_model"] == "random-walk"
+    assert exact["subsurface_radius_scale"] == as_node["subsurface_radius_scale"]
+
+
+SAID = {
+    "noise": (lambda n: n.add("BsdfDiffuse", Color=n.add("TexNoise").outputs[1]), "Noise Texture: a Noise Texture node"),
+    "bump": (lambda n: n.add("BsdfDiffuse", Normal=n.add("Bump").outputs[0]), "Bump: normals from a Bump node"),
+    "toon": (lambda n: n.add("BsdfToon"), "Toon BSDF: a Toon BSDF node cannot be translated; it is diffuse"),
+    "sheen": (lambda n: n.add("BsdfPrincipled", Sheen_Weight=0.3), "Principled BSDF: sheen"),
+    "no image": (lambda n: n.add("BsdfDiffuse", Color=n.add("TexImage").outputs[0]), "Image Texture: it has no image"),
+}
+
+
+@pytest.mark.parametrize("make, text", SAID.values(), ids=SAID.keys())
+def test_what_cannot_be_translated_is_said_and_seen(make, text):
+    new_scene(16, 16, 8)
+    nodes = Nodes("odd")
+    add_plane(2, material=nodes.surface(make(nodes)))
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=2)
+    set_world((1, 1, 1))
+    picture = combined()
+    assert len(messages()) == 1
+    assert messages()[0].startswith(f"material odd: {text}")
+    assert picture[..., :3].max() > 0.1, "it is black"
+
+
+def test_a_material_without_a_surface_is_said_and_seen():
+    new_scene(16, 16, 8)
+    add_plane(2, material=Nodes("bare").material)
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=2)
+    set_world((1, 1, 1))
+    assert combined()[8, 8, 0] == pytest.approx(0.8, abs=0.02)
+    assert "there is no surface" in messages()[0]
+
+
+def test_normal_maps_turn_normals():
+    new_scene(16, 16, 32)
+    image = bpy.data.images.new("normals", 2, 2, float_buffer=True)
+    image.colorspace_settings.name = "Non-Color"
+    # Tilted toward +u by atan(3/4).
+    image.pixels.foreach_set(np.tile(np.array([0.8, 0.5, 0.9, 1], dtype=np.float32), 4))
+    nodes = Nodes()
+    texture = nodes.add("TexImage")
+    texture.image = image
+    normal = nodes.add("NormalMap", Color=texture.outputs[0])
+    add_plane(2, material=nodes.surface(nodes.add("BsdfDiffuse", Color=(0.5,) * 3, Normal=normal.outputs[0])))
+    add_camera((0, 0, 5), type="ORTHO", ortho_scale=1)
+    bpy.context.view_layer.use_pass_normal = True
+    add_light("SUN", rotation=radians(0, 20, 0), energy=1.0, angle=0.0)
+    ours, theirs = combined()[8, 8, 0], render_cycles(32)[8, 8, 0]
+    # The sun is 20° from the zenith toward +x, the normal 36.9°.
+    expected = 0.5 / np.pi * np.cos(np.radians(36.87 - 20))
+    assert ours == pytest.approx(expected, rel=0.01)
+    assert theirs == pytest.approx(expected, rel=0.01)
