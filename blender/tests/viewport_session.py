@@ -76,12 +76,9 @@ def screenshot(name):
 
 
 def session():
-    preferences = bpy.context.preferences
-    preferences.view.show_splash = False
-    preferences.view.smooth_view = 0
     scene = bpy.context.scene
     scene.render.engine = "TRANSLUCID"
-    scene.translucid.preview_samples = 16
+    scene.translucid.preview_samples = 4
     bpy.data.objects["Cube"].data.materials.clear()
     bpy.data.objects["Cube"].data.materials.append(scattering("wax", (0.8, 0.5, 0.2)))
     with override():
@@ -295,5 +292,8 @@ def step():
     return None
 
 
+# Before the window is there.
+bpy.context.preferences.view.show_splash = False
+bpy.context.preferences.view.smooth_view = 0
 # A timer ends when another file is loaded, unless it is persistent.
 bpy.app.timers.register(step, first_interval=1.0, persistent=True)
