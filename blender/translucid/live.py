@@ -32,29 +32,30 @@ class Live:
 
     def follow(self, target):
         """Brings the session to a target, and says whether anything has changed."""
-        old, self._target = self._target, target
-        if self.session is not None and old is not None:
-            edits = edits_between(old, target)
-            if edits is not None:
-                self._target = old
-                for name, arguments in edits:
-                    getattr(self.session, name)(**arguments)
-                self._target = target
-                return bool(edits)
+        edits = edits_between(self._target, target) if self._target is not None else None
+        # What fails halfway is made anew the next time.
+        self._target = None
+        if edits is not None:
+            for name, arguments in edits:
+                getattr(self.session, name)(**arguments)
+        else:
+            self._make(target)
+        self._target = target
+        return edits != []
+
+    def _make(self, target):
         # Two scenes at once would need twice the memory.
         self.stop()
-        self.session = self._target = None
-        size = self._size or (64, 64)
+        self.session = None
+        film = {**target.film, "size": list(self._size or (64, 64))}
         camera = self._camera or {"position": [0, 0, 1], "target": [0, 0, 0]}
-        scene = build(target.description, camera, {**target.film, "size": list(size)}, target.integrator)
+        scene = build(target.description, camera, film, target.integrator, movable=True)
         self.session = translucid.Session(scene, threads=target.threads)
-        self._target = target
-        return True
 
     def look(self, camera, size):
         """Takes a view; the picture begins anew if it is another one."""
         if size != self._size:
-            self.session.set_size(size)
+            self.session.set_film(size=list(size))
         if camera != self._camera:
             self.session.set_camera(**camera)
         self._camera, self._size = camera, size
@@ -72,26 +73,25 @@ class Live:
 def edits_between(old, new):
     """Calls of a session's methods that lead from one target to another; None where it must be made anew."""
     a, b = old.description, new.description
-    if (old.film, old.threads) != (new.film, new.threads) or a.materials.keys() != b.materials.keys():
+    kept = {name for name, body in b.bodies.items() if name in a.bodies and _is_kept(a, b, name, body)}
+    if old.threads != new.threads or not kept and (a.bodies or b.bodies):
         return None
-    edits = []
-    scatterers = {name for name, material in a.materials.items() if material.scatters != b.materials[name].scatters}
+    edits = [] if same(old.film, new.film) else [("set_film", new.film)]
     for name, material in b.materials.items():
-        if material is not a.materials[name] and not same(material.keys, a.materials[name].keys):
-            edits.append(("edit_material", {"name": name, **reset(a.materials[name].keys, material.keys)}))
-    if a.bodies.keys() != b.bodies.keys():
-        return None
+        before = a.materials.get(name)
+        if before is None:
+            edits.append(("add_material", {"name": name, **material.keys}))
+        elif material is not before and not same(material.keys, before.keys):
+            edits.append(("edit_material", {"name": name, **reset(before.keys, material.keys)}))
+    for name in a.bodies.keys() - kept:
+        edits += [("remove_object", {"name": own}) for own in _names(a, name)]
     for name, body in b.bodies.items():
-        before = a.bodies[name]
-        if body.parts is before.parts and np.array_equal(body.places, before.places):
-            continue
-        parts = [(material, part.slot) for material, part in body.parts]
-        is_plain = len(body.places) == 1 and len(before.places) == 1
-        if not is_plain or parts != [(material, part.slot) for material, part in before.parts]:
-            return None
-        if scatterers.intersection(material for material, _ in body.parts):
-            return None
-        edits += [("edit_mesh", placed(keys)) for keys in meshes_of(name, body, b.materials)]
+        if name not in kept:
+            edits += [("add_mesh", keys) for keys in meshes_of(name, body, b.materials, movable=True)]
+        elif not np.array_equal(body.places, a.bodies[name].places):
+            matrix = body.places[0].ravel().tolist()
+            edits += [("edit_object", {"name": own, "matrix": matrix}) for own in _names(b, name)]
+    edits += [("remove_material", {"name": name}) for name in a.materials.keys() - b.materials.keys()]
     if not same(a.lights, b.lights):
         edits.append(("set_lights", {"lights": b.lights}))
     if not same(a.environment, b.environment):
@@ -99,6 +99,26 @@ def edits_between(old, new):
     if not same(old.integrator, new.integrator):
         edits.append(("set_integrator", new.integrator))
     return edits
+
+
+def _is_kept(a, b, name, body):
+    """Whether a body has the meshes that it had, at its place or moved."""
+    before = a.bodies[name]
+    if body.parts is not before.parts or body.owners != before.owners:
+        return False
+    if len(body.parts) > 1:
+        # Whether its parts share light below their surfaces is a matter of their materials.
+        names = [material for material, _ in body.parts]
+        if any(a.materials[m].scatters for m in names) != any(b.materials[m].scatters for m in names):
+            return False
+    if np.array_equal(body.places, before.places):
+        return True
+    can_move = lambda d, of: all(keys.get("movable") for keys in meshes_of(name, of, d.materials, movable=True))
+    return can_move(a, before) and can_move(b, body)
+
+
+def _names(description, name):
+    return [keys["name"] for keys in meshes_of(name, description.bodies[name], description.materials)]
 
 
 # What the renderer takes where a material says nothing of a key.
@@ -115,6 +135,8 @@ _DEFAULTS = {
     "geometry_normal": "none",
     "geometry_opacity": 1.0,
     "base_metalness": 0.0,
+    "subsurface_eta": 1.0,
+    "subsurface_scatter_anisotropy": 0.0,
 }
 
 
@@ -122,28 +144,6 @@ def reset(old, new):
     """The new keys, and the defaults of those that only the old ones have: an edit leaves what it does not name."""
     gone = {key: _DEFAULTS[key] for key in old if key not in new and key in _DEFAULTS}
     return {**gone, **new}
-
-
-def placed(keys):
-    """The arguments of `Session.edit_mesh`, whose coordinates are those of the world, from those of `Scene.add_mesh`."""
-    matrix = np.array(keys["matrix"]).reshape(4, 4)
-    vertices = keys["vertices"] @ matrix[:3, :3].T + matrix[:3, 3]
-    normals = keys["normals"]
-    triangles = keys["triangles"]
-    if np.linalg.det(matrix[:3, :3]) < 0:
-        triangles = triangles[:, ::-1]
-    if normals is not None:
-        normals = normals @ np.linalg.pinv(matrix[:3, :3])
-        length = np.linalg.norm(normals, axis=1, keepdims=True)
-        normals = normals / np.where(length > 0, length, 1)
-    return {
-        "name": keys["name"],
-        "vertices": vertices,
-        "triangles": triangles,
-        "normals": normals,
-        "uv": keys["uv"],
-        "colors": keys["colors"],
-    }
 
 
 def same(a, b):

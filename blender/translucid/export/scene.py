@@ -205,13 +205,13 @@ def _place_name(instance):
     return f"{instance.object.name_full} of {':'.join([parent, *numbers])}"
 
 
-def build(description, camera, film, integrator):
-    """The renderer's scene of a description."""
+def build(description, camera, film, integrator, movable=False):
+    """The renderer's scene of a description, whose objects may be movable."""
     scene = translucid.Scene("m", camera=camera, film=film, integrator=integrator, environment=description.environment)
     for name, material in description.materials.items():
         scene.add_material(name, **material.keys)
     for name, body in description.bodies.items():
-        for keys in meshes_of(name, body, description.materials):
+        for keys in meshes_of(name, body, description.materials, movable):
             scene.add_mesh(**keys)
     if not description.bodies:
         # The renderer wants an object: one that is too small and too clear to be seen.
@@ -222,11 +222,12 @@ def build(description, camera, film, integrator):
     return scene
 
 
-def meshes_of(name, body, materials):
+def meshes_of(name, body, materials, movable=False):
     """The arguments of `Scene.add_mesh` for the parts of a body."""
     # The parts of a body share the light below their surfaces, and each place is a body of its own.
     is_shared = len(body.parts) > 1 and any(materials[material].scatters for material, _ in body.parts)
     places = np.array(body.places)
+    stretch = [_stretch(place) for place in places]
     for number, (material, part) in enumerate(body.parts):
         own = name if len(body.parts) == 1 else f"{name}/{number}"
         words = {
@@ -237,16 +238,33 @@ def meshes_of(name, body, materials):
             "colors": part.colors,
             "material": material,
         }
-        if len(places) > 1 and not is_shared:
+        if len(places) > 1 and not is_shared and max(stretch) < _FLAT:
             yield {"name": own, "transforms": places, **words}
             continue
         for i, place in enumerate(places):
             group = {"subsurface_group": body.owners[i]} if is_shared else {}
-            unique = own if len(places) == 1 else f"{own}[{i}]"
-            yield {"name": unique, "matrix": place.ravel().tolist(), **group, **words}
+            unique = own if len(places) == 1 else f"{own} {i}"
+            if stretch[i] >= _FLAT:
+                # What is flattened has no normals that a matrix could turn.
+                flat = part.vertices @ place[:3, :3].T + place[:3, 3]
+                yield {"name": unique, **words, "vertices": flat, "normals": None, **group}
+                continue
+            free = {"movable": True} if movable and len(places) == 1 and stretch[i] < _STRETCHED else {}
+            yield {"name": unique, "matrix": place.ravel().tolist(), **group, **free, **words}
+
+
+# How much a place may stretch one direction more than another: to be a map at all, and to be moved in place.
+_FLAT, _STRETCHED = 1e5, 100.0
+
+
+def _stretch(place):
+    scales = np.linalg.svd(place[:3, :3], compute_uv=False)
+    return scales[0] / scales[2] if scales[2] > 1e-12 else np.inf
 
 
 def _unique(name, taken):
+    # To the renderer an index in brackets is one of many places.
+    name = name.replace("[", "(").replace("]", ")")
     number = 1
     unique = name
     while unique in taken:
