@@ -152,7 +152,8 @@ fn point_based(scene: Scene, reference: &[[f64; 3]], options: &Options, name: &s
             second_pass.get_or_init(cpu_seconds);
         }
     };
-    let made = renderer.make_points(MEMORY, &report, &AtomicBool::new(false));
+    let view = renderer.view().expect("a valid view");
+    let made = renderer.make_points(&view, MEMORY, &report, &AtomicBool::new(false));
     let end = cpu_seconds();
     let points = match made {
         Ok(Some(points)) => points,

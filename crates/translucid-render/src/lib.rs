@@ -83,6 +83,6 @@ pub use render::{
     save_checkpoint,
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, available_memory};
-pub use subsurface::transport::points::{PointCloud, PointPass, PointProgress};
+pub use subsurface::transport::points::{PointCloud, PointPass, PointPlan, PointProgress};
 pub use subsurface::{Note, NoteKind};
 pub use world::{PixelSample, layer};

@@ -49,8 +49,8 @@ pub use load::{
     parse_profile_table, parse_stl,
 };
 pub use material::{
-    Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, WalkSurface, WordValue,
+    CameraVisibility, Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, WalkSurface, WordValue,
 };
 pub use mesh::{Mesh, Triangle, repair_mesh};
 pub use object::Object;

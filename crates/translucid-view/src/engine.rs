@@ -203,6 +203,7 @@ impl<'a> Engine<'a> {
         let other_cost = self.sides.iter().flatten().map(|side| side.cost).next();
         let cost = old.as_ref().map(|old| old.cost).or(other_cost).unwrap_or(FIRST_GUESS);
         let points = old.filter(|old| !old.look.differs(&look)).and_then(|old| old.points);
+        let points = points.filter(|points| self.prepared.points_serve(points, &view));
         Some(SideWork {
             look,
             view,
@@ -352,7 +353,8 @@ impl<'a> Engine<'a> {
                 self.tell("points", &words_of(progress));
             }
         };
-        match self.prepared.make_points(memory, &watch, &self.shared.stop) {
+        let Some(view) = self.sides[side].as_ref().map(|work| work.view.clone()) else { return };
+        match self.prepared.make_points(&view, memory, &watch, &self.shared.stop) {
             Ok(Some(points)) => {
                 if let Some(work) = &mut self.sides[side] {
                     work.points = Some(points);
@@ -595,8 +597,8 @@ fn may_become(film: &FilmSums, samples: u32) -> bool {
     film.tiles.iter().all(|tile| tile.samples <= samples)
 }
 
-fn words_of(PointProgress { pass, done, total }: PointProgress) -> String {
-    let percent = 100 * done.min(total) / total.max(1);
+fn words_of(PointProgress { pass, part, .. }: PointProgress) -> String {
+    let percent = (100.0 * part) as u32;
     match pass {
         PointPass::Points => format!("points all over the surface, {percent} %"),
         PointPass::Irradiance => format!("light at the points, {percent} %"),

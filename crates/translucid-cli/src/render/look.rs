@@ -21,7 +21,7 @@ pub(crate) struct Look {
     /// About its middle, once y is up.
     #[arg(long, value_name = "X,Y,Z", value_parser = parse_rotation, allow_hyphen_values = true)]
     rotate: Option<[f32; 3]>,
-    /// Floor below a bare mesh: none, backdrop, #rrggbb or a grey
+    /// Floor below a bare mesh: none, backdrop, shadow, #rrggbb or a grey
     ///
     /// A grey is in [0, 1]. By default backdrop where neither camera nor light is given, else none.
     #[arg(long, value_name = "FLOOR", value_parser = parse_floor)]
@@ -105,11 +105,8 @@ fn parse_rotation(text: &str) -> Result<[f32; 3], String> {
 }
 
 fn parse_floor(text: &str) -> Result<Floor, String> {
-    if text == "shadow" {
-        return Err(String::from("a floor of shadows alone cannot be rendered; none leaves the floor out"));
-    }
     Floor::from_text(text)
-        .ok_or_else(|| String::from("a floor is none, backdrop, #rrggbb or a grey in [0, 1]"))
+        .ok_or_else(|| String::from("a floor is none, backdrop, shadow, #rrggbb or a grey in [0, 1]"))
 }
 
 fn parse_view(text: &str) -> Result<Viewpoint, String> {
@@ -140,6 +137,7 @@ mod tests {
         assert_eq!(parse_up("-z"), Ok(UpAxis::MinusZ));
         assert_eq!(parse_rotation("-30"), Ok([0.0, -30.0, 0.0]));
         assert_eq!(parse_rotation("1, 2,3"), Ok([1.0, 2.0, 3.0]));
+        assert_eq!(parse_floor("shadow"), Ok(Floor::Shadow));
         assert_eq!(parse_floor("0.5"), Ok(Floor::Color([0.5; 3])));
         assert_eq!(parse_floor("#ff0000"), Ok(Floor::Color([1.0, 0.0, 0.0])));
         assert_eq!(parse_view("-30,15"), Ok(Viewpoint::of(-30.0, 15.0)));
@@ -148,7 +146,7 @@ mod tests {
         for wrong in ["", "1,2,3,4", "nan", "inf", "a", "1e9", "1,,2"] {
             assert!(parse_rotation(wrong).is_err() && parse_view(wrong).is_err(), "{wrong}");
         }
-        for wrong in ["", "shadow", "#12345", "1.5", "-1", "nan", "floor"] {
+        for wrong in ["", "shadows", "#12345", "1.5", "-1", "nan", "floor"] {
             assert!(parse_floor(wrong).is_err(), "{wrong}");
         }
         for wrong in ["", "0", "-1", "nan", "inf", "1e9"] {

@@ -1,11 +1,10 @@
 //! The points of the point-based method: made before the picture, or taken from a file.
 
 use std::path::Path;
-use std::sync::OnceLock;
 use std::time::Instant;
 
 use translucid_image::check_writable;
-use translucid_render::{PointCloud, PointPass, PointProgress, PreparedScene, available_memory};
+use translucid_render::{PointCloud, PointProgress, PreparedScene, View, available_memory};
 use translucid_scene::Scene;
 
 use crate::failure::Failure;
@@ -30,49 +29,83 @@ pub(crate) fn check(scene: &Scene, file: Option<&Path>) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The scene with the points that it asks for, which are kept in a file if one is named.
-pub(crate) fn prepare(mut prepared: PreparedScene, file: Option<&Path>) -> Result<PreparedScene, Failure> {
+/// The scene with the points that a view of it needs, which are kept in a file if one is named.
+pub(crate) fn prepare(
+    mut prepared: PreparedScene,
+    view: &View,
+    file: Option<&Path>,
+) -> Result<PreparedScene, Failure> {
     if !prepared.wants_points() {
         return Ok(prepared);
     }
-    let points = match file {
-        Some(file) if file.exists() => {
-            let points = PointCloud::load(file, prepared.points_fingerprint())?;
-            messages::line(&format!("took {} points from {}", points.len(), file.display()));
-            points
-        }
-        _ => make(&prepared, file)?,
+    let points = match file.filter(|file| file.exists()) {
+        Some(file) => kept(&prepared, view, file)?,
+        None => lay(&prepared, view)?,
     };
+    let points = if points.is_finished() { points } else { light(&prepared, points, file)? };
     prepared.set_points(&points);
     Ok(prepared)
 }
 
-/// Makes the points and keeps them.
-fn make(prepared: &PreparedScene, file: Option<&Path>) -> Result<PointCloud, Failure> {
+/// The points of a file, whose light may not be finished.
+fn kept(prepared: &PreparedScene, view: &View, file: &Path) -> Result<PointCloud, Failure> {
+    let points = PointCloud::load(file, prepared.points_fingerprint())?;
+    if !prepared.points_serve(&points, view) {
+        let message = format!(
+            "{}: its points are made for wider pixels, and lie too far apart for this picture",
+            file.display()
+        );
+        return Err(Failure::input(message).with_help("delete it to make the points anew"));
+    }
+    let state = if points.is_finished() { "" } else { ", whose light is not finished" };
+    messages::line(&format!("took {} points from {}{state}", points.len(), file.display()));
+    Ok(points)
+}
+
+/// Lays points over the surfaces, and says beforehand how many.
+fn lay(prepared: &PreparedScene, view: &View) -> Result<PointCloud, Failure> {
+    let plan = prepared.plan_points(view);
+    let memory = memory(prepared.scene());
+    messages::line(&format!("laying {}", plan.describe(prepared.scene())));
+    let meter = Meter::new(Unit::Samples);
+    let laid = prepared.lay_points(&plan, memory, &|progress| show(&meter, progress), &interrupt::STOP);
+    meter.finish();
+    laid?.ok_or_else(|| {
+        Failure::interrupted(String::from("the points were not laid: repeat the command to make them anew"))
+    })
+}
+
+/// Finishes the light of points and keeps them, however far it came.
+fn light(prepared: &PreparedScene, points: PointCloud, file: Option<&Path>) -> Result<PointCloud, Failure> {
     let start = Instant::now();
-    let meters: [OnceLock<Meter>; 2] = [const { OnceLock::new() }; 2];
-    let report = |progress: PointProgress| {
-        let pass = usize::from(progress.pass == PointPass::Irradiance);
-        let meter = meters[pass].get_or_init(|| {
-            meters[0].get().into_iter().for_each(Meter::finish);
-            messages::line(["laying points over surfaces", "light that enters at the points"][pass]);
-            Meter::new(Unit::Samples)
-        });
-        meter.update(progress.done, progress.total);
-    };
-    let made = prepared.make_points(memory(prepared.scene()), &report, &interrupt::STOP);
-    meters.iter().filter_map(OnceLock::get).for_each(Meter::finish);
-    let Some(points) = made? else {
-        let help = String::from("the points were not ready: repeat the command to make them anew");
-        return Err(Failure::interrupted(help));
-    };
-    let seconds = duration(start.elapsed().as_secs_f64());
-    messages::line(&format!("{} points with their light in {seconds}", points.len()));
+    messages::line("light that enters at the points");
+    let meter = Meter::new(Unit::Samples);
+    let points = prepared.light_points(points, &|progress| show(&meter, progress), &interrupt::STOP);
+    meter.finish();
+    if points.is_finished() {
+        let seconds = duration(start.elapsed().as_secs_f64());
+        messages::line(&format!("{} points with their light in {seconds}", points.len()));
+    }
     if let Some(file) = file {
         points.save(file).map_err(Failure::late)?;
         messages::line(&format!("kept them in {}", file.display()));
     }
-    Ok(points)
+    if points.is_finished() {
+        return Ok(points);
+    }
+    Err(Failure::interrupted(file.map_or_else(
+        || String::from("the points were not ready: name a file with --points to keep what there is of them"),
+        |file| {
+            format!(
+                "{} has the points with a part of their light: repeat the command to go on",
+                file.display()
+            )
+        },
+    )))
+}
+
+fn show(meter: &Meter, PointProgress { part, total, .. }: PointProgress) {
+    meter.update((part * total as f64) as u64, total);
 }
 
 /// Most memory for points, in bytes: what the scene allows and the machine has.

@@ -78,7 +78,7 @@ fn options_for_a_mesh_are_refused_where_there_is_none() {
         ("ball.toml --rotate 9", "rotate of an [[object]]"),
         ("ball.toml --floor none", "a floor is for a bare mesh"),
         ("--up z", "--up needs a mesh"),
-        ("a.obj --floor shadow", "a floor of shadows alone cannot be rendered"),
+        ("a.obj --floor shadows", "a floor is none, backdrop, shadow, #rrggbb or a grey in [0, 1]"),
         ("a.obj --view up", "front, back, left, right, top, bottom"),
         ("a.obj --zoom 0", "a zoom is a number in [0.01, 1000]"),
         ("a.obj --camera front", "there is no camera \"front\""),

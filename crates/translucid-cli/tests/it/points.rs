@@ -29,7 +29,12 @@ fn points_are_kept_and_used_again() {
     let output = run(&directory, "render ball.toml --points ball.points --threads 1 -o one.exr");
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(said.contains("points with their light") && said.contains("kept them in ball.points"), "{said}");
+    assert!(
+        said.contains("points over surfaces")
+            && said.contains("points with their light")
+            && said.contains("kept them in ball.points"),
+        "{said}"
+    );
     let bytes = |name: &str| fs::read(directory.join(name)).unwrap();
     let points = bytes("ball.points");
 
@@ -46,6 +51,20 @@ fn points_are_kept_and_used_again() {
     let said = refusal(&directory, "render ball.toml --points ball.points --seed 3");
     assert!(said.contains("another scene or other settings") && said.contains("delete"), "{said}");
     assert_eq!(bytes("ball.points"), points);
+}
+
+#[test]
+fn points_for_wide_pixels_serve_no_narrow_ones() {
+    let (_keep, directory) = directory();
+    let text = fs::read_to_string(directory.join("ball.toml")).unwrap();
+    fs::write(directory.join("fine.toml"), text.replace("subsurface_radius = 2", "subsurface_radius = 0.1"))
+        .unwrap();
+    let words = "render fine.toml --points fine.points --spp 1";
+    let said = stderr(&run(&directory, &format!("{words} --size 12x9 -o small.png")));
+    assert!(said.contains("because of the width of pixels; their light takes"), "{said}");
+    stdout(&directory, &format!("{words} --size 12x9 -o again.png"));
+    let said = refusal(&directory, &format!("{words} --size 64x48 -o large.png"));
+    assert!(said.contains("made for wider pixels") && said.contains("delete it"), "{said}");
 }
 
 #[test]

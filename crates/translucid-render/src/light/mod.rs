@@ -36,6 +36,7 @@ use bent::Unmet;
 pub(crate) use bent::bent_pdf;
 use emitters::{Emitters, PlacedLight};
 use receiver::Receiver;
+pub(crate) use receiver::luminance;
 use selection::Selection;
 use surfaces::Surfaces;
 

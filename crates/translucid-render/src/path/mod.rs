@@ -17,6 +17,7 @@
 //! focused. What shadow rays pass and what paths pass has to be the same for MIS to be right.
 
 mod emission;
+mod shadow_catcher;
 mod tracer;
 
 pub(crate) use tracer::PathTracer;

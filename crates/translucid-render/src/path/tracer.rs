@@ -3,9 +3,10 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
-use translucid_scene::Material;
+use translucid_scene::{CameraVisibility, Material};
 
 use super::emission::{add_emission, add_environment, add_light_in_the_way};
+use super::shadow_catcher::missing_light;
 use crate::ray::{Hit, Ray, SurfacePoint};
 use crate::sampling::{Frame, Reserved, Sampler};
 use crate::subsurface::{ExitPoint, SubsurfaceSet, Tracing, TransportScratch};
@@ -121,6 +122,15 @@ impl<'a> PathTracer<'a> {
         let opacity = surface::opacity_at(&world.scene, material, point);
         if opacity < 1.0 && u.of_opacity() >= opacity {
             return path.pass(point, Vec3::ONE);
+        }
+
+        // Show the camera what it is to see, if that is not the surface
+        if path.depth == 0 && material.camera_visibility != CameraVisibility::Surface {
+            if material.camera_visibility == CameraVisibility::None {
+                return path.pass(point, Vec3::ONE);
+            }
+            path.sample.alpha = missing_light(world, path, point, sampler.next_4d());
+            return false;
         }
 
         // Add emission before a clear surface is passed: light samples of it bring all of its emission, too

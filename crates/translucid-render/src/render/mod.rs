@@ -8,6 +8,7 @@ mod passes;
 mod picker;
 mod picture;
 mod pixel_blocks;
+mod pixel_widths;
 mod prepared;
 mod view;
 

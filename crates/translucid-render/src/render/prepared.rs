@@ -11,11 +11,12 @@ use translucid_scene::{
 
 use super::fingerprint::{fingerprint, fingerprint_of_points};
 use super::picker::Picker;
+use super::pixel_widths::pixel_widths;
 use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
 use crate::ray::Geometry;
-use crate::subsurface::transport::points::{Making, PointCloud, PointProgress};
+use crate::subsurface::transport::points::{Making, PointCloud, PointPlan, PointProgress, serve};
 use crate::subsurface::{Note, SubsurfaceSet};
 use crate::surface::{self, SurfaceTables};
 use crate::world::{PixelWidth, World};
@@ -288,29 +289,79 @@ impl PreparedScene {
         fingerprint_of_points(&self.world.scene)
     }
 
-    /// Makes the points of the point-based method on the current rayon pool; `None` when stopped.
+    /// The points that pictures of a view need.
     ///
-    /// The points and their light do not depend on the number of threads.
+    /// Their spacing follows the mean free path, and no less the width of a pixel.
+    pub fn plan_points(&self, view: &View) -> PointPlan {
+        PointPlan::new(&self.world, self.subsurface.transports(), &pixel_widths(&self.world, view))
+    }
+
+    /// Lays the points of the point-based method on the current rayon pool, without their light; `None` when stopped.
+    ///
+    /// The points do not depend on the number of threads.
     ///
     /// # Errors
     /// The points would take more than so many bytes of memory.
-    pub fn make_points(
+    pub fn lay_points(
         &self,
+        plan: &PointPlan,
         memory: u64,
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
     ) -> Result<Option<PointCloud>, SceneError> {
         let making = Making { fingerprint: self.points_fingerprint(), memory, progress, stop };
+        PointCloud::laid(&self.world, plan, &making)
+    }
+
+    /// Goes on with the light of points, which are this scene's, on the current rayon pool until it is finished or stopped.
+    ///
+    /// The light does not depend on the number of threads, nor on how often it was stopped.
+    pub fn light_points(
+        &self,
+        points: PointCloud,
+        progress: &(dyn Fn(PointProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> PointCloud {
         // Paths that begin at entry points are in no pixel
-        let tracer = || self.tracer(PixelWidth::default());
-        PointCloud::new(&self.world, self.subsurface.transports(), tracer, &making)
+        points.lit(&self.world, || self.tracer(PixelWidth::default()), progress, stop)
+    }
+
+    /// Lays and lights the points that a view needs; `None` when stopped.
+    ///
+    /// # Errors
+    /// The points would take more than so many bytes of memory.
+    pub fn make_points(
+        &self,
+        view: &View,
+        memory: u64,
+        progress: &(dyn Fn(PointProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> Result<Option<PointCloud>, SceneError> {
+        let laid = self.lay_points(&self.plan_points(view), memory, progress, stop)?;
+        Ok(laid.map(|points| self.light_points(points, progress, stop)).filter(PointCloud::is_finished))
+    }
+
+    /// Whether points, which are this scene's, lie close enough for a view: those made for much wider pixels do not.
+    pub fn points_serve(&self, points: &PointCloud, view: &View) -> bool {
+        serve(points.groups(), &pixel_widths(&self.world, view))
+    }
+
+    /// Forgets points that lie too far apart for a view.
+    pub(crate) fn keep_points_for(&mut self, view: &View) {
+        if self.subsurface.has_points()
+            && self.subsurface.needs_closer_points(&pixel_widths(&self.world, view))
+        {
+            self.subsurface.forget_points();
+        }
     }
 
     /// Gathers light under surfaces from points, which are this scene's, in place of probing for it.
     ///
-    /// Where points leave a subsurface group out, probes find the light.
+    /// Where points leave a subsurface group out, probes find the light. Points whose light is not finished are not taken.
     pub fn set_points(&mut self, points: &PointCloud) {
-        self.subsurface.set_points(&self.world, points);
+        if points.is_finished() {
+            self.subsurface.set_points(&self.world, points);
+        }
     }
 
     /// A tracer of paths through pixels of a width.

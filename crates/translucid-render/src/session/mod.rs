@@ -137,6 +137,7 @@ impl Session {
 
     /// Looks at the scene otherwise; the film begins anew.
     pub fn set_view(&mut self, view: View) {
+        self.prepared.keep_points_for(&view);
         self.view = view;
         self.restart();
     }
@@ -243,7 +244,7 @@ impl Session {
         }
         let allowed = u64::from(self.prepared.scene().integrator.point_memory) << 20;
         let report = |progress| observer(&Event::Points(progress));
-        let points = self.prepared.make_points(allowed.min(plan.point_memory), &report, stop);
+        let points = self.prepared.make_points(&self.view, allowed.min(plan.point_memory), &report, stop);
         let Some(points) = points? else { return Ok(false) };
         self.prepared.set_points(&points);
         Ok(true)

@@ -30,7 +30,7 @@ use crate::world::{Media, World};
 use kernel::{KernelRecipe, SubsurfaceKernel};
 use normalization::Normalizer;
 use pairing::Pairing;
-use transport::points::{GatherScratch, Leaving, PointCloud};
+use transport::points::{CloudGroup, GatherScratch, Leaving, PixelWidths, PointCloud, serve};
 use transport::probes::Probes;
 use transport::walk::Walks;
 
@@ -53,7 +53,8 @@ pub(crate) struct SubsurfaceSet {
     /// For each material, in words.
     notes: Vec<Vec<Remark>>,
     axes: [f32; 3],
-    has_points: bool,
+    /// The groups of the points that light is gathered from, if there are any.
+    points: Option<Vec<CloudGroup>>,
     normalizer: Option<Normalizer>,
     normalizer_note: Option<Note>,
     kernels: Cache<KernelRecipe, SubsurfaceKernel>,
@@ -86,7 +87,7 @@ impl SubsurfaceSet {
             transports: Vec::new(),
             notes: Vec::new(),
             axes: AXIS_PROBES,
-            has_points: false,
+            points: None,
             normalizer: None,
             normalizer_note: None,
             kernels: Cache(Vec::new()),
@@ -234,7 +235,7 @@ impl SubsurfaceSet {
                 *own = Some(Arc::clone(&gatherer));
             }
         }
-        self.has_points = true;
+        self.points = Some(points.groups().to_vec());
     }
 
     /// Forgets the points: they belong to a scene that has changed.
@@ -244,12 +245,17 @@ impl SubsurfaceSet {
                 *own = None;
             }
         }
-        self.has_points = false;
+        self.points = None;
     }
 
     /// Whether light is gathered from points.
     pub(crate) fn has_points(&self) -> bool {
-        self.has_points
+        self.points.is_some()
+    }
+
+    /// Whether the points, if there are any, lie too far apart for pixels of such widths.
+    pub(crate) fn needs_closer_points(&self, pixels: &PixelWidths) -> bool {
+        self.points.as_ref().is_some_and(|groups| !serve(groups, pixels))
     }
 
     /// Sets the probabilities of probing along (tangent, tangent, normal).

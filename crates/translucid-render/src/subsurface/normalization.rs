@@ -13,7 +13,9 @@ use glam::Vec3;
 use translucid_scene::{Material, SceneError, SubsurfaceNormalization};
 
 use super::transport::SubsurfaceTransport;
-use super::transport::points::{GatherScratch, Gatherer, Leaving, Making, PointCloud};
+use super::transport::points::{
+    GatherScratch, Gatherer, Leaving, Making, PixelWidths, PointCloud, PointPlan,
+};
 use crate::world::World;
 
 /// Most memory for points, in bytes, whatever the scene allows: half a million.
@@ -45,7 +47,9 @@ impl Normalizer {
         let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
         let never = AtomicBool::new(false);
         let making = Making { fingerprint: 0, memory, progress: &|_| {}, stop: &never };
-        let cloud = PointCloud::without_light(world, transports, &making)?;
+        // The factors serve every view
+        let plan = PointPlan::new(world, transports, &PixelWidths::default());
+        let cloud = PointCloud::laid(world, &plan, &making)?;
         Ok(cloud.map(|cloud| Self { points: cloud.gatherer(world, transports) }))
     }
 

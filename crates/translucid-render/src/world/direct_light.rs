@@ -13,13 +13,19 @@ use crate::surface;
 const GREATEST_LIGHT: f32 = 1e26;
 
 impl World {
+    /// Radiance of a light sample as it sets out for the point.
+    pub(crate) fn sent(&self, point: &SurfacePoint, light: &LightSample) -> Vec3 {
+        let target = point.position + light.direction * light.distance;
+        match light.primitive {
+            Some(primitive) => self.emitted_at(primitive, target),
+            None => light.radiance,
+        }
+    }
+
     /// Radiance of a light sample that reaches the point.
     pub(crate) fn unoccluded(&self, point: &SurfacePoint, light: &LightSample, medium: ShadowMedium) -> Vec3 {
         let target = point.position + light.direction * light.distance;
-        let radiance = match light.primitive {
-            Some(primitive) => self.emitted_at(primitive, target),
-            None => light.radiance,
-        };
+        let radiance = self.sent(point, light);
         if radiance == Vec3::ZERO {
             return Vec3::ZERO;
         }

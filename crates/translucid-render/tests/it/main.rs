@@ -25,6 +25,7 @@ mod point_based;
 mod prepared;
 mod random_walk;
 mod session;
+mod shadow_catcher;
 mod sharing;
 mod textures;
 mod transport;

@@ -9,7 +9,7 @@ use glam::Vec3;
 use translucid_profile::{
     Configuration, Model, NormalizedDiffusion, Parameterization, d_from_surface_albedo,
 };
-use translucid_render::{PointPass, PointProgress};
+use translucid_render::{PointPass, PointProgress, Session, View};
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel};
 
 use crate::common::{
@@ -92,10 +92,11 @@ fn points_without_light_are_soon_black() {
     let most = std::sync::atomic::AtomicU64::new(0);
     let hear = |progress: PointProgress| {
         if progress.pass == PointPass::Irradiance {
-            most.fetch_max(progress.done, Ordering::Relaxed);
+            most.fetch_max((progress.part * progress.total as f64) as u64, Ordering::Relaxed);
         }
     };
-    let points = renderer.make_points(MEMORY, &hear, &AtomicBool::new(false));
+    let view = renderer.view().expect("a valid view");
+    let points = renderer.make_points(&view, MEMORY, &hear, &AtomicBool::new(false));
     let points = points.expect("enough memory").expect("nobody stops it");
     assert!(most.into_inner() <= 16 * points.len() as u64);
     let renderer = with_points(renderer, &points);
@@ -241,14 +242,85 @@ fn making_points_stops_when_asked() {
     let mut scene = scene(vec![sphere(2.0, 24)], translucent(Model::NormalizedDiffusion));
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     let renderer = prepare(scene);
+    let view = renderer.view().expect("a valid view");
     for pass in [PointPass::Points, PointPass::Irradiance] {
         let stop = AtomicBool::new(false);
         let stop_there = |progress: PointProgress| {
-            assert!(progress.done <= progress.total);
+            assert!((0.0..=1.0).contains(&progress.part));
             stop.fetch_or(progress.pass == pass, Ordering::Relaxed);
         };
-        assert!(renderer.make_points(MEMORY, &stop_there, &stop).expect("enough memory").is_none());
+        assert!(renderer.make_points(&view, MEMORY, &stop_there, &stop).expect("enough memory").is_none());
     }
+}
+
+/// A lit ball to be gathered from points, whose light is stopped a dozen times.
+#[test]
+fn light_of_points_that_was_stopped_goes_on_to_the_same_bits_and_its_progress_never_falls() {
+    let mut scene = scene(vec![sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
+    scene.lights.push(distant(Vec3::new(1.0, 0.0, 1.0)));
+    scene.environment = uniform_environment(Vec3::splat(0.1));
+    scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+    scene.integrator.point_tolerance = 0.2;
+    let renderer = prepare(scene);
+    let whole = make_points(&renderer, MEMORY).expect("enough memory");
+    let never = AtomicBool::new(false);
+    let plan = renderer.plan_points(&renderer.view().expect("a valid view"));
+    let mut points =
+        renderer.lay_points(&plan, MEMORY, &|_| {}, &never).expect("memory").expect("not stopped");
+    let mut stops = 0;
+    on_threads(1, || {
+        while !points.is_finished() {
+            let told = std::sync::Mutex::new(None);
+            let stop = AtomicBool::new(false);
+            let stop_soon = |progress: PointProgress| {
+                let mut told = told.lock().expect("no panic");
+                let (first, last) = told.unwrap_or((progress.part, 0.0));
+                assert!(progress.part >= last && progress.part <= 1.0, "{} after {last}", progress.part);
+                *told = Some((first, progress.part));
+                stop.fetch_or(progress.part > first + 0.05, Ordering::Relaxed);
+            };
+            points = renderer.light_points(points.clone(), &stop_soon, &stop);
+            stops += 1;
+        }
+    });
+    assert!(stops > 5, "{stops}");
+    assert!(points == whole);
+}
+
+/// Points lie no closer than half a pixel, where that is wider than the profile asks for, and serve pixels as wide.
+#[test]
+fn points_are_as_close_as_pixels_need_them() {
+    let small = Material {
+        subsurface_radius: ScalarInput::constant(0.05),
+        ..translucent(Model::NormalizedDiffusion)
+    };
+    let mut scene = scene(vec![sphere(2.0, 24)], small);
+    scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
+    let renderer = prepare(scene);
+    let whole = renderer.view().expect("a valid view");
+    let view = |width: u32| {
+        let film = translucid_scene::Film { width, height: width, ..*whole.film() };
+        View::new(*whole.camera(), film, 0).expect("a valid view")
+    };
+    let points_for = |width: u32| renderer.plan_points(&view(width)).points();
+    let [coarse, fine, finest] = [16, 64, 4096].map(points_for);
+    // Four times as many pixels along an edge
+    assert!((fine / coarse / 16.0 - 1.0).abs() < 0.01, "{coarse}, {fine}");
+    // Then the mean free path decides
+    assert!(finest > 4.0 * fine && finest == points_for(8192), "{fine}, {finest}");
+    let never = AtomicBool::new(false);
+    let points =
+        renderer.make_points(&view(64), MEMORY, &|_| {}, &never).expect("memory").expect("not stopped");
+    assert!((points.len() as f64 / fine - 1.0).abs() < 0.15, "{} for {fine}", points.len());
+    for (width, serves) in [(16, true), (64, true), (78, true), (90, false)] {
+        assert_eq!(renderer.points_serve(&points, &view(width)), serves, "{width}");
+    }
+    let mut session = Session::new(renderer, view(64));
+    session.set_points(&points);
+    session.set_view(view(60));
+    assert!(!session.prepared().wants_points());
+    session.set_view(view(90));
+    assert!(session.prepared().wants_points());
 }
 
 #[test]

@@ -11,7 +11,9 @@ use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
 use super::{Floor, LoadOptions, is_gltf, load_model};
 use crate::load::stage::Stage;
 use crate::preset::preset;
-use crate::{Camera, ColorInput, Film, Material, Object, Place, Scene, SceneError, Unit, Warning};
+use crate::{
+    Camera, CameraVisibility, ColorInput, Film, Material, Object, Place, Scene, SceneError, Unit, Warning,
+};
 
 /// Material of a mesh without its own where no preset is asked for.
 const DEFAULT_PRESET: &str = "marble";
@@ -121,7 +123,9 @@ fn stage(mut model: MeshFile, unit: Unit, options: &LoadOptions) -> Result<Scene
         }),
     );
     let mut environment = is_dark.then(|| frame.environment());
-    if let Some(environment) = environment.as_mut().filter(|_| options.floor == Some(Floor::None)) {
+    if let Some(environment) =
+        environment.as_mut().filter(|_| matches!(options.floor, Some(Floor::None | Floor::Shadow)))
+    {
         environment.visible = false;
     }
     Ok(Scene {
@@ -145,16 +149,23 @@ fn turn(objects: &mut [Object], rotation: Mat3) {
     }
 }
 
+/// What a floor that is not seen itself reflects onto the mesh.
+const SHADOW_FLOOR_COLOR: Vec3 = Vec3::splat(0.5);
+
 fn add_floor(model: &mut MeshFile, frame: &Stage, camera: &Camera, floor: Floor) {
     let color = match floor {
         Floor::None => return,
         Floor::Backdrop => Stage::BACKDROP_COLOR,
+        Floor::Shadow => SHADOW_FLOOR_COLOR,
         Floor::Color(color) => Vec3::from_array(color),
     };
     if !frame.is_above_floor(camera) {
         return; // It would hide the mesh.
     }
-    let (mesh, material) = frame.backdrop(color);
+    let (mesh, mut material) = frame.backdrop(color);
+    if floor == Floor::Shadow {
+        material.camera_visibility = CameraVisibility::Shadow;
+    }
     if mesh.validate().is_err() {
         return; // It would reach beyond the coordinates that meshes may have.
     }

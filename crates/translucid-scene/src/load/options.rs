@@ -58,12 +58,14 @@ pub enum Floor {
     None,
     /// A dark sweep.
     Backdrop,
+    /// A sweep of which only the shadows on it are seen: around them the picture is transparent.
+    Shadow,
     /// A sweep of this linear color.
     Color([f32; 3]),
 }
 
 impl Floor {
-    /// The floor of a word: `none`, `backdrop`, or a color as `#rrggbb` in sRGB or a linear grey in [0, 1].
+    /// The floor of a word: `none`, `backdrop`, `shadow`, or a color as `#rrggbb` in sRGB or a linear grey in [0, 1].
     ///
     /// ```
     /// use translucid_scene::Floor;
@@ -77,6 +79,7 @@ impl Floor {
         match text {
             "none" => Some(Self::None),
             "backdrop" => Some(Self::Backdrop),
+            "shadow" => Some(Self::Shadow),
             _ => hexadecimal_color(text).map(|color| color.to_array()).or_else(grey).map(Self::Color),
         }
     }

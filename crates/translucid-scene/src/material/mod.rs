@@ -140,6 +140,18 @@ pub enum SubsurfaceNormalization {
     Energy,
 }
 
+/// What the camera sees of a surface. To all other rays it is there as it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CameraVisibility {
+    /// The surface.
+    #[default]
+    Surface,
+    /// The shadows on it alone: black, covering as much as the share of light that others keep from it.
+    Shadow,
+    /// Nothing.
+    None,
+}
+
 /// A tangent-space normal map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NormalMap {
@@ -221,6 +233,8 @@ pub struct Material {
     pub geometry_opacity: ScalarInput,
     /// Normal map, if any.
     pub geometry_normal: Option<NormalMap>,
+    /// What the camera sees of it.
+    pub camera_visibility: CameraVisibility,
 }
 
 impl Default for Material {
@@ -257,6 +271,7 @@ impl Default for Material {
             emission_color: ColorInput::constant(Vec3::ONE),
             geometry_opacity: ScalarInput::constant(1.0),
             geometry_normal: None,
+            camera_visibility: CameraVisibility::Surface,
         }
     }
 }

@@ -71,7 +71,8 @@ pub(crate) fn render_until(
 
 /// Makes the points that a scene asks for, within so many bytes.
 pub(crate) fn make_points(prepared: &PreparedScene, memory: u64) -> Result<PointCloud, SceneError> {
-    let points = prepared.make_points(memory, &|_| {}, &AtomicBool::new(false))?;
+    let view = prepared.view()?;
+    let points = prepared.make_points(&view, memory, &|_| {}, &AtomicBool::new(false))?;
     Ok(points.expect("nobody stops it"))
 }
 

@@ -86,6 +86,7 @@ fn subsurface(text: &mut Text, random: &mut Random, size: f64) {
     text.set_text("subsurface_configuration", random.pick(&["searchlight", "diffuse"]));
     text.set_text("subsurface_texture_at", random.pick(&["exit", "entry", "both"]));
     text.set_text("subsurface_normalization", random.pick(&["none", "none", "none", "energy"]));
+    text.set_text("camera_visibility", random.pick(&["surface", "surface", "surface", "shadow", "none"]));
 }
 
 fn coat(text: &mut Text, random: &mut Random) {

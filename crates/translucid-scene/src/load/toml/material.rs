@@ -6,8 +6,8 @@ use super::text::word_of;
 use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
-    Configuration, Material, SceneError, SubsurfaceModel, SubsurfaceNormalization, SubsurfaceParameter,
-    SubsurfaceTextureAt, Unit, WordValue,
+    CameraVisibility, Configuration, Material, SceneError, SubsurfaceModel, SubsurfaceNormalization,
+    SubsurfaceParameter, SubsurfaceTextureAt, Unit, WordValue,
 };
 
 /// Every key.
@@ -32,6 +32,12 @@ const TEXTURE_AT: [(&str, SubsurfaceTextureAt); 3] = [
 const NORMALIZATIONS: [(&str, SubsurfaceNormalization); 2] =
     [("none", SubsurfaceNormalization::None), ("energy", SubsurfaceNormalization::Energy)];
 
+const CAMERA_VISIBILITIES: [(&str, CameraVisibility); 3] = [
+    ("surface", CameraVisibility::Surface),
+    ("shadow", CameraVisibility::Shadow),
+    ("none", CameraVisibility::None),
+];
+
 /// A parameter whose value is a word.
 pub(super) struct WordParameter {
     pub(super) key: &'static str,
@@ -52,11 +58,12 @@ macro_rules! word {
 }
 
 /// Parameters whose values are words, but for the model, which may be a table.
-pub(super) const WORDS: [WordParameter; 4] = [
+pub(super) const WORDS: [WordParameter; 5] = [
     word!(subsurface_parameter of PARAMETERIZATIONS),
     word!(subsurface_configuration of CONFIGURATIONS),
     word!(subsurface_texture_at of TEXTURE_AT),
     word!(subsurface_normalization of NORMALIZATIONS),
+    word!(camera_visibility of CAMERA_VISIBILITIES),
 ];
 
 impl Material {

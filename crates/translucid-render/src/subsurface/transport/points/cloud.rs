@@ -9,8 +9,8 @@ use translucid_scene::SceneError;
 use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
-use super::irradiance::irradiance;
-use super::plan::Plan;
+use super::irradiance::{BegunLight, PointLight, irradiance};
+use super::plan::{GroupPlan, PixelWidths, PointPlan};
 use super::surfels::{Surfel, Unfinished, cover};
 use crate::world::World;
 
@@ -24,18 +24,19 @@ pub struct PointCloud {
     pub(super) groups: Vec<CloudGroup>,
     /// Group by group, in the order of the hierarchy.
     pub(super) surfels: Vec<Surfel>,
-    /// Transmitted irradiance of each.
-    pub(super) irradiance: Vec<Vec3>,
+    pub(super) light: PointLight,
 }
 
 /// The points of a subsurface group.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C)]
-pub(super) struct CloudGroup {
+pub(crate) struct CloudGroup {
     pub(super) number: u32,
     pub(super) count: u32,
     /// Root of the area that a point stands for \[L\].
     pub(super) spacing: f64,
+    /// Width of pixels that points so far apart are made for \[L\]; 0 where they serve any.
+    pub(super) pixel_width: f64,
 }
 
 /// The two passes that make points.
@@ -52,9 +53,9 @@ pub enum PointPass {
 pub struct PointProgress {
     /// Which pass.
     pub pass: PointPass,
-    /// Points or paths done.
-    pub done: u64,
-    /// About how many there are in all.
+    /// Part that is done, in [0, 1]; it never falls.
+    pub part: f64,
+    /// About how many points or paths there are in all.
     pub total: u64,
 }
 
@@ -72,6 +73,9 @@ pub(crate) struct Making<'a> {
 /// Most triangles of a scene with points, those of shared meshes counted for each object: all of them are looked at.
 const MOST_TRIANGLES: u64 = 1 << 28;
 
+/// How much finer pixels may be than those that points are made for: a camera that moves a little keeps its points.
+const PIXEL_SLACK: f64 = 1.25;
+
 /// Most objects of a scene with points.
 const MOST_OBJECTS: usize = 1 << 16;
 
@@ -87,6 +91,11 @@ fn require_few(triangles: u64, objects: usize) -> Result<(), SceneError> {
     Err(SceneError::new(message).with_help("render with subsurface_method = \"ray-traced\""))
 }
 
+/// Whether points lie close enough for pixels of such widths: much finer pixels would show how far apart they are.
+pub(crate) fn serve(groups: &[CloudGroup], pixels: &PixelWidths) -> bool {
+    groups.iter().all(|group| group.pixel_width <= pixels.on(group.number) * PIXEL_SLACK)
+}
+
 impl PointCloud {
     /// Number of points.
     pub fn len(&self) -> usize {
@@ -98,44 +107,49 @@ impl PointCloud {
         self.surfels.is_empty()
     }
 
-    /// Makes the points of a scene, lit by paths of tracers; `None` when stopped.
-    pub(crate) fn new<'a, T: Tracing<'a>>(
-        world: &World,
-        transports: &[SubsurfaceTransport],
-        tracer: impl Fn() -> T + Sync,
-        making: &Making<'_>,
-    ) -> Result<Option<Self>, SceneError> {
-        let Some(mut cloud) = Self::without_light(world, transports, making)? else {
-            return Ok(None);
-        };
-        let Making { progress, stop, .. } = *making;
-        let counts: Vec<usize> = cloud.groups.iter().map(|group| group.count as usize).collect();
-        let report = |done, total| progress(PointProgress { pass: PointPass::Irradiance, done, total });
-        let Some(light) = irradiance(world, tracer, &counts, &cloud.surfels, &report, stop) else {
-            return Ok(None);
-        };
-        cloud.irradiance = light;
-        Ok(Some(cloud))
+    /// Whether each point has its light.
+    pub fn is_finished(&self) -> bool {
+        matches!(self.light, PointLight::Finished(_))
     }
 
-    /// Pass 1 alone: as if light of 1 entered everywhere.
-    pub(crate) fn without_light(
+    /// The groups that it covers.
+    pub(crate) fn groups(&self) -> &[CloudGroup] {
+        &self.groups
+    }
+
+    /// Goes on with the light of the points, which paths of tracers bring, until it is finished or stopped.
+    pub(crate) fn lit<'a, T: Tracing<'a>>(
+        self,
         world: &World,
-        transports: &[SubsurfaceTransport],
+        tracer: impl Fn() -> T + Sync,
+        progress: &(dyn Fn(PointProgress) + Sync),
+        stop: &AtomicBool,
+    ) -> Self {
+        let PointLight::Begun(begun) = self.light else { return self };
+        let counts: Vec<usize> = self.groups.iter().map(|group| group.count as usize).collect();
+        let report = |part, total| progress(PointProgress { pass: PointPass::Irradiance, part, total });
+        let light = irradiance(world, tracer, &counts, &self.surfels, begun, &report, stop);
+        Self { light, ..self }
+    }
+
+    /// Lays points over the surfaces of a scene, as if light of 1 entered everywhere; `None` when stopped.
+    pub(crate) fn laid(
+        world: &World,
+        plan: &PointPlan,
         making: &Making<'_>,
     ) -> Result<Option<Self>, SceneError> {
         let Making { fingerprint, memory, progress, stop } = *making;
         let scene = &world.scene;
         require_few(world.geometry.triangles(), scene.objects.len())?;
-        let plan = Plan::new(world, transports);
         plan.require_memory(scene, memory)?;
-        let mut cloud = Self { fingerprint, groups: Vec::new(), surfels: Vec::new(), irradiance: Vec::new() };
+        let light = PointLight::Begun(BegunLight::default());
+        let mut cloud = Self { fingerprint, groups: Vec::new(), surfels: Vec::new(), light };
         for group in &plan.groups {
-            let most = Plan::most_points(memory) - cloud.surfels.len();
+            let most = PointPlan::most_points(memory) - cloud.surfels.len();
             let report = |part: f64| {
-                let done = (cloud.surfels.len() as f64 + part * group.points()) as u64;
+                let part = (cloud.surfels.len() as f64 + part * group.points()) / plan.points();
                 let total = plan.points() as u64;
-                progress(PointProgress { pass: PointPass::Points, done: done.min(total), total });
+                progress(PointProgress { pass: PointPass::Points, part: part.min(1.0), total });
             };
             let mut surfels = match cover(scene, &world.geometry, group, most, &report, stop) {
                 Ok(surfels) => surfels,
@@ -146,8 +160,8 @@ impl PointCloud {
                 }
             };
             hierarchy::order(&mut surfels);
-            let (number, count, spacing) = (group.group, surfels.len() as u32, group.spacing);
-            cloud.groups.push(CloudGroup { number, count, spacing });
+            let GroupPlan { group: number, spacing, pixel_width, .. } = *group;
+            cloud.groups.push(CloudGroup { number, count: surfels.len() as u32, spacing, pixel_width });
             cloud.surfels.append(&mut surfels);
         }
         Ok(Some(cloud))
@@ -162,6 +176,10 @@ impl PointCloud {
             GroupOfPoints { number: group.number, spacing: group.spacing, surfels }
         };
         let groups: Vec<GroupOfPoints<'_>> = self.groups.iter().map(group).collect();
-        Gatherer::new(&world.scene, transports, &groups, &self.irradiance)
+        let irradiance: &[Vec3] = match &self.light {
+            PointLight::Finished(light) => light,
+            PointLight::Begun(_) => &[],
+        };
+        Gatherer::new(&world.scene, transports, &groups, irradiance)
     }
 }

@@ -4,22 +4,28 @@
 //!
 //! ```text
 //! offset  bytes  content (little endian)
-//!     20      8  number of groups, number of points, u32 each
-//!     28      …  per group: its number, its number of points, u32 each; spacing, f64
-//!      …      …  per point: position, 3 f32; area, f32; normal, 3 f32; triangle, u32; irradiance, 3 f32
+//!     20     24  numbers of groups, points, irradiances, darks, sums and counts, u32 each
+//!     44      …  groups: number, number of points, u32 each; spacing, width of pixels, f64 each
+//!      …      …  points: position, 3 f32; area, f32; normal, 3 f32; triangle, u32
+//!      …      …  irradiances, one for each point if the light is finished: 3 f32
+//!      …      …  darks, one for each group if it is known what counts as dark: 3 f64
+//!      …      …  sums, one for each point if the light is begun: two halves of 3 f64
+//!      …      …  counts, one for each cluster of points if the light is begun: u32
 //! ```
 
 use std::io;
 use std::path::Path;
 
-use bytemuck::{Zeroable, bytes_of, cast_slice};
+use bytemuck::{Pod, bytes_of, cast_slice};
+use glam::{DVec3, Vec3};
 use translucid_image::{KeptData, KeptFile, OutputError, damaged};
 
 use super::cloud::{CloudGroup, PointCloud};
+use super::irradiance::{BegunLight, MOST_SAMPLES, PointLight};
 use super::surfels::Surfel;
 
 const FORMAT: KeptFile =
-    KeptFile { magic: *b"TRLPNTS\n", version: 1, name: "file of points", anew: "make the points anew" };
+    KeptFile { magic: *b"TRLPNTS\n", version: 2, name: "file of points", anew: "make the points anew" };
 
 impl PointCloud {
     /// Writes the points so that [`load`](Self::load) gives back the same bits.
@@ -27,13 +33,22 @@ impl PointCloud {
     /// # Errors
     /// The file cannot be written; an older one at `path` is then still whole.
     pub fn save(&self, path: &Path) -> Result<(), OutputError> {
+        let nothing = BegunLight::default();
+        let (irradiance, begun) = match &self.light {
+            PointLight::Finished(irradiance) => (&irradiance[..], &nothing),
+            PointLight::Begun(begun) => (&[][..], begun),
+        };
+        let BegunLight { dark, sums, counts } = begun;
+        let lengths =
+            [self.groups.len(), self.surfels.len(), irradiance.len(), dark.len(), sums.len(), counts.len()];
         FORMAT.save(path, self.fingerprint, |out| {
-            out.write_all(bytes_of(&[self.groups.len() as u32, self.surfels.len() as u32]))?;
+            out.write_all(bytes_of(&lengths.map(|length| length as u32)))?;
             out.write_all(cast_slice(&self.groups))?;
-            self.surfels.iter().zip(&self.irradiance).try_for_each(|(surfel, light)| {
-                out.write_all(bytes_of(surfel))?;
-                out.write_all(bytes_of(light))
-            })
+            out.write_all(cast_slice(&self.surfels))?;
+            out.write_all(cast_slice(irradiance))?;
+            out.write_all(cast_slice(dark))?;
+            out.write_all(cast_slice(sums))?;
+            out.write_all(cast_slice(counts))
         })
     }
 
@@ -49,40 +64,71 @@ impl PointCloud {
 }
 
 fn read(data: &mut KeptData<'_>) -> io::Result<PointCloud> {
-    let [groups, points]: [u32; 2] = data.read()?;
-    let bytes = |count: u32, each: usize| u64::from(count) * each as u64;
-    let point_bytes = size_of::<Surfel>() + size_of::<[f32; 3]>();
-    data.require_length(8 + bytes(groups, size_of::<CloudGroup>()) + bytes(points, point_bytes))?;
-    let mut cloud = PointCloud {
-        fingerprint: 0,
-        groups: vec![CloudGroup::zeroed(); groups as usize],
-        surfels: Vec::new(),
-        irradiance: Vec::new(),
+    let lengths: [u32; 6] = data.read()?;
+    let each = [
+        size_of::<CloudGroup>(),
+        size_of::<Surfel>(),
+        size_of::<Vec3>(),
+        size_of::<DVec3>(),
+        size_of::<[DVec3; 2]>(),
+        size_of::<u32>(),
+    ];
+    let bytes: u64 = lengths.iter().zip(each).map(|(&length, each)| u64::from(length) * each as u64).sum();
+    data.require_length(size_of_val(&lengths) as u64 + bytes)?;
+    let [groups, points, irradiance, dark, sums, counts] = lengths.map(|length| length as usize);
+    let (groups, surfels, irradiance) =
+        (values(data, groups)?, values(data, points)?, values(data, irradiance)?);
+    let begun =
+        BegunLight { dark: values(data, dark)?, sums: values(data, sums)?, counts: values(data, counts)? };
+    let is_begun = begun != BegunLight::default();
+    let light = if irradiance.is_empty() {
+        PointLight::Begun(begun)
+    } else if is_begun {
+        return Err(damaged("its light is finished and is not"));
+    } else {
+        PointLight::Finished(irradiance)
     };
-    data.fill(&mut cloud.groups)?;
-    for _ in 0..points {
-        cloud.surfels.push(data.read()?);
-        cloud.irradiance.push(data.read()?);
-    }
+    let cloud = PointCloud { fingerprint: 0, groups, surfels, light };
     defect(&cloud).map_or(Ok(cloud), |what| Err(damaged(what)))
+}
+
+fn values<T: Pod>(data: &mut KeptData<'_>, count: usize) -> io::Result<Vec<T>> {
+    let mut values = vec![T::zeroed(); count];
+    data.fill(&mut values)?;
+    Ok(values)
 }
 
 /// The first defect of a cloud, if it has any.
 fn defect(cloud: &PointCloud) -> Option<&'static str> {
-    let counted: u64 = cloud.groups.iter().map(|group| u64::from(group.count)).sum();
-    if counted != cloud.surfels.len() as u64 {
+    let PointCloud { groups, surfels, light, .. } = cloud;
+    let counted: u64 = groups.iter().map(|group| u64::from(group.count)).sum();
+    if counted != surfels.len() as u64 {
         return Some("its groups do not hold its points");
     }
-    if cloud.groups.iter().any(|group| !(group.spacing > 0.0 && group.spacing.is_finite())) {
+    let is_length = |length: f64| length >= 0.0 && length.is_finite();
+    if !groups.iter().all(|g| is_length(g.spacing) && g.spacing > 0.0 && is_length(g.pixel_width)) {
         return Some("a spacing is no length");
     }
-    let is_sound = |(surfel, light): (&Surfel, &glam::Vec3)| {
-        let area = surfel.area > 0.0 && surfel.area.is_finite();
-        let light = light.is_finite() && light.min_element() >= 0.0;
-        area && light && surfel.position().is_finite() && surfel.normal().is_finite()
+    let is_placed =
+        |s: &Surfel| s.area > 0.0 && s.area.is_finite() && s.position().is_finite() && s.normal().is_finite();
+    let is_lit = match light {
+        PointLight::Finished(irradiance) => {
+            let is_light = |light: &Vec3| light.is_finite() && light.min_element() >= 0.0;
+            irradiance.len() == surfels.len() && irradiance.iter().all(is_light)
+        }
+        PointLight::Begun(BegunLight { dark, sums, counts }) => {
+            let clusters = BegunLight::clusters(groups.iter().map(|group| group.count as usize));
+            let fits = |length: usize, whole: usize| length == 0 || length == whole;
+            let is_light = |light: &DVec3| light.is_finite() && light.min_element() >= 0.0;
+            fits(dark.len(), groups.len())
+                && fits(sums.len(), surfels.len())
+                && fits(counts.len(), clusters)
+                && sums.is_empty() == counts.is_empty()
+                && dark.iter().chain(sums.iter().flatten()).all(is_light)
+                && counts.iter().all(|&count| count <= MOST_SAMPLES)
+        }
     };
-    let all_sound = cloud.surfels.iter().zip(&cloud.irradiance).all(is_sound);
-    (!all_sound).then_some("a point has no place, area or light")
+    (!(is_lit && surfels.iter().all(is_placed))).then_some("a point has no place, area or light")
 }
 
 #[cfg(test)]
@@ -93,7 +139,7 @@ mod tests {
 
     const FINGERPRINT: u64 = 0x1234_5678_9abc_def0;
 
-    fn cloud() -> PointCloud {
+    fn cloud(light: PointLight) -> PointCloud {
         let surfel = |i: u32| {
             let x = i as f32;
             Surfel { position: [x, -x, 1e9], area: 1.0 / (x + 1.0), normal: [0.0, 0.6, 0.8], primitive: i }
@@ -101,18 +147,27 @@ mod tests {
         PointCloud {
             fingerprint: FINGERPRINT,
             groups: [(0, 3), (7, 2)]
-                .map(|(number, count)| CloudGroup { number, count, spacing: 0.5 })
+                .map(|(number, count)| CloudGroup { number, count, spacing: 0.5, pixel_width: 0.25 })
                 .to_vec(),
             surfels: (0..5).map(surfel).collect(),
-            irradiance: (0..5).map(|i| Vec3::new(0.0, 1e-30, i as f32)).collect(),
+            light,
         }
     }
 
-    fn saved() -> Vec<u8> {
+    fn finished() -> PointLight {
+        PointLight::Finished((0..5).map(|i| Vec3::new(0.0, 1e-30, i as f32)).collect())
+    }
+
+    fn begun() -> PointLight {
+        let sums = (0..5).map(|i| [DVec3::splat(f64::from(i)), DVec3::X]).collect();
+        PointLight::Begun(BegunLight { dark: vec![DVec3::Y; 2], counts: vec![8, 9], sums })
+    }
+
+    fn saved(light: PointLight) -> Vec<u8> {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join("a.points");
-        cloud().save(&path).unwrap();
-        assert_eq!(PointCloud::load(&path, FINGERPRINT).unwrap(), cloud());
+        cloud(light.clone()).save(&path).unwrap();
+        assert_eq!(PointCloud::load(&path, FINGERPRINT).unwrap(), cloud(light));
         std::fs::read(&path).unwrap()
     }
 
@@ -130,23 +185,30 @@ mod tests {
 
     #[test]
     fn load_refuses_hostile_files_whose_checksum_fits() {
-        let bytes = saved();
+        // Groups begin at 44, points at 44 + 2 · 24, the light at 92 + 5 · 32
+        let corrupt = |light: PointLight, at: usize, word: u32| {
+            let mut bytes = saved(light);
+            bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
+            let error = parsed(&sealed(bytes)).unwrap_err();
+            assert!(error.message.contains("damaged"), "{at}: {error}");
+        };
         for (at, word) in [
             (20, u32::MAX),
             (24, u32::MAX),
-            (32, 4),
-            (36, f32::NAN.to_bits()),
-            (60, f32::INFINITY.to_bits()),
-            (60 + 12, 0),
-            (60 + 40, (-1.0_f32).to_bits()),
+            (48, 4),
+            (56, f64::NAN.to_bits() as u32 | 0x7ff0_0000),
+            (64, 0xfff0_0000),
+            (92, f32::INFINITY.to_bits()),
+            (92 + 12, 0),
+            (252, (-1.0_f32).to_bits()),
         ] {
-            let mut bytes = bytes.clone();
-            bytes[at..at + 4].copy_from_slice(&word.to_le_bytes());
-            if at == 36 {
-                bytes[36..44].copy_from_slice(&f64::NAN.to_le_bytes());
-            }
-            let error = parsed(&sealed(bytes)).unwrap_err();
-            assert!(error.message.contains("damaged"), "{at}: {error}");
+            corrupt(finished(), at, word);
+        }
+        let end = saved(begun()).len() - 4;
+        for (at, word) in
+            [(28, 1), (40, 1), (252 + 4, 0xbff0_0000), (300 + 4, 0x7ff0_0000), (end - 4, u32::MAX)]
+        {
+            corrupt(begun(), at, word);
         }
     }
 }

@@ -470,7 +470,7 @@ mod tests {
     use crate::ray::Geometry;
     use crate::subsurface::SubsurfaceSet;
     use crate::subsurface::transport::points::hierarchy;
-    use crate::subsurface::transport::points::{Making, PointCloud};
+    use crate::subsurface::transport::points::{Making, PixelWidths, PointCloud, PointPlan};
 
     /// Points at random in a ball of radius 3 with random light in half of it.
     fn soup(count: u32) -> (Vec<Surfel>, Vec<Vec3>) {
@@ -603,7 +603,8 @@ mod tests {
         let (world, set) = prepared.parts();
         let never = AtomicBool::new(false);
         let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
-        let cloud = PointCloud::without_light(world, set.transports(), &making);
+        let plan = PointPlan::new(world, set.transports(), &PixelWidths::default());
+        let cloud = PointCloud::laid(world, &plan, &making);
         let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world, set.transports());
         let point = world.point_on(0, Vec3::new(0.3, 0.1, 0.0));
         let subsurface = set.at(&world.scene, 0, &point);

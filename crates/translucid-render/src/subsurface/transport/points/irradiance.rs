@@ -23,64 +23,129 @@ const CLUSTER: usize = 64;
 /// Samples that each half of a point has at least.
 const LEAST_SAMPLES: u32 = 8;
 /// Samples that each half of a point has at most.
-const MOST_SAMPLES: u32 = 4096;
+pub(super) const MOST_SAMPLES: u32 = 4096;
 /// Standard error of a cluster's mean for a tolerance of 1, relative to the mean. It goes with the root of the
 /// tolerance: the number of points within reach of a profile goes with its inverse.
 const NOISE: f64 = 0.04;
 /// Clusters darker than this part of the group's mean may be as inexact as one that is as bright.
 const DARK: f64 = 0.05;
 
-/// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; `None` when stopped. `groups` are the lengths of
-/// the groups' points, `progress` hears samples done and expected in all.
+/// Paths that each point gets at least.
+pub(super) const PATHS_OF_A_POINT: f64 = 2.0 * LEAST_SAMPLES as f64;
+
+/// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum PointLight {
+    Finished(Vec<Vec3>),
+    Begun(BegunLight),
+}
+
+/// The light of points as far as it has come.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct BegunLight {
+    /// What counts as dark in each group; empty until all points have their least number of samples.
+    pub(super) dark: Vec<DVec3>,
+    /// Samples that each half of each point of a cluster has; empty if no point has any.
+    pub(super) counts: Vec<u32>,
+    /// Sums of both halves of each point.
+    pub(super) sums: Vec<[DVec3; 2]>,
+}
+
+impl BegunLight {
+    /// Number of clusters that groups of so many points have.
+    pub(super) fn clusters(groups: impl Iterator<Item = usize>) -> usize {
+        groups.map(|points| points.div_ceil(CLUSTER)).sum()
+    }
+}
+
+/// Goes on with the light of points until it is finished or stopped. `groups` are the numbers of the groups' points,
+/// `progress` hears the part that is done, which never falls, and about how many samples there are in all.
 pub(super) fn irradiance<'a, T: Tracing<'a>>(
     world: &World,
     tracer: impl Fn() -> T + Sync,
     groups: &[usize],
     surfels: &[Surfel],
-    progress: &(dyn Fn(u64, u64) + Sync),
+    begun: BegunLight,
+    progress: &(dyn Fn(f64, u64) + Sync),
     stop: &AtomicBool,
-) -> Option<Vec<Vec3>> {
-    let mut clusters = clusters(groups, surfels);
-    let samples = |count: u32| surfels.len() as u64 * 2 * u64::from(count);
-    let done = AtomicU64::new(0);
-    let report = |more: u64, total: u64| {
-        let done = done.fetch_add(more, Ordering::Relaxed) + more;
-        progress(done, total.max(done));
-    };
-    // Nobody knows yet how many samples it takes: as many again
-    let guess = samples(2 * LEAST_SAMPLES);
-    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
-        if !stop.load(Ordering::Relaxed) {
-            cluster.sample(world, tracer, LEAST_SAMPLES);
-            report(cluster.surfels.len() as u64 * 2 * u64::from(LEAST_SAMPLES), guess);
-        }
-    });
-    let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
-    let dark = means(groups.len(), &clusters);
-    let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
-    let total: u64 =
-        clusters.iter().map(|c| c.surfels.len() as u64 * 2 * u64::from(wanted(c).max(LEAST_SAMPLES))).sum();
-    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
-        loop {
-            let count = cluster.count;
-            // The first estimates are rough: not too far at once
-            let next = wanted(cluster).min(4 * count);
-            if next <= count || stop.load(Ordering::Relaxed) {
-                return;
+) -> PointLight {
+    let mut dark = begun.dark.clone();
+    let mut clusters = clusters(groups, surfels, begun);
+    if dark.is_empty() {
+        // Nobody knows yet how many samples it takes: as many again
+        let rounds = Rounds::new(0.0, clusters.iter().map(|_| LEAST_SAMPLES), &clusters, progress);
+        clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+            if cluster.count < LEAST_SAMPLES && !stop.load(Ordering::Relaxed) {
+                cluster.sample(world, tracer, LEAST_SAMPLES);
+                rounds.add(cluster.samples(LEAST_SAMPLES));
             }
-            cluster.sample(world, tracer, next);
-            report(cluster.surfels.len() as u64 * 2 * u64::from(next - count), total);
+        });
+        if !stop.load(Ordering::Relaxed) {
+            dark = means(groups.len(), &clusters);
         }
-    });
-    if stop.load(Ordering::Relaxed) {
-        return None;
     }
-    Some(
-        clusters
-            .iter()
-            .flat_map(|cluster| (0..cluster.surfels.len()).map(|i| cluster.mean(i).as_vec3()))
-            .collect(),
-    )
+    if !dark.is_empty() {
+        let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
+        let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
+        let rounds = Rounds::new(0.5, clusters.iter().map(wanted), &clusters, progress);
+        clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+            let expected = wanted(cluster);
+            loop {
+                let count = cluster.count;
+                // The first estimates are rough: not too far at once
+                let next = wanted(cluster).min(4 * count);
+                if stop.load(Ordering::Relaxed) {
+                    return;
+                }
+                if next <= count {
+                    // All that was expected is done, whether it took more or less
+                    rounds.add(cluster.samples(expected.saturating_sub(count)));
+                    return;
+                }
+                cluster.sample(world, tracer, next);
+                rounds.add(cluster.samples(next.min(expected).saturating_sub(count)));
+            }
+        });
+    }
+    if stop.load(Ordering::Relaxed) {
+        return PointLight::Begun(BegunLight {
+            dark,
+            counts: clusters.iter().map(|cluster| cluster.count).collect(),
+            sums: clusters.into_iter().flat_map(|cluster| cluster.sums).collect(),
+        });
+    }
+    let light =
+        |cluster: &Cluster<'_>| (0..cluster.surfels.len()).map(|i| cluster.mean(i).as_vec3()).collect();
+    PointLight::Finished(clusters.iter().map(light).collect::<Vec<Vec<Vec3>>>().concat())
+}
+
+/// What is done of one half of the work.
+struct Rounds<'a> {
+    /// Part that was done before.
+    before: f64,
+    done: AtomicU64,
+    total: u64,
+    progress: &'a (dyn Fn(f64, u64) + Sync),
+}
+
+impl<'a> Rounds<'a> {
+    /// Work that brings each half of each point of clusters to so many samples.
+    fn new(
+        before: f64,
+        goals: impl Iterator<Item = u32>,
+        clusters: &[Cluster<'_>],
+        progress: &'a (dyn Fn(f64, u64) + Sync),
+    ) -> Self {
+        let total = goals.zip(clusters).map(|(goal, cluster)| cluster.samples(goal)).sum();
+        let done = clusters.iter().map(|cluster| cluster.samples(cluster.count)).sum();
+        Self { before, done: AtomicU64::new(done), total, progress }
+    }
+
+    fn add(&self, more: u64) {
+        let done = self.done.fetch_add(more, Ordering::Relaxed) + more;
+        let part = done as f64 / self.total.max(1) as f64;
+        (self.progress)(self.before + 0.5 * part.min(1.0), (self.total as f64 / (self.before + 0.5)) as u64);
+    }
 }
 
 /// Neighboring points and their light so far.
@@ -96,13 +161,15 @@ struct Cluster<'a> {
     sums: Vec<[DVec3; 2]>,
 }
 
-fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel]) -> Vec<Cluster<'a>> {
-    let mut clusters = Vec::with_capacity(surfels.len() / CLUSTER + groups.len());
+fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel], begun: BegunLight) -> Vec<Cluster<'a>> {
+    let mut clusters = Vec::with_capacity(BegunLight::clusters(groups.iter().copied()));
     let mut first = 0;
     for (group, &length) in groups.iter().enumerate() {
         for surfels in surfels[first..first + length].chunks(CLUSTER) {
-            let sums = vec![[DVec3::ZERO; 2]; surfels.len()];
-            clusters.push(Cluster { group, first: first as u32, surfels, count: 0, sums });
+            let count = begun.counts.get(clusters.len()).copied().unwrap_or(0);
+            let sums = begun.sums.get(first..first + surfels.len());
+            let sums = sums.map_or_else(|| vec![[DVec3::ZERO; 2]; surfels.len()], <[_]>::to_vec);
+            clusters.push(Cluster { group, first: first as u32, surfels, count, sums });
             first += surfels.len();
         }
     }
@@ -158,6 +225,11 @@ impl Cluster<'_> {
             }
         }
         self.count = count;
+    }
+
+    /// Samples of all its points, of which each half has so many.
+    fn samples(&self, count: u32) -> u64 {
+        self.surfels.len() as u64 * 2 * u64::from(count)
     }
 
     /// Mean of a point's samples.

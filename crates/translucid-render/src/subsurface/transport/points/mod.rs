@@ -25,6 +25,8 @@ mod plan;
 mod smooth_profile;
 mod surfels;
 
-pub(crate) use cloud::Making;
+pub(crate) use cloud::{CloudGroup, Making, serve};
 pub use cloud::{PointCloud, PointPass, PointProgress};
 pub(crate) use gather::{GatherScratch, Gatherer, Leaving};
+pub(crate) use plan::PixelWidths;
+pub use plan::PointPlan;

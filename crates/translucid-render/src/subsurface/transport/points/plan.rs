@@ -3,6 +3,7 @@
 use translucid_scene::{Scene, SceneError};
 
 use super::super::SubsurfaceTransport;
+use super::irradiance::PATHS_OF_A_POINT;
 use super::patches::Patch;
 use crate::ray::SurfacePoint;
 use crate::surface;
@@ -14,13 +15,17 @@ const SPACING: f64 = 1.0;
 /// Least number of points of a group for a tolerance of 1, in inverse proportion to it: where light travels farther
 /// than the body is large, points have to tell its lit from its shaded side.
 const LEAST_POINTS: f64 = 50.0;
+/// Greatest spacing that pixels allow, over the width of one, for a tolerance of [`USUAL_TOLERANCE`] or more: light is then
+/// blurred by about as much as the film's filter does. It goes with the root of lesser tolerances.
+const PIXEL_SPACING: f64 = 0.5;
+const USUAL_TOLERANCE: f64 = 0.05;
 /// Places of an object at which its profile's width is looked up.
 const PLACES: usize = 4096;
 /// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
 const BYTES_PER_POINT: f64 = 256.0;
 
-/// The points that a scene needs.
-pub(super) struct Plan {
+/// The points that a scene needs, and about what they cost.
+pub struct PointPlan {
     pub(super) groups: Vec<GroupPlan>,
 }
 
@@ -31,6 +36,8 @@ pub(super) struct GroupPlan {
     pub(super) objects: Vec<usize>,
     /// Root of the area that a point shall stand for \[L\].
     pub(super) spacing: f64,
+    /// Width of a pixel there \[L\], if points lie farther apart for it than the profile asks for; else 0.
+    pub(super) pixel_width: f64,
     /// Area of all objects \[L²\].
     pub(super) area: f64,
     narrowest: Narrowest,
@@ -46,9 +53,35 @@ struct Narrowest {
     length: f64,
 }
 
-impl Plan {
+/// Widths of pixels on the surfaces that a picture shows, for each subsurface group.
+///
+/// Points need not lie much closer than that: between them light comes from the neighborhood's mean, see `gather.rs`.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct PixelWidths {
+    /// Least width of a pixel on the group \[L\], sorted by group.
+    least: Vec<(u32, f64)>,
+}
+
+impl PixelWidths {
+    /// Widths on surfaces of groups, as many of each as have been looked at.
+    pub(crate) fn new(mut seen: Vec<(u32, f64)>) -> Self {
+        seen.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        seen.dedup_by_key(|(group, _)| *group);
+        Self { least: seen }
+    }
+
+    /// The least width on a group; what is not seen itself counts as if it were as near as the nearest that is.
+    /// 0 where nothing is seen.
+    pub(super) fn on(&self, group: u32) -> f64 {
+        let own = self.least.binary_search_by_key(&group, |(group, _)| *group);
+        let all = || self.least.iter().map(|(_, width)| *width).reduce(f64::min).unwrap_or(0.0);
+        own.map_or_else(|_| all(), |index| self.least[index].1)
+    }
+}
+
+impl PointPlan {
     /// Looks at every object whose material lets light travel under its surface by a profile.
-    pub(super) fn new(world: &World, transports: &[SubsurfaceTransport]) -> Self {
+    pub(crate) fn new(world: &World, transports: &[SubsurfaceTransport], pixels: &PixelWidths) -> Self {
         let scene = &world.scene;
         let mut groups: Vec<GroupPlan> = Vec::new();
         for index in 0..scene.objects.len() {
@@ -62,16 +95,35 @@ impl Plan {
         }
         let tolerance = f64::from(scene.integrator.point_tolerance);
         for group in &mut groups {
-            let finest = group.narrowest.width * SPACING * tolerance.sqrt();
-            group.spacing = finest.min((group.area * tolerance / LEAST_POINTS).sqrt());
+            let asked_for = group.narrowest.width * SPACING * tolerance.sqrt();
+            let pixel_width = pixels.on(group.group);
+            let enough = pixel_width * PIXEL_SPACING * (tolerance / USUAL_TOLERANCE).sqrt().min(1.0);
+            let widest = (group.area * tolerance / LEAST_POINTS).sqrt();
+            group.spacing = asked_for.max(enough).min(widest);
+            group.pixel_width = if group.spacing > asked_for { pixel_width } else { 0.0 };
         }
         groups.retain(|group| group.spacing > 0.0 && group.spacing.is_finite());
         Self { groups }
     }
 
     /// About how many points there will be.
-    pub(super) fn points(&self) -> f64 {
+    pub fn points(&self) -> f64 {
         self.groups.iter().map(GroupPlan::points).sum()
+    }
+
+    /// What is to be done, in words: how many points, how far apart and why, and about how many paths light them.
+    pub fn describe(&self, scene: &Scene) -> String {
+        let Some(finest) = self.groups.iter().min_by(|a, b| a.spacing.total_cmp(&b.spacing)) else {
+            return String::from("no points: no light travels under any surface by a profile");
+        };
+        format!(
+            "about {} points over surfaces, {} {} apart because of {}; their light takes {} paths or more",
+            significant(self.points()),
+            significant(finest.spacing),
+            scene.unit.name(),
+            if finest.pixel_width > 0.0 { "the width of pixels" } else { "the mean free path" },
+            significant(self.points() * PATHS_OF_A_POINT),
+        )
     }
 
     /// Refuses points that do not fit into so many bytes.
@@ -128,7 +180,7 @@ impl GroupPlan {
         let is_in = |&index: &usize| scene.objects[index].subsurface_group == group;
         let objects: Vec<usize> = (0..scene.objects.len()).filter(is_in).collect();
         let area = objects.iter().map(|&index| area(scene, index)).sum();
-        Self { group, objects, spacing: narrowest.width, area, narrowest }
+        Self { group, objects, spacing: narrowest.width, pixel_width: 0.0, area, narrowest }
     }
 
     /// About how many points there will be.

@@ -272,7 +272,7 @@ mod tests {
 
     use super::*;
     use crate::PreparedScene;
-    use crate::subsurface::transport::points::{Making, PointCloud};
+    use crate::subsurface::transport::points::{Making, PixelWidths, PointCloud, PointPlan};
 
     /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
     fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
@@ -294,7 +294,8 @@ mod tests {
         let (world, set) = prepared.parts();
         let never = AtomicBool::new(false);
         let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
-        let cloud = PointCloud::without_light(world, set.transports(), &making);
+        let plan = PointPlan::new(world, set.transports(), &PixelWidths::default());
+        let cloud = PointCloud::laid(world, &plan, &making);
         let cloud = cloud.expect("memory").expect("not stopped");
         (cloud.surfels, cloud.groups[0].spacing)
     }

@@ -4,8 +4,8 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::{BALL, load, parse};
 use crate::{
-    Camera, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator, Light, LoadOptions,
-    Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator,
+    Light, LoadOptions, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
     SubsurfaceParameter, SubsurfaceTextureAt, Surroundings, ToneMapping, Unit, Viewpoint, Wrap,
 };
 
@@ -197,6 +197,7 @@ fn material_reads_every_constant() {
         emission_color: color(5.0, 6.0, 7.0),
         geometry_opacity: ScalarInput::constant(0.5),
         geometry_normal: None,
+        camera_visibility: CameraVisibility::Shadow,
     };
     assert_eq!(material(text), expected);
     assert_eq!(material(""), Material { name: String::from("m"), ..Material::default() });

@@ -13,8 +13,8 @@ use translucid_testing::{SplitMix, power};
 use crate::load::toml::text::{color, number, quoted};
 use crate::material::{PARAMETERS, Slot};
 use crate::{
-    ColorInput, Configuration, Environment, ExtendedBase, FilterKind, Image, Light, LoadOptions, Material,
-    Projection, Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
+    CameraVisibility, ColorInput, Configuration, Environment, ExtendedBase, FilterKind, Image, Light,
+    LoadOptions, Material, Projection, Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
     SubsurfaceParameter, SubsurfaceTextureAt, Unit, load_image, load_scene,
 };
 
@@ -252,6 +252,10 @@ impl Random {
                 self.one(&[SubsurfaceNormalization::None, SubsurfaceNormalization::Energy]);
             material.subsurface_texture_at =
                 self.one(&[SubsurfaceTextureAt::Exit, SubsurfaceTextureAt::Entry, SubsurfaceTextureAt::Both]);
+        }
+        if self.chance(4) {
+            material.camera_visibility =
+                self.one(&[CameraVisibility::Surface, CameraVisibility::Shadow, CameraVisibility::None]);
         }
         if let Some(map) = &mut material.geometry_normal {
             map.scale = self.number();
