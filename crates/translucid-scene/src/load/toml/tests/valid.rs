@@ -5,8 +5,9 @@ use glam::{Mat3, Vec2, Vec3};
 use super::{BALL, load, parse};
 use crate::{
     Camera, CameraVisibility, Channel, ColorInput, ColorSpace, Configuration, Film, FilterKind, Integrator,
-    Light, LoadOptions, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, Surroundings, ToneMapping, Unit, Viewpoint, Wrap,
+    Light, LoadOptions, Material, Projection, ScalarInput, SubsurfaceMethod, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, Surroundings, ToneMapping, Unit,
+    Viewpoint, Wrap,
 };
 
 fn with_ball(piece: &str) -> String {

@@ -14,8 +14,8 @@ use crate::load::toml::text::{color, number, quoted};
 use crate::material::{PARAMETERS, Slot};
 use crate::{
     CameraVisibility, ColorInput, Configuration, Environment, ExtendedBase, FilterKind, Image, Light,
-    LoadOptions, Material, Projection, Scene, SceneError, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization,
-    SubsurfaceParameter, SubsurfaceTextureAt, Unit, load_image, load_scene,
+    LoadOptions, Material, Projection, Scene, SceneError, SubsurfaceMethod, SubsurfaceModel,
+    SubsurfaceNormalization, SubsurfaceParameter, SubsurfaceTextureAt, Unit, load_image, load_scene,
 };
 
 /// A triangle with texture coordinates and vertex colors, twice under one name; two materials share a name, too.
