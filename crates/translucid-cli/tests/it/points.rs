@@ -100,9 +100,12 @@ fn points_that_do_not_fit_are_refused_before_any_work() {
     ] {
         assert!(said.contains(part), "no {part:?} in {said}");
     }
-    let tiny = text.replace("subsurface_radius = 2", "subsurface_radius = 1e-4");
+    // Pixels must be as narrow as the profile for it to be too fine
+    let tiny = text
+        .replace("subsurface_radius = 2", "subsurface_radius = 1e-4")
+        .replace("point_tolerance = 0.5", "point_tolerance = 0.5\npoint_memory = 1");
     fs::write(directory.join("tiny.toml"), tiny).unwrap();
-    assert!(refusal(&directory, "render tiny.toml -o tiny.exr").contains("points need"));
+    assert!(refusal(&directory, "render tiny.toml --size 400x300 -o tiny.exr").contains("points need"));
     assert_eq!(files(&directory), ["ball.toml", "fine.toml", "tiny.toml"]);
 }
 
