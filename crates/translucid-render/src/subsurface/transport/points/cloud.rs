@@ -125,7 +125,7 @@ impl PointCloud {
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
     ) -> Self {
-        let PointLight::Begun(begun) = self.light else { return self };
+        let PointLight::Begun(begun) = &self.light else { return self };
         let counts: Vec<usize> = self.groups.iter().map(|group| group.count as usize).collect();
         let report = |part, total| progress(PointProgress { pass: PointPass::Irradiance, part, total });
         let light = irradiance(world, tracer, &counts, &self.surfels, begun, &report, stop);

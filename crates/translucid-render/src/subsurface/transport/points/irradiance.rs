@@ -65,7 +65,7 @@ pub(super) fn irradiance<'a, T: Tracing<'a>>(
     tracer: impl Fn() -> T + Sync,
     groups: &[usize],
     surfels: &[Surfel],
-    begun: BegunLight,
+    begun: &BegunLight,
     progress: &(dyn Fn(f64, u64) + Sync),
     stop: &AtomicBool,
 ) -> PointLight {
@@ -161,7 +161,7 @@ struct Cluster<'a> {
     sums: Vec<[DVec3; 2]>,
 }
 
-fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel], begun: BegunLight) -> Vec<Cluster<'a>> {
+fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel], begun: &BegunLight) -> Vec<Cluster<'a>> {
     let mut clusters = Vec::with_capacity(BegunLight::clusters(groups.iter().copied()));
     let mut first = 0;
     for (group, &length) in groups.iter().enumerate() {
