@@ -13,8 +13,8 @@ import pytest
 
 SESSION = Path(__file__).parent / "viewport_session.py"
 
-# The number of edits takes two minutes: `.ci/thorough` asks for it.
-EDITS = int(os.environ.get("TRANSLUCID_VIEWPORT_EDITS", "100"))
+# Many take minutes: they are for `.ci/thorough`.
+EDITS = 500 if "TRANSLUCID_THOROUGH" in os.environ else 60
 
 
 @pytest.fixture(scope="module")

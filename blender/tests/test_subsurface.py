@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Light below surfaces as Cycles has it: an edge of light, and two scans."""
+
+import json
+import math
+import os
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from harness import Nodes, add_camera, add_light, add_mesh, combined, link, matte, messages, new_scene, regions, render_cycles, set_world
+from mathutils import Matrix, Vector
+
+SHARED = Path(os.environ.get("TRANSLUCID_SHARED", Path(__file__).parents[3] / "shared"))
+METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
+
+
+def scattering(method, color, lengths, **settings):
+    nodes = Nodes(f"subsurface {method}")
+    node = nodes.add("SubsurfaceScattering", Color=color, Radius=lengths, Scale=1.0, **settings)
+    node.falloff = method
+    return nodes.surface(node)
+
+
+# Lengths at which each method has mean free paths of about 1 for the colors 0.8, 0.5 and 0.2.
+LENGTHS = {"BURLEY": (12.6, 12.6, 12.6), "RANDOM_WALK": (12.6, 12.6, 12.6), "RANDOM_WALK_SKIN": (14.0, 4.0, 1.3)}
+
+
+def edge_width(picture):
+    """The mean distance that light gets into the dark half, in widths of the picture, and the lit half's brightness."""
+    rows = picture[..., :3].mean(axis=0)
+    count = len(rows)
+    lit = rows[-count // 4 :].mean(axis=0)
+    return (rows[: count // 2] / lit).sum(axis=0) / count, lit
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_an_edge_of_light_is_as_wide_as_in_cycles(method):
+    new_scene(96, 16, 500)
+    bpy.context.scene.translucid.use_caustics = True
+    corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
+    add_mesh("plane", corners * 300, [(0, 1, 2, 3)], scattering(method, (0.8, 0.5, 0.2), LENGTHS[method]))
+    # It hides the sun from one half, and is black.
+    add_mesh("blind", corners * 300 + np.array([-300, 0, 250]), [(0, 1, 2, 3)], matte((0, 0, 0)))
+    add_light("SUN", energy=math.pi, angle=0.0)
+    add_camera((0, 0, 100), type="ORTHO", ortho_scale=16.0)
+    ours, lit = edge_width(combined())
+    theirs, lit_theirs = edge_width(render_cycles(500))
+    print(f"{method}: width {(ours / theirs).round(4)}, brightness {(lit / lit_theirs).round(4)}")
+    assert messages() == []
+    assert np.abs(ours / theirs - 1).max() < 0.02
+    assert np.abs(lit / lit_theirs - 1).max() < 0.02
+
+
+def looking(origin, target, up):
+    origin, back = Vector(origin), (Vector(origin) - Vector(target)).normalized()
+    right = Vector(up).cross(back).normalized()
+    matrix = Matrix((right, back.cross(right), back)).transposed().to_4x4()
+    matrix.translation = origin
+    return matrix
+
+
+def scan(name, method, size):
+    """A scene of the folder `shared`, its meshes with a Subsurface Scattering node."""
+    description = json.loads((SHARED / "scenes" / f"{name}.json").read_text())
+    new_scene(size, size, 256, transparent=True)
+    bpy.context.scene.translucid.use_caustics = True
+    for mesh in description["meshes"]:
+        bpy.ops.wm.ply_import(filepath=str(SHARED / "assets" / mesh["file"]), forward_axis="Y", up_axis="Z")
+        values = description["materials"][mesh["material"]]
+        lengths = [4 * math.pi * length for length in values["mfp"]]
+        bpy.context.object.data.materials.clear()
+        bpy.context.object.data.materials.append(scattering(method, values["surface_albedo"], lengths))
+        bpy.ops.object.shade_smooth()
+    if "floor" in description:
+        half, y = description["floor"]["edge"] / 2, description["floor"]["y"]
+        corners = [(-half, y, half), (half, y, half), (half, y, -half), (-half, y, -half)]
+        add_mesh("floor", corners, [(0, 1, 2, 3)], matte(description["floor"]["reflectance"], "floor"))
+    for area in description["area"]:
+        across, down = area["size"]
+        lamp = add_light("AREA", shape="RECTANGLE", size=across, size_y=down)
+        lamp.data.energy = max(area["L"]) * math.pi * across * down
+        lamp.data.color = [value / max(area["L"]) for value in area["L"]]
+        lamp.matrix_world = looking(area["center"], area["target"], (0, 1, 0))
+    set_world(description["env"])
+    camera = bpy.data.cameras.new("camera")
+    camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(description["camera"]["fov"])
+    camera.clip_start, camera.clip_end = 1.0, 1e5
+    owner = link("camera", camera)
+    owner.matrix_world = looking(*(description["camera"][key] for key in ("origin", "target", "up")))
+    bpy.context.scene.camera = owner
+
+
+# How far the light of the picture and of a sixteenth of it may be from Cycles'. The walks of the head are noise apart.
+# What is more is known and not mended: profiles differ where a body is thin and lit from behind, since each renderer
+# looks for entry points in its own way; and in the darkest regions of the dragon there is little light.
+SCANS = {
+    ("head", "BURLEY"): (0.03, 0.06),
+    ("head", "RANDOM_WALK"): (0.02, 0.03),
+    ("head", "RANDOM_WALK_SKIN"): (0.02, 0.03),
+    ("dragon", "BURLEY"): (0.08, 0.35),
+    ("dragon", "RANDOM_WALK"): (0.03, 0.09),
+    ("dragon", "RANDOM_WALK_SKIN"): (0.02, 0.12),
+}
+
+
+@pytest.mark.parametrize("name, method", SCANS.keys())
+def test_scans_are_as_bright_as_in_cycles(name, method):
+    if not (SHARED / "scenes").is_dir():
+        pytest.skip("the folder shared with the scans is not beside this repository")
+    if name == "dragon" and "TRANSLUCID_THOROUGH" not in os.environ:
+        pytest.skip("the dragon takes a minute: it is for .ci/thorough")
+    scan(name, method, 64)
+    # Cycles moves the ends of shadow rays at smooth meshes; the renderer does not.
+    for owner in bpy.data.objects:
+        owner.cycles.shadow_terminator_geometry_offset = 0.0
+    ours, theirs = combined(), render_cycles(256)
+    ratio = ours[..., :3].sum(axis=(0, 1)) / theirs[..., :3].sum(axis=(0, 1))
+    parts, theirs_parts = regions(ours)[..., :3], regions(theirs)[..., :3]
+    lit = theirs_parts.mean(axis=-1) > 0.1 * theirs_parts.max()
+    local = parts[lit] / theirs_parts[lit]
+    print(f"{name} {method}: {ratio.round(4)}, {lit.sum()} regions {local.min():.4f} to {local.max():.4f}")
+    assert messages() == []
+    whole, region = SCANS[name, method]
+    assert np.abs(ratio - 1).max() < whole
+    assert np.abs(local - 1).max() < region
