@@ -246,6 +246,15 @@ def test_memory_stays_over_many_renderings():
     assert addon.process.memory_in_use()[0] - before < 40
 
 
+def test_panels_of_other_engines_stay_theirs():
+    """A panel's set of engines may be that of a base class, and then of many panels."""
+    for name in dir(bpy.types):
+        if name.startswith("CYCLES_"):
+            assert "TRANSLUCID" not in getattr(getattr(bpy.types, name), "COMPAT_ENGINES", ()), name
+    assert "TRANSLUCID" in bpy.types.EEVEE_MATERIAL_PT_surface.COMPAT_ENGINES
+    assert "TRANSLUCID" in bpy.types.RENDER_PT_output.COMPAT_ENGINES
+
+
 def test_registering_again():
     addon.unregister()
     assert "TRANSLUCID" not in {getattr(cls, "bl_idname", None) for cls in bpy.types.RenderEngine.__subclasses__() if cls.is_registered}

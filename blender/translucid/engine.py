@@ -103,8 +103,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer_eval
-        render = scene.render
-        size = (render.resolution_x, render.resolution_y) if self.is_preview else picture_size(scene)
+        size = (self.resolution_x, self.resolution_y) if self.is_preview else picture_size(scene)
         region = (0, 0, *size) if self.is_preview else picture_region(scene, *size)
         for name, _, channels, is_wanted in PASSES:
             if is_wanted(layer):

@@ -6,10 +6,9 @@ import bpy
 from . import engine
 from .facts import facts_of, profile_error
 
-# Panels of Blender that say nothing to this engine.
+# Panels of Blender's own engines that say nothing to this one.
 _NOT_OURS = {
     "DATA_PT_area",
-    "DATA_PT_camera_dof",
     "DATA_PT_falloff_curve",
     "DATA_PT_light",
     "DATA_PT_shadow",
@@ -24,7 +23,6 @@ _NOT_OURS = {
 
 # Panels of EEVEE on what all engines have: nodes, lamps, depth of field.
 _SHARED = {
-    "CYCLES_CAMERA_PT_dof",
     "DATA_PT_EEVEE_light",
     "DATA_PT_camera_dof",
     "DATA_PT_camera_dof_aperture",
@@ -193,7 +191,8 @@ _CLASSES = (
 def _panels_of_blender():
     for name in dir(bpy.types):
         panel = getattr(bpy.types, name)
-        engines = getattr(panel, "COMPAT_ENGINES", None)
+        # A set that is inherited is that of other panels, too.
+        engines = getattr(panel, "__dict__", {}).get("COMPAT_ENGINES")
         if engines is None or panel in _CLASSES:
             continue
         if name in _SHARED or ("BLENDER_RENDER" in engines and name not in _NOT_OURS):
