@@ -3,6 +3,7 @@
 
     xvfb-run -s "-screen 0 1280x1080x24" blender --factory-startup --python blender/screenshots.py -- MODULES docs/images
 
+The pictures in the repository are cut out of these and scaled.
 MODULES is a folder with translucid and numpy for Blender's Python; `.ci/blender` leaves one in target/blender/debian.
 """
 

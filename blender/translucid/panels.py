@@ -159,12 +159,12 @@ class TRANSLUCID_PT_material(_Panel, bpy.types.Panel):
         grid = layout.grid_flow(row_major=True, columns=4, even_columns=True)
         for text in ("", "Red", "Green", "Blue"):
             grid.label(text=text)
-        _row(grid, "Albedo A", facts.surface_albedo, "{:.3f}")
-        _row(grid, "Mean free path", facts.mean_free_path_mm, "{:.3g} mm")
+        _row(grid, "A", facts.surface_albedo, "{:.3f}")
+        _row(grid, "ℓ, mm", facts.mean_free_path_mm, "{:.3g}")
         if facts.surface_albedo is not None:
             errors = [profile_error(model, round(100 * float(a))) for a in facts.surface_albedo]
             if errors[0] is not None:
-                _row(grid, "Profile's error", [100 * error for error in errors], "{:.1f} %")
+                _row(grid, "Error, %", [100 * error for error in errors], "{:.1f}")
             elif model == "random-walk":
                 layout.label(text="The walk is the truth of A and the mean free path")
 
