@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::common::{BALL, files, run, stderr, stdout};
+use crate::common::{BALL, exr_values, files, run, stderr, stdout};
 
 /// A pyramid on the plane y = 0.
 const PYRAMID: &str =
@@ -218,4 +218,29 @@ fn help_has_a_heading_for_a_mesh_and_one_for_the_picture() {
         assert!((mesh..picture).contains(&position(&format!("{option} <"))), "{option}");
     }
     assert!(position("--exposure <") > picture && position("--denoise") < mesh);
+}
+
+#[test]
+fn floor_of_shadows_shows_nothing_but_shadows() {
+    let (_keep, directory) = directory_with_pyramid(1.0);
+    let values = |floor: &str, channel: &str| -> Vec<f32> {
+        stdout(
+            &directory,
+            &format!("render a.obj -q --unit cm --floor {floor} --size 48x48 --spp 8 -o a.exr"),
+        );
+        let values = exr_values(&directory.join("a.exr"));
+        let (_, bits) = values.into_iter().find(|(name, _)| name == channel).unwrap();
+        bits.into_iter().map(f32::from_bits).collect()
+    };
+    let sum = |values: &[f32]| values.iter().map(|value| f64::from(*value)).sum::<f64>();
+    let [alone, shadow] = ["none", "shadow"].map(|floor| values(floor, "A"));
+    let [alone_depth, depth] = ["none", "shadow"].map(|floor| values(floor, "depth.Z"));
+    // What is covered besides the mesh is shadow, and most of the picture is neither
+    assert!(
+        sum(&shadow) > 1.05 * sum(&alone) && sum(&shadow) < 0.8 * 48.0 * 48.0,
+        "{} {}",
+        sum(&shadow),
+        sum(&alone)
+    );
+    assert_eq!(depth.iter().filter(|z| **z > 0.0).count(), alone_depth.iter().filter(|z| **z > 0.0).count());
 }

@@ -9,7 +9,7 @@ use super::extent::warn_of_extent;
 use super::mesh_file::{MeshFile, NamedCamera};
 use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
 use super::{Floor, LoadOptions, is_gltf, load_model};
-use crate::load::stage::Stage;
+use crate::load::stage::{BackdropShape, Stage};
 use crate::preset::preset;
 use crate::{
     Camera, CameraVisibility, ColorInput, Film, Material, Object, Place, Scene, SceneError, Unit, Warning,
@@ -162,7 +162,8 @@ fn add_floor(model: &mut MeshFile, frame: &Stage, camera: &Camera, floor: Floor)
     if !frame.is_above_floor(camera) {
         return; // It would hide the mesh.
     }
-    let (mesh, mut material) = frame.backdrop(color);
+    let shape = if floor == Floor::Shadow { BackdropShape::Flat } else { BackdropShape::Sweep };
+    let (mesh, mut material) = frame.backdrop(color, shape);
     if floor == Floor::Shadow {
         material.camera_visibility = CameraVisibility::Shadow;
     }

@@ -58,7 +58,7 @@ pub enum Floor {
     None,
     /// A dark sweep.
     Backdrop,
-    /// A sweep of which only the shadows on it are seen: around them the picture is transparent.
+    /// A plane of which only the shadows on it are seen: around them the picture is transparent.
     Shadow,
     /// A sweep of this linear color.
     Color([f32; 3]),

@@ -135,16 +135,16 @@ impl Stage {
     /// Color of the backdrop where none is asked for: dark and neutral.
     pub(crate) const BACKDROP_COLOR: Vec3 = Vec3::splat(0.085);
 
-    /// A sweep: a floor a little below the meshes that curves up to a wall behind them, so wide
+    /// A floor a little below the meshes, as a sweep with a curve up to a wall behind them, so wide
     /// that the rim light fades over it without an edge.
-    pub(crate) fn backdrop(&self, color: Vec3) -> (Mesh, Material) {
+    pub(crate) fn backdrop(&self, color: Vec3, shape: BackdropShape) -> (Mesh, Material) {
         let material = Material {
             name: String::from("backdrop"),
             base_color: ColorInput::constant(color),
             specular_weight: ScalarInput::constant(0.0),
             ..Material::default()
         };
-        (self.backdrop_mesh(), material)
+        (self.backdrop_mesh(shape), material)
     }
 
     /// A point about the meshes, and the unit direction to it from their middle.
@@ -160,14 +160,14 @@ impl Stage {
         (self.center + distance * self.radius * outward, outward)
     }
 
-    /// A strip across the view with the profile floor, quarter circle, wall.
-    fn backdrop_mesh(&self) -> Mesh {
+    /// A strip across the view.
+    fn backdrop_mesh(&self, shape: BackdropShape) -> Mesh {
         const WIDTH: f64 = 40.0;
         let back = -self.viewpoint.horizontal();
         let across = back.cross(DVec3::Y);
         let origin = DVec3::new(self.center.x, self.floor(), self.center.z);
         let mut mesh = Mesh::default();
-        for (point, normal) in backdrop_profile() {
+        for (point, normal) in backdrop_profile(shape) {
             for side in [-WIDTH, WIDTH] {
                 let position = across * side + back * point[0] + DVec3::Y * point[1];
                 mesh.positions.push((origin + self.radius * position).as_vec3());
@@ -182,9 +182,18 @@ impl Stage {
     }
 }
 
+/// The profile of what is below and behind the meshes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum BackdropShape {
+    /// Floor, quarter circle, wall.
+    Sweep,
+    /// Floor alone: no shadow falls on a wall that is not there.
+    Flat,
+}
+
 /// Points (distance behind the center, height) and normals of the backdrop, from before the camera
 /// to the top of the wall, in the frame's radius.
-fn backdrop_profile() -> Vec<([f64; 2], [f64; 2])> {
+fn backdrop_profile(shape: BackdropShape) -> Vec<([f64; 2], [f64; 2])> {
     const STEPS: i32 = 32;
     const FRONT: f64 = -60.0;
     /// Where the floor begins to rise.
@@ -193,6 +202,10 @@ fn backdrop_profile() -> Vec<([f64; 2], [f64; 2])> {
     const BEND: f64 = 9.0;
     const TOP: f64 = 60.0;
     let mut profile = vec![([FRONT, 0.0], [0.0, 1.0])];
+    if shape == BackdropShape::Flat {
+        profile.push(([TOP, 0.0], [0.0, 1.0]));
+        return profile;
+    }
     for step in 0..=STEPS {
         let (sine, cosine) = (std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(STEPS)).sin_cos();
         profile.push(([START + BEND * sine, BEND - BEND * cosine], [-sine, cosine]));
@@ -349,7 +362,11 @@ mod tests {
         let lights_and_camera = |scale: f32| {
             let objects = [blob(scale, Vec3::ZERO)];
             let frame = Stage::of(&objects);
-            (frame.camera(&objects, 1.5), frame.lights(), frame.backdrop(Stage::BACKDROP_COLOR).0)
+            (
+                frame.camera(&objects, 1.5),
+                frame.lights(),
+                frame.backdrop(Stage::BACKDROP_COLOR, BackdropShape::Sweep).0,
+            )
         };
         let (camera, lights, backdrop) = lights_and_camera(1.0);
         for scale in [1e-6_f32, 1e-3, 1e6] {
@@ -413,7 +430,7 @@ mod tests {
         assert!(from_mesh.dot(frame.viewpoint.direction().as_vec3()) < 0.0);
         // Outside of the meshes, and before the backdrop.
         assert!(radius + (frame.radius as f32) < from_mesh.length());
-        let (backdrop, _) = frame.backdrop(Stage::BACKDROP_COLOR);
+        let (backdrop, _) = frame.backdrop(Stage::BACKDROP_COLOR, BackdropShape::Sweep);
         for triangle in &backdrop.triangles {
             let [a, b, c] = triangle.map(|i| backdrop.positions[i as usize]);
             let normal = (b - a).cross(c - a).normalize();
@@ -425,7 +442,7 @@ mod tests {
     fn backdrop_is_below_the_mesh_and_behind_everything() {
         let objects = [blob(2.0, Vec3::Y)];
         let frame = Stage::of(&objects);
-        let (mesh, material) = frame.backdrop(Stage::BACKDROP_COLOR);
+        let (mesh, material) = frame.backdrop(Stage::BACKDROP_COLOR, BackdropShape::Sweep);
         let lowest = objects[0].mesh.bounds().0.y;
         let (low, _) = mesh.bounds();
         assert!(low.y < lowest && low.y > lowest - 0.01 * frame.radius as f32);
