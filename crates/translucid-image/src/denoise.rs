@@ -126,7 +126,11 @@ impl Denoiser {
         }
         // Of a bare name the loader would look in the system's folders only
         let file = std::path::absolute(&file).unwrap_or(file);
-        let library = open(&file).map_err(|error| wrong(&reason(&error)))?;
+        let library = open(&file).map_err(|error| {
+            // The loader names the file, too
+            let reason = reason(&error);
+            wrong(reason.strip_prefix(&format!("{}: ", file.display())).unwrap_or(&reason))
+        })?;
         Self::from_library(library, &file.display().to_string())
     }
 

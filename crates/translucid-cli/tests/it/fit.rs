@@ -246,6 +246,8 @@ fn parameters_that_the_table_does_not_determine_are_warned_about() {
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
     assert!(stderr(&output).contains("exponentials: the samples do not determine"), "{}", stderr(&output));
     assert!(!stderr(&output).contains("warning: normalized-diffusion"), "{}", stderr(&output));
+    assert!(stderr(&output).contains(" not determined\n"), "{}", stderr(&output));
+    assert!(!stderr(&output).contains("inf\n"), "{}", stderr(&output));
     // One Gaussian is nothing like it
     let output = run(directory.path(), "fit --table table.csv --terms 1");
     assert!(stderr(&output).contains("gaussians: misses the samples"), "{}", stderr(&output));
