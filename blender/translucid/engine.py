@@ -159,6 +159,8 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             raise ValueError("the scene has no camera")
         if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
             self._report.add("scene", None, "pixels that are not square cannot be rendered; they are square")
+        if scene.render.use_motion_blur:
+            self._report.add("scene", None, "motion blur cannot be rendered; all is as at the frame")
         return scene_camera(owner.evaluated_get(depsgraph), depsgraph, width, height, self._report)
 
     def _say(self):
