@@ -1,7 +1,7 @@
 //! The known systems: names, versions, rules, and where each rule was read.
 
 use super::rule::{Factor, Rule};
-use super::{LengthUnit, Parameter, Role, Source, System};
+use super::{LengthUnit, Parameter, Role, Source, System, parameter};
 
 const fn length(name: &'static str) -> Parameter {
     Parameter { name, role: Role::Length }
@@ -28,9 +28,7 @@ const G: Parameter = setting("g", 0.0, [-1.0, 1.0], "in (-1, 1)");
 // Cycles keeps it in [1.01, 3.8] by itself
 const SKIN_IOR: Parameter = setting("subsurface_ior", 1.4, [0.0, 10.0], "in (0, 10)");
 
-/// Mean cosine of Cycles' walks.
-pub(super) const WALK_G: Parameter =
-    setting("subsurface_anisotropy", 0.0, [-1e-9, 0.9 + 1e-9], "in [0, 0.9]");
+const WALK_G: Parameter = setting(parameter::WALK_G, 0.0, [-1e-9, 0.9 + 1e-9], "in [0, 0.9]");
 
 const CYCLES: &[Parameter] = &[length("subsurface_radius"), distance("subsurface_scale")];
 const UNREAL: &[Parameter] =

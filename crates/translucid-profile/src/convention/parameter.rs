@@ -1,5 +1,8 @@
 //! The parameters by which a system is told a material.
 
+/// Name of the mean cosine of Cycles' walks.
+pub(super) const WALK_G: &str = "subsurface_anisotropy";
+
 /// A parameter of a system.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {

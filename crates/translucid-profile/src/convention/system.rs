@@ -1,6 +1,6 @@
 //! A system with its parameters, and the way from them to a material and back.
 
-use super::known::WALK_G;
+use super::parameter::WALK_G;
 use super::rule::{Factor, Rule};
 use super::{Channel, CyclesWalk, LengthUnit, Parameter, Role, SurfaceAlbedo};
 use crate::error::{ParameterError, require};
@@ -199,7 +199,7 @@ impl System {
             return Ok(None);
         }
         self.setting(values)?;
-        let g = self.with_values(values).find(|(parameter, _)| parameter.name == WALK_G.name);
+        let g = self.with_values(values).find(|(parameter, _)| parameter.name == WALK_G);
         Ok(Some(CyclesWalk::new(g.map_or(0.0, |(_, g)| g))))
     }
 

@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::super::Tracing;
+use super::plan::LEAST_SAMPLES;
 use super::surfels::Surfel;
 use crate::ray::Ray;
 use crate::sampling::Sampler;
@@ -20,8 +21,6 @@ use crate::world::{PathState, World};
 
 /// Points whose mean has to be exact, neighbors in the order of the tree.
 const CLUSTER: usize = 64;
-/// Samples that each half of a point has at least.
-const LEAST_SAMPLES: u32 = 8;
 /// Samples that each half of a point has at most.
 pub(super) const MOST_SAMPLES: u32 = 4096;
 /// Standard error of a cluster's mean for a tolerance of 1, relative to the mean. It goes with the root of the
@@ -29,9 +28,6 @@ pub(super) const MOST_SAMPLES: u32 = 4096;
 const NOISE: f64 = 0.04;
 /// Clusters darker than this part of the group's mean may be as inexact as one that is as bright.
 const DARK: f64 = 0.05;
-
-/// Paths that each point gets at least.
-pub(super) const PATHS_OF_A_POINT: f64 = 2.0 * LEAST_SAMPLES as f64;
 
 /// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point.
 #[derive(Clone, Debug, PartialEq)]

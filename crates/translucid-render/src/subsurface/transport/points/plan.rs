@@ -3,7 +3,6 @@
 use translucid_scene::{Scene, SceneError};
 
 use super::super::SubsurfaceTransport;
-use super::irradiance::PATHS_OF_A_POINT;
 use super::patches::Patch;
 use crate::ray::SurfacePoint;
 use crate::surface;
@@ -19,6 +18,8 @@ const LEAST_POINTS: f64 = 50.0;
 /// blurred by about as much as the film's filter does. It goes with the root of lesser tolerances.
 const PIXEL_SPACING: f64 = 0.5;
 const USUAL_TOLERANCE: f64 = 0.05;
+/// Samples of the light that each half of a point has at least.
+pub(super) const LEAST_SAMPLES: u32 = 8;
 /// Places of an object at which its profile's width is looked up.
 const PLACES: usize = 4096;
 /// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
@@ -122,7 +123,7 @@ impl PointPlan {
             significant(finest.spacing),
             scene.unit.name(),
             if finest.pixel_width > 0.0 { "the width of pixels" } else { "the mean free path" },
-            significant(self.points() * PATHS_OF_A_POINT),
+            significant(self.points() * f64::from(2 * LEAST_SAMPLES)),
         )
     }
 
