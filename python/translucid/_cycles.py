@@ -86,6 +86,7 @@ def cycles_material(
     color = np.clip(color, 0.0, 1.0) + np.zeros(3)
     length = length * scale + np.zeros(3)
 
+    keys: dict[str, object]
     if method == "BURLEY":
         # The mean free path of Burley's profile of this width [Christensen & Burley 2015, eq. 6]
         mfp = length / (4.0 * math.pi) * (1.9 - color + 3.5 * (color - 0.8) ** 2)
