@@ -1,4 +1,4 @@
-//! What Blender Cycles' random walks make of a color: a medium, and the light that comes back from it.
+//! Random walks of Blender Cycles: the medium that they make of a color, and the light that comes back from it.
 //!
 //! The code finds the single-scattering albedo α of a channel with the color c and the mean cosine g by the fit of
 //! M. Wrenninge, R. Villemin and C. Hery, *Path Traced Subsurface Scattering using Anisotropic Phase Functions and

@@ -170,7 +170,7 @@ impl System {
         })
     }
 
-    /// What the system is to be told for a surface albedo, or the nearest that it reaches.
+    /// The color to tell the system for a surface albedo, or for the nearest that it reaches.
     ///
     /// # Errors
     /// A setting is outside its range.

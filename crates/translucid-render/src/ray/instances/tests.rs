@@ -82,8 +82,8 @@ fn assert_same(a: &SurfacePoint, b: &SurfacePoint, error: f32) {
     }
 }
 
-/// What a ray meets among instances is what it meets among their triangles, but where it passes an edge as narrowly as
-/// rounding goes.
+/// Rays meet instances where they meet the triangles of these, but for those that pass an edge as narrowly as rounding
+/// goes.
 #[test]
 fn instances_are_met_as_their_triangles_are() {
     let scene = scene();

@@ -39,7 +39,7 @@ pub(super) enum PointLight {
 /// The light of points as far as it has come.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct BegunLight {
-    /// What counts as dark in each group; empty until all points have their least number of samples.
+    /// Irradiance that counts as dark in each group; empty until all points have their least number of samples.
     pub(super) dark: Vec<DVec3>,
     /// Samples that each half of each point of a cluster has; empty if no point has any.
     pub(super) counts: Vec<u32>,
@@ -115,7 +115,7 @@ pub(super) fn irradiance<'a, T: Tracing<'a>>(
     PointLight::Finished(clusters.iter().map(light).collect::<Vec<Vec<Vec3>>>().concat())
 }
 
-/// What is done of one half of the work.
+/// One half of the work, and how much of it is done.
 struct Rounds<'a> {
     /// Part that was done before.
     before: f64,

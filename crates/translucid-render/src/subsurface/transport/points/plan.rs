@@ -112,7 +112,7 @@ impl PointPlan {
         self.groups.iter().map(GroupPlan::points).sum()
     }
 
-    /// What is to be done, in words: how many points, how far apart and why, and about how many paths light them.
+    /// The work in words: how many points, how far apart and why, and about how many paths light them.
     pub fn describe(&self, scene: &Scene) -> String {
         let Some(finest) = self.groups.iter().min_by(|a, b| a.spacing.total_cmp(&b.spacing)) else {
             return String::from("no points: no light travels under any surface by a profile");
