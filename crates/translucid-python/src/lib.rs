@@ -20,6 +20,7 @@ mod reference;
 mod scene;
 mod scene_error;
 mod session;
+mod session_state;
 mod white_table;
 
 use pyo3::prelude::*;

@@ -1,8 +1,9 @@
-//! Names of models, configurations and units, as the command spells them.
+//! Names of models, configurations and units, as the command spells them, and what of a scene has a name.
 
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use translucid_profile::{Configuration, Model, ParameterError};
+use translucid_scene::{Object, SceneError};
 
 /// A parameter outside its range is a `ValueError`.
 pub(crate) fn value_error(error: impl std::fmt::Display) -> PyErr {
@@ -38,4 +39,29 @@ pub(crate) fn of_configuration(configuration: Configuration) -> &'static str {
 pub(crate) fn parameter_error(error: &ParameterError, index: &[usize]) -> PyErr {
     let place = if index.is_empty() { String::new() } else { format!(" (at index {index:?})") };
     value_error(format!("{error}{place}"))
+}
+
+/// The numbers of the objects of a name, or of the mesh that several `name[…]` are of.
+pub(crate) fn all_of_object(name: &str, objects: &[Object]) -> Result<Vec<usize>, SceneError> {
+    let is_of_it =
+        |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
+    let found: Vec<usize> = (0..objects.len()).filter(|&index| is_of_it(&objects[index].name)).collect();
+    if found.is_empty() {
+        index_of("object", name, objects.iter().map(|object| object.name.as_str()))?;
+    }
+    Ok(found)
+}
+
+/// The number of a thing of a name.
+pub(crate) fn index_of<'a>(
+    thing: &str,
+    name: &str,
+    mut names: impl Iterator<Item = &'a str> + Clone,
+) -> Result<usize, SceneError> {
+    let all = names.clone();
+    names.position(|other| other == name).ok_or_else(|| {
+        let all: Vec<&str> = all.collect();
+        SceneError::new(format!("there is no {thing} {name:?}"))
+            .with_help(format!("there are {}", all.join(", ")))
+    })
 }

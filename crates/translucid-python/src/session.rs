@@ -17,9 +17,10 @@ use translucid_scene::{Image, Light, Material, Mesh, SceneBuilder, SceneError, W
 use crate::arrays::Any;
 use crate::keys::{named_piece_of, piece_of, plain_piece_of};
 use crate::long_work;
-use crate::names;
+use crate::names::{self, all_of_object, index_of};
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
 use crate::scene_error::{scene_error, warn};
+use crate::session_state::{Facts, Failure, State, end, lost};
 
 /// Most samples per pixel.
 const MOST_SAMPLES: u64 = 1 << 24;
@@ -32,14 +33,6 @@ const LONGEST_NAP: Duration = Duration::from_millis(20);
 
 /// The layer that a denoiser makes of the others.
 const DENOISED: &str = "denoised";
-
-/// The state of a session.
-enum State {
-    Idle(Box<translucid_render::Session>),
-    Running(RunningSession),
-    /// A defect ended it.
-    Lost,
-}
 
 /// A rendering that goes on step by step.
 ///
@@ -82,28 +75,6 @@ pub(crate) struct Session {
     facts: Mutex<Facts>,
     threads: usize,
     progress: Arc<Progress>,
-}
-
-/// What is known of a session since its last edit, whatever it does.
-struct Facts {
-    film: Arc<LiveFilm>,
-    notes: Vec<String>,
-    exposure: f32,
-    tone_mapping: &'static str,
-    samples_per_pixel: u32,
-}
-
-impl Facts {
-    fn of(session: &translucid_render::Session) -> Self {
-        let film = session.view().film();
-        Self {
-            film: session.film(),
-            notes: session.prepared().notes().iter().map(ToString::to_string).collect(),
-            exposure: film.exposure,
-            tone_mapping: film.tone_mapping.name(),
-            samples_per_pixel: session.prepared().scene().integrator.samples_per_pixel,
-        }
-    }
 }
 
 /// Paths done and to be done.
@@ -696,33 +667,6 @@ impl Session {
     }
 }
 
-/// Why there is no session or no more of it.
-enum Failure {
-    Scene(SceneError),
-    Work(String),
-}
-
-impl Failure {
-    fn work(error: impl std::fmt::Display) -> Self {
-        Self::Work(error.to_string())
-    }
-}
-
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        Self::Scene(error)
-    }
-}
-
-impl From<Failure> for PyErr {
-    fn from(failure: Failure) -> Self {
-        match failure {
-            Failure::Scene(error) => scene_error(error),
-            Failure::Work(message) => PyRuntimeError::new_err(message),
-        }
-    }
-}
-
 impl Session {
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
@@ -851,28 +795,6 @@ impl Session {
     }
 }
 
-fn lost() -> Failure {
-    Failure::work("a defect has ended the session")
-}
-
-/// Has a session end if it runs, by `how`.
-fn end(
-    state: &mut State,
-    how: impl FnOnce(
-        RunningSession,
-    ) -> (translucid_render::Session, Result<translucid_render::Outcome, SceneError>),
-) -> Result<(), Failure> {
-    match std::mem::replace(state, State::Lost) {
-        State::Running(running) => {
-            let (session, result) = how(running);
-            *state = State::Idle(Box::new(session));
-            result?;
-        }
-        other => *state = other,
-    }
-    Ok(())
-}
-
 /// Width and height.
 fn size_of(sums: &FilmSums) -> [usize; 2] {
     [sums.width as usize, sums.height as usize]
@@ -885,29 +807,4 @@ fn layer_of(name: &str) -> PyResult<FilmLayer> {
 
 fn region_of(argument: &Any<'_>) -> PyResult<[u32; 4]> {
     whole_numbers("region", argument, "four numbers, x0, y0, x1, y1", [0, u32::MAX])
-}
-
-/// The numbers of the objects of a name, or of the mesh that several `name[…]` are of.
-fn all_of_object(name: &str, objects: &[translucid_scene::Object]) -> Result<Vec<usize>, SceneError> {
-    let is_of_it =
-        |other: &str| other.strip_prefix(name).is_some_and(|rest| rest.is_empty() || rest.starts_with('['));
-    let found: Vec<usize> = (0..objects.len()).filter(|&index| is_of_it(&objects[index].name)).collect();
-    if found.is_empty() {
-        index_of("object", name, objects.iter().map(|object| object.name.as_str()))?;
-    }
-    Ok(found)
-}
-
-/// The number of a thing of a name.
-fn index_of<'a>(
-    thing: &str,
-    name: &str,
-    mut names: impl Iterator<Item = &'a str> + Clone,
-) -> Result<usize, SceneError> {
-    let all = names.clone();
-    names.position(|other| other == name).ok_or_else(|| {
-        let all: Vec<&str> = all.collect();
-        SceneError::new(format!("there is no {thing} {name:?}"))
-            .with_help(format!("there are {}", all.join(", ")))
-    })
 }
