@@ -33,6 +33,12 @@ pub(crate) enum TableFormat {
 }
 
 impl TableArguments {
+    /// The file, where its name ends in `.npz`: it is not for text.
+    pub(crate) fn npz(&self) -> Option<&Path> {
+        let is_npz = |path: &&Path| path.extension().is_some_and(|found| found.eq_ignore_ascii_case("npz"));
+        self.output.as_deref().filter(is_npz)
+    }
+
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_image::check_writable(path)?))

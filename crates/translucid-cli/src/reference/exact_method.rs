@@ -64,6 +64,10 @@ fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) 
     if parameters.spot_radius > 0.0 {
         return refuse(format!("spot of light, and --spot-radius is {}", exact(arguments.spot_radius)));
     }
+    if let Some(path) = arguments.table.npz() {
+        let message = format!("--output is {}, but only a walk makes such files", path.display());
+        return Err(Failure::input(message).with_help("name a text file, or use --method monte-carlo"));
+    }
     arguments.walk.refuse_all()
 }
 

@@ -1,9 +1,15 @@
 //! `translucid reference`: ground truth as a table.
 
 mod exact_method;
+mod merging;
+mod photons;
 mod walk_method;
 
-pub(crate) use walk_method::parse_photons;
+#[allow(unused_imports, reason = "for the verb that merges")]
+pub(crate) use merging::merge_tables;
+pub(crate) use photons::parse_photons;
+
+use std::path::Path;
 
 use clap::{ArgGroup, Args, ValueEnum};
 use translucid_reference::exact::single_scattering_albedo;
@@ -29,14 +35,16 @@ is the mean over a sector of that ring, one degree wide, or wider (up to 10) whe
 R grows like 1/r towards r = 0, where the exact method prints a huge finite number and the walk has no ring.
 
 One walk serves all albedos of the list. With --table its photons stay in a file, to be continued with
---resume and joined with --merge; no photon counts twice.
+--resume and joined with --merge; no photon counts twice. With --photons A..B many machines share a walk: their
+tables, merged in whatever order, are bit for bit the table of one run.
 
 Examples:
   translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
   translucid reference --method exact --single-scattering-albedo 0.9 --eta 1.4 --points 100 --max 10
   translucid reference --method monte-carlo --single-scattering-albedo 0.9,0.99 --g 0.8 --error 0.01 --at 1,3
   translucid reference --method monte-carlo --surface-albedo 0.5 --thickness 2 --photons 1e8 --at 1
-  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume";
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --table walk.npz --resume
+  translucid reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 --photons 1e9..2e9 -o part-1.npz";
 
 /// Prints the true reflectance profile: solved exactly, or by a Monte Carlo walk with standard errors
 #[derive(Args, Debug)]
@@ -245,6 +253,11 @@ impl ReferenceArguments {
             alpha.map(|alpha| (Some(surface_albedo), alpha)).map_err(|error| self.name_option(error))
         };
         self.surface_albedo.iter().map(invert).collect()
+    }
+
+    /// The file that keeps the walk's table: --table, or -o where that names an NPZ file.
+    fn table_file(&self) -> Option<&Path> {
+        self.walk.table_file.as_deref().or(self.table.npz())
     }
 
     fn side(&self) -> Side {

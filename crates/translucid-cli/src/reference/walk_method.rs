@@ -1,14 +1,16 @@
 //! `translucid reference --method monte-carlo`.
 
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use clap::Args;
 use translucid_reference::walk::{
-    Control, Forecast, Goal, Layout, PilotError, Problem, Side, TableError, WhiteTable,
+    Control, Forecast, Goal, Layout, PhotonRange, PilotError, Problem, Side, TableError, WhiteTable,
 };
 
+use super::photons::Photons;
 use super::{COLUMNS, ReferenceArguments};
 use crate::failure::Failure;
 use crate::output_lock::OutputLock;
@@ -32,9 +34,10 @@ const MOST_CELLS: usize = 25_000;
 /// Options of the walk alone.
 #[derive(Args, Debug)]
 pub(super) struct WalkArguments {
-    /// Number of photons, those of --table and --merge included [default: 1e7]
-    #[arg(long, value_name = "N", value_parser = parse_photons, conflicts_with = "error")]
-    photons: Option<u64>,
+    /// Number of photons, those of --table and --merge included, or a half-open range A..B of them, one machine's part
+    /// of a walk on many [default: 1e7]
+    #[arg(long, value_name = "N|A..B", value_parser = Photons::parse, conflicts_with = "error")]
+    photons: Option<Photons>,
     /// Relative standard error that every reflectance of the table is to reach, in place of --photons
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
@@ -44,11 +47,11 @@ pub(super) struct WalkArguments {
     /// Number of threads, at most 1024 [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
-    /// File that keeps the photons' table (NPZ)
+    /// File that keeps the photons' table (NPZ); -o FILE.npz keeps it, too, and prints nothing
     #[arg(long = "table", value_name = "FILE.npz")]
-    table_file: Option<PathBuf>,
+    pub(super) table_file: Option<PathBuf>,
     /// Go on from what --table holds, if it is there
-    #[arg(long, requires = "table_file")]
+    #[arg(long)]
     resume: bool,
     /// Tables whose photons to add, comma-separated; of other seeds or other machines
     #[arg(long, value_name = "FILE.npz,...", value_delimiter = ',')]
@@ -62,6 +65,7 @@ impl WalkArguments {
             ("--photons", self.photons.is_some()),
             ("--error", self.error.is_some()),
             ("--table", self.table_file.is_some()),
+            ("--resume", self.resume),
             ("--merge", !self.merge.is_empty()),
             ("--seed", self.seed.is_some()),
         ];
@@ -79,17 +83,6 @@ impl WalkArguments {
     }
 }
 
-/// A number of photons as one would type it, 10000000 or 1e7.
-pub(crate) fn parse_photons(text: &str) -> Result<u64, String> {
-    if let Ok(count) = text.parse::<u64>() {
-        return Ok(count);
-    }
-    match text.parse::<f64>() {
-        Ok(count) if count >= 0.0 && count < 2.0_f64.powi(63) && count.fract() == 0.0 => Ok(count as u64),
-        _ => Err(String::from("must be a whole number below 2^63, such as 10000000 or 1e7")),
-    }
-}
-
 /// Walks, and prints what the table says.
 pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let walk = &arguments.walk;
@@ -97,10 +90,20 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
         return Err(Failure::input(format!("--error is {}, but must be in (0, 1)", exact(error))));
     }
     arguments.table.check()?;
-    if let Some(path) = &walk.table_file {
+    if let (Some(table), Some(output)) = (&walk.table_file, arguments.table.npz())
+        && table.as_path() != output
+    {
+        let message = format!("--table is {}, and --output is {}", table.display(), output.display());
+        return Err(Failure::input(message).with_help("one file keeps the table: leave the other out"));
+    }
+    if walk.resume && arguments.table_file().is_none() {
+        return Err(Failure::input(String::from("--resume has no table to go on from"))
+            .with_help("name it with --table or -o FILE.npz"));
+    }
+    if let Some(path) = arguments.table_file() {
         translucid_image::check_writable(path)?;
     }
-    let _lock = walk.table_file.as_deref().map(OutputLock::take).transpose()?;
+    let _lock = arguments.table_file().map(OutputLock::take).transpose()?;
     arguments.table.spare(walk.table_file.iter().chain(&walk.merge).map(PathBuf::as_path))?;
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 
@@ -114,7 +117,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     work.print()?;
     if interrupted {
         let photons = work.table.photons();
-        let help = match &walk.table_file {
+        let help = match arguments.table_file() {
             Some(path) => format!("repeat the command with --resume to go on from {}", path.display()),
             None => format!("the table is that of {photons} photons; --table would have kept them"),
         };
@@ -194,10 +197,11 @@ impl<'a> WalkWork<'a> {
                 .map_err(|error| Failure::input(format!("{} cannot be merged: {error}", path.display())))?;
         }
         work.check_albedos()?;
-        if work.table.photons() == 0 && arguments.walk.photons == Some(0) {
-            return Err(Failure::input(String::from(
-                "--photons is 0, and there are none in a table to go on from",
-            )));
+        work.check_range()?;
+        let none = arguments.walk.photons.as_ref().filter(|photons| photons.are_none());
+        if let Some(photons) = none.filter(|_| work.table.photons() == 0 && arguments.table.npz().is_none()) {
+            let message = format!("--photons is {photons}, and there are none in a table to go on from");
+            return Err(Failure::input(message));
         }
         Ok(work)
     }
@@ -217,13 +221,30 @@ impl<'a> WalkWork<'a> {
         }
     }
 
+    /// Photons of the range that is wanted are not to come from the tables that are joined with it.
+    fn check_range(&self) -> Result<(), Failure> {
+        let walk = &self.arguments.walk;
+        let Some(Photons::Range(range)) = &walk.photons else { return Ok(()) };
+        let wanted = range.end - range.start;
+        let lacking = Photons::Range(range.clone()).lacking(&self.table, walk.seed());
+        if lacking < wanted && !walk.resume {
+            let Range { start, end } = range;
+            let held = wanted - lacking;
+            let message = format!(
+                "--photons is {start}..{end}, but the tables of --merge hold {held} of these photons"
+            );
+            return Err(Failure::input(message).with_help("leave them out: no photon counts twice"));
+        }
+        Ok(())
+    }
+
     /// Walks until there are enough photons, the error is small enough, or Ctrl-C.
     fn walk(&mut self) -> Result<(), Failure> {
         let (start, cpu_before) = (Instant::now(), machine::cpu_seconds());
         let meter = Meter::new(Unit::Photons);
         let walked = match self.arguments.walk.error {
             Some(error) => self.walk_to_error(error, &meter),
-            None => self.walk_photons(self.arguments.walk.photons.unwrap_or(DEFAULT_PHOTONS), &meter),
+            None => self.walk_photons(&meter),
         };
         meter.finish();
         let walked = walked?;
@@ -239,9 +260,10 @@ impl<'a> WalkWork<'a> {
         Ok(())
     }
 
-    fn walk_photons(&mut self, photons: u64, meter: &Meter) -> Result<u64, Failure> {
+    fn walk_photons(&mut self, meter: &Meter) -> Result<u64, Failure> {
         let seed = self.arguments.walk.seed();
-        let wanted = photons.saturating_sub(self.table.photons());
+        let photons = self.arguments.walk.photons.clone().unwrap_or(Photons::Count(DEFAULT_PHOTONS));
+        let wanted = photons.lacking(&self.table, seed);
         let mut walked = 0;
         while walked < wanted && !interrupt::STOP.load(Ordering::Relaxed) {
             let before = walked;
@@ -250,7 +272,13 @@ impl<'a> WalkWork<'a> {
                 progress: &|done| meter.update(before + done, wanted),
                 deadline: Some(Instant::now() + SAVE_INTERVAL),
             };
-            walked += self.table.run(seed, wanted - walked, &control).map_err(table_failure)?;
+            walked += match photons {
+                Photons::Count(_) => self.table.run(seed, wanted - walked, &control),
+                Photons::Range(Range { start, end }) => {
+                    self.table.run_rest(PhotonRange { seed, start, end }, &control)
+                }
+            }
+            .map_err(table_failure)?;
             if walked < wanted {
                 self.save()?;
             }
@@ -292,6 +320,9 @@ impl<'a> WalkWork<'a> {
     }
 
     fn print(&self) -> Result<(), Failure> {
+        if self.arguments.table.npz().is_some() {
+            return Ok(());
+        }
         let rows = rows(self.arguments, &self.table, &self.radii, &self.albedos)?;
         self.arguments.table.write(COLUMNS, rows.into_iter())
     }
@@ -430,9 +461,8 @@ fn sectors(azimuth: f64, radii: usize) -> u32 {
 
 /// Table that an earlier run left in the file, if it is wanted and there.
 fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, Failure> {
-    let walk = &arguments.walk;
-    let Some(path) = &walk.table_file else { return Ok(None) };
-    match (walk.resume, path.exists()) {
+    let Some(path) = arguments.table_file() else { return Ok(None) };
+    match (arguments.walk.resume, path.exists()) {
         (true, true) => {
             let table = WhiteTable::load(path).map_err(table_failure)?;
             messages::line(&format!("going on from {} photons", table.photons()));
@@ -450,20 +480,23 @@ fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, F
 
 /// Keeps the table where that is asked for.
 fn save(arguments: &ReferenceArguments, table: &WhiteTable) -> Result<(), Failure> {
-    let path = arguments.walk.table_file.as_deref();
-    path.map_or(Ok(()), |path| translucid_image::write_atomically(path, |out| table.write(out)))
+    arguments
+        .table_file()
+        .map_or(Ok(()), |path| translucid_image::write_atomically(path, |out| table.write(out)))
         .map_err(Failure::late)
 }
 
 fn foreign_table(arguments: &ReferenceArguments, what: &str) -> Failure {
     let walk = &arguments.walk;
-    let resumed = walk.table_file.as_ref().filter(|path| walk.resume && path.exists());
-    let path = resumed.or(walk.merge.first()).map_or(String::new(), |path| path.display().to_string());
+    let resumed = arguments.table_file().filter(|path| walk.resume && path.exists());
+    let path = resumed
+        .or(walk.merge.first().map(PathBuf::as_path))
+        .map_or(String::new(), |path| path.display().to_string());
     Failure::input(format!("the table {path} {what}"))
         .with_help("repeat the options that it was made with, or choose another file")
 }
 
-fn table_failure(error: TableError) -> Failure {
+pub(super) fn table_failure(error: TableError) -> Failure {
     match error {
         TableError::TooMany => Failure::work(error.to_string()),
         error => Failure::input(error.to_string()),

@@ -300,3 +300,47 @@ fn wrong_options_are_refused_with_a_reason() {
         assert!(message.contains(named), "{words}: {message}");
     }
 }
+
+/// Ranges walked apart and joined are bit for bit one run; a range goes on from where it was killed.
+#[test]
+fn ranges_of_photons_make_the_table_of_one_run() {
+    use std::process::Stdio;
+
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    let walk = "reference --method monte-carlo --single-scattering-albedo 0.9 --at 1 -q";
+    let printed = stdout(path, &format!("{walk} --photons 60000 --table whole.npz"));
+    assert_eq!(stdout(path, &format!("{walk} --photons 2e4..45e3 -o b.npz")), "");
+    for wait in [30, 60, 90] {
+        let mut command = translucid(path);
+        let words = format!("{walk} --photons 0..20000 -o a.npz --resume");
+        let child = command.args(words.split_whitespace()).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = child.spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_millis(wait));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    stdout(path, &format!("{walk} --photons 0..20000 -o a.npz --resume"));
+    // The rest is walked on top of the others
+    let joined = stdout(path, &format!("{walk} --photons 45000..60000 --merge b.npz,a.npz --table all.npz"));
+    assert_eq!(joined, printed);
+    let [whole, all] = ["whole.npz", "all.npz"].map(|name| std::fs::read(path.join(name)).unwrap());
+    assert!(whole == all);
+
+    for (words, named) in [
+        ("--photons 19999..45000 --merge a.npz", "hold 1 of these photons"),
+        ("--photons 9..9", "--photons is 9..9"),
+        ("--photons 9..5", "A is not greater than B"),
+        ("--photons 0..9 --g 0.5 -o a.npz --resume", "another problem"),
+        ("--photons 0..9 -o a.npz", "--resume"),
+        ("--photons 0..9 -o a.npz --table b.npz", "--table is b.npz"),
+        ("--photons 0..9 --error 0.1", "--error"),
+    ] {
+        let output = run(path, &format!("{walk} {words}"));
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(stderr(&output).contains(named), "{words}: {}", stderr(&output));
+    }
+    let output = run(path, &format!("{} --photons 0..9 -o c.npz", walk.replace("monte-carlo", "exact")));
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(files(path), ["a.npz", "all.npz", "b.npz", "whole.npz"]);
+}

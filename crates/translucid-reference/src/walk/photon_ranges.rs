@@ -72,20 +72,32 @@ impl PhotonRanges {
         Self::new(self.0.iter().chain(&other.0).copied())
     }
 
-    /// The first `count` photons of a seed that are not among these; fewer where a seed has no more.
-    pub(crate) fn missing(&self, seed: u64, count: u64) -> Vec<Range<u64>> {
+    /// The first `count` photons of a seed, among those in `within`, that are not among these; fewer where there are
+    /// no more.
+    pub(crate) fn missing(&self, seed: u64, within: Range<u64>, count: u64) -> Vec<Range<u64>> {
         let mut found = Vec::new();
-        let (mut next, mut left) = (0, count);
+        let (mut next, mut left) = (within.start, count);
         let held = self.0.iter().filter(|range| range.seed == seed).map(|range| (range.start, range.end));
-        for (start, end) in held.chain([(u64::MAX, u64::MAX)]) {
-            let length = left.min(start - next);
+        for (start, end) in held.chain([(within.end, within.end)]) {
+            let length = left.min(start.min(within.end).saturating_sub(next));
             if length > 0 {
                 found.push(next..next + length);
             }
             left -= length;
-            next = end;
+            next = next.max(end);
         }
         found
+    }
+
+    /// The photons that are missing between the first, 0, and the last that is held, of every seed.
+    pub(crate) fn gaps(&self) -> Vec<PhotonRange> {
+        let mut gaps = Vec::new();
+        for seed in self.0.chunk_by(|a, b| a.seed == b.seed) {
+            let (seed, end) = (seed[0].seed, seed[seed.len() - 1].end);
+            let missing = self.missing(seed, 0..end, u64::MAX).into_iter();
+            gaps.extend(missing.map(|Range { start, end }| PhotonRange { seed, start, end }));
+        }
+        gaps
     }
 }
 
@@ -164,7 +176,7 @@ mod tests {
     fn missing_photons_come_first_to_last() {
         let held = ranges(&[(1, 5, 10), (1, 12, 20), (2, 0, 100)]);
         let missing = |ranges: &PhotonRanges, seed, count| {
-            let found = ranges.missing(seed, count);
+            let found = ranges.missing(seed, 0..u64::MAX, count);
             found.into_iter().map(|range| (range.start, range.end)).collect::<Vec<_>>()
         };
         assert_eq!(missing(&held, 1, 3), [(0, 3)]);
@@ -176,5 +188,27 @@ mod tests {
         assert_eq!(missing(&full, 1, 50), [(u64::MAX - 2, u64::MAX)]);
         assert_eq!(full.len(), Some(u64::MAX - 2));
         assert_eq!(ranges(&[(1, 0, u64::MAX), (2, 0, 1)]).len(), None);
+    }
+
+    /// Against a set of photons.
+    #[test]
+    fn missing_photons_are_those_of_the_range_that_are_not_held() {
+        let held = ranges(&[(1, 5, 10), (1, 12, 20), (2, 0, 100)]);
+        for (start, end) in (0..25).flat_map(|start| (0..25).map(move |end| (start, end))) {
+            for count in [0, 1, 4, u64::MAX] {
+                let is_held = |photon: &u64| (5..10).contains(photon) || (12..20).contains(photon);
+                let expected: Vec<u64> =
+                    (start..end).filter(|photon| !is_held(photon)).take(count.min(99) as usize).collect();
+                let found: Vec<u64> = held.missing(1, start..end, count).into_iter().flatten().collect();
+                assert_eq!(found, expected, "{start}..{end}, {count}");
+            }
+        }
+    }
+
+    #[test]
+    fn gaps_are_before_the_last_photon_of_a_seed() {
+        let held = ranges(&[(1, 5, 10), (1, 12, 20), (2, 0, 100), (7, 3, 4)]);
+        assert_eq!(held.gaps(), [range(1, 0, 5), range(1, 10, 12), range(7, 0, 3)]);
+        assert_eq!(ranges(&[]).gaps(), []);
     }
 }

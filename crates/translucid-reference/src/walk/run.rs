@@ -64,7 +64,16 @@ impl WhiteTable {
         let wanted = PhotonRanges::new([range]).map_err(TableError::Repeated)?;
         let held = PhotonRanges::new(self.photon_ranges().iter().copied()).map_err(TableError::Repeated)?;
         held.union(&wanted).map_err(TableError::Repeated)?;
-        let pieces = wanted.as_slice().iter().map(|range| range.start..range.end).collect();
+        self.run_rest(range, control)
+    }
+
+    /// Walks those photons of a range that the table does not hold yet, to go on from where
+    /// [`run_range`](Self::run_range) was stopped.
+    ///
+    /// # Errors
+    /// A sum overflows. The table is then unchanged.
+    pub fn run_rest(&mut self, range: PhotonRange, control: &Control) -> Result<u64, TableError> {
+        let pieces = self.missing_of(range).into_iter().map(|range| range.start..range.end).collect();
         self.run_pieces(range.seed, Pieces::new(pieces), control)
     }
 
@@ -249,6 +258,19 @@ mod tests {
         let error = parts.run_range(PhotonRange { seed: 3, start: 8999, end: 9001 }, &Control::default());
         assert_eq!(error.unwrap_err().to_string(), "photons 8999..9000 of seed 3 would count twice");
         assert_eq!(parts, whole);
+    }
+
+    #[test]
+    fn rest_of_a_range_is_what_was_not_walked() {
+        let mut whole = empty(0.9);
+        whole.run_range(PhotonRange { seed: 3, start: 1000, end: 9000 }, &Control::default()).unwrap();
+        let mut parts = empty(0.9);
+        parts.run_range(PhotonRange { seed: 3, start: 2000, end: 2500 }, &Control::default()).unwrap();
+        parts.run_range(PhotonRange { seed: 3, start: 8000, end: 9000 }, &Control::default()).unwrap();
+        let range = PhotonRange { seed: 3, start: 1000, end: 9000 };
+        assert_eq!(parts.run_rest(range, &Control::default()).unwrap(), 6500);
+        assert_eq!(parts, whole);
+        assert_eq!(parts.run_rest(range, &Control::default()).unwrap(), 0);
     }
 
     #[test]

@@ -105,6 +105,18 @@ impl WhiteTable {
         self.ranges.as_slice()
     }
 
+    /// The photons of a range that the table does not hold.
+    pub fn missing_of(&self, range: PhotonRange) -> Vec<PhotonRange> {
+        let missing = self.ranges.missing(range.seed, range.start..range.end, u64::MAX).into_iter();
+        missing.map(|Range { start, end }| PhotonRange { seed: range.seed, start, end }).collect()
+    }
+
+    /// The photons that are missing between the first, 0, and the last that the table holds, of every seed that it
+    /// holds any of.
+    pub fn gaps(&self) -> Vec<PhotonRange> {
+        self.ranges.gaps()
+    }
+
     /// Number of photons that entered the medium.
     pub fn photons(&self) -> u64 {
         self.counts.launched
@@ -236,7 +248,7 @@ impl WhiteTable {
 
     /// The first photons of a seed that the table does not hold.
     pub(crate) fn missing(&self, seed: u64, photons: u64) -> Vec<Range<u64>> {
-        self.ranges.missing(seed, photons)
+        self.ranges.missing(seed, 0..u64::MAX, photons)
     }
 }
 
