@@ -224,8 +224,7 @@ mod tests {
         let member = find(b"\x93NUMPY", 0);
         let mut changed = archive.to_vec();
         changed[member + 128..][..8].copy_from_slice(&version.to_le_bytes());
-        let checksums =
-            [&*archive, &*changed].map(|bytes| crc_32(&bytes[member..member + 136]).to_le_bytes());
+        let checksums = [archive, &changed].map(|bytes| crc_32(&bytes[member..member + 136]).to_le_bytes());
         let mut from = 0;
         while let Some(at) = (from..archive.len()).find(|&at| archive[at..].starts_with(&checksums[0])) {
             changed[at..at + 4].copy_from_slice(&checksums[1]);

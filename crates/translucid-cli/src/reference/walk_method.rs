@@ -90,12 +90,6 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
         return Err(Failure::input(format!("--error is {}, but must be in (0, 1)", exact(error))));
     }
     arguments.table.check()?;
-    if let (Some(table), Some(output)) = (&walk.table_file, arguments.table.npz())
-        && table.as_path() != output
-    {
-        let message = format!("--table is {}, and --output is {}", table.display(), output.display());
-        return Err(Failure::input(message).with_help("one file keeps the table: leave the other out"));
-    }
     if walk.resume && arguments.table_file().is_none() {
         return Err(Failure::input(String::from("--resume has no table to go on from"))
             .with_help("name it with --table or -o FILE.npz"));
@@ -105,6 +99,10 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
     }
     let _lock = arguments.table_file().map(OutputLock::take).transpose()?;
     arguments.table.spare(walk.table_file.iter().chain(&walk.merge).map(PathBuf::as_path))?;
+    if let (Some(table), Some(output)) = (&walk.table_file, arguments.table.npz()) {
+        let message = format!("--table is {}, and --output is {}", table.display(), output.display());
+        return Err(Failure::input(message).with_help("one file keeps the table: leave the other out"));
+    }
     interrupt::catch("\nstopping; press Ctrl-C again to lose the work")?;
 
     let mut work = WalkWork::start(arguments, problem)?;
