@@ -15,7 +15,7 @@ mod turntable;
 mod watch;
 
 use std::ffi::OsStr;
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, OnceLock};
@@ -52,7 +52,8 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 const SOON: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
-Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that.
+Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that, -o FILE.shard the samples, from which
+`translucid merge` makes the picture; with --samples A..B of several processes or machines, see `translucid plan`.
 Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then. So do
 SIGTERM, by which queues and containers end a process, and SIGHUP of a terminal that closes, but not under nohup.
 --resume goes on from there; the result is the same as if nothing had happened.
@@ -89,7 +90,7 @@ pub(crate) struct Arguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl)
     #[arg(value_name = "SCENE|MESH")]
     pub(crate) scene: Option<PathBuf>,
-    /// Picture to write, .exr or .png; with several models a directory
+    /// Picture to write, .exr or .png; .shard; with several models a directory
     ///
     /// By default both, in the current directory, with the scene's name; of several models the directory has that name and
     /// -side-by-side.
@@ -106,6 +107,11 @@ pub(crate) struct Arguments {
     /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub(crate) spp: Option<u32>,
+    /// Render the samples of these numbers only, into -o FILE.shard
+    ///
+    /// From A to just before B of those that the picture has in the end, the scene's or --spp.
+    #[arg(long, value_name = "A..B", value_parser = parse_range)]
+    samples: Option<Range<u32>>,
     /// Render for this long; with --spp until whichever comes first
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
@@ -203,6 +209,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     if models.len() > 1 {
         for (given, option) in [
             (arguments.region.is_some(), "--region"),
+            (arguments.samples.is_some(), "--samples"),
             (arguments.points.is_some(), "--points"),
             (arguments.denoise, "--denoise"),
             (arguments.watch.stats.is_some(), "--stats"),
@@ -224,6 +231,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
         );
     }
     let outputs = outputs(arguments)?;
+    check_shard(arguments, &outputs)?;
     outputs.check()?;
     arguments.watch.check(outputs.files())?;
     let _lock = outputs.lock()?;
@@ -238,6 +246,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let (scene, warnings) = scene(arguments, models.first().copied())?;
     messages::print_warnings(&warnings);
+    check_samples(arguments, &scene)?;
     outputs.spare(inputs(arguments, &scene))?;
     arguments.watch.spare(inputs(arguments, &scene))?;
     points::check(&scene, arguments.points.as_deref())?;
@@ -326,6 +335,41 @@ fn scene_turned(
     Ok((scene, warnings))
 }
 
+/// Refuses what does not go with a shard, and parts of the samples without one.
+fn check_shard(arguments: &Arguments, outputs: &Outputs) -> Result<(), Failure> {
+    if !outputs.is_shard() {
+        return match &arguments.samples {
+            Some(Range { start, end }) => {
+                let message = format!("--samples is {start}..{end}, but only a shard is of a part of the samples");
+                Err(Failure::input(message).with_help("write one with -o FILE.shard"))
+            }
+            None => Ok(()),
+        };
+    }
+    for (given, option) in [
+        (arguments.denoise, "--denoise"),
+        (arguments.look.turntable.is_some(), "--turntable"),
+    ] {
+        if given {
+            let message = format!("{option} is for pictures, but -o names a shard");
+            return Err(Failure::input(message).with_help("leave it out, or write a picture with -o FILE.exr"));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses samples beyond those of the picture.
+fn check_samples(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
+    let all = scene.integrator.samples_per_pixel;
+    match &arguments.samples {
+        Some(Range { start, end }) if *end > all => {
+            let message = format!("--samples is {start}..{end}, but the picture has {all} samples per pixel");
+            Err(Failure::input(message).with_help(format!("give it more with --spp {end}, for every shard the same")))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Refuses a scene that this process has no memory for.
 pub(crate) fn require_memory(scene: &Scene) -> Result<(), Failure> {
     let pixels = PixelRect::whole([scene.film.width, scene.film.height]);
@@ -411,6 +455,17 @@ pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     Ok([edge(width)?, edge(height)?])
 }
 
+/// A half-open range of the numbers of samples.
+fn parse_range(text: &str) -> Result<Range<u32>, String> {
+    let wrong = || {
+        format!("a range is A..B with 0 ≤ A < B ≤ {MAX_SAMPLES}, which has the samples from A to just before B, like 0..64")
+    };
+    let (start, end) = text.split_once("..").ok_or_else(wrong)?;
+    let number = |text: &str| text.parse::<u32>().map_err(|_| wrong());
+    let range = number(start)?..number(end)?;
+    if range.is_empty() || range.end > MAX_SAMPLES { Err(wrong()) } else { Ok(range) }
+}
+
 fn parse_region(text: &str) -> Result<[u32; 4], String> {
     let wrong =
         || String::from("a region is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200");
@@ -474,6 +529,14 @@ mod tests {
         assert_eq!(parse_region("1, 2,3,4"), Ok([1, 2, 3, 4]));
         for wrong in ["", "1,2,3", "1,2,3,4,5", "3,2,3,4", "1,4,3,4", "-1,0,1,1", "a,b,c,d", "1.5,0,2,2"] {
             assert!(parse_region(wrong).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn range_is_half_open_and_not_empty() {
+        assert_eq!(parse_range("3..16777216"), Ok(3..16_777_216));
+        for wrong in ["", "3", "3..", "..3", "3..3", "4..3", "-1..3", "0..16777217", "0...3", "0..=3"] {
+            assert!(parse_range(wrong).is_err(), "{wrong}");
         }
     }
 

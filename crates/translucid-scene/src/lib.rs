@@ -46,7 +46,7 @@ pub use load::{
     ExrChannels, ExtendedBase, Floor, LoadOptions, LoadProgress, LoadWatch, MeshFile, NamedCamera, Piece,
     SceneBuilder, SceneFile, Surroundings, UpAxis, decode_image, load_exr, load_gltf, load_image, load_obj,
     load_ply, load_profile_table, load_scene, load_stl, parse_gltf, parse_obj, parse_ply,
-    parse_profile_table, parse_stl,
+    parse_profile_table, parse_stl, take_files_read,
 };
 pub use material::{
     CameraVisibility, Configuration, Material, NormalMap, ParameterValue, SubsurfaceModel,

@@ -314,7 +314,7 @@ impl<'a> Engine<'a> {
                 self.shared.stop.store(true, Ordering::Relaxed);
             }
         };
-        let goal = Goal { samples, deadline: None };
+        let goal = Goal { samples: 0..samples, deadline: None };
         let outcome = self.prepared.render(view, film, goal, &watch, &self.shared.stop);
         let paths = film.sums().paths() - before;
         (outcome, start.elapsed().as_secs_f64() / paths.max(1) as f64)

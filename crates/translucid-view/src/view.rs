@@ -114,7 +114,7 @@ fn decoded(code: f64) -> f64 {
 
 /// Least and greatest mean distance of the pixels that are covered.
 fn depths(film: &FilmSums) -> (f64, f64) {
-    let pixels = film.tiles.iter().flat_map(|tile| &tile.pixels);
+    let pixels = film.tiles.iter().flat_map(TileSums::pixels);
     let depths = pixels.filter(|sums| sums[layer::SURFACE] > 0.0);
     depths
         .map(|sums| sums[layer::DEPTH] / sums[layer::SURFACE])

@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use translucid_image::{DisplayTransform, OutputError, Picture, check_writable};
-use translucid_render::{FilmSums, ImageInfo, is_checkpoint};
+use translucid_render::{FilmSums, ImageInfo, is_shard};
 
 use crate::failure::Failure;
 use crate::files::{input_among, is_own};
@@ -15,29 +15,31 @@ use crate::output_lock::OutputLock;
 pub(crate) struct Outputs {
     /// Float image, if any.
     pub(crate) exr: Option<PathBuf>,
-    /// Display image.
-    pub(crate) png: PathBuf,
-    /// Where an unfinished rendering is kept.
+    /// Display image; none where the result is a shard.
+    pub(crate) png: Option<PathBuf>,
+    /// Where an unfinished rendering is kept; the shard that is the result.
     pub(crate) checkpoint: PathBuf,
 }
 
 impl Outputs {
-    /// `FILE.exr` means that file and a PNG beside it, `FILE.png` only that.
+    /// `FILE.exr` means that file and a PNG beside it, `FILE.png` only that, `FILE.shard` the samples in place of a picture.
     pub(crate) fn from_option(path: &Path) -> Result<Self, Failure> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         let exr = match extension.as_str() {
             "exr" => Some(path.to_owned()),
             "png" => None,
+            "shard" => return Ok(Self { exr: None, png: None, checkpoint: path.to_owned() }),
             _ => {
-                let message = format!("--output is {}, but must end in .exr or .png", path.display());
-                return Err(Failure::input(message)
-                    .with_help("FILE.exr writes that and a PNG beside it, FILE.png only that"));
+                let message = format!("--output is {}, but must end in .exr, .png or .shard", path.display());
+                return Err(Failure::input(message).with_help(
+                    "FILE.exr writes that and a PNG beside it, FILE.png only that, FILE.shard samples to be merged",
+                ));
             }
         };
         let png = if exr.is_some() { path.with_extension("png") } else { path.to_owned() };
         let mut checkpoint = path.as_os_str().to_owned();
         checkpoint.push(".checkpoint");
-        Ok(Self { exr, png, checkpoint: checkpoint.into() })
+        Ok(Self { exr, png: Some(png), checkpoint: checkpoint.into() })
     }
 
     /// Both images in a directory.
@@ -47,12 +49,22 @@ impl Outputs {
             name.push(end);
             directory.join(name)
         };
-        Self { exr: Some(file(".exr")), png: file(".png"), checkpoint: file(".exr.checkpoint") }
+        Self { exr: Some(file(".exr")), png: Some(file(".png")), checkpoint: file(".exr.checkpoint") }
     }
 
     /// The image files.
     pub(crate) fn images(&self) -> impl Iterator<Item = &Path> {
-        self.exr.iter().map(PathBuf::as_path).chain([self.png.as_path()])
+        self.exr.iter().chain(&self.png).map(PathBuf::as_path)
+    }
+
+    /// Whether the result is a shard.
+    pub(crate) fn is_shard(&self) -> bool {
+        self.png.is_none()
+    }
+
+    /// The file that stands for all.
+    pub(crate) fn main(&self) -> &Path {
+        self.images().next().unwrap_or(&self.checkpoint)
     }
 
     /// All files.
@@ -67,9 +79,9 @@ impl Outputs {
         spare_others_than_checkpoints([self.checkpoint.as_path()])
     }
 
-    /// Keeps other processes off the files until it is dropped: all have a PNG.
+    /// Keeps other processes off the files until it is dropped: all pictures have a PNG.
     pub(crate) fn lock(&self) -> Result<OutputLock, Failure> {
-        OutputLock::take(&self.png)
+        OutputLock::take(self.png.as_ref().unwrap_or(&self.checkpoint))
     }
 
     /// Refuses to write over a file that the scene was read from, whatever paths both go by.
@@ -105,15 +117,17 @@ impl Outputs {
         info: &ImageInfo,
     ) -> Result<(), Failure> {
         let exr = self.exr.as_deref().map_or(Ok(()), |exr| film.layers_picture(info).save_exr(exr));
-        let picture = film.display_picture(info);
         // A disk that has no room for the first may have it for the second
-        let png = picture.save_png(&self.png, display(&picture));
+        let png = self.png.as_deref().map_or(Ok(()), |png| {
+            let picture = film.display_picture(info);
+            picture.save_png(png, display(&picture))
+        });
         exr.and(png).map_err(Failure::late)
     }
 
     /// Numbers the files: NAME-001.exr.
     pub(crate) fn numbered(&self, number: u32) -> Result<Self, Failure> {
-        let path = self.exr.as_ref().unwrap_or(&self.png);
+        let path = self.main();
         let mut name = path.file_stem().unwrap_or_default().to_owned();
         let extension = path.extension().unwrap_or_default().to_string_lossy().into_owned();
         name.push(format!("-{number:03}.{extension}"));
@@ -125,9 +139,9 @@ impl Outputs {
 pub(crate) fn spare_others_than_checkpoints<'a>(
     paths: impl IntoIterator<Item = &'a Path>,
 ) -> Result<(), OutputError> {
-    match paths.into_iter().find(|path| path.exists() && !is_checkpoint(path)) {
+    match paths.into_iter().find(|path| path.exists() && !is_shard(path)) {
         Some(path) => {
-            let message = "is there already, and is no checkpoint of translucid";
+            let message = "is there already, and is no checkpoint or shard of translucid";
             Err(OutputError::new(path, message)
                 .with_help("move it away, or name another picture with -o FILE"))
         }
@@ -143,13 +157,15 @@ mod tests {
     fn outputs_follow_the_extension() {
         let both = Outputs::from_option(Path::new("out/a.b.EXR")).unwrap();
         assert_eq!(both.exr.as_deref(), Some(Path::new("out/a.b.EXR")));
-        assert_eq!(both.png, Path::new("out/a.b.png"));
+        assert_eq!(both.png.as_deref(), Some(Path::new("out/a.b.png")));
         assert_eq!(both.checkpoint, Path::new("out/a.b.EXR.checkpoint"));
         let one = Outputs::from_option(Path::new("a.png")).unwrap();
-        assert_eq!((one.exr, one.png), (None, PathBuf::from("a.png")));
+        assert_eq!((one.exr, one.png), (None, Some(PathBuf::from("a.png"))));
+        let shard = Outputs::from_option(Path::new("a.shard")).unwrap();
+        assert_eq!((shard.images().count(), shard.main()), (0, Path::new("a.shard")));
         let third = both.numbered(3).unwrap();
         assert_eq!(third.exr.as_deref(), Some(Path::new("out/a.b-003.EXR")));
-        assert_eq!(third.png, Path::new("out/a.b-003.png"));
+        assert_eq!(third.png.as_deref(), Some(Path::new("out/a.b-003.png")));
         for odd in ["a", "a.jpg", "", ".exr/", "exr"] {
             assert!(Outputs::from_option(Path::new(odd)).is_err() || odd == ".exr/", "{odd}");
         }

@@ -1,16 +1,18 @@
 //! A picture from a scene: the words and files around a session.
 
 use std::fs;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
 use translucid_image::{Denoiser, OutputError, Picture, PixelRect};
 use translucid_render::{
-    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, load_checkpoint,
+    CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, ShardNotes, ShardRun,
+    content_hash,
 };
-use translucid_scene::{Scene, SubsurfaceModel};
+use translucid_scene::{Scene, SubsurfaceModel, take_files_read};
 
 use super::outputs::Outputs;
 use super::showing::Showing;
@@ -119,6 +121,14 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     /// An empty film, or that of the checkpoint.
     fn start(mut session: Session, task: &'a Task<'a>, preparing: Duration) -> Result<Self, Failure> {
+        let run = ShardRun {
+            host: machine::host(),
+            threads: rayon::current_num_threads(),
+            began: SystemTime::UNIX_EPOCH.elapsed().map_or(0, |since| since.as_secs()),
+            seconds: 0.0,
+            preparing: (task.loading + preparing).as_secs_f64(),
+        };
+        session.set_notes(notes(task, session.prepared().scene()), run);
         if is_to_resume(task) {
             session.resume(&task.outputs.checkpoint)?;
             messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
@@ -130,9 +140,10 @@ impl<'a> Work<'a> {
         Ok(work)
     }
 
-    /// Samples that each pixel shall have.
-    fn goal(&self) -> u32 {
-        self.session.prepared().scene().integrator.samples_per_pixel
+    /// Numbers of the samples that each pixel shall have.
+    fn goal(&self) -> Range<u32> {
+        let all = 0..self.session.prepared().scene().integrator.samples_per_pixel;
+        self.task.arguments.samples.clone().unwrap_or(all)
     }
 
     /// Number of samples after which the film is kept as its first half; none where there is no use for it.
@@ -142,17 +153,17 @@ impl<'a> Work<'a> {
         // A denoised picture would be denoised in its middle, too
         let is_wanted =
             task.part.is_some() || task.arguments.watch.stats.is_some() && task.denoiser.is_none();
-        (is_wanted && self.task.arguments.time.is_none() && self.goal() > 1).then_some(self.goal() / 2)
+        let Range { start, end } = self.goal();
+        (is_wanted && task.arguments.time.is_none() && start == 0 && end > 1).then_some(end / 2)
     }
 
     /// The first half that an earlier run has left, where this one begins beyond it.
     fn load_first_half(&self) -> Option<FilmSums> {
         let (part, half) = self.task.part.as_ref().zip(self.half())?;
-        let is_beyond = self.session.film().sums().tiles.iter().any(|tile| tile.samples > half);
-        let fingerprint = self.session.prepared().fingerprint(self.session.view());
+        let is_beyond = self.session.film().sums().tiles.iter().any(|tile| tile.samples() > half);
         // Without it only the estimate of the noise is missing
-        let (film, _) = is_beyond.then(|| load_checkpoint(&part.first_half, fingerprint).ok()).flatten()?;
-        film.tiles.iter().all(|tile| tile.samples == half).then_some(film)
+        let (film, _) = is_beyond.then(|| self.session.load(&part.first_half).ok()).flatten()?;
+        film.tiles.iter().all(|tile| tile.samples() == half).then_some(film)
     }
 
     /// Renders until the goal, the time limit or Ctrl-C, then writes the files.
@@ -173,7 +184,7 @@ impl<'a> Work<'a> {
         self.require_paths(paths, outcome)?;
         let start = Instant::now();
         self.write_images()?;
-        let is_kept = self.settle_checkpoint(outcome);
+        let is_kept = self.settle_checkpoint(outcome)?;
         let writing = start.elapsed();
         showings.into_iter().for_each(Showing::finish);
         if self.task.wants_statistics() {
@@ -204,7 +215,7 @@ impl<'a> Work<'a> {
         let place = view.place().unwrap_or((region, [region.width, region.height]));
         let mut showings = Vec::new();
         if let Some(tev) = self.task.tev {
-            let name = outputs.exr.as_ref().unwrap_or(&outputs.png).to_string_lossy();
+            let name = outputs.main().to_string_lossy();
             showings.push(tev.show(&name, self.session.film(), place)?);
         }
         if let Some(path) = &self.task.arguments.watch.preview {
@@ -224,7 +235,10 @@ impl<'a> Work<'a> {
         cpu_seconds: Option<f64>,
     ) -> Result<(), Failure> {
         let (film, scene) = (self.session.film(), self.session.prepared().scene());
-        let files = self.task.outputs.images().map(|path| path.display().to_string()).collect();
+        let mut files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
+        if self.task.outputs.is_shard() {
+            files.push(self.task.outputs.main().display().to_string());
+        }
         let statistics = Statistics {
             scene_name: scene_name(self.task.arguments),
             label: self.task.part.as_ref().map(|part| part.label.clone()),
@@ -272,9 +286,9 @@ impl<'a> Work<'a> {
     /// Renders until the goal, by way of the first half where that is to be kept.
     fn render_to_the_end(&mut self, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
         if let Some(half) = self.half()
-            && self.session.film().sums().tiles.iter().all(|tile| tile.samples <= half)
+            && self.session.film().sums().tiles.iter().all(|tile| tile.samples() <= half)
         {
-            let outcome = self.run(half, meter, deadline)?;
+            let outcome = self.run(0..half, meter, deadline)?;
             if outcome != Outcome::Finished {
                 return Ok(outcome);
             }
@@ -288,15 +302,16 @@ impl<'a> Work<'a> {
         self.run(self.goal(), meter, deadline)
     }
 
-    /// Renders until a number of samples with a checkpoint now and then.
-    fn run(&mut self, samples: u32, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
+    /// Renders samples with a checkpoint now and then.
+    fn run(&mut self, samples: Range<u32>, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
         let checkpoint = CheckpointPlan {
             path: self.task.outputs.checkpoint.clone(),
             interval: self.task.arguments.checkpoint_interval(),
         };
         let denoiser = self.task.denoiser.clone();
-        let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(samples) };
-        let total = u64::from(self.goal()) * self.session.view().region().area();
+        let plan = Plan { deadline, checkpoint: Some(checkpoint), denoiser, ..Plan::samples(0) };
+        let plan = Plan { samples, ..plan };
+        let total = self.goal().len() as u64 * self.session.view().region().area();
         let is_warned = &self.is_warned;
         let observer = |event: &Event<'_>| match event {
             Event::Samples(progress) => meter.update(progress.samples_done, total),
@@ -308,14 +323,21 @@ impl<'a> Work<'a> {
 
     /// Keeps the state where there is something to go on with, else removes what an earlier slice left. Says whether it
     /// is kept: a disk that has room for the picture only does not cost the picture.
-    fn settle_checkpoint(&self, outcome: Outcome) -> bool {
-        if outcome != Outcome::Finished || self.task.arguments.resume || self.task.part.is_some() {
+    ///
+    /// # Errors
+    /// It is a shard, and cannot be written.
+    fn settle_checkpoint(&self, outcome: Outcome) -> Result<bool, Failure> {
+        let is_wanted = self.task.arguments.resume || self.task.part.is_some() || self.task.outputs.is_shard();
+        if outcome != Outcome::Finished || is_wanted {
             let saved = self.session.save(&self.task.outputs.checkpoint);
-            return saved.inspect_err(|error| warn_once(&self.is_warned, error)).is_ok();
+            if self.task.outputs.is_shard() {
+                return saved.map(|()| true).map_err(Failure::late);
+            }
+            return Ok(saved.inspect_err(|error| warn_once(&self.is_warned, error)).is_ok());
         }
         // It is not there when the rendering was short.
         let _ = fs::remove_file(&self.task.outputs.checkpoint);
-        false
+        Ok(false)
     }
 
     fn write_images(&mut self) -> Result<(), Failure> {
@@ -367,6 +389,9 @@ impl<'a> Work<'a> {
             text += &format!(", {:.0} MiB peak memory", bytes as f64 / f64::from(1 << 20));
         }
         messages::line(&text);
+        if self.task.outputs.is_shard() {
+            return messages::line(&format!("wrote {}", self.task.outputs.main().display()));
+        }
         let files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
         let exposure = self.task.exposure.metered();
         let exposure = exposure.map_or_else(String::new, |stops| format!(", exposed by {stops:+} stops"));
@@ -374,6 +399,24 @@ impl<'a> Work<'a> {
         if self.task.part.is_none() && is_kept {
             messages::line(&format!("kept {}", self.task.outputs.checkpoint.display()));
         }
+    }
+}
+
+/// What a shard of a task is to say of itself.
+fn notes(task: &Task<'_>, scene: &Scene) -> ShardNotes {
+    // What cannot be read again has been read all the same
+    let facts = |path: &PathBuf| {
+        let content = fs::read(path).ok()?;
+        Some((path.display().to_string(), (content.len() as u64, content_hash(&content))))
+    };
+    ShardNotes {
+        scene: scene_name(task.arguments),
+        seed: scene.integrator.seed,
+        samples_per_pixel: scene.integrator.samples_per_pixel,
+        exposure: task.exposure.stated(&scene.film),
+        tone_mapping: scene.film.tone_mapping.name().to_owned(),
+        inputs: take_files_read().iter().filter_map(facts).collect(),
+        runs: Vec::new(),
     }
 }
 

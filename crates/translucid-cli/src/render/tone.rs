@@ -68,6 +68,11 @@ impl Exposure {
         DisplayTransform { exposure, tone_mapping: film.tone_mapping }
     }
 
+    /// The stops, where they are not metered.
+    pub(super) fn stated(&self, film: &Film) -> Option<f32> {
+        matches!(self, Self::OfFilm).then_some(film.exposure)
+    }
+
     /// The way to a display of a picture that is not finished: metered as it is, until a finished one is.
     pub(super) fn preview(&self, film: &Film, picture: &Picture<'_>) -> DisplayTransform {
         let exposure = match self {

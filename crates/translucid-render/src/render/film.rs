@@ -1,19 +1,37 @@
 //! Sums of pixel samples, tile by tile.
+//!
+//! Sums are exact, then rounded: films of parts of the samples, or of the picture, join to the bits of one film of all.
 
 use translucid_image::PixelRect;
 
+use super::exact_sums::ExactSums;
+use super::sample_ranges::SampleRanges;
+use super::tile_grid::TileGrid;
 use crate::world::layer;
 
-/// Edge of a tile in pixels: the unit of work of a thread.
-pub const TILE_SIZE: u32 = 16;
-
-/// Sums over the samples of one tile, in double precision so that a million samples lose nothing.
+/// Sums over the samples of one tile, the exact ones rounded: in whatever order and grouping samples were added.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSums {
     /// Samples that each pixel of the tile has received.
-    pub samples: u32,
+    pub taken: SampleRanges,
+    pub(super) sums: ExactSums,
+}
+
+impl TileSums {
+    /// How many samples each pixel has received.
+    pub fn samples(&self) -> u32 {
+        self.taken.count()
+    }
+
     /// Sums per pixel, row by row.
-    pub pixels: Vec<[f64; layer::COUNT]>,
+    pub fn pixels(&self) -> &[[f64; layer::COUNT]] {
+        &self.sums.rounded
+    }
+
+    /// The sums, to be set by hand.
+    pub fn pixels_mut(&mut self) -> &mut [[f64; layer::COUNT]] {
+        &mut self.sums.rounded
+    }
 }
 
 /// Sums over all samples of an image.
@@ -25,37 +43,40 @@ pub struct FilmSums {
     pub height: u32,
     /// Tiles in rows from the top left; those at the right and bottom edge may be smaller.
     pub tiles: Vec<TileSums>,
+    grid: TileGrid,
 }
 
 impl FilmSums {
     /// A film without samples.
     pub fn new(width: u32, height: u32) -> Self {
-        let mut film = Self { width, height, tiles: Vec::new() };
-        let count = width.div_ceil(TILE_SIZE) * height.div_ceil(TILE_SIZE);
-        for index in 0..count as usize {
-            let area = film.tile_rect(index).area() as usize;
-            film.tiles.push(TileSums { samples: 0, pixels: vec![[0.0; layer::COUNT]; area] });
-        }
-        film
+        Self::on(TileGrid::new(width, height))
+    }
+
+    /// A film without samples on other tiles.
+    pub(super) fn on(grid: TileGrid) -> Self {
+        let [width, height] = grid.size();
+        let sums = |index| ExactSums::new(grid.rect(index).area() as usize);
+        let tile = |index| TileSums { taken: SampleRanges::default(), sums: sums(index) };
+        Self { width, height, tiles: (0..grid.len()).map(tile).collect(), grid }
+    }
+
+    /// The places of the tiles.
+    pub(super) fn grid(&self) -> &TileGrid {
+        &self.grid
     }
 
     /// Pixels of a tile.
     pub fn tile_rect(&self, index: usize) -> PixelRect {
-        let per_row = self.width.div_ceil(TILE_SIZE);
-        let x = index as u32 % per_row * TILE_SIZE;
-        let y = index as u32 / per_row * TILE_SIZE;
-        let (width, height) = (TILE_SIZE.min(self.width - x), TILE_SIZE.min(self.height - y));
-        PixelRect { left: x, top: y, width, height }
+        self.grid.rect(index)
     }
 
     /// Mean values of a pixel, layer by layer; zeros where there is no sample.
     pub fn mean(&self, x: u32, y: u32) -> [f64; layer::COUNT] {
-        let per_row = self.width.div_ceil(TILE_SIZE);
-        let index = (y / TILE_SIZE * per_row + x / TILE_SIZE) as usize;
+        let index = self.grid.index_of(x, y);
         let PixelRect { left, top, width, .. } = self.tile_rect(index);
         let tile = &self.tiles[index];
-        let sums = &tile.pixels[((y - top) * width + (x - left)) as usize];
-        let scale = 1.0 / f64::from(tile.samples.max(1));
+        let sums = &tile.sums.rounded[((y - top) * width + (x - left)) as usize];
+        let scale = 1.0 / f64::from(tile.samples().max(1));
         sums.map(|sum| sum * scale)
     }
 
@@ -73,12 +94,12 @@ impl FilmSums {
 
     /// Camera paths in all pixels together.
     pub fn paths(&self) -> u64 {
-        self.tiles.iter().map(|tile| u64::from(tile.samples) * tile.pixels.len() as u64).sum()
+        self.tiles.iter().map(|tile| u64::from(tile.samples()) * tile.pixels().len() as u64).sum()
     }
 
     /// Fewest samples that any pixel has.
     pub fn samples(&self) -> u32 {
-        self.tiles.iter().map(|tile| tile.samples).min().unwrap_or(0)
+        self.tiles.iter().map(TileSums::samples).min().unwrap_or(0)
     }
 }
 
@@ -101,8 +122,8 @@ pub(crate) mod tests {
         let mut film = FilmSums::new(width, height);
         let mut value = 0.0;
         for tile in &mut film.tiles {
-            tile.samples = 5;
-            for sum in tile.pixels.iter_mut().flatten() {
+            (0..5).for_each(|number| tile.taken.insert(number));
+            for sum in tile.pixels_mut().iter_mut().flatten() {
                 value = (value + 0.618_033_988_749_895_f64).fract();
                 *sum = 5.0 * value;
             }
@@ -115,8 +136,8 @@ pub(crate) mod tests {
         let mut film = FilmSums::new(37, 21);
         for index in 0..film.tiles.len() {
             let PixelRect { left, top, width, .. } = film.tile_rect(index);
-            film.tiles[index].samples = 2;
-            for (number, sums) in film.tiles[index].pixels.iter_mut().enumerate() {
+            (0..2).for_each(|number| film.tiles[index].taken.insert(number));
+            for (number, sums) in film.tiles[index].pixels_mut().iter_mut().enumerate() {
                 let (x, y) = (left + number as u32 % width, top + number as u32 / width);
                 *sums = [f64::from(2 * (1000 * y + x)); layer::COUNT];
             }

@@ -1,81 +1,171 @@
-//! A number that tells scenes apart.
+//! What a picture depends on, in words that tell scenes apart.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
-use translucid_scene::{Pixels, Scene};
+use serde::{Deserialize, Serialize};
+use translucid_scene::{Image, Integrator, Object, Pixels, Scene};
 
 use super::view::View;
 
-/// Hashes all of a scene and a view that decides samples: not the number of samples, not the display.
-pub(crate) fn fingerprint(scene: &Scene, view: &View) -> u64 {
-    let mut hash = Fnv::new();
-    let film = view.film();
-    let size = (film.width, film.height, film.filter, film.filter_radius);
-    hash.text(&format!("{:?} {size:?} {:?} {:?}", view.camera(), view.region(), view.fraction()));
-    hash.content(scene, view.seed());
-    hash.0
-}
+/// Most objects and images that a fingerprint tells apart by name; those after them are one part of it.
+const MOST_NAMED: usize = 256;
+/// Longest text that stands for itself.
+const LONGEST_TEXT: usize = 100;
 
-/// Hashes all of a scene that decides its points and the light that enters there, whoever looks at them.
-pub(crate) fn fingerprint_of_points(scene: &Scene) -> u64 {
-    let mut hash = Fnv::new();
-    hash.content(scene, scene.integrator.seed);
-    hash.0
-}
+/// Everything that decides the samples of a picture, part by part: program, settings, hashes of what is long.
+///
+/// Two renderings with the same one may be joined. The number of samples, the part of the picture and the display are not in
+/// it.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Fingerprint(BTreeMap<String, String>);
 
-impl Fnv {
-    /// All but camera and film.
-    fn content(&mut self, scene: &Scene, seed: u64) {
-        let mut integrator = translucid_scene::Integrator { seed, ..scene.integrator };
-        integrator.samples_per_pixel = 1;
-        // How much memory points may take does not change them.
-        integrator.point_memory = 1;
-        // Debug output of floats reads back exactly, so equal text is equal data.
-        self.text(&format!(
-            "{} {:?} {:?} {:?}",
-            env!("CARGO_PKG_VERSION"),
-            integrator,
-            scene.lights,
-            scene.environment,
-        ));
-        for material in &scene.materials {
-            self.text(&format!("{material:?}"));
-        }
-        for table in &scene.profile_tables {
-            self.text(&format!("{:?}", table.rows));
-        }
-        let mut known = HashMap::new();
-        for (index, object) in scene.objects.iter().enumerate() {
-            self.text(&format!("{} {}", object.material, object.subsurface_group));
-            if object.is_movable {
-                self.word(1);
-            }
-            let mesh = &object.mesh;
-            if object.is_placed() {
-                self.bytes(bytemuck::cast_slice(&object.world_from_local.to_cols_array()));
-            }
-            // A mesh that several objects share is hashed once
-            let first = *known.entry(Arc::as_ptr(mesh).addr()).or_insert(index);
-            if first != index {
-                self.word(first as u64);
-                continue;
-            }
-            self.bytes(bytemuck::cast_slice(&mesh.positions));
-            self.bytes(bytemuck::cast_slice(&mesh.normals));
-            self.bytes(bytemuck::cast_slice(&mesh.uvs));
-            self.bytes(bytemuck::cast_slice(&mesh.tangents));
-            self.bytes(bytemuck::cast_slice(&mesh.colors));
-            self.bytes(bytemuck::cast_slice(&mesh.triangles));
-        }
-        for image in &scene.images {
-            self.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
-            match &image.pixels {
-                Pixels::Byte(pixels) => self.bytes(bytemuck::cast_slice(pixels)),
-                Pixels::Float(pixels) => self.bytes(bytemuck::cast_slice(pixels)),
-            }
-        }
+impl Fingerprint {
+    /// Words on the first part that is not the same in both, this one's value first.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        let value = |of: &Self, key: &str| of.0.get(key).cloned().unwrap_or_else(|| String::from("missing"));
+        let keys = self.0.keys().chain(other.0.keys());
+        let mut pairs = keys.map(|key| (key, value(self, key), value(other, key)));
+        pairs.find(|(_, ours, theirs)| ours != theirs).map(|(key, ours, theirs)| {
+            let are_hashes = [&ours, &theirs].iter().all(|value| value.starts_with('#'));
+            if are_hashes { format!("{key} differs") } else { format!("{key} is {ours} in one and {theirs} in the other") }
+        })
     }
+
+    fn add(&mut self, key: impl Into<String>, text: String) {
+        let value = if text.len() > LONGEST_TEXT {
+            let mut hash = Fnv::new();
+            hash.text(&text);
+            hash.shown()
+        } else {
+            text
+        };
+        self.0.insert(key.into(), value);
+    }
+}
+
+/// That of a scene's picture in a view, points left out.
+pub(super) fn fingerprint(scene: &Scene, view: &View) -> Fingerprint {
+    let mut found = content(scene, view.seed());
+    let film = view.film();
+    found.add("camera", format!("{:?}", view.camera()));
+    found.add("size", format!("{}x{}", film.width, film.height));
+    found.add("filter", format!("{:?} of radius {}", film.filter, film.filter_radius));
+    found.add("fraction of the resolution", format!("1/{}", view.fraction().divisor()));
+    found
+}
+
+/// A hash of all of a scene that decides its points and the light that enters there, whoever looks at them.
+pub(super) fn fingerprint_of_points(scene: &Scene) -> u64 {
+    let mut content = content(scene, scene.integrator.seed);
+    // How much memory they may take does not change them
+    content.0.remove("point_memory");
+    let mut hash = Fnv::new();
+    content.0.iter().for_each(|(key, value)| hash.text(&format!("{key} {value}")));
+    hash.0
+}
+
+/// All but camera and film.
+fn content(scene: &Scene, seed: u64) -> Fingerprint {
+    let mut found = Fingerprint::default();
+    found.add("program", format!("translucid {}", env!("CARGO_PKG_VERSION")));
+    found.add("system", format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS));
+    let Integrator {
+        samples_per_pixel: _,
+        max_depth,
+        max_diffuse_depth,
+        caustics,
+        subsurface_tail,
+        subsurface_method,
+        subsurface_sharing,
+        point_tolerance,
+        point_memory,
+        seed: _,
+    } = scene.integrator;
+    // Debug output of floats reads back exactly, so equal text is equal data
+    for (key, text) in [
+        ("seed", seed.to_string()),
+        ("max_depth", max_depth.to_string()),
+        ("max_diffuse_depth", max_diffuse_depth.to_string()),
+        ("caustics", caustics.to_string()),
+        ("subsurface_tail", format!("{subsurface_tail:?}")),
+        ("subsurface_method", subsurface_method.name().to_owned()),
+        ("subsurface_sharing", subsurface_sharing.to_string()),
+        ("point_tolerance", format!("{point_tolerance:?}")),
+        ("point_memory", point_memory.to_string()),
+        ("lights", format!("{:?}", scene.lights)),
+        ("environment", format!("{:?}", scene.environment)),
+    ] {
+        found.add(key, text);
+    }
+    for material in &scene.materials {
+        found.add(format!("material {}", material.name), format!("{material:?}"));
+    }
+    for (number, table) in scene.profile_tables.iter().enumerate() {
+        found.add(format!("profile table {number}"), format!("{:?}", table.rows));
+    }
+    let mut meshes = HashMap::new();
+    let objects = scene.objects.iter().enumerate();
+    add_parts(&mut found, "object", objects.map(|(number, object)| (object.name.as_str(), hash_of_object(number, object, &mut meshes))));
+    let images = scene.images.iter().map(|image| (image.name.as_str(), hash_of_image(image)));
+    add_parts(&mut found, "image", images);
+    found
+}
+
+/// Adds hashes of many things by their number and name, those after [`MOST_NAMED`] together.
+fn add_parts<'a>(found: &mut Fingerprint, kind: &str, parts: impl Iterator<Item = (&'a str, Fnv)>) {
+    let mut others = Fnv::new();
+    let mut count = 0;
+    for (name, hash) in parts {
+        if count < MOST_NAMED {
+            found.0.insert(format!("{kind} {count} ({name})"), hash.shown());
+        } else {
+            others.word(hash.0);
+        }
+        count += 1;
+    }
+    if count > MOST_NAMED {
+        found.0.insert(format!("other {kind}s"), format!("{} {}", count - MOST_NAMED, others.shown()));
+    }
+}
+
+/// `meshes` knows the first object of each mesh: one that several share is hashed once.
+fn hash_of_object(number: usize, object: &Object, meshes: &mut HashMap<usize, usize>) -> Fnv {
+    let mut hash = Fnv::new();
+    hash.text(&format!("{} {} {}", object.material, object.subsurface_group, object.is_movable));
+    let mesh = &object.mesh;
+    if object.is_placed() {
+        hash.bytes(bytemuck::cast_slice(&object.world_from_local.to_cols_array()));
+    }
+    let first = *meshes.entry(Arc::as_ptr(mesh).addr()).or_insert(number);
+    if first != number {
+        hash.word(first as u64);
+        return hash;
+    }
+    hash.bytes(bytemuck::cast_slice(&mesh.positions));
+    hash.bytes(bytemuck::cast_slice(&mesh.normals));
+    hash.bytes(bytemuck::cast_slice(&mesh.uvs));
+    hash.bytes(bytemuck::cast_slice(&mesh.tangents));
+    hash.bytes(bytemuck::cast_slice(&mesh.colors));
+    hash.bytes(bytemuck::cast_slice(&mesh.triangles));
+    hash
+}
+
+fn hash_of_image(image: &Image) -> Fnv {
+    let mut hash = Fnv::new();
+    hash.text(&format!("{} {} {:?}", image.width, image.height, image.color_space));
+    match &image.pixels {
+        Pixels::Byte(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+        Pixels::Float(pixels) => hash.bytes(bytemuck::cast_slice(pixels)),
+    }
+    hash
+}
+
+/// A hash of a file's content, in sixteen digits: not against malice.
+pub fn content_hash(bytes: &[u8]) -> String {
+    let mut hash = Fnv::new();
+    hash.bytes(bytes);
+    hash.shown()
 }
 
 /// FNV-1a over 64 bits, eight bytes a step: the data is not hostile, only long.
@@ -105,5 +195,41 @@ impl Fnv {
 
     fn text(&mut self, text: &str) {
         self.bytes(text.as_bytes());
+    }
+
+    fn shown(&self) -> String {
+        format!("#{:016x}", self.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(parts: &[(&str, &str)]) -> Fingerprint {
+        Fingerprint(parts.iter().map(|(key, value)| (key.to_string(), value.to_string())).collect())
+    }
+
+    #[test]
+    fn difference_names_the_first_part() {
+        let one = of(&[("camera", "#1"), ("seed", "1")]);
+        assert_eq!(one.difference(&one), None);
+        let difference = |parts| one.difference(&of(parts)).unwrap();
+        assert_eq!(difference(&[("camera", "#1"), ("seed", "2")]), "seed is 1 in one and 2 in the other");
+        assert_eq!(difference(&[("camera", "#2"), ("seed", "2")]), "camera differs");
+        assert_eq!(difference(&[("camera", "#1")]), "seed is 1 in one and missing in the other");
+        assert_eq!(of(&[]).difference(&one).unwrap(), "camera is missing in one and #1 in the other");
+    }
+
+    #[test]
+    fn many_parts_are_told_apart_too() {
+        let found = |wrong: usize| {
+            let mut found = Fingerprint::default();
+            add_parts(&mut found, "object", (0..300).map(|i| ("ball", Fnv(u64::from(i == wrong)))));
+            found
+        };
+        assert_eq!(found(400).0.len(), MOST_NAMED + 1);
+        assert_eq!(found(299).difference(&found(400)).unwrap().split(' ').take(2).collect::<Vec<_>>(), ["other", "objects"]);
+        assert_eq!(found(7).difference(&found(400)).unwrap(), "object 7 (ball) differs");
     }
 }

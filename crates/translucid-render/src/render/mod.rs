@@ -1,6 +1,6 @@
 //! Scenes made ready, views of them, and the loop that renders them into films.
 
-mod checkpoint;
+mod exact_sums;
 mod film;
 mod fingerprint;
 mod live_film;
@@ -10,13 +10,21 @@ mod picture;
 mod pixel_blocks;
 mod pixel_widths;
 mod prepared;
+mod sample_ranges;
+mod shard;
+mod shard_merge;
+mod tile_grid;
 mod view;
 
-pub use checkpoint::{CheckpointInfo, is_checkpoint, load_checkpoint, save_checkpoint};
-pub use film::{FilmSums, TILE_SIZE, TileSums};
+pub use film::{FilmSums, TileSums};
+pub use fingerprint::{Fingerprint, content_hash};
 pub use live_film::{FilmLayer, LiveFilm};
 pub use passes::{Goal, Outcome, Progress};
 pub use picker::{Picked, Picker};
 pub use picture::ImageInfo;
 pub use prepared::{Edit, PreparedScene, Renewed};
+pub use sample_ranges::SampleRanges;
+pub use shard::{ShardHeader, ShardNotes, ShardReader, ShardRun, is_shard, save_shard};
+pub use shard_merge::{Gap, ShardMerge};
+pub use tile_grid::TILE_SIZE;
 pub use view::{Fraction, View};

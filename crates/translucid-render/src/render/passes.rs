@@ -1,5 +1,6 @@
 //! The loop over samples and blocks of pixels.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -7,23 +8,25 @@ use std::time::Instant;
 use rayon::prelude::*;
 use translucid_image::PixelRect;
 
-use super::film::{FilmSums, TILE_SIZE};
+use super::exact_sums::ExactSums;
+use super::film::FilmSums;
 use super::live_film::LiveFilm;
 use super::pixel_blocks::{BlockGrid, number_in, pixels_of};
 use super::prepared::PreparedScene;
+use super::sample_ranges::SampleRanges;
 use super::view::View;
 use crate::path::PathTracer;
 use crate::sampling::Sampler;
-use crate::world::{BlockPlace, PixelSample, layer};
+use crate::world::{BlockPlace, PixelSample};
 
 /// Samples that may wait until all before them are done, in pixels: 84 MB, or one sample of each pixel if that is more.
 const MOST_PENDING: u64 = 1 << 20;
 
 /// When a rendering is done.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Goal {
-    /// Samples that each pixel shall have in the end.
-    pub samples: u32,
+    /// Numbers of the samples that each pixel shall have in the end.
+    pub samples: Range<u32>,
     /// When to stop even if they are not reached.
     pub deadline: Option<Instant>,
 }
@@ -63,9 +66,9 @@ impl PreparedScene {
     /// Adds samples of a view to the film until the goal is reached, on the current rayon pool.
     ///
     /// The film has the size of the view's region. It can be read meanwhile. Of an interrupted rendering it has all samples
-    /// that were done, and a rendering that goes on from there gives the same bits as one that was not interrupted: every
-    /// pixel's samples are added in the order of their numbers, and who shares light with whom depends on their numbers
-    /// alone, so the sums depend neither on the number of threads nor on where the work was interrupted.
+    /// that were done, and a rendering that goes on from there gives the same bits as one that was not interrupted: the
+    /// sums are exact, and who shares light with whom depends on the samples' numbers alone, so nothing depends on the
+    /// number of threads, on where the work was interrupted, or on which part of it was done elsewhere.
     ///
     /// `stop` ends the work within the time of a path.
     pub fn render(
@@ -77,16 +80,25 @@ impl PreparedScene {
         stop: &AtomicBool,
     ) -> Outcome {
         let region = view.region();
-        let mut tiles: Vec<u32> = film.sums().tiles.iter().map(|tile| tile.samples).collect();
-        let total = region.area() * u64::from(goal.samples);
-        let done = AtomicU64::new(film.sums().paths().min(total));
+        let Range { start, end } = goal.samples;
+        let (grid_of_film, mut taken) = {
+            let sums = film.sums();
+            (sums.grid().clone(), taken(&sums))
+        };
+        let lacking = |taken: &SampleRanges| -> u64 { taken.missing(start..end).map(|gap| gap.len() as u64).sum() };
+        let left: u64 = (0..).zip(&taken).map(|(tile, taken)| lacking(taken) * grid_of_film.rect(tile).area()).sum();
+        let total = region.area() * (start..end).len() as u64;
+        let done = AtomicU64::new(total - left);
         let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let first = |taken: &[SampleRanges]| {
+            taken.iter().filter_map(|taken| taken.missing(start..end).next()).map(|gap| gap.start).min()
+        };
         let tracers = Mutex::new(Vec::new());
         let most = (MOST_PENDING / region.area().max(1)).max(1);
-        while let Some(first) = tiles.iter().copied().min().filter(|first| *first < goal.samples) {
+        while let Some(next) = first(&taken) {
             // A first picture comes soon, and later the threads seldom wait for each other.
-            let count = most.min(u64::from(first / 2).clamp(1, 16)) as u32;
-            let numbers = first..first.saturating_add(count).min(goal.samples);
+            let count = most.min(u64::from((next - start) / 2).clamp(1, 16)) as u32;
+            let numbers = next..next.saturating_add(count).min(end);
             let grids: Vec<BlockGrid> =
                 numbers.clone().map(|number| BlockGrid::new(view.whole_size(), number)).collect();
             let blocks: Vec<BlockSample> = numbers
@@ -102,8 +114,8 @@ impl PreparedScene {
                 .map(|&BlockSample { number, place, block }| {
                     let rect = grids[place].rect(block);
                     let wanted = rect.intersection(&region)?;
-                    let mut touched = film_tiles(wanted, region);
-                    if !touched.any(|tile| tiles[tile] <= number) || stop.load(Ordering::Relaxed) || late() {
+                    let mut touched = grid_of_film.touching(within(wanted, region));
+                    if touched.all(|tile| taken[tile].contains(number)) || stop.load(Ordering::Relaxed) || late() {
                         return None;
                     }
                     let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
@@ -117,7 +129,6 @@ impl PreparedScene {
                 })
                 .collect();
             film.change(|sums| {
-                let before = tiles.clone();
                 let mut done = blocks.iter().zip(samples).peekable();
                 for (place, (number, grid)) in numbers.zip(&grids).enumerate() {
                     let mut traced: Vec<Option<Vec<PixelSample>>> = Vec::new();
@@ -127,13 +138,13 @@ impl PreparedScene {
                     }
                     add_samples(sums, number, region, grid, &traced);
                 }
-                tiles = sums.tiles.iter().map(|tile| tile.samples).collect();
-                tiles.iter().zip(before).map(|(now, before)| *now != before).collect()
+                let before = std::mem::replace(&mut taken, self::taken(sums));
+                taken.iter().zip(before).map(|(now, before)| *now != before).collect()
             });
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Interrupted;
             }
-            if tiles.iter().any(|samples| *samples < goal.samples) && late() {
+            if late() && first(&taken).is_some() {
                 return Outcome::TimeUp;
             }
         }
@@ -171,17 +182,17 @@ impl PreparedScene {
     }
 }
 
-/// Numbers of the tiles of a region's film that a rectangle touches, which is within the region.
-fn film_tiles(rect: PixelRect, region: PixelRect) -> impl Iterator<Item = usize> {
-    let per_row = region.width.div_ceil(TILE_SIZE);
-    let (left, top) = (rect.left - region.left, rect.top - region.top);
-    let (right, bottom) = (left + rect.width - 1, top + rect.height - 1);
-    let columns = left / TILE_SIZE..=right / TILE_SIZE;
-    (top / TILE_SIZE..=bottom / TILE_SIZE)
-        .flat_map(move |row| columns.clone().map(move |column| (row * per_row + column) as usize))
+/// The samples that each tile has.
+fn taken(film: &FilmSums) -> Vec<SampleRanges> {
+    film.tiles.iter().map(|tile| tile.taken.clone()).collect()
 }
 
-/// Adds sample `number` to the tiles that have all before it, where every block that a tile has a part in was traced.
+/// A rectangle of the whole picture as one of a region's film, in which it lies.
+fn within(rect: PixelRect, region: PixelRect) -> PixelRect {
+    PixelRect { left: rect.left - region.left, top: rect.top - region.top, ..rect }
+}
+
+/// Adds sample `number` to the tiles that do not have it, where every block that a tile has a part in was traced.
 fn add_samples(
     film: &mut FilmSums,
     number: u32,
@@ -194,45 +205,25 @@ fn add_samples(
         let rect = PixelRect { left: rect.left + region.left, top: rect.top + region.top, ..rect };
         let (right, bottom) = (rect.left + rect.width - 1, rect.top + rect.height - 1);
         let corners = [rect.left, right].map(|x| [rect.top, bottom].map(|y| grid.block_of(x, y)));
-        if tile.samples != number || corners.iter().flatten().any(|&block| blocks[block].is_none()) {
+        if tile.taken.contains(number) || corners.iter().flatten().any(|&block| blocks[block].is_none()) {
             return;
         }
-        for (sums, (x, y)) in tile.pixels.iter_mut().zip(rect.pixels()) {
+        for (pixel, (x, y)) in rect.pixels().enumerate() {
             let block = grid.block_of(x, y);
             if let Some(samples) = &blocks[block] {
-                add(sums, &samples[number_in(grid.rect(block), x, y)]);
+                add(&mut tile.sums, pixel, &samples[number_in(grid.rect(block), x, y)]);
             }
         }
-        tile.samples = number + 1;
+        tile.taken.insert(number);
     });
 }
 
 /// Adds a sample to a pixel's sums. A sample that is not finite would spoil the pixel for good; it counts
 /// as black (and is a defect: debug builds stop).
-fn add(sums: &mut [f64; layer::COUNT], sample: &PixelSample) {
+fn add(sums: &mut ExactSums, pixel: usize, sample: &PixelSample) {
     debug_assert!(sample.radiance().is_finite(), "a sample is not finite: {sample:?}");
-    if !sample.radiance().is_finite() {
-        return;
-    }
-    for (sum, value) in sums.iter_mut().zip(sample.layers()) {
-        *sum += f64::from(value);
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn tiles_of_a_rect_are_those_with_its_pixels() {
-        let region = PixelRect { left: 7, top: 3, width: 50, height: 40 };
-        for (left, top, width, height) in [(7, 3, 16, 16), (12, 8, 16, 16), (54, 19, 3, 1), (22, 18, 2, 2)] {
-            let rect = PixelRect { left, top, width, height };
-            let tile = |(x, y): (u32, u32)| ((y - 3) / TILE_SIZE * 4 + (x - 7) / TILE_SIZE) as usize;
-            let mut expected: Vec<usize> = rect.pixels().map(tile).collect();
-            expected.sort_unstable();
-            expected.dedup();
-            assert_eq!(film_tiles(rect, region).collect::<Vec<_>>(), expected, "{rect:?}");
-        }
+    if sample.radiance().is_finite() {
+        let finite = |value: f32| if value.is_finite() { f64::from(value) } else { 0.0 };
+        sums.add(pixel, &sample.layers().map(finite));
     }
 }

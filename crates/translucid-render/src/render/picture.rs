@@ -163,6 +163,7 @@ mod tests {
     use translucid_scene::{LoadOptions, SceneFile};
 
     use super::*;
+    use crate::SampleRanges;
     use crate::render::film::tests::test_film;
     use crate::{PreparedScene, measure};
 
@@ -249,9 +250,9 @@ mod tests {
     #[test]
     fn depth_is_the_mean_over_samples_that_hit() {
         let mut film = FilmSums::new(2, 1);
-        film.tiles[0].samples = 4;
+        film.tiles[0].taken = SampleRanges::new([0..4]).unwrap();
         // One of four samples sees a surface 10 away, the others a visible sky.
-        let sums = &mut film.tiles[0].pixels[0];
+        let sums = &mut film.tiles[0].pixels_mut()[0];
         (sums[layer::ALPHA], sums[layer::DEPTH], sums[layer::SURFACE]) = (4.0, 10.0, 1.0);
         assert_eq!(values(&film.layers_picture(&ImageInfo::default()), "depth.Z"), [10.0, 0.0]);
     }
@@ -322,8 +323,8 @@ mod tests {
         assert!(after < 0.5 * before, "relMSE {before} before and {after} after");
 
         // What is not a number comes out as one
-        noisy.tiles[0].pixels[0] = [f64::NAN; layer::COUNT];
-        noisy.tiles[0].pixels[1] = [f64::INFINITY; layer::COUNT];
+        noisy.tiles[0].pixels_mut()[0] = [f64::NAN; layer::COUNT];
+        noisy.tiles[0].pixels_mut()[1] = [f64::INFINITY; layer::COUNT];
         let denoised = noisy.denoise(&denoiser, 0).unwrap();
         assert!(denoised.radiance.iter().flatten().all(|value| value.is_finite() && *value >= 0.0));
     }

@@ -9,7 +9,7 @@ use translucid_scene::{
     Environment, Image, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
 };
 
-use super::fingerprint::{fingerprint, fingerprint_of_points};
+use super::fingerprint::{Fingerprint, fingerprint, fingerprint_of_points};
 use super::picker::Picker;
 use super::pixel_widths::pixel_widths;
 use super::view::View;
@@ -113,8 +113,8 @@ impl PreparedScene {
         self.subsurface.notes(&self.world.scene)
     }
 
-    /// A number that differs when the picture of a view would: two runs with the same one may be joined.
-    pub fn fingerprint(&self, view: &View) -> u64 {
+    /// What decides the picture of a view: two runs with the same one may be joined.
+    pub fn fingerprint(&self, view: &View) -> Fingerprint {
         fingerprint(&self.world.scene, view)
     }
 

@@ -12,6 +12,7 @@
 mod memory;
 mod running;
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,8 +22,8 @@ use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
 use crate::render::{
-    CheckpointInfo, Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed,
-    View, load_checkpoint, save_checkpoint,
+    Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed, ShardNotes,
+    ShardReader, ShardRun, View, save_shard,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
 
@@ -52,8 +53,8 @@ pub type Observer<'a> = dyn Fn(&Event<'_>) + Sync + 'a;
 /// How far a session is to go, and what it does on the way.
 #[derive(Debug)]
 pub struct Plan {
-    /// Samples that each pixel shall have in the end.
-    pub samples: u32,
+    /// Numbers of the samples that each pixel shall have in the end.
+    pub samples: Range<u32>,
     /// When to stop even if they are not reached.
     pub deadline: Option<Instant>,
     /// Where and how often the film is saved for a later run.
@@ -70,7 +71,7 @@ impl Plan {
     /// A number of samples, and nothing else.
     pub fn samples(samples: u32) -> Self {
         Self {
-            samples,
+            samples: 0..samples,
             deadline: None,
             checkpoint: None,
             previews: Vec::new(),
@@ -96,13 +97,17 @@ pub struct Session {
     film: Arc<LiveFilm>,
     /// Time spent rendering in all runs \[s\].
     seconds: f64,
+    /// What the film's file is to say; the last of its runs is this one, which has no time yet.
+    notes: ShardNotes,
     denoised: Option<Result<Denoised, OutputError>>,
 }
 
 impl Session {
     /// A session with an empty film.
     pub fn new(prepared: PreparedScene, view: View) -> Self {
-        Self { film: Arc::new(empty_film(&view)), prepared, view, seconds: 0.0, denoised: None }
+        let film = Arc::new(empty_film(&view));
+        let notes = ShardNotes { runs: vec![ShardRun::default()], ..ShardNotes::default() };
+        Self { film, prepared, view, seconds: 0.0, notes, denoised: None }
     }
 
     /// The scene.
@@ -145,6 +150,12 @@ impl Session {
     fn restart(&mut self) {
         self.film = Arc::new(empty_film(&self.view));
         self.seconds = 0.0;
+        self.notes.runs.drain(..self.notes.runs.len() - 1);
+    }
+
+    /// Says what files of the film are to say of it, and of this run of the program.
+    pub fn set_notes(&mut self, notes: ShardNotes, run: ShardRun) {
+        self.notes = ShardNotes { runs: vec![run], ..notes };
     }
 
     /// Takes the points that the scene asks for.
@@ -157,13 +168,35 @@ impl Session {
     /// # Errors
     /// The file cannot be read, is damaged, or belongs to another scene or view.
     pub fn resume(&mut self, path: &Path) -> Result<(), OutputError> {
-        let (film, info) = load_checkpoint(path, self.prepared.fingerprint(&self.view))?;
+        let (film, notes) = self.load(path)?;
         self.film = Arc::new(LiveFilm::new(film));
-        self.seconds = info.elapsed_seconds;
+        self.seconds = notes.seconds();
+        let runs = notes.runs.into_iter().chain(self.notes.runs.pop());
+        self.notes.runs = runs.collect();
         Ok(())
     }
 
-    /// Saves the film so that a later run can go on from it.
+    /// The film that an earlier run of this scene and view has saved, and what it says of itself.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume).
+    pub fn load(&self, path: &Path) -> Result<(FilmSums, ShardNotes), OutputError> {
+        let shard = ShardReader::open(path)?;
+        let refusal = |difference: &str| {
+            OutputError::new(path, format!("is of another scene or other settings: {difference}"))
+                .with_help("use the settings that it was made with, or delete it to render from the start")
+        };
+        let fingerprint = self.prepared.fingerprint(&self.view);
+        if let Some(difference) = shard.header().fingerprint.difference(&fingerprint) {
+            return Err(refusal(&difference));
+        }
+        if shard.header().rect() != self.view.region() {
+            return Err(refusal("the region differs"));
+        }
+        shard.film().map(|(film, header)| (film, header.notes))
+    }
+
+    /// Saves the film so that a later run can go on from it, and others can be joined with it.
     ///
     /// # Errors
     /// The file cannot be written; an older one is then still whole.
@@ -172,12 +205,11 @@ impl Session {
     }
 
     fn save_after(&self, path: &Path, seconds: f64) -> Result<(), OutputError> {
-        let info = CheckpointInfo {
-            fingerprint: self.prepared.fingerprint(&self.view),
-            seed: self.view.seed(),
-            elapsed_seconds: self.seconds + seconds,
-        };
-        save_checkpoint(path, &self.film.sums(), &info)
+        let mut notes = self.notes.clone();
+        let now = self.seconds + seconds - notes.seconds();
+        notes.runs.last_mut().into_iter().for_each(|run| run.seconds = now);
+        let place = (self.view.region(), self.view.whole_size());
+        save_shard(path, &self.film.sums(), self.prepared.fingerprint(&self.view), place, notes)
     }
 
     /// Renders on the current rayon pool until the plan is fulfilled, its deadline has come, or `stop` is true.
@@ -258,7 +290,7 @@ impl Session {
         for &fraction in &plan.previews {
             let view = self.view.at(fraction);
             let film = empty_film(&view);
-            let goal = Goal { samples: 1, deadline: plan.deadline };
+            let goal = Goal { samples: 0..1, deadline: plan.deadline };
             if self.prepared.render(&view, &film, goal, &|_| {}, stop) != Outcome::Finished {
                 return;
             }
@@ -278,7 +310,7 @@ impl Session {
         loop {
             let paths = self.film.sums().paths();
             let slice = interval.and_then(|interval| Instant::now().checked_add(interval));
-            let goal = Goal { samples: plan.samples, deadline: plan.deadline.into_iter().chain(slice).min() };
+            let goal = Goal { samples: plan.samples.clone(), deadline: plan.deadline.into_iter().chain(slice).min() };
             let report = |progress| observer(&Event::Samples(progress));
             let outcome = self.prepared.render(&self.view, &self.film, goal, &report, stop);
             let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);

@@ -26,6 +26,7 @@ mod prepared;
 mod random_walk;
 mod session;
 mod shadow_catcher;
+mod shards;
 mod sharing;
 mod textures;
 mod transport;

@@ -34,7 +34,7 @@ fn session_stops_at_once_and_goes_on() {
     }
     assert!(least < Duration::from_millis(20), "{least:?}");
     // Where it was stopped leaves no trace
-    let samples = session.film().sums().tiles.iter().map(|tile| tile.samples).max().unwrap_or(0) + 1;
+    let samples = session.film().sums().tiles.iter().map(|tile| tile.samples()).max().unwrap_or(0) + 1;
     let never = AtomicBool::new(false);
     let plan = Plan::samples(samples);
     assert_eq!(session.run(&plan, &|_: &Event<'_>| {}, &never).expect("no error"), Outcome::Finished);

@@ -33,7 +33,7 @@ fn ball(sharing: bool) -> Scene {
 fn rendered(prepared: &PreparedScene, view: &View, samples: u32) -> FilmSums {
     let region = view.region();
     let film = LiveFilm::new(FilmSums::new(region.width, region.height));
-    prepared.render(view, &film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    prepared.render(view, &film, Goal { samples: 0..samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
     film.into_sums()
 }
 
@@ -60,12 +60,6 @@ fn region_beyond_the_film_is_refused() {
         let error = view.with_region(region).expect_err("not a region").to_string();
         assert!(error.contains("71") && error.contains("45"), "{error}");
     }
-    assert_ne!(
-        PreparedScene::new(ball(true)).expect("valid").fingerprint(&view),
-        PreparedScene::new(ball(true))
-            .expect("valid")
-            .fingerprint(&view.with_region([0, 0, 9, 9]).expect("inside")),
-    );
 }
 
 /// A fraction shows what the whole picture shows: means over the same squares agree, up to what the edges of pixels change.
@@ -96,7 +90,7 @@ fn live_film_gives_layers_and_says_what_has_changed() {
     let view = prepared.view().expect("a valid view");
     let film = LiveFilm::new(FilmSums::new(71, 45));
     assert!(film.tiles_changed_since(0).is_empty());
-    let goal = |samples| Goal { samples, deadline: None };
+    let goal = |samples| Goal { samples: 0..samples, deadline: None };
     prepared.render(&view, &film, goal(1), &|_| {}, &AtomicBool::new(false));
     let first = film.changes();
     let area: u64 = film.tiles_changed_since(0).iter().map(|tile| tile.area()).sum();

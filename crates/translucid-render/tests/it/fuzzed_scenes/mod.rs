@@ -263,6 +263,12 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
     }
 }
 
+/// The scene of a seed, whose files are written into a directory; `None` where the loader refuses it.
+pub(crate) fn scene(seed: u64, directory: &Path) -> Option<Scene> {
+    images::write(directory);
+    load_scene(&scenes::write(seed, directory), &LoadOptions::default(), &mut Vec::new()).ok()
+}
+
 /// Tells whether nothing in the scene shines.
 fn is_dark(scene: &Scene) -> bool {
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
@@ -288,7 +294,7 @@ fn complaint(film: &FilmSums, dark: bool) -> Option<String> {
         let black = !(dark && light.contains(&index)) || sum == 0.0;
         sum.is_finite() && (signed || sum >= 0.0) && black
     };
-    film.tiles.iter().flat_map(|tile| &tile.pixels).enumerate().find_map(|(number, sums)| {
+    film.tiles.iter().flat_map(|tile| tile.pixels()).enumerate().find_map(|(number, sums)| {
         let all_good = sums.iter().enumerate().all(|(index, &sum)| good(index, sum));
         (!all_good).then(|| format!("sums of pixel {number}, dark: {dark}: {sums:?}"))
     })
