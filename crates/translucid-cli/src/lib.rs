@@ -13,10 +13,12 @@ mod files;
 mod fit;
 mod interrupt;
 mod machine;
+mod merge;
 mod messages;
 mod model;
 mod models;
 mod output_lock;
+mod plan;
 mod profile;
 mod progress;
 mod radii;
@@ -54,6 +56,8 @@ struct Cli {
 #[derive(Subcommand)]
 enum Verb {
     Render(render::Arguments),
+    Merge(merge::MergeArguments),
+    Plan(plan::PlanArguments),
     Profile(profile::ProfileArguments),
     Sample(sample::SampleArguments),
     Reference(reference::ReferenceArguments),
@@ -159,9 +163,20 @@ fn with_foreign_options(command: Command) -> Command {
     command.mut_subcommand("render", |render| render.args(FOREIGN_OPTIONS.map(option)))
 }
 
+/// The arguments of `translucid render` with these words after it.
+fn parse_render(words: &mut dyn Iterator<Item = OsString>) -> clap::error::Result<render::Arguments> {
+    let words = ["translucid", "render"].map(OsString::from).into_iter().chain(words);
+    match Cli::try_parse_from(words)?.verb {
+        Verb::Render(arguments) => Ok(arguments),
+        _ => unreachable!("the verb is render"),
+    }
+}
+
 fn run_verb(cli: Cli) -> Result<(), Failure> {
     match cli.verb {
         Verb::Render(arguments) => render::run(&arguments),
+        Verb::Merge(arguments) => merge::run(&arguments),
+        Verb::Plan(arguments) => plan::run(&arguments, &parse_render),
         Verb::Profile(arguments) => profile::run(&arguments),
         Verb::Sample(arguments) => sample::run(&arguments),
         Verb::Reference(arguments) => reference::run(&arguments),

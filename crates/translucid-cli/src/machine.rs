@@ -24,7 +24,8 @@ pub(crate) fn cpu_seconds() -> Option<f64> {
 
 /// Name of the machine; empty where the system does not say.
 pub(crate) fn host() -> String {
-    fs::read_to_string("/proc/sys/kernel/hostname").map_or_else(|_| String::new(), |name| name.trim().to_owned())
+    fs::read_to_string("/proc/sys/kernel/hostname")
+        .map_or_else(|_| String::new(), |name| name.trim().to_owned())
 }
 
 /// Largest resident memory that the process has had, in bytes.

@@ -35,11 +35,11 @@ use crate::model::{ModelName, UnitName};
 use crate::progress::{Meter, Unit as CountedIn};
 use crate::{machine, messages};
 use look::Look;
-use outputs::Outputs;
+pub(crate) use outputs::Outputs;
 use picture::Task;
 use presets::print_presets;
 use tev::Tev;
-use tone::{Exposure, Tone};
+pub(crate) use tone::{Exposure, Tone};
 use watch::WatchArguments;
 
 /// Most samples per pixel, as the scene's settings have it.
@@ -103,7 +103,7 @@ pub(crate) struct Arguments {
     ///
     /// (0, 0) is at the top left. They are those of the whole picture, bit for bit, and the file has their size.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_region)]
-    region: Option<[u32; 4]>,
+    pub(crate) region: Option<[u32; 4]>,
     /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub(crate) spp: Option<u32>,
@@ -120,7 +120,7 @@ pub(crate) struct Arguments {
     pub(crate) seed: Option<u64>,
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(crate) threads: Option<u16>,
     /// Go on from an unfinished rendering's checkpoint, and keep one
     #[arg(long)]
     resume: bool,
@@ -185,6 +185,37 @@ impl Arguments {
     /// Time between two checkpoints: what a power cut may cost.
     fn checkpoint_interval(&self) -> Duration {
         self.checkpoint.unwrap_or(CHECKPOINT_INTERVAL)
+    }
+
+    /// The model in place of the scene's, for one picture.
+    pub(crate) fn model(&self) -> Result<Option<SubsurfaceModel>, Failure> {
+        match self.subsurface[..] {
+            [] => Ok(None),
+            [name] => Ok(Some(name.model())),
+            _ => Err(Failure::input("--subsurface has several models, but this is for one picture")),
+        }
+    }
+
+    /// Refuses what each shard of a plan has of its own.
+    pub(crate) fn refuse_for_plan(&self) -> Result<(), Failure> {
+        for (given, option) in [
+            (self.samples.is_some(), "--samples"),
+            (self.output.is_some(), "--output"),
+            (self.time.is_some(), "--time"),
+            (self.resume, "--resume"),
+            (self.denoise, "--denoise"),
+            (self.points.is_some(), "--points"),
+            (self.tev.is_some(), "--tev"),
+            (self.look.turntable.is_some(), "--turntable"),
+            (self.watch.stats.is_some(), "--stats"),
+            (self.watch.preview.is_some(), "--preview"),
+        ] {
+            if given {
+                let message = format!("after --: {option} is not for all shards alike");
+                return Err(Failure::input(message).with_help("leave it out, and add it to single commands"));
+            }
+        }
+        Ok(())
     }
 
     /// The tev that is to show the picture, if one is.
@@ -329,8 +360,9 @@ fn scene_turned(
     }
     scene.integrator.samples_per_pixel = match (arguments.spp, arguments.time) {
         (Some(spp), _) => spp,
-        (None, Some(_)) => MAX_SAMPLES,
-        (None, None) => scene.integrator.samples_per_pixel,
+        // A part of the samples is one of those that the scene states
+        (None, Some(_)) if arguments.samples.is_none() => MAX_SAMPLES,
+        (None, _) => scene.integrator.samples_per_pixel,
     };
     Ok((scene, warnings))
 }
@@ -340,19 +372,21 @@ fn check_shard(arguments: &Arguments, outputs: &Outputs) -> Result<(), Failure> 
     if !outputs.is_shard() {
         return match &arguments.samples {
             Some(Range { start, end }) => {
-                let message = format!("--samples is {start}..{end}, but only a shard is of a part of the samples");
+                let message =
+                    format!("--samples is {start}..{end}, but only a shard is of a part of the samples");
                 Err(Failure::input(message).with_help("write one with -o FILE.shard"))
             }
             None => Ok(()),
         };
     }
-    for (given, option) in [
-        (arguments.denoise, "--denoise"),
-        (arguments.look.turntable.is_some(), "--turntable"),
-    ] {
+    for (given, option) in
+        [(arguments.denoise, "--denoise"), (arguments.look.turntable.is_some(), "--turntable")]
+    {
         if given {
             let message = format!("{option} is for pictures, but -o names a shard");
-            return Err(Failure::input(message).with_help("leave it out, or write a picture with -o FILE.exr"));
+            return Err(
+                Failure::input(message).with_help("leave it out, or write a picture with -o FILE.exr")
+            );
         }
     }
     Ok(())
@@ -364,7 +398,8 @@ fn check_samples(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
     match &arguments.samples {
         Some(Range { start, end }) if *end > all => {
             let message = format!("--samples is {start}..{end}, but the picture has {all} samples per pixel");
-            Err(Failure::input(message).with_help(format!("give it more with --spp {end}, for every shard the same")))
+            Err(Failure::input(message)
+                .with_help(format!("give it more with --spp {end}, for every shard the same")))
         }
         _ => Ok(()),
     }
@@ -458,7 +493,9 @@ pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
 /// A half-open range of the numbers of samples.
 fn parse_range(text: &str) -> Result<Range<u32>, String> {
     let wrong = || {
-        format!("a range is A..B with 0 ≤ A < B ≤ {MAX_SAMPLES}, which has the samples from A to just before B, like 0..64")
+        format!(
+            "a range is A..B with 0 ≤ A < B ≤ {MAX_SAMPLES}, which has the samples from A to just before B, like 0..64"
+        )
     };
     let (start, end) = text.split_once("..").ok_or_else(wrong)?;
     let number = |text: &str| text.parse::<u32>().map_err(|_| wrong());

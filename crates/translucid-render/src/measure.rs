@@ -31,7 +31,7 @@ pub fn sample_ray(
 pub fn add_samples(prepared: &PreparedScene, film: &mut FilmSums, samples: u32) -> Result<(), SceneError> {
     let live = LiveFilm::new(std::mem::replace(film, FilmSums::new(1, 1)));
     let goal = Goal { samples: 0..samples, deadline: None };
-    prepared.render(&prepared.view()?, &live, goal, &|_| {}, &AtomicBool::new(false));
+    prepared.render(&prepared.view()?, &live, &goal, &|_| {}, &AtomicBool::new(false));
     *film = live.into_sums();
     Ok(())
 }

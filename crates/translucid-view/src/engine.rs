@@ -315,7 +315,7 @@ impl<'a> Engine<'a> {
             }
         };
         let goal = Goal { samples: 0..samples, deadline: None };
-        let outcome = self.prepared.render(view, film, goal, &watch, &self.shared.stop);
+        let outcome = self.prepared.render(view, film, &goal, &watch, &self.shared.stop);
         let paths = film.sums().paths() - before;
         (outcome, start.elapsed().as_secs_f64() / paths.max(1) as f64)
     }
@@ -594,7 +594,7 @@ impl SideWork {
 /// Whether no pixel has more than so many samples, which could not be taken away again: where a rendering was interrupted,
 /// some tiles have more than others.
 fn may_become(film: &FilmSums, samples: u32) -> bool {
-    film.tiles.iter().all(|tile| tile.samples <= samples)
+    film.tiles.iter().all(|tile| tile.samples() <= samples)
 }
 
 fn words_of(PointProgress { pass, part, .. }: PointProgress) -> String {
@@ -641,14 +641,17 @@ impl Header {
 
 #[cfg(test)]
 mod tests {
+    use translucid_render::SampleRanges;
+
     use super::*;
 
     #[test]
     fn interrupted_film_becomes_none_of_fewer_samples() {
         let mut film = FilmSums::new(64, 64);
         assert!(film.tiles.len() > 1 && may_become(&film, 1));
-        film.tiles.iter_mut().for_each(|tile| tile.samples = 4);
-        film.tiles[1].samples = 5;
+        let first = |count| SampleRanges::from(0..count);
+        film.tiles.iter_mut().for_each(|tile| tile.taken = first(4));
+        film.tiles[1].taken = first(5);
         assert!(film.samples() == 4 && !may_become(&film, 4) && may_become(&film, 5));
     }
 }

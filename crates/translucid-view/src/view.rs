@@ -5,7 +5,7 @@ use translucid_image::{DisplayTransform, Picture, PictureChannel, ToneMapping, d
 use translucid_laboratory::picture::{
     self as laboratory, FlipMap, PicturePixel, difference_color, flip_color,
 };
-use translucid_render::{FilmLayer, FilmSums, ImageInfo, layer};
+use translucid_render::{FilmLayer, FilmSums, ImageInfo, TileSums, layer};
 use translucid_scene::Film;
 
 /// About so many pixels tell the noise of a film.
@@ -176,13 +176,15 @@ pub(crate) fn comparison_codes(
 
 #[cfg(test)]
 mod tests {
+    use translucid_render::SampleRanges;
+
     use super::*;
 
     /// A film with one sample, whose left half is a surface before the camera at a distance of 2, then 4.
     fn film() -> FilmSums {
         let mut film = FilmSums::new(4, 2);
-        film.tiles[0].samples = 1;
-        for (index, sums) in film.tiles[0].pixels.iter_mut().enumerate() {
+        film.tiles[0].taken = SampleRanges::from(0..1);
+        for (index, sums) in film.tiles[0].pixels_mut().iter_mut().enumerate() {
             if index % 4 < 2 {
                 sums[layer::SUBSURFACE].copy_from_slice(&[0.5, 0.25, 0.125]);
                 sums[layer::NORMAL].copy_from_slice(&[0.0, 0.0, 1.0]);
@@ -217,7 +219,7 @@ mod tests {
     fn thinned_picture_has_pixels_of_the_film_in_their_order() {
         let mut large = FilmSums::new(600, 400);
         for tile in &mut large.tiles {
-            tile.samples = 1;
+            tile.taken = SampleRanges::from(0..1);
         }
         assert_eq!([thinned(&large).width(), thinned(&large).height()], [300, 200]);
         let all = comparable(&film(), &Film::default());

@@ -19,7 +19,7 @@ use super::showing::Showing;
 use super::statistics::{self, Statistics};
 use super::tev::Tev;
 use super::tone::Exposure;
-use super::{Arguments, points, preview, scene_name};
+use super::{Arguments, MAX_SAMPLES, points, preview, scene_name};
 use crate::failure::Failure;
 use crate::progress::{Meter, Unit, duration};
 use crate::{command_line, interrupt, machine, messages};
@@ -235,7 +235,8 @@ impl<'a> Work<'a> {
         cpu_seconds: Option<f64>,
     ) -> Result<(), Failure> {
         let (film, scene) = (self.session.film(), self.session.prepared().scene());
-        let mut files: Vec<String> = self.task.outputs.images().map(|path| path.display().to_string()).collect();
+        let mut files: Vec<String> =
+            self.task.outputs.images().map(|path| path.display().to_string()).collect();
         if self.task.outputs.is_shard() {
             files.push(self.task.outputs.main().display().to_string());
         }
@@ -303,7 +304,12 @@ impl<'a> Work<'a> {
     }
 
     /// Renders samples with a checkpoint now and then.
-    fn run(&mut self, samples: Range<u32>, meter: &Meter, deadline: Option<Instant>) -> Result<Outcome, Failure> {
+    fn run(
+        &mut self,
+        samples: Range<u32>,
+        meter: &Meter,
+        deadline: Option<Instant>,
+    ) -> Result<Outcome, Failure> {
         let checkpoint = CheckpointPlan {
             path: self.task.outputs.checkpoint.clone(),
             interval: self.task.arguments.checkpoint_interval(),
@@ -327,7 +333,8 @@ impl<'a> Work<'a> {
     /// # Errors
     /// It is a shard, and cannot be written.
     fn settle_checkpoint(&self, outcome: Outcome) -> Result<bool, Failure> {
-        let is_wanted = self.task.arguments.resume || self.task.part.is_some() || self.task.outputs.is_shard();
+        let is_wanted =
+            self.task.arguments.resume || self.task.part.is_some() || self.task.outputs.is_shard();
         if outcome != Outcome::Finished || is_wanted {
             let saved = self.session.save(&self.task.outputs.checkpoint);
             if self.task.outputs.is_shard() {
@@ -412,7 +419,10 @@ fn notes(task: &Task<'_>, scene: &Scene) -> ShardNotes {
     ShardNotes {
         scene: scene_name(task.arguments),
         seed: scene.integrator.seed,
-        samples_per_pixel: scene.integrator.samples_per_pixel,
+        // Until the time is up is no number
+        samples_per_pixel: Some(scene.integrator.samples_per_pixel)
+            .filter(|all| *all < MAX_SAMPLES)
+            .unwrap_or(0),
         exposure: task.exposure.stated(&scene.film),
         tone_mapping: scene.film.tone_mapping.name().to_owned(),
         inputs: take_files_read().iter().filter_map(facts).collect(),

@@ -31,7 +31,7 @@ enum ExposureWord {
 
 impl Tone {
     /// The film with the changes.
-    pub(super) fn of(&self, film: Film) -> Film {
+    pub(crate) fn of(&self, film: Film) -> Film {
         let exposure = match self.exposure {
             Some(ExposureWord::Stops(stops)) => stops,
             _ => film.exposure,
@@ -40,7 +40,7 @@ impl Tone {
     }
 
     /// How the pictures of a scene, or of a mesh that states no exposure, are exposed.
-    pub(super) fn exposure(&self, is_mesh: bool) -> Exposure {
+    pub(crate) fn exposure(&self, is_mesh: bool) -> Exposure {
         match self.exposure {
             Some(ExposureWord::Auto) => Exposure::Metered(Arc::default()),
             None if is_mesh => Exposure::Metered(Arc::default()),
@@ -60,7 +60,7 @@ pub(crate) enum Exposure {
 
 impl Exposure {
     /// The way to a display of a finished picture of this film.
-    pub(super) fn display(&self, film: &Film, picture: &Picture<'_>) -> DisplayTransform {
+    pub(crate) fn display(&self, film: &Film, picture: &Picture<'_>) -> DisplayTransform {
         let exposure = match self {
             Self::OfFilm => film.exposure,
             Self::Metered(stops) => *stops.get_or_init(|| metered(picture)),

@@ -7,7 +7,7 @@ use std::process::{Child, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
 use crate::common::{BALL, directory_with_ball, exr_values, files, stderr, stdout, translucid};
-use translucid_render::{PointCloud, load_checkpoint};
+use translucid_render::{PointCloud, ShardReader};
 
 /// Options to go on from where a rendering was killed, and to save it all the time.
 const GOING_ON: &str = "--checkpoint 0.01 --resume";
@@ -116,6 +116,36 @@ fn killed_renderings_by_points_leave_whole_files_and_resume_to_the_same_bits() {
     assert!(files(&directory).iter().all(|name| extension(name) != "part"));
 }
 
+/// Each of three shards is killed ten times at random moments; the rest is rendered, and all merge to the picture.
+#[test]
+fn killed_shards_go_on_and_merge_to_the_picture_of_one_rendering() {
+    let (_keep, directory) = directory_with_ball();
+    let rendering = "render ball.toml -q --size 96x64 --spp 48";
+    stdout(&directory, &format!("{rendering} -o whole.exr"));
+    let shard = |name: &str, samples: &str| {
+        let words = format!("{rendering} --samples {samples} {GOING_ON} -o {name}.shard");
+        let start = Instant::now();
+        stdout(&directory, &words);
+        let duration = start.elapsed();
+        let path = directory.join(format!("{name}.shard"));
+        let mut attempts = Attempts::new(duration);
+        while attempts.kills < 10 {
+            if !attempts.attempt(&directory, &words) {
+                fs::remove_file(&path).unwrap();
+            }
+            check_files(&directory);
+        }
+        stdout(&directory, &words);
+    };
+    shard("a", "0..16");
+    shard("b", "16..40");
+    shard("c", "40..48");
+    stdout(&directory, "merge -q killed.exr c.shard a.shard b.shard");
+    assert_eq!(exr_values(&directory.join("killed.exr")), exr_values(&directory.join("whole.exr")));
+    let bytes = |name: &str| fs::read(directory.join(name)).unwrap();
+    assert!(bytes("killed.png") == bytes("whole.png"));
+}
+
 /// Number of kills in this run: of all tests of this file 12, or 60 with the whole power.
 fn kills([quick, thorough]: [u32; 2]) -> u32 {
     if translucid_testing::is_thorough() { thorough } else { quick }
@@ -165,7 +195,8 @@ fn files_below(directory: &Path, extension: &str) -> Vec<PathBuf> {
 
 /// Time of the last checkpoint, if there is one.
 fn newest_checkpoint(directory: &Path) -> Option<SystemTime> {
-    let checkpoints = files_below(directory, "checkpoint").into_iter();
+    let checkpoints = ["checkpoint", "shard"].map(|extension| files_below(directory, extension));
+    let checkpoints = checkpoints.into_iter().flatten();
     checkpoints.filter_map(|path| fs::metadata(path).and_then(|found| found.modified()).ok()).max()
 }
 
@@ -210,7 +241,7 @@ fn check_files(directory: &Path) -> usize {
         match extension(name) {
             "exr" => assert!(!exr_values(&path).is_empty()),
             "png" => check_png(&path),
-            "checkpoint" => drop(load_checkpoint(&path, fingerprint(&path)).unwrap()),
+            "checkpoint" | "shard" => drop(ShardReader::open(&path).and_then(ShardReader::film).unwrap()),
             "points" => drop(PointCloud::load(&path, fingerprint(&path)).unwrap()),
             "toml" | "html" | "csv" => assert!(fs::metadata(&path).unwrap().len() > 0, "{name}"),
             // A draft, or what kept others off the output
@@ -220,7 +251,7 @@ fn check_files(directory: &Path) -> usize {
     names.iter().filter(|name| extension(name) == "checkpoint").count()
 }
 
-/// Fingerprint that a checkpoint or a file of points says that it belongs to.
+/// Fingerprint that a file of points says that it belongs to.
 fn fingerprint(path: &Path) -> u64 {
     let bytes = fs::read(path).unwrap();
     u64::from_le_bytes(std::array::from_fn(|i| bytes[12 + i]))

@@ -14,6 +14,7 @@ mod pages;
 mod points;
 mod reference;
 mod render;
+mod shards;
 mod side_by_side;
 mod stopped;
 mod tables;

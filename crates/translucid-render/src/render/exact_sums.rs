@@ -63,16 +63,18 @@ impl ExactSums {
     /// Adds the sums of a pixel of another tile.
     pub(super) fn add_pixel(&mut self, pixel: usize, other: &Self, other_pixel: usize) {
         self.add(pixel, &other.rounded[other_pixel]);
-        for &(number, part) in &other.rests[other.rests_of(number_of(other_pixel, 0)..number_of(other_pixel + 1, 0))] {
+        for &(number, part) in
+            &other.rests[other.rests_of(number_of(other_pixel, 0)..number_of(other_pixel + 1, 0))]
+        {
             self.add_exactly(pixel, number as usize % layer::COUNT, &[part]);
         }
     }
 
     /// Sums that were read from a file; `None` where rounded sums and rests do not belong together.
-    pub(super) fn from_parts(rounded: Vec<[f64; layer::COUNT]>, rests: Vec<(u32, f64)>) -> Option<Self> {
+    pub(super) fn from_parts(rounded: Vec<[f64; layer::COUNT]>, rests: &[(u32, f64)]) -> Option<Self> {
         let mut sums = Self { rounded, ..Self::default() };
         let (count, before) = (sums.rounded.len() * layer::COUNT, sums.rounded.clone());
-        for &(number, part) in &rests {
+        for &(number, part) in rests {
             let number = number as usize;
             let is_right = number < count && part.is_finite() && part != 0.0;
             if !is_right || !before[number / layer::COUNT][number % layer::COUNT].is_finite() {
@@ -102,7 +104,8 @@ impl ExactSums {
             self.has_rest = vec![0; self.rounded.len()];
         }
         let bit = 1 << sum;
-        self.has_rest[pixel] = if rest.is_empty() { self.has_rest[pixel] & !bit } else { self.has_rest[pixel] | bit };
+        self.has_rest[pixel] =
+            if rest.is_empty() { self.has_rest[pixel] & !bit } else { self.has_rest[pixel] | bit };
         self.rests.splice(place, rest);
     }
 
@@ -207,9 +210,8 @@ mod tests {
     fn sums_are_exact_in_any_order_and_grouping() {
         let mut random = random();
         for spread in [2, 30, 60, 250] {
-            let samples: Vec<[f64; layer::COUNT]> = (0..300)
-                .map(|_| std::array::from_fn(|_| f64::from(value(&mut random, spread))))
-                .collect();
+            let samples: Vec<[f64; layer::COUNT]> =
+                (0..300).map(|_| std::array::from_fn(|_| f64::from(value(&mut random, spread)))).collect();
             let mut once = ExactSums::new(1);
             samples.iter().for_each(|sample| once.add(0, sample));
             // Some other order, in seven groups that are joined as a tree
@@ -267,11 +269,13 @@ mod tests {
         sums.add(1, &[1e20; layer::COUNT]);
         sums.add(1, &[1e-20; layer::COUNT]);
         let read = |rests: &[(u32, f64)]| {
-            ExactSums::from_parts(sums.rounded.clone(), rests.to_vec()).is_some_and(|read| read == sums)
+            ExactSums::from_parts(sums.rounded.clone(), rests).is_some_and(|read| read == sums)
         };
         assert!(read(sums.rests()));
         let first = sums.rests()[0];
-        for wrong in [(first.0, 0.0), (first.0, f64::NAN), (first.0, 1e19), (0, 1.0), (42, 1e-20), (u32::MAX, 1e-20)] {
+        for wrong in
+            [(first.0, 0.0), (first.0, f64::NAN), (first.0, 1e19), (0, 1.0), (42, 1e-20), (u32::MAX, 1e-20)]
+        {
             assert!(!read(&[&[wrong], &sums.rests()[1..]].concat()), "{wrong:?}");
         }
         assert!(!read(&[&sums.rests()[1..], &[first]].concat()), "not in order");

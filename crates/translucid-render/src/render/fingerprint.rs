@@ -28,7 +28,11 @@ impl Fingerprint {
         let mut pairs = keys.map(|key| (key, value(self, key), value(other, key)));
         pairs.find(|(_, ours, theirs)| ours != theirs).map(|(key, ours, theirs)| {
             let are_hashes = [&ours, &theirs].iter().all(|value| value.starts_with('#'));
-            if are_hashes { format!("{key} differs") } else { format!("{key} is {ours} in one and {theirs} in the other") }
+            if are_hashes {
+                format!("{key} differs")
+            } else {
+                format!("{key} is {ours} in one and {theirs} in the other")
+            }
         })
     }
 
@@ -106,7 +110,11 @@ fn content(scene: &Scene, seed: u64) -> Fingerprint {
     }
     let mut meshes = HashMap::new();
     let objects = scene.objects.iter().enumerate();
-    add_parts(&mut found, "object", objects.map(|(number, object)| (object.name.as_str(), hash_of_object(number, object, &mut meshes))));
+    add_parts(
+        &mut found,
+        "object",
+        objects.map(|(number, object)| (object.name.as_str(), hash_of_object(number, object, &mut meshes))),
+    );
     let images = scene.images.iter().map(|image| (image.name.as_str(), hash_of_image(image)));
     add_parts(&mut found, "image", images);
     found
@@ -229,7 +237,10 @@ mod tests {
             found
         };
         assert_eq!(found(400).0.len(), MOST_NAMED + 1);
-        assert_eq!(found(299).difference(&found(400)).unwrap().split(' ').take(2).collect::<Vec<_>>(), ["other", "objects"]);
+        assert_eq!(
+            found(299).difference(&found(400)).unwrap().split(' ').take(2).collect::<Vec<_>>(),
+            ["other", "objects"]
+        );
         assert_eq!(found(7).difference(&found(400)).unwrap(), "object 7 (ball) differs");
     }
 }

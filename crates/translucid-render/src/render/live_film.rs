@@ -162,7 +162,8 @@ impl LiveFilm {
     pub fn tiles_changed_since(&self, change: u64) -> Vec<PixelRect> {
         let sums = self.sums();
         let changed = self.changed.read().unwrap_or_else(PoisonError::into_inner);
-        let is_later = |tile: &usize| changed[*tile] > change || change == 0 && sums.tiles[*tile].samples() > 0;
+        let is_later =
+            |tile: &usize| changed[*tile] > change || change == 0 && sums.tiles[*tile].samples() > 0;
         (0..sums.tiles.len()).filter(is_later).map(|tile| sums.tile_rect(tile)).collect()
     }
 

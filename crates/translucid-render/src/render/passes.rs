@@ -75,21 +75,23 @@ impl PreparedScene {
         &self,
         view: &View,
         film: &LiveFilm,
-        goal: Goal,
+        goal: &Goal,
         progress: &(dyn Fn(Progress) + Sync),
         stop: &AtomicBool,
     ) -> Outcome {
         let region = view.region();
-        let Range { start, end } = goal.samples;
+        let Goal { samples: Range { start, end }, deadline } = goal.clone();
         let (grid_of_film, mut taken) = {
             let sums = film.sums();
             (sums.grid().clone(), taken(&sums))
         };
-        let lacking = |taken: &SampleRanges| -> u64 { taken.missing(start..end).map(|gap| gap.len() as u64).sum() };
-        let left: u64 = (0..).zip(&taken).map(|(tile, taken)| lacking(taken) * grid_of_film.rect(tile).area()).sum();
+        let lacking =
+            |taken: &SampleRanges| -> u64 { taken.missing(start..end).map(|gap| gap.len() as u64).sum() };
+        let left: u64 =
+            (0..).zip(&taken).map(|(tile, taken)| lacking(taken) * grid_of_film.rect(tile).area()).sum();
         let total = region.area() * (start..end).len() as u64;
         let done = AtomicU64::new(total - left);
-        let late = || goal.deadline.is_some_and(|deadline| Instant::now() >= deadline);
+        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
         let first = |taken: &[SampleRanges]| {
             taken.iter().filter_map(|taken| taken.missing(start..end).next()).map(|gap| gap.start).min()
         };
@@ -115,7 +117,10 @@ impl PreparedScene {
                     let rect = grids[place].rect(block);
                     let wanted = rect.intersection(&region)?;
                     let mut touched = grid_of_film.touching(within(wanted, region));
-                    if touched.all(|tile| taken[tile].contains(number)) || stop.load(Ordering::Relaxed) || late() {
+                    if touched.all(|tile| taken[tile].contains(number))
+                        || stop.load(Ordering::Relaxed)
+                        || late()
+                    {
                         return None;
                     }
                     let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();

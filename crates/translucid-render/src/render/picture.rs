@@ -250,7 +250,7 @@ mod tests {
     #[test]
     fn depth_is_the_mean_over_samples_that_hit() {
         let mut film = FilmSums::new(2, 1);
-        film.tiles[0].taken = SampleRanges::new([0..4]).unwrap();
+        film.tiles[0].taken = SampleRanges::from(0..4);
         // One of four samples sees a surface 10 away, the others a visible sky.
         let sums = &mut film.tiles[0].pixels_mut()[0];
         (sums[layer::ALPHA], sums[layer::DEPTH], sums[layer::SURFACE]) = (4.0, 10.0, 1.0);

@@ -52,7 +52,8 @@ impl SampleRanges {
 
     /// The numbers that are in both.
     pub(super) fn intersection(&self, other: &Self) -> Self {
-        let pairs = self.0.iter().flat_map(|a| other.0.iter().map(move |b| a.start.max(b.start)..a.end.min(b.end)));
+        let pairs =
+            self.0.iter().flat_map(|a| other.0.iter().map(move |b| a.start.max(b.start)..a.end.min(b.end)));
         Self(pairs.filter(|both| !both.is_empty()).collect())
     }
 
@@ -79,6 +80,13 @@ impl SampleRanges {
             Some(range) if range.start == number + 1 => range.start = number,
             _ => self.0.insert(after, number..number + 1),
         }
+    }
+}
+
+/// A range as it is.
+impl From<Range<u32>> for SampleRanges {
+    fn from(range: Range<u32>) -> Self {
+        Self(if range.is_empty() { Vec::new() } else { vec![range] })
     }
 }
 

@@ -71,7 +71,7 @@ pub struct ShardNotes {
     pub scene: String,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Samples per pixel that the picture is to have in the end.
+    /// Samples per pixel that the picture is to have in the end; 0 where nobody has said.
     pub samples_per_pixel: u32,
     /// Stops by which the display is brighter; none where they are to be metered on the picture.
     pub exposure: Option<f32>,
@@ -107,12 +107,19 @@ impl ShardNotes {
 
 impl ShardHeader {
     /// The header of a film that shows a region of a picture of some size.
-    fn new(film: &FilmSums, fingerprint: Fingerprint, region: PixelRect, size: [u32; 2], notes: ShardNotes) -> Self {
+    fn new(
+        film: &FilmSums,
+        fingerprint: Fingerprint,
+        region: PixelRect,
+        size: [u32; 2],
+        notes: ShardNotes,
+    ) -> Self {
         let PixelRect { left, top, width, height } = region;
         let mut tiles = film.tiles.iter().map(|tile| &tile.taken);
         let first = tiles.next().cloned().unwrap_or_default();
         let is_even = tiles.clone().all(|taken| *taken == first);
-        let samples = tiles.fold(first, |common, taken| if common == *taken { common } else { common.intersection(taken) });
+        let samples = tiles
+            .fold(first, |common, taken| if common == *taken { common } else { common.intersection(taken) });
         let samples = samples.as_slice().iter().map(|range| [range.start, range.end]).collect();
         let region = [left, top, left + width, top + height];
         let edges = film.grid().edges().map(<[u32]>::to_vec);
@@ -223,7 +230,8 @@ impl ShardReader {
             let mut json = vec![0; bytes as usize];
             file.read_exact(&mut json)?;
             file.check()?;
-            serde_json::from_slice(&json).map_err(|error| damaged(&format!("its header is not right: {error}")))
+            serde_json::from_slice(&json)
+                .map_err(|error| damaged(&format!("its header is not right: {error}")))
         };
         let header = read(&mut file).map_err(failed)?;
         let grid = header.grid().map_err(failed)?;
@@ -258,7 +266,8 @@ impl ShardReader {
         }
         let rect = self.grid.rect(self.next);
         self.next += 1;
-        let tile = read_tile(&mut self.file, rect.area() as usize).map_err(|error| failure(&self.path, &error))?;
+        let tile =
+            read_tile(&mut self.file, rect.area() as usize).map_err(|error| failure(&self.path, &error))?;
         Ok(Some((rect, tile)))
     }
 }
@@ -276,7 +285,8 @@ fn read_tile(file: &mut Checksummed<BufReader<File>>, pixels: usize) -> io::Resu
         let [number, low, high] = bytemuck::cast::<_, [[u8; 4]; 3]>(bytes);
         (u32::from_le_bytes(number), f64::from_le_bytes(bytemuck::cast([low, high])))
     };
-    let sums = ExactSums::from_parts(rounded, rests.into_iter().map(part).collect());
+    let rests: Vec<(u32, f64)> = rests.into_iter().map(part).collect();
+    let sums = ExactSums::from_parts(rounded, &rests);
     let is_small = |sums: &ExactSums| sums.rounded.iter().flatten().all(|sum| sum.abs() <= GREATEST_SUM);
     match (taken, sums.filter(is_small)) {
         (Some(taken), Some(sums)) => Ok(TileSums { taken, sums }),
@@ -339,7 +349,11 @@ impl<T: Read> Checksummed<T> {
         let found = std::mem::take(&mut self.crc).finalize();
         let mut crc = [0; 4];
         self.inner.read_exact(&mut crc)?;
-        if u32::from_le_bytes(crc) == found { Ok(()) } else { Err(damaged("a checksum does not fit its content")) }
+        if u32::from_le_bytes(crc) == found {
+            Ok(())
+        } else {
+            Err(damaged("a checksum does not fit its content"))
+        }
     }
 }
 

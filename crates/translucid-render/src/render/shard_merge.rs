@@ -9,6 +9,7 @@ use super::film::FilmSums;
 use super::fingerprint::Fingerprint;
 use super::shard::{ShardHeader, ShardNotes, ShardReader, save_shard};
 use super::tile_grid::{TILE_SIZE, TileGrid};
+use crate::world::layer;
 
 /// Shards of one picture, joined as they are read: of whatever samples and regions, in any order.
 ///
@@ -38,8 +39,9 @@ impl ShardMerge {
     /// An empty picture with room for some shards, found to belong together as far as their headers tell.
     ///
     /// # Errors
-    /// There are none, one cannot be read, they are of different scenes or settings, or two have the same samples.
-    pub fn new(paths: &[PathBuf]) -> Result<Self, OutputError> {
+    /// There are none, one cannot be read, they are of different scenes or settings, two have the same samples, or the picture
+    /// takes more than so many bytes of memory.
+    pub fn new(paths: &[PathBuf], memory: u64) -> Result<Self, OutputError> {
         let mut headers = Vec::with_capacity(paths.len());
         for path in paths {
             headers.push((path.as_path(), ShardReader::open(path)?.header().clone()));
@@ -49,7 +51,8 @@ impl ShardMerge {
         };
         for (path, other) in others {
             if let Some(difference) = header.fingerprint.difference(&other.fingerprint) {
-                let message = format!("is of another scene or other settings than {}: {difference}", first.display());
+                let message =
+                    format!("is of another scene or other settings than {}: {difference}", first.display());
                 return Err(OutputError::new(path, message)
                     .with_help("merge shards of one picture, rendered by one version of translucid"));
             }
@@ -57,6 +60,12 @@ impl ShardMerge {
         refuse_overlaps(&headers)?;
         let rects = || headers.iter().map(|(_, header)| header.rect());
         let region = rects().reduce(around).unwrap_or_else(|| header.rect());
+        let needed = region.area() * size_of::<[f64; layer::COUNT]>() as u64;
+        if needed > memory {
+            let [needed, memory] = [needed, memory].map(|bytes| bytes >> 20);
+            let message = format!("the picture takes {needed} MiB of memory, and {memory} MiB are free");
+            return Err(OutputError::without_file(message));
+        }
         let edges = |start: fn(&PixelRect) -> u32, axis: usize| {
             let starts = headers.iter().flat_map(|(_, header)| {
                 let origin = start(&header.rect()) - start(&region);
@@ -71,8 +80,10 @@ impl ShardMerge {
             edges.windows(2).flat_map(between).chain(last).collect()
         };
         let grid = TileGrid::with_edges([edges(|rect| rect.left, 0), edges(|rect| rect.top, 1)]);
-        let grid = grid.ok_or_else(|| OutputError::new(first, "the tiles of the shards do not fit together"))?;
-        let samples_per_pixel = headers.iter().map(|(_, header)| header.notes.samples_per_pixel).max().unwrap_or(0);
+        let grid =
+            grid.ok_or_else(|| OutputError::new(first, "the tiles of the shards do not fit together"))?;
+        let samples_per_pixel =
+            headers.iter().map(|(_, header)| header.notes.samples_per_pixel).max().unwrap_or(0);
         let notes = ShardNotes { samples_per_pixel, runs: Vec::new(), ..header.notes.clone() };
         let (fingerprint, size) = (header.fingerprint.clone(), header.size);
         Ok(Self { film: FilmSums::on(grid), fingerprint, region, size, notes, added: Vec::new() })
@@ -101,7 +112,8 @@ impl ShardMerge {
                 }
                 let tile = &mut self.film.tiles[index];
                 tile.taken = tile.taken.union(&other.taken).map_err(|Range { start, end }| {
-                    let added: Vec<String> = self.added.iter().map(|path| path.display().to_string()).collect();
+                    let added: Vec<String> =
+                        self.added.iter().map(|path| path.display().to_string()).collect();
                     let message = format!("its samples {start}..{end} are also in {}", added.join(" or "));
                     OutputError::new(path, message).with_help("leave one of them out")
                 })?;
@@ -190,7 +202,9 @@ fn refuse_overlaps(headers: &[(&Path, ShardHeader)]) -> Result<(), OutputError> 
     }
     ranges.sort_unstable_by_key(|(range, number)| (range.start, *number));
     for (place, (range, number)) in ranges.iter().enumerate() {
-        for (other, other_number) in ranges[place + 1..].iter().take_while(|(other, _)| other.start < range.end) {
+        for (other, other_number) in
+            ranges[place + 1..].iter().take_while(|(other, _)| other.start < range.end)
+        {
             let [(path, header), (other_path, other_header)] = [*number, *other_number].map(|i| &headers[i]);
             if header.rect().intersection(&other_header.rect()).is_some() {
                 let (start, end) = (other.start, other.end.min(range.end));

@@ -25,7 +25,8 @@ impl TileGrid {
         let is_right = |edges: &[u32]| {
             edges.len() > 1 && edges[0] == 0 && edges.is_sorted_by(|a, b| a < b && b - a <= TILE_SIZE)
         };
-        (is_right(&columns) && is_right(&rows)).then(|| Self { columns: Spans::new(columns), rows: Spans::new(rows) })
+        (is_right(&columns) && is_right(&rows))
+            .then(|| Self { columns: Spans::new(columns), rows: Spans::new(rows) })
     }
 
     /// Where columns and rows begin, and where the last ones end.
@@ -52,7 +53,8 @@ impl TileGrid {
 
     /// Number of the tile that a pixel is in.
     pub(super) fn index_of(&self, x: u32, y: u32) -> usize {
-        self.rows.of_pixel[y as usize] as usize * self.columns.len() + self.columns.of_pixel[x as usize] as usize
+        self.rows.of_pixel[y as usize] as usize * self.columns.len()
+            + self.columns.of_pixel[x as usize] as usize
     }
 
     /// Numbers of the tiles that a rectangle of pixels touches.
@@ -79,7 +81,8 @@ struct Spans {
 
 impl Spans {
     fn new(edges: Vec<u32>) -> Self {
-        let of_pixel = (0..).zip(edges.windows(2)).flat_map(|(number, ends)| (ends[0]..ends[1]).map(move |_| number));
+        let of_pixel =
+            (0..).zip(edges.windows(2)).flat_map(|(number, ends)| (ends[0]..ends[1]).map(move |_| number));
         Self { of_pixel: of_pixel.collect(), edges }
     }
 
@@ -101,7 +104,8 @@ mod tests {
         let odd = TileGrid::with_edges([vec![0, 3, 16, 20, 36, 50], vec![0, 1, 17, 33, 40]]).unwrap();
         for grid in [TileGrid::new(50, 40), odd] {
             assert_eq!(grid.size(), [50, 40]);
-            for (left, top, width, height) in [(0, 0, 16, 16), (5, 5, 16, 16), (47, 16, 3, 1), (15, 15, 2, 2)] {
+            for (left, top, width, height) in [(0, 0, 16, 16), (5, 5, 16, 16), (47, 16, 3, 1), (15, 15, 2, 2)]
+            {
                 let rect = PixelRect { left, top, width, height };
                 let touches = |index: &usize| grid.rect(*index).intersection(&rect).is_some();
                 let expected: Vec<usize> = (0..grid.len()).filter(touches).collect();

@@ -291,7 +291,7 @@ impl Session {
             let view = self.view.at(fraction);
             let film = empty_film(&view);
             let goal = Goal { samples: 0..1, deadline: plan.deadline };
-            if self.prepared.render(&view, &film, goal, &|_| {}, stop) != Outcome::Finished {
+            if self.prepared.render(&view, &film, &goal, &|_| {}, stop) != Outcome::Finished {
                 return;
             }
             observer(&Event::Preview(fraction, &film.sums()));
@@ -310,9 +310,12 @@ impl Session {
         loop {
             let paths = self.film.sums().paths();
             let slice = interval.and_then(|interval| Instant::now().checked_add(interval));
-            let goal = Goal { samples: plan.samples.clone(), deadline: plan.deadline.into_iter().chain(slice).min() };
+            let goal = Goal {
+                samples: plan.samples.clone(),
+                deadline: plan.deadline.into_iter().chain(slice).min(),
+            };
             let report = |progress| observer(&Event::Samples(progress));
-            let outcome = self.prepared.render(&self.view, &self.film, goal, &report, stop);
+            let outcome = self.prepared.render(&self.view, &self.film, &goal, &report, stop);
             let time_is_up = plan.deadline.is_some_and(|deadline| Instant::now() >= deadline);
             let Some(checkpoint) = &plan.checkpoint else { return outcome };
             if outcome != Outcome::TimeUp || time_is_up || stop.load(Ordering::Relaxed) {

@@ -27,13 +27,13 @@ fn render_shard(prepared: &PreparedScene, view: &View, samples: Range<u32>, path
     let region = view.region();
     let film = LiveFilm::new(FilmSums::new(region.width, region.height));
     let notes = ShardNotes { samples_per_pixel: SAMPLES, ..ShardNotes::default() };
-    prepared.render(view, &film, Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    prepared.render(view, &film, &Goal { samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
     let place = (region, view.whole_size());
     save_shard(path, &film.sums(), prepared.fingerprint(view), place, notes).expect("room");
 }
 
 fn merged(parts: &[PathBuf]) -> Result<ShardMerge, String> {
-    let mut merge = ShardMerge::new(parts).map_err(|error| error.to_string())?;
+    let mut merge = ShardMerge::new(parts, u64::MAX).map_err(|error| error.to_string())?;
     parts.iter().try_for_each(|part| merge.add(part)).map_err(|error| error.to_string())?;
     Ok(merge)
 }
@@ -50,9 +50,9 @@ fn cut(rect: PixelRect, random: &mut SplitMix) -> Vec<PixelRect> {
     let spans = |start: u32, at: u32, end: u32| [(start, at - start), (at, end - at)];
     let columns = spans(rect.left, x, right);
     let rows = spans(rect.top, y, bottom);
-    let rects = rows.into_iter().flat_map(|(top, height)| {
-        columns.map(|(left, width)| PixelRect { left, top, width, height })
-    });
+    let rects = rows
+        .into_iter()
+        .flat_map(|(top, height)| columns.map(|(left, width)| PixelRect { left, top, width, height }));
     rects.filter(|rect| rect.area() > 0).collect()
 }
 
@@ -233,7 +233,13 @@ fn a_thousand_empty_shards_change_nothing() {
     let merge = merged(&parts).expect("parts of one picture");
     let first = film(&folder.path().join("first.shard"));
     assert!(*merge.film() == first);
-    let none = merged(&parts[parts.len() - 10..].iter().filter(|path| !path.ends_with("first.shard")).cloned().collect::<Vec<_>>());
+    let none = merged(
+        &parts[parts.len() - 10..]
+            .iter()
+            .filter(|path| !path.ends_with("first.shard"))
+            .cloned()
+            .collect::<Vec<_>>(),
+    );
     let none = none.expect("empty is no error here");
     assert_eq!((none.film().paths(), none.gaps(3).len()), (0, 1));
 }

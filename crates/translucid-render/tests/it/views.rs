@@ -33,7 +33,13 @@ fn ball(sharing: bool) -> Scene {
 fn rendered(prepared: &PreparedScene, view: &View, samples: u32) -> FilmSums {
     let region = view.region();
     let film = LiveFilm::new(FilmSums::new(region.width, region.height));
-    prepared.render(view, &film, Goal { samples: 0..samples, deadline: None }, &|_| {}, &AtomicBool::new(false));
+    prepared.render(
+        view,
+        &film,
+        &Goal { samples: 0..samples, deadline: None },
+        &|_| {},
+        &AtomicBool::new(false),
+    );
     film.into_sums()
 }
 
@@ -91,12 +97,12 @@ fn live_film_gives_layers_and_says_what_has_changed() {
     let film = LiveFilm::new(FilmSums::new(71, 45));
     assert!(film.tiles_changed_since(0).is_empty());
     let goal = |samples| Goal { samples: 0..samples, deadline: None };
-    prepared.render(&view, &film, goal(1), &|_| {}, &AtomicBool::new(false));
+    prepared.render(&view, &film, &goal(1), &|_| {}, &AtomicBool::new(false));
     let first = film.changes();
     let area: u64 = film.tiles_changed_since(0).iter().map(|tile| tile.area()).sum();
     assert_eq!(area, 71 * 45);
     assert!(film.tiles_changed_since(first).is_empty());
-    prepared.render(&view, &film, goal(2), &|_| {}, &AtomicBool::new(false));
+    prepared.render(&view, &film, &goal(2), &|_| {}, &AtomicBool::new(false));
     assert!(film.changes() > first && !film.tiles_changed_since(first).is_empty());
     for layer in FilmLayer::ALL {
         let pixels = film.layer(layer);

@@ -42,7 +42,7 @@ pub(crate) fn pictures(prepared: &PreparedScene, seeds: Range<u64>, samples: u32
         let view = View::new(camera, film, seed).expect("a valid view");
         let live = LiveFilm::new(FilmSums::new(film.width, film.height));
         let goal = Goal { samples: 0..samples, deadline: None };
-        let outcome = prepared.render(&view, &live, goal, &|_| {}, &AtomicBool::new(false));
+        let outcome = prepared.render(&view, &live, &goal, &|_| {}, &AtomicBool::new(false));
         assert_eq!(outcome, Outcome::Finished);
         live.into_sums()
     };
@@ -51,7 +51,13 @@ pub(crate) fn pictures(prepared: &PreparedScene, seeds: Range<u64>, samples: u32
 
 /// Renders until each pixel has so many samples.
 pub(crate) fn render(prepared: &PreparedScene, film: &mut FilmSums, samples: u32) -> Outcome {
-    render_until(prepared, film, Goal { samples: 0..samples, deadline: None }, &|_| {}, &AtomicBool::new(false))
+    render_until(
+        prepared,
+        film,
+        Goal { samples: 0..samples, deadline: None },
+        &|_| {},
+        &AtomicBool::new(false),
+    )
 }
 
 /// Renders until a goal is reached or somebody stops it.
@@ -64,7 +70,7 @@ pub(crate) fn render_until(
 ) -> Outcome {
     let view = prepared.view().expect("a valid view");
     let live = LiveFilm::new(film.clone());
-    let outcome = prepared.render(&view, &live, goal, progress, stop);
+    let outcome = prepared.render(&view, &live, &goal, progress, stop);
     *film = live.into_sums();
     outcome
 }
