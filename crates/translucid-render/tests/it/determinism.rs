@@ -142,7 +142,7 @@ fn interrupted(scene: &Scene, threads: usize) -> FilmSums {
     let goal = Goal { samples: 0..SAMPLES, deadline: None };
     let outcome = on_threads(threads, || {
         let prepared = prepare_with_points(scene.clone(), MEMORY).expect("enough memory");
-        render_until(&prepared, &mut film, goal, &stop_soon, &stop)
+        render_until(&prepared, &mut film, &goal, &stop_soon, &stop)
     });
     assert_eq!(outcome, Outcome::Interrupted);
     assert!(film.samples() < SAMPLES);
@@ -187,7 +187,7 @@ fn deadline_ends_the_rendering_in_time() {
     let mut film = empty_film();
     let start = Instant::now();
     let goal = Goal { samples: 0..1 << 22, deadline: Some(start + Duration::from_millis(200)) };
-    assert_eq!(render_until(&prepared, &mut film, goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
+    assert_eq!(render_until(&prepared, &mut film, &goal, &|_| {}, &AtomicBool::new(false)), Outcome::TimeUp);
     assert!(start.elapsed() < Duration::from_secs(20));
     assert!(film.samples() > 0);
 }

@@ -54,7 +54,7 @@ pub(crate) fn render(prepared: &PreparedScene, film: &mut FilmSums, samples: u32
     render_until(
         prepared,
         film,
-        Goal { samples: 0..samples, deadline: None },
+        &Goal { samples: 0..samples, deadline: None },
         &|_| {},
         &AtomicBool::new(false),
     )
@@ -64,13 +64,13 @@ pub(crate) fn render(prepared: &PreparedScene, film: &mut FilmSums, samples: u32
 pub(crate) fn render_until(
     prepared: &PreparedScene,
     film: &mut FilmSums,
-    goal: Goal,
+    goal: &Goal,
     progress: &(dyn Fn(Progress) + Sync),
     stop: &AtomicBool,
 ) -> Outcome {
     let view = prepared.view().expect("a valid view");
     let live = LiveFilm::new(film.clone());
-    let outcome = prepared.render(&view, &live, &goal, progress, stop);
+    let outcome = prepared.render(&view, &live, goal, progress, stop);
     *film = live.into_sums();
     outcome
 }
