@@ -70,6 +70,7 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"
 )]
 
+pub mod coefficients;
 pub mod convention;
 mod error;
 mod math;

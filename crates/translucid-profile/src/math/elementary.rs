@@ -106,7 +106,7 @@ const UPPER_START_7: [f64; 7] = [
     1.208069000754,
 ];
 /// Interpolates as [`UPPER_START_7`] at 3 nodes; relative error 2.1e-3.
-const UPPER_START_3: [f64; 3] = [1.335729962834, -0.084045038434, -0.415636555539];
+pub(crate) const UPPER_START_3: [f64; 3] = [1.335729962834, -0.084045038434, -0.415636555539];
 /// Interpolates the lower root, divided by v, at 7 Chebyshev nodes of [0, ½]; relative error 6.7e-8.
 const LOWER_START_7: [f64; 7] = [
     0.666666624525,
@@ -118,7 +118,7 @@ const LOWER_START_7: [f64; 7] = [
     -0.061855209920,
 ];
 /// Interpolates as [`LOWER_START_7`] at 3 nodes; relative error 2.6e-4.
-const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512];
+pub(crate) const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512];
 
 /// One of two coefficient sets, chosen number by number: a branch here would keep a loop from being vectorized.
 #[inline(always)]

@@ -7,7 +7,7 @@ mod discrete_ordinates;
 pub(crate) mod fresnel;
 pub(crate) mod half_space;
 pub(crate) mod inversion;
-mod length_coefficients;
+pub(crate) mod length_coefficients;
 pub(crate) mod media;
 pub(crate) mod scaling;
 pub(crate) mod similarity;

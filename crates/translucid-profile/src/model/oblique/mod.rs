@@ -1,7 +1,7 @@
 //! The profile of a beam at any angle: four exponentials, each tilted.
 
-mod coefficients;
-mod kernel;
+pub(crate) mod coefficients;
+pub(crate) mod kernel;
 pub(crate) mod single_precision;
 
 use std::f64::consts::PI;

@@ -1,0 +1,319 @@
+//! Writes what a program needs that runs the exported texts: the texts, 100,000 points for each function, and what
+//! double precision says there.
+//!
+//! `cargo run -p translucid-export --example points -- DIRECTORY` makes in it a directory for each configuration, with
+//! - `export.LANGUAGE`, `export.spirv`: every function in every language;
+//! - `functions.json`: for each function its name, the number of its arguments and results, its call in each language,
+//!   and its largest relative error;
+//! - `NAME.arguments`: rows of f32; `NAME.least`, `NAME.greatest`: rows of f64 that results lie between, but for the
+//!   relative error and what is in `NAME.floor`.
+
+use std::error::Error;
+use std::f64::consts::TAU;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use translucid_export::{Export, Function, Language, Subject, Target, entry_points};
+use translucid_profile::{
+    Configuration, Model, NormalizedDiffusion, ObliqueDiffusion, Parameterization, RefinedDiffusion,
+    scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
+};
+
+/// Points for each function.
+const COUNT: usize = 100_000;
+/// Least normal number of single precision.
+const LEAST: f64 = f32::MIN_POSITIVE as f64;
+/// Where texts cut off what grows beyond all numbers.
+const MOST: f64 = 1.0 / 2.9388e-39;
+/// What the last bits of a random number and of the weights of a mixture move.
+const BIT: f64 = 1e-6;
+/// Greatest random number below 1.
+const LAST: f64 = 1.0 - 1.0 / 16_777_216.0;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let directory = PathBuf::from(std::env::args_os().nth(1).ok_or("name a directory")?);
+    for (name, configuration) in
+        [("diffuse", Configuration::Diffuse), ("searchlight", Configuration::Searchlight)]
+    {
+        let directory = directory.join(name);
+        fs::create_dir_all(&directory)?;
+        write(&directory, configuration)?;
+    }
+    Ok(())
+}
+
+/// Writes the files of a configuration.
+fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn Error>> {
+    let export = |target| Export {
+        target,
+        subjects: &Subject::ALL,
+        models: &[
+            Model::NormalizedDiffusion,
+            Model::NormalizedDiffusionRefined,
+            Model::NormalizedDiffusionOblique,
+        ],
+        material: None,
+        configuration,
+        command: "the tests of its exports",
+    };
+    for target in Target::ALL {
+        let mut bytes = export(target).bytes()?;
+        if target == Target::Text(Language::Wgsl) {
+            bytes.extend(entry_points(&export(target).functions()?).into_bytes());
+        }
+        fs::write(directory.join(format!("export.{}", target.name())), bytes)?;
+    }
+    let functions = export(Target::Spirv).functions()?;
+    let entries: Vec<String> = functions.iter().map(json).collect();
+    fs::write(directory.join("functions.json"), format!("[{}]\n", entries.join(",\n")))?;
+    functions.iter().try_for_each(|function| write_points(directory, function, configuration))
+}
+
+/// An entry of `functions.json`.
+fn json(function: &Function) -> String {
+    let Function { name, arguments, outputs, error, .. } = function;
+    let calls: Vec<String> = Language::ALL
+        .into_iter()
+        .map(|language| {
+            let name = Target::Text(language).name();
+            format!("\"{name}\":\"{}\"", language.call(function))
+        })
+        .collect();
+    let list = |words: &[&str]| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(",");
+    format!(
+        "{{\"name\":\"{name}\",\"arguments\":[{}],\"outputs\":[{}],\"error\":{error:e},\"calls\":{{{}}}}}",
+        list(arguments),
+        list(outputs),
+        calls.join(",")
+    )
+}
+
+fn write_points(
+    directory: &Path,
+    function: &Function,
+    configuration: Configuration,
+) -> Result<(), Box<dyn Error>> {
+    let (mut arguments, mut least, mut greatest, mut floor) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for i in 0..COUNT {
+        let point = Point::number(i);
+        let row: Vec<f32> = function.arguments.iter().map(|name| point.argument(name) as f32).collect();
+        let wide: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
+        for truth in truths(function, &wide, configuration)? {
+            least.extend(truth.least.min(MOST).to_le_bytes());
+            greatest.extend(truth.greatest.min(MOST).to_le_bytes());
+            floor.extend(truth.floor.min(MOST).to_le_bytes());
+        }
+        arguments.extend(row.into_iter().flat_map(f32::to_le_bytes));
+    }
+    let name = function.name;
+    for (kind, bytes) in
+        [("arguments", arguments), ("least", least), ("greatest", greatest), ("floor", floor)]
+    {
+        fs::write(directory.join(format!("{name}.{kind}")), bytes)?;
+    }
+    Ok(())
+}
+
+/// Arguments of all names, spread evenly over their ranges, each with its ends.
+struct Point {
+    i: usize,
+    spread: [f64; 6],
+}
+
+impl Point {
+    fn number(i: usize) -> Self {
+        // Numbers that no whole combination of makes 0: roots of the first primes
+        let spread =
+            [2.0, 3.0, 5.0, 7.0, 11.0, 13.0].map(|prime: f64| (prime.sqrt() * (i + 1) as f64).fract());
+        Self { i, spread }
+    }
+
+    fn argument(&self, name: &str) -> f64 {
+        let r = || self.radius() * self.length();
+        match name {
+            "surface_albedo" => self.albedo(),
+            "length" | "d" => self.length(),
+            "scale" => 0.9 + 24.0 * self.spread[2],
+            "r" => match self.i % 64 {
+                5 => 0.0,
+                6 => 1e-45,
+                7 => 1e-38,
+                8 => f64::from(f32::MAX),
+                9 => -1.0,
+                _ => r(),
+            },
+            "x" => r() * (TAU * self.turn()).cos(),
+            "y" => r() * (TAU * self.turn()).sin(),
+            "u" => unit(self.i, self.spread[2]),
+            "turn" => unit(self.i / 3, self.spread[4]),
+            "cos_theta" => match self.i % 16 {
+                10 => 0.0,
+                11 => 1.0,
+                12 => 1e-4,
+                _ => self.spread[3],
+            },
+            other => unreachable!("{other}"),
+        }
+    }
+
+    fn albedo(&self) -> f64 {
+        let a = self.spread[0];
+        match self.i % 16 {
+            0 => 0.0,
+            1 => 1.0,
+            2 => 1e-6 * a,
+            3 => 1.0 - 1e-6 * a,
+            _ => a,
+        }
+    }
+
+    fn length(&self) -> f64 {
+        let length = match self.i % 32 {
+            13 => 1e-18,
+            14 => 1e18,
+            _ => 10f64.powf(12.0 * self.spread[1] - 6.0),
+        };
+        f64::from(length as f32)
+    }
+
+    /// In lengths.
+    fn radius(&self) -> f64 {
+        10f64.powf(10.6 * self.spread[2] - 8.0)
+    }
+
+    fn turn(&self) -> f64 {
+        match self.i % 8 {
+            0 => 0.0,
+            1 => 0.5,
+            2 => 1e-4 * self.spread[4],
+            _ => self.spread[4],
+        }
+    }
+}
+
+/// A random number, or one near an end.
+fn unit(i: usize, spread: f64) -> f64 {
+    match i % 16 {
+        4 => 0.0,
+        5 => LAST,
+        6 => 1e-6 * spread,
+        7 => 10f64.powf(-30.0 * spread),
+        8 => (1.0 - 1e-5 * spread).min(LAST),
+        _ => spread.min(LAST),
+    }
+}
+
+/// Double precision's result: between two numbers, where a last bit of an argument counts.
+struct Truth {
+    least: f64,
+    greatest: f64,
+    /// What counts as 0.
+    floor: f64,
+}
+
+/// A result that is one number; `scale` is what it would be without the decay of an exponential.
+fn exactly(value: f64, scale: f64) -> Truth {
+    Truth { least: value, greatest: value, floor: LEAST * scale.abs().max(1.0) }
+}
+
+/// A result that the last bits of an argument move between others.
+fn among(values: impl IntoIterator<Item = f64>, floor: f64) -> Truth {
+    let start = (f64::INFINITY, f64::NEG_INFINITY);
+    let (least, greatest) = values.into_iter().fold(start, |(least, most), x| (least.min(x), most.max(x)));
+    Truth { least, greatest, floor }
+}
+
+fn near(u: f64) -> [f64; 3] {
+    [u, u - BIT, u + BIT].map(|u| u.clamp(0.0, LAST))
+}
+
+/// The farthest that a sum of exponentials is sampled where a random number is next to the end of a term.
+///
+/// There the radius leaps from the term's farthest to the next one's nearest, and the term's end has an error, too.
+fn farthest_at_end(weights: [f64; 4], rates: [f64; 4], u: f64) -> Option<f64> {
+    let mut end = 0.0;
+    let ends = weights.map(|weight| {
+        end += weight;
+        end
+    });
+    let slowest = rates.into_iter().fold(f64::INFINITY, f64::min);
+    ends.iter().any(|end| (u - end).abs() <= BIT).then(|| -(1.0 - LAST).ln() / slowest)
+}
+
+fn truths(
+    function: &Function,
+    x: &[f64],
+    configuration: Configuration,
+) -> Result<Vec<Truth>, Box<dyn Error>> {
+    let one = |truth: Truth| Ok(vec![truth]);
+    let burley = |a, d| NormalizedDiffusion::from_d(a, d);
+    let refined = || RefinedDiffusion::new(x[0], x[1], Parameterization::Mfp, configuration);
+    let oblique = || ObliqueDiffusion::new(x[0], x[1], Parameterization::Mfp, configuration, x[2]);
+    // A radius below the least normal number counts as that where R is divided by it
+    match function.name {
+        "burley_scale_mfp_searchlight" => one(exactly(scaling_from_mfp_searchlight(x[0]), 1.0)),
+        "burley_scale_mfp_diffuse" => one(exactly(scaling_from_mfp_diffuse(x[0]), 1.0)),
+        "burley_scale_dmfp_searchlight" => one(exactly(scaling_from_dmfp_searchlight(x[0]), 1.0)),
+        "burley_width" => one(exactly((x[0] / x[1]).clamp(1e-18, 1e18), 1.0)),
+        "burley_pdf" => one(exactly(burley(1.0, x[1])?.pdf(x[0]), burley(1.0, x[1])?.pdf(0.0))),
+        "burley_pdf_area" => {
+            let (p, r) = (burley(1.0, x[1])?, x[0].max(LEAST));
+            one(exactly(p.pdf_area(r), p.pdf(0.0) / (TAU * r)))
+        }
+        "burley_eval" => {
+            let (p, r) = (burley(x[0], x[2])?, x[1].max(LEAST));
+            one(exactly(p.eval(r), p.pdf(0.0) / (TAU * r)))
+        }
+        "burley_eval_times_r" => {
+            let p = burley(x[0], x[2])?;
+            one(exactly(p.eval_times_r(x[1]), p.pdf(0.0)))
+        }
+        "burley_cdf" => one(exactly(burley(1.0, x[1])?.cdf(x[0]), 1.0)),
+        "burley_complementary_cdf" => one(exactly(burley(1.0, x[1])?.complementary_cdf(x[0]), 1.0)),
+        "burley_quantile" => one(exactly(burley(1.0, x[1])?.quantile(x[0]), x[1])),
+        "burley_sample" => one(exactly(burley(1.0, x[1])?.sample(x[0]), x[1])),
+        "refined_pdf" => one(exactly(refined()?.pdf(x[2]), refined()?.pdf(0.0))),
+        "refined_pdf_area" => {
+            let (p, r) = (refined()?, x[2].max(LEAST));
+            one(exactly(p.pdf_area(r), p.pdf(0.0) / (TAU * r)))
+        }
+        "refined_eval" => {
+            let (p, r) = (refined()?, x[2].max(LEAST));
+            one(exactly(p.eval(r), p.pdf(0.0) / (TAU * r)))
+        }
+        "refined_mfp_from_dmfp" => {
+            let dmfp = Parameterization::Dmfp;
+            let mfp = RefinedDiffusion::new(x[0], x[1], dmfp, configuration).map_or(0.0, |p| p.mfp());
+            one(exactly(mfp, 1.0))
+        }
+        "refined_cdf" => one(exactly(refined()?.cdf(x[2]), 1.0)),
+        "refined_complementary_cdf" => one(exactly(refined()?.complementary_cdf(x[2]), 1.0)),
+        "refined_sample" => {
+            let p = refined()?;
+            let farthest = farthest_at_end(p.weights(), p.rates(), x[2]).into_iter().flat_map(|r| [0.0, r]);
+            one(among(near(x[2]).map(|u| p.sample(u)).into_iter().chain(farthest), LEAST * x[1]))
+        }
+        "oblique_pdf_area" | "oblique_eval" => {
+            let p = oblique()?;
+            let (r, phi) = (x[3].hypot(x[4]).max(LEAST), x[4].atan2(x[3]));
+            let (value, scale) = (p.pdf_area(r, phi), p.pdf_area(1e-9 * x[1], phi) * 1e-9 * x[1] / r);
+            let factor = if function.name == "oblique_eval" { p.total() } else { 1.0 };
+            one(exactly(value.min(MOST) * factor, scale))
+        }
+        "oblique_sample" => {
+            let p = oblique()?;
+            let points = near(x[3]).into_iter().flat_map(|u| near(x[4]).map(|turn| p.sample([u, turn])));
+            let points = points.map(|(r, phi)| (r * phi.cos(), r * phi.sin()));
+            let farthest = farthest_at_end(p.weights(), p.rates(), x[3]).into_iter();
+            let points: Vec<(f64, f64)> = points.chain(farthest.flat_map(|r| [(-r, -r), (r, r)])).collect();
+            // Of a coordinate near 0 the error is one of the radius
+            let floor = function.error * points.iter().map(|(x, y)| x.hypot(*y)).fold(0.0, f64::max);
+            Ok(vec![
+                among(points.iter().map(|point| point.0), floor),
+                among(points.iter().map(|point| point.1), floor),
+            ])
+        }
+        other => Err(format!("no truth for {other}").into()),
+    }
+}

@@ -1,0 +1,173 @@
+//! The functions that texts offer: what they are called with, and how far they are from double precision.
+
+use translucid_profile::Model;
+
+use crate::Subject;
+use crate::token::{Token, tokens};
+
+/// A function of a text, as those who test it or feed it from buffers call it: numbers in, numbers out.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Function {
+    /// Name in WGSL.
+    pub name: &'static str,
+    /// Names of the numbers that a call takes.
+    pub arguments: &'static [&'static str],
+    /// The call in WGSL, in which the arguments stand by their names.
+    pub call: &'static str,
+    /// Fields of the result; one that is empty where it is a number itself.
+    pub outputs: &'static [&'static str],
+    /// Largest relative error against double precision that tests allow, on 100,000 points over all parameters.
+    ///
+    /// What is below 1.2e-38 of the value at r = 0, and what a last bit of a random number changes, is no error.
+    pub error: f64,
+}
+
+impl Function {
+    /// Names of the functions in the call.
+    pub(crate) fn called(&self) -> impl Iterator<Item = &'static str> {
+        let pieces = tokens(self.call);
+        let called = pieces.windows(2).filter_map(|window| match window {
+            [Token::Word(name), Token::Sign("(")] => Some(*name),
+            _ => None,
+        });
+        called.collect::<Vec<_>>().into_iter()
+    }
+}
+
+const fn function(
+    name: &'static str,
+    arguments: &'static [&'static str],
+    call: &'static str,
+    error: f64,
+) -> Function {
+    Function { name, arguments, call, outputs: &[""], error }
+}
+
+const BURLEY_SCALES: [Function; 4] = [
+    function(
+        "burley_scale_mfp_searchlight",
+        &["surface_albedo"],
+        "burley_scale_mfp_searchlight(surface_albedo)",
+        1e-6,
+    ),
+    function(
+        "burley_scale_mfp_diffuse",
+        &["surface_albedo"],
+        "burley_scale_mfp_diffuse(surface_albedo)",
+        1e-6,
+    ),
+    function(
+        "burley_scale_dmfp_searchlight",
+        &["surface_albedo"],
+        "burley_scale_dmfp_searchlight(surface_albedo)",
+        1e-6,
+    ),
+    function("burley_width", &["length", "scale"], "burley_width(length, scale)", 1e-6),
+];
+
+const BURLEY_DENSITIES: [Function; 2] = [
+    function("burley_pdf", &["r", "d"], "burley_pdf(r, d)", 1e-5),
+    function("burley_pdf_area", &["r", "d"], "burley_pdf_area(r, d)", 1e-5),
+];
+
+const BURLEY_QUANTILE: Function = function("burley_quantile", &["u", "d"], "burley_quantile(u, d)", 1e-6);
+
+const BURLEY_PROFILE: [Function; 4] = [
+    function("burley_eval", &["surface_albedo", "r", "d"], "burley_eval(surface_albedo, r, d)", 1e-5),
+    function(
+        "burley_eval_times_r",
+        &["surface_albedo", "r", "d"],
+        "burley_eval_times_r(surface_albedo, r, d)",
+        1e-5,
+    ),
+    function("burley_cdf", &["r", "d"], "burley_cdf(r, d)", 1e-6),
+    function("burley_complementary_cdf", &["r", "d"], "burley_complementary_cdf(r, d)", 1e-5),
+];
+
+const BURLEY_SAMPLE: Function = function("burley_sample", &["u", "d"], "burley_sample(u, d)", 1e-6);
+
+const REFINED_ARGUMENTS: &[&str] = &["surface_albedo", "length", "r"];
+
+const REFINED_DENSITIES: [Function; 2] = [
+    function("refined_pdf", REFINED_ARGUMENTS, "refined_pdf(refined_terms(surface_albedo, length), r)", 1e-4),
+    function(
+        "refined_pdf_area",
+        REFINED_ARGUMENTS,
+        "refined_pdf_area(refined_terms(surface_albedo, length), r)",
+        1e-4,
+    ),
+];
+
+const REFINED_PROFILE: [Function; 4] = [
+    function(
+        "refined_mfp_from_dmfp",
+        &["surface_albedo", "length"],
+        "refined_mfp_from_dmfp(surface_albedo, length)",
+        1e-6,
+    ),
+    function(
+        "refined_eval",
+        REFINED_ARGUMENTS,
+        "refined_eval(refined_terms(surface_albedo, length), r)",
+        1e-4,
+    ),
+    function("refined_cdf", REFINED_ARGUMENTS, "refined_cdf(refined_terms(surface_albedo, length), r)", 1e-4),
+    function(
+        "refined_complementary_cdf",
+        REFINED_ARGUMENTS,
+        "refined_complementary_cdf(refined_terms(surface_albedo, length), r)",
+        1e-4,
+    ),
+];
+
+const REFINED_SAMPLE: Function = function(
+    "refined_sample",
+    &["surface_albedo", "length", "u"],
+    "refined_sample(refined_terms(surface_albedo, length), u)",
+    1e-4,
+);
+
+const OBLIQUE_ARGUMENTS: &[&str] = &["surface_albedo", "length", "cos_theta", "x", "y"];
+
+const OBLIQUE_PDF_AREA: Function = function(
+    "oblique_pdf_area",
+    OBLIQUE_ARGUMENTS,
+    "oblique_pdf_area(oblique_terms(surface_albedo, length, cos_theta), x, y)",
+    1e-4,
+);
+
+const OBLIQUE_EVAL: Function = function(
+    "oblique_eval",
+    OBLIQUE_ARGUMENTS,
+    "oblique_eval(oblique_terms(surface_albedo, length, cos_theta), x, y)",
+    1e-4,
+);
+
+const OBLIQUE_SAMPLE: Function = Function {
+    name: "oblique_sample",
+    arguments: &["surface_albedo", "length", "cos_theta", "u", "turn"],
+    call: "oblique_sample(oblique_terms(surface_albedo, length, cos_theta), u, turn)",
+    outputs: &["x", "y"],
+    error: 1e-4,
+};
+
+/// The functions of a subject for a model; none where there is no such text.
+pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
+    match (subject, model) {
+        (Subject::Profile, Model::NormalizedDiffusion) => {
+            [&BURLEY_SCALES[..], &BURLEY_PROFILE, &BURLEY_DENSITIES, &[BURLEY_QUANTILE]].concat()
+        }
+        (Subject::Sampler, Model::NormalizedDiffusion) => {
+            [&BURLEY_SCALES[..], &BURLEY_DENSITIES, &[BURLEY_QUANTILE, BURLEY_SAMPLE]].concat()
+        }
+        (Subject::Profile, Model::NormalizedDiffusionRefined) => {
+            [&REFINED_PROFILE[..], &REFINED_DENSITIES].concat()
+        }
+        (Subject::Sampler, Model::NormalizedDiffusionRefined) => {
+            [&REFINED_DENSITIES[..], &[REFINED_SAMPLE]].concat()
+        }
+        (Subject::Profile, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_EVAL, OBLIQUE_PDF_AREA],
+        (Subject::Sampler, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_PDF_AREA, OBLIQUE_SAMPLE],
+        _ => Vec::new(),
+    }
+}

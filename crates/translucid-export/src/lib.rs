@@ -1,0 +1,49 @@
+//! Reflectance profiles for other people's renderers: text to paste, in the language that the renderer is written in.
+//!
+//! Formulas are written once, in WGSL (`src/formulas/`), with coefficients that come from the profile crate.
+//! A text takes the functions that it offers and those that these call.
+//! WGSL has one spelling for everything that the formulas need, so [`Language`] translates them into GLSL, HLSL, MSL,
+//! OSL, C and C++ word by word, with their comments and names. naga could write three of these languages; but it drops
+//! comments, renames what ends in a digit and flattens expressions into temporaries, and what people paste they want to
+//! read. naga makes the SPIR-V, and in tests it checks the WGSL.
+//!
+//! # Units
+//! Lengths are in any one unit that the caller keeps to.
+//!
+//! # Out of scope
+//! Files: an export is bytes. Scenes, pictures.
+//!
+//! ```
+//! use translucid_export::{Export, Language, Subject, Target};
+//! use translucid_profile::{Configuration, Model};
+//!
+//! # fn main() -> Result<(), translucid_export::ExportError> {
+//! let export = Export {
+//!     target: Target::Text(Language::Glsl),
+//!     subjects: &[Subject::Sampler],
+//!     models: &[Model::NormalizedDiffusion],
+//!     material: None,
+//!     configuration: Configuration::Diffuse,
+//!     command: "an example",
+//! };
+//! let shader = String::from_utf8_lossy(&export.bytes()?).into_owned();
+//! assert!(shader.contains("float burleySample(float u, float d) {"));
+//! # Ok(())
+//! # }
+//! ```
+
+mod error;
+mod export;
+mod formula;
+mod function;
+mod header;
+mod language;
+mod number;
+mod spirv;
+mod token;
+
+pub use error::ExportError;
+pub use export::{Export, Material, Subject, Target};
+pub use function::{Function, functions};
+pub use language::Language;
+pub use spirv::entry_points;
