@@ -8,6 +8,7 @@ mod command_line;
 mod compare;
 mod completions;
 mod convert;
+mod export;
 mod failure;
 mod files;
 mod fit;
@@ -64,6 +65,7 @@ enum Verb {
     Fit(fit::FitArguments),
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
+    Export(export::ExportArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering, a line each
     Models,
@@ -83,6 +85,7 @@ Examples:
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
+  translucid export --to glsl --what sampler
   translucid help render
 
 Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 1 anything else.";
@@ -183,6 +186,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Fit(arguments) => fit::run(&arguments),
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Convert(arguments) => convert::run(&arguments),
+        Verb::Export(arguments) => export::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),

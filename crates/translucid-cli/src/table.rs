@@ -89,7 +89,7 @@ pub(crate) fn print(text: &str) -> Result<(), Failure> {
 }
 
 /// The outcome of printing: a reader that leaves early is no error.
-fn printed(written: io::Result<()>) -> Result<(), Failure> {
+pub(crate) fn printed(written: io::Result<()>) -> Result<(), Failure> {
     match written {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
             Err(Failure::work(format!("cannot write to stdout: {error}")))

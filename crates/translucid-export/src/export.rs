@@ -1,11 +1,20 @@
 //! What can be exported to where, and how a text is put together.
 
-use translucid_profile::{Configuration, Model, NormalizedDiffusion, Parameterization, require};
+use std::ops::RangeInclusive;
 
+use translucid_profile::{
+    Appearance, Configuration, Model, NormalizedDiffusion, Parameterization, Profile, TabulatedProfile,
+    require,
+};
+
+use crate::curvature_table::CurvatureTable;
+use crate::disk::Disk;
 use crate::error::ExportError;
 use crate::formula::formulas;
 use crate::function::{Function, functions};
 use crate::header;
+use crate::image::{self, ImageFormat};
+use crate::kernel::Kernel;
 use crate::language::Language;
 use crate::number::literal;
 use crate::spirv;
@@ -17,11 +26,13 @@ pub enum Target {
     Text(Language),
     /// A compiled module for Vulkan.
     Spirv,
+    /// A table as an image.
+    Image(ImageFormat),
 }
 
 impl Target {
     /// Every target.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 12] = [
         Self::Text(Language::Wgsl),
         Self::Text(Language::Glsl),
         Self::Text(Language::Hlsl),
@@ -30,6 +41,10 @@ impl Target {
         Self::Text(Language::Osl),
         Self::Text(Language::C),
         Self::Text(Language::Cpp),
+        Self::Image(ImageFormat::Exr),
+        Self::Image(ImageFormat::Png),
+        Self::Image(ImageFormat::Dds),
+        Self::Image(ImageFormat::Npz),
     ];
 
     /// Name as the command line writes it.
@@ -43,6 +58,7 @@ impl Target {
             Self::Text(Language::C) => "c",
             Self::Text(Language::Cpp) => "cpp",
             Self::Spirv => "spirv",
+            Self::Image(format) => format.name(),
         }
     }
 
@@ -57,6 +73,7 @@ impl Target {
             Self::Text(Language::C) => "A header for C99",
             Self::Text(Language::Cpp) => "A header for C++17",
             Self::Spirv => "A module that computes functions for buffers of arguments",
+            Self::Image(format) => format.description(),
         }
     }
 }
@@ -68,17 +85,26 @@ pub enum Subject {
     Profile,
     /// Random radii and their densities.
     Sampler,
+    /// Taps around a pixel for screen-space scattering.
+    Disk,
+    /// Pre-integrated light on a sphere, by N·L and curvature.
+    Lut,
+    /// Separable kernel for screen-space scattering.
+    Kernel,
 }
 
 impl Subject {
     /// Every subject.
-    pub const ALL: [Self; 2] = [Self::Profile, Self::Sampler];
+    pub const ALL: [Self; 5] = [Self::Profile, Self::Sampler, Self::Disk, Self::Lut, Self::Kernel];
 
     /// Name as the command line writes it.
     pub fn name(self) -> &'static str {
         match self {
             Self::Profile => "profile",
             Self::Sampler => "sampler",
+            Self::Disk => "disk",
+            Self::Lut => "lut",
+            Self::Kernel => "kernel",
         }
     }
 
@@ -87,6 +113,29 @@ impl Subject {
         match self {
             Self::Profile => "Evaluation, densities, distribution and quantile of a profile",
             Self::Sampler => "Random radii and their densities",
+            Self::Disk => "Taps around a pixel for screen-space scattering, of a material",
+            Self::Lut => {
+                "Pre-integrated light on a sphere by N·L and curvature, of a material: c, cpp or an image"
+            }
+            Self::Kernel => "Separable kernel for screen-space scattering, of a material",
+        }
+    }
+
+    /// Tells whether it is a table of a material, and no function.
+    fn is_table(self) -> bool {
+        match self {
+            Self::Profile | Self::Sampler => false,
+            Self::Disk | Self::Lut | Self::Kernel => true,
+        }
+    }
+
+    /// Tells whether it can go to a target.
+    fn goes_to(self, target: Target) -> bool {
+        match (self, target) {
+            (_, Target::Image(_)) => self == Self::Lut,
+            (_, Target::Spirv | Target::Text(Language::Osl)) => !self.is_table(),
+            (Self::Lut, Target::Text(language)) => matches!(language, Language::C | Language::Cpp),
+            (_, Target::Text(_)) => true,
         }
     }
 }
@@ -102,6 +151,30 @@ pub struct Material {
     pub parameterization: Parameterization,
 }
 
+/// Sizes of tables.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sizes {
+    /// Taps of a disk, or of a kernel along a line, which has an odd number: one more where this is even.
+    pub taps: usize,
+    /// Columns and rows of a pre-integrated table.
+    pub lut: [usize; 2],
+    /// Greatest curvature of a pre-integrated table \[L⁻¹\]; without one, 1 over the longest length.
+    pub most_curvature: Option<f64>,
+}
+
+impl Sizes {
+    /// Numbers of taps that there can be.
+    pub const TAPS: RangeInclusive<usize> = 3..=1024;
+    /// Columns or rows that there can be.
+    pub const LUT: RangeInclusive<usize> = 2..=1024;
+}
+
+impl Default for Sizes {
+    fn default() -> Self {
+        Self { taps: 25, lut: [128, 32], most_curvature: None }
+    }
+}
+
 /// What is to be exported.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Export<'a> {
@@ -115,6 +188,8 @@ pub struct Export<'a> {
     pub material: Option<Material>,
     /// How light enters.
     pub configuration: Configuration,
+    /// Sizes of tables.
+    pub sizes: Sizes,
     /// The command that a text says it was made by.
     pub command: &'a str,
 }
@@ -129,13 +204,51 @@ impl Export<'_> {
     /// # Errors
     /// There is no such combination, or the material is out of its range.
     pub fn bytes(&self) -> Result<Vec<u8>, ExportError> {
+        self.check()?;
         let functions = self.functions()?;
         let roots: Vec<&str> = functions.iter().flat_map(Function::called).collect();
         let formulas = formulas(&roots, self.configuration) + &self.constants()?;
         match self.target {
             Target::Spirv => spirv::compile(&(formulas + &spirv::entry_points(&functions))),
-            Target::Text(language) => Ok(self.text(language, &functions, &formulas).into_bytes()),
+            Target::Text(language) => {
+                let tables = self.tables(language)?;
+                Ok(self.text(language, &functions, &formulas, &tables).into_bytes())
+            }
+            Target::Image(format) => image::encode(&self.curvature_table()?, format),
         }
+    }
+
+    /// Refuses what does not go together.
+    fn check(&self) -> Result<(), ExportError> {
+        for &subject in self.subjects {
+            if !subject.goes_to(self.target) {
+                let targets = Target::ALL.into_iter().filter(|target| subject.goes_to(*target));
+                let allowed: Vec<&str> = targets.map(Target::name).collect();
+                let allowed = format!("one of {} for {}", allowed.join(", "), subject.name());
+                return Err(ExportError::new("to", self.target.name(), allowed));
+            }
+            if subject.is_table() && self.material.is_none() {
+                let allowed = "a profile, sampler or other function without a material: tables are of one";
+                return Err(ExportError::new("what", subject.name(), allowed));
+            }
+            if subject.is_table() && self.models.len() != 1 {
+                let models: Vec<&str> = self.models.iter().map(|model| model.name()).collect();
+                let allowed = format!("one, as {} is of one", subject.name());
+                return Err(ExportError::new("model", models.join(","), allowed));
+            }
+        }
+        if matches!(self.target, Target::Image(_)) && self.subjects.len() != 1 {
+            return Err(ExportError::new("what", "several", "lut alone for an image"));
+        }
+        let Sizes { taps, lut, most_curvature } = self.sizes;
+        require(Sizes::TAPS.contains(&taps), "taps", taps as f64, "in [3, 1024]")?;
+        for side in lut {
+            require(Sizes::LUT.contains(&side), "size", side as f64, "in [2, 1024] each")?;
+        }
+        if let Some(curvature) = most_curvature {
+            require(curvature > 0.0 && curvature <= 1e18, "most_curvature", curvature, "in (0, 1e18]")?;
+        }
+        Ok(())
     }
 
     /// The functions that the export has, once each.
@@ -144,13 +257,15 @@ impl Export<'_> {
     /// A subject does not go with a model.
     pub fn functions(&self) -> Result<Vec<Function>, ExportError> {
         let mut all: Vec<Function> = Vec::new();
+        let subjects = self.subjects.iter().copied().filter(|subject| !subject.is_table());
+        let subjects: Vec<Subject> = subjects.collect();
         for &model in self.models {
-            if !MODELS.contains(&model) {
+            if !subjects.is_empty() && !MODELS.contains(&model) {
                 let allowed = MODELS.map(Model::name).join(", ");
                 let allowed = format!("a closed form: {allowed}");
                 return Err(ExportError::new("model", model.name(), allowed));
             }
-            for &subject in self.subjects {
+            for &subject in &subjects {
                 for function in functions(subject, model) {
                     if !all.contains(&function) {
                         all.push(function);
@@ -185,14 +300,56 @@ impl Export<'_> {
         Ok(text)
     }
 
-    fn text(&self, language: Language, functions: &[Function], formulas: &str) -> String {
+    /// Tables of the material.
+    fn tables(&self, language: Language) -> Result<String, ExportError> {
+        let Sizes { taps, .. } = self.sizes;
+        let table = |subject: &Subject| match subject {
+            Subject::Disk => Ok(Disk::new(&self.profiles()?, taps).text(language)),
+            Subject::Kernel => Ok(Kernel::new(&self.profiles()?, taps | 1).text(language)),
+            Subject::Lut => Ok(self.curvature_table()?.text(language)),
+            _ => Ok(String::new()),
+        };
+        self.subjects.iter().map(table).collect::<Result<Vec<_>, ExportError>>().map(|tables| tables.concat())
+    }
+
+    fn curvature_table(&self) -> Result<CurvatureTable, ExportError> {
+        let Sizes { lut, most_curvature, .. } = self.sizes;
+        let longest = self.material.map_or(1.0, |material| material.length.into_iter().fold(0.0, f64::max));
+        Ok(CurvatureTable::new(&self.profiles()?, lut, most_curvature.unwrap_or(1.0 / longest)))
+    }
+
+    /// Profiles of red, green, blue.
+    fn profiles(&self) -> Result<[Box<dyn Profile>; 3], ExportError> {
+        let Some(Material { surface_albedo, length, parameterization }) = self.material else {
+            return Err(ExportError::new("what", "a table", "of a material"));
+        };
+        let profile = |c: usize| {
+            let appearance =
+                Appearance { surface_albedo: surface_albedo[c], length: length[c], parameterization, g: 0.0 };
+            let profile = self.models[0].profile(&appearance, self.configuration, 1.0)?;
+            // Many models take microseconds a quantile
+            let is_fast = profile.samples_directly();
+            let profile: Box<dyn Profile> =
+                if is_fast { profile } else { Box::new(TabulatedProfile::new(&*profile)) };
+            Ok::<_, ExportError>(profile)
+        };
+        Ok([profile(0)?, profile(1)?, profile(2)?])
+    }
+
+    fn text(&self, language: Language, functions: &[Function], formulas: &str, tables: &str) -> String {
         let mut paragraphs: Vec<String> =
             self.models.iter().map(|model| header::of_model(*model, self.configuration)).collect();
         paragraphs.push(String::from(header::UNITS));
-        paragraphs.push(header::errors(functions, |name| language.function_name(name)));
+        if !functions.is_empty() {
+            paragraphs.push(header::errors(functions, language));
+        }
         paragraphs.push(header::origin(self.command));
         let subjects = self.subjects.iter().map(|subject| subject.name());
         let content: Vec<&str> = subjects.chain(self.models.iter().map(|model| model.name())).collect();
-        language.file(&header::comment(&paragraphs), &language.translate(formulas), &content.join("_"))
+        language.file(
+            &header::comment(&paragraphs),
+            &(language.translate(formulas) + tables),
+            &content.join("_"),
+        )
     }
 }

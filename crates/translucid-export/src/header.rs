@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use translucid_profile::{Configuration, Model};
 
 use crate::function::Function;
+use crate::language::Language;
 
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
@@ -60,16 +61,17 @@ Lengths are in one unit that you keep to; R and densities per area are in its in
 its inverse. r is any number; a negative one counts as 0. Random numbers are in [0, 1).";
 
 /// How far functions are from double precision.
-pub(crate) fn errors(functions: &[Function], name: impl Fn(&str) -> String) -> String {
+pub(crate) fn errors(functions: &[Function], language: Language) -> String {
     let mut text = String::from(
-        "Largest relative errors in single precision, asserted on 100,000 points over these ranges and their ends (below
-1.2e-38 of the value at r = 0 it is 0; a last bit of a random number is no error):\n",
+        "Largest relative errors against double precision, asserted on 100,000 points over these ranges and their ends
+(values below 2.4e-38 of that at r = 0 count as 0; a sampler may choose another term where a random number is within
+a millionth of its end). Devices may add what their exp and log are off: these are for exact ones, OSL's its own.\n",
     );
-    let names: Vec<String> = functions.iter().map(|function| name(function.name)).collect();
+    let names: Vec<String> = functions.iter().map(|function| language.function_name(function.name)).collect();
     let width = names.iter().map(String::len).max().unwrap_or(0);
     for (name, function) in names.iter().zip(functions) {
         // Writing to a string cannot fail
-        let _ = write!(text, "\n  {name:<width$}  {:e}", function.error);
+        let _ = write!(text, "\n  {name:<width$}  {:e}", function.error_in(language));
     }
     text
 }

@@ -179,6 +179,9 @@ impl Language {
             Self::Cpp => format!(
                 "{comment}\n#ifndef {guard}\n#define {guard}\n\n#include <cmath>\n\nnamespace translucid {{\n\n{definitions}\n}} // namespace translucid\n\n#endif\n"
             ),
+            Self::Msl => {
+                format!("{comment}\n#include <metal_stdlib>\nusing namespace metal;\n\n{definitions}")
+            }
             _ => format!("{comment}\n{definitions}"),
         }
     }

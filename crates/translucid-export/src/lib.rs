@@ -14,7 +14,7 @@
 //! Files: an export is bytes. Scenes, pictures.
 //!
 //! ```
-//! use translucid_export::{Export, Language, Subject, Target};
+//! use translucid_export::{Export, Language, Sizes, Subject, Target};
 //! use translucid_profile::{Configuration, Model};
 //!
 //! # fn main() -> Result<(), translucid_export::ExportError> {
@@ -24,6 +24,7 @@
 //!     models: &[Model::NormalizedDiffusion],
 //!     material: None,
 //!     configuration: Configuration::Diffuse,
+//!     sizes: Sizes::default(),
 //!     command: "an example",
 //! };
 //! let shader = String::from_utf8_lossy(&export.bytes()?).into_owned();
@@ -32,18 +33,24 @@
 //! # }
 //! ```
 
+mod curvature_table;
+mod disk;
 mod error;
 mod export;
 mod formula;
 mod function;
 mod header;
+mod image;
+mod kernel;
 mod language;
 mod number;
 mod spirv;
 mod token;
 
+pub use curvature_table::CurvatureTable;
 pub use error::ExportError;
-pub use export::{Export, Material, Subject, Target};
+pub use export::{Export, Material, Sizes, Subject, Target};
 pub use function::{Function, functions};
+pub use image::ImageFormat;
 pub use language::Language;
 pub use spirv::entry_points;

@@ -3,7 +3,7 @@
 use crate::common::{files, run, stderr, stdout};
 use translucid_scene::SubsurfaceModel;
 
-const VERBS: [&str; 10] = [
+const VERBS: [&str; 11] = [
     "render",
     "profile",
     "sample",
@@ -11,6 +11,7 @@ const VERBS: [&str; 10] = [
     "fit",
     "compare",
     "convert",
+    "export",
     "view",
     "models",
     "completions",

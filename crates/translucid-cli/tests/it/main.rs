@@ -5,6 +5,7 @@ mod command_line;
 mod common;
 mod compare;
 mod convert;
+mod export;
 mod fit;
 mod gallery;
 mod killed;

@@ -19,7 +19,7 @@ class Function:
     name: str
     arguments: list[str]
     outputs: list[str]
-    error: float
+    errors: dict[str, float]
     calls: dict[str, str]
 
     def rows(self, kind, dtype, count):
@@ -46,15 +46,15 @@ class Function:
         self.worst_at = int(relative.max(axis=1).argmax())
         return relative.max()
 
-    def fault(self, results, where):
+    def fault(self, results, where, language):
         """What is wrong with the results: nothing within the error that the texts state."""
-        worst = self.worst(results)
-        print(f"{where:<16} {self.configuration:<12} {self.name:<32} {worst:.1e} of {self.error:.1e}")
-        if worst <= self.error:
+        worst, error = self.worst(results), self.errors[language]
+        print(f"{where:<16} {self.configuration:<12} {self.name:<32} {worst:.1e} of {error:.1e}")
+        if worst <= error:
             return []
         i = self.worst_at
         shown = np.asarray(results, np.float64).reshape(-1, len(self.outputs))[i]
-        return [f"{where}: {self.name}{tuple(map(float, self.inputs[i]))} = {shown}, off by {worst:.2e}, allowed {self.error:.1e}"]
+        return [f"{where}: {self.name}{tuple(map(float, self.inputs[i]))} = {shown}, off by {worst:.2e}, allowed {error:.1e}"]
 
 
 def functions(configuration):

@@ -47,7 +47,7 @@ def test_wgsl_agrees_with_double_precision(device, configuration):
     module = device.create_shader_module(code=text(configuration, "wgsl"))
     faults = []
     for function in functions(configuration):
-        faults += function.fault(compute(device, module, f"each_{function.name}", function), "WGSL")
+        faults += function.fault(compute(device, module, f"each_{function.name}", function), "WGSL", "wgsl")
     assert not faults
 
 
@@ -58,7 +58,7 @@ def test_spirv_is_valid_and_agrees_with_double_precision(device, configuration):
     module = device.create_shader_module(code=path.read_bytes())
     faults = []
     for function in functions(configuration):
-        faults += function.fault(compute(device, module, f"each_{function.name}", function), "SPIR-V")
+        faults += function.fault(compute(device, module, f"each_{function.name}", function), "SPIR-V", "wgsl")
     assert not faults
 
 
@@ -114,5 +114,5 @@ def test_shader_agrees_with_double_precision(device, configuration, language, tm
         assert done.returncode == 0, done.stdout
         subprocess.run(["spirv-val", "--target-env", "vulkan1.1", binary], check=True)
         module = device.create_shader_module(code=binary.read_bytes())
-        faults += function.fault(compute(device, module, "main", function), language.upper())
+        faults += function.fault(compute(device, module, "main", function), language.upper(), language)
     assert not faults

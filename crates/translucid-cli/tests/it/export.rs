@@ -1,0 +1,104 @@
+//! `translucid export`: what every combination prints, and what wrong input is told.
+
+use crate::common::{run, stderr, stdout};
+
+fn here() -> std::path::PathBuf {
+    std::env::temp_dir()
+}
+
+#[test]
+fn every_text_says_where_it_comes_from() {
+    for language in ["wgsl", "glsl", "hlsl", "msl", "osl", "c", "cpp"] {
+        for model in ["normalized-diffusion", "normalized-diffusion-refined", "normalized-diffusion-oblique"]
+        {
+            let words = format!("export --to {language} --what profile,sampler --model {model}");
+            let text = stdout(&here(), &words);
+            for part in ["Christensen", "SPDX-License-Identifier: MIT-0", "Largest relative errors"] {
+                let has_it = text.contains(part) || model.ends_with("oblique");
+                assert!(has_it, "{words}: no {part} in {text}");
+            }
+            assert!(text.contains(&format!("translucid {words}")), "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_material_becomes_constants() {
+    let text = stdout(&here(), "export --to c --what profile --preset marble --unit cm");
+    assert!(text.contains("static const float TRANSLUCID_SURFACE_ALBEDO_RED = 0.93115"), "{text}");
+    assert!(text.contains("static const float TRANSLUCID_MEAN_FREE_PATH_RED = 0.045618"), "{text}");
+    let text = stdout(&here(), "export --to glsl --what profile --surface-albedo 0.8 --mfp 2.2,1.1,1.1");
+    assert!(text.contains("const float WIDTH_RED = 2.0;"), "{text}");
+}
+
+#[test]
+fn tables_are_of_a_material() {
+    let text = stdout(&here(), "export --to hlsl --what disk,kernel --preset skin1 --taps 9");
+    for part in ["static const float2 DISK_OFFSETS[9] = {", "static const float4 KERNEL[9] = {"] {
+        assert!(text.contains(part), "{text}");
+    }
+    let text = stdout(&here(), "export --to c --what lut --model exact --preset skin1 --size 5x3");
+    assert!(text.contains("static const float TRANSLUCID_LUT[15][3] = {"), "{text}");
+    let folder = tempfile::tempdir().unwrap();
+    for format in ["exr", "png", "dds", "npz"] {
+        let words = format!("export --to {format} --what lut --preset skin1 --size 9x5 -o lut.{format}");
+        stdout(folder.path(), &words);
+        assert!(folder.path().join(format!("lut.{format}")).metadata().unwrap().len() > 100);
+    }
+}
+
+#[test]
+fn wrong_input_is_told_what_is_allowed() {
+    for (words, message) in [
+        ("--to cobol --what profile", "[possible values: wgsl"),
+        ("--to c --what profil", "[possible values: profile"),
+        (
+            "--to c --what profile --model dipole",
+            "--model is dipole, but must be a closed form: normalized-diff",
+        ),
+        ("--to c --what profile --model none", "the model none has no profile"),
+        ("--to c --what profile --preset marbel", "did you mean \"marble\""),
+        ("--to c --what profile --surface-albedo 0.5", "--mfp or --dmfp is missing"),
+        (
+            "--to c --what profile --surface-albedo 1.5 --mfp 1",
+            "--surface-albedo is 1.5, but must be in [0, 1]",
+        ),
+        ("--to c --what profile --surface-albedo 0.5 --mfp 0", "--mfp is 0, but must be in [1e-18, 1e18]"),
+        ("--to c --what profile --surface-albedo 0.5 --dmfp -1", "--dmfp is -1, but must be in"),
+        ("--to c --what profile --surface-albedo 0.5 --mfp nan", "--mfp is NaN, but must be in"),
+        (
+            "--to c --what profile --surface-albedo 0.5,0.4 --mfp 1",
+            "--surface-albedo has 2 numbers, but must",
+        ),
+        (
+            "--to c --what disk",
+            "--what is disk, but must be a profile, sampler or other function without a material",
+        ),
+        (
+            "--to osl --what disk --preset skin1",
+            "--to is osl, but must be one of wgsl, glsl, hlsl, msl, c, cpp for disk",
+        ),
+        (
+            "--to wgsl --what lut --preset skin1",
+            "--to is wgsl, but must be one of c, cpp, exr, png, dds, npz for lut",
+        ),
+        ("--to exr --what profile", "--to is exr, but must be one of"),
+        ("--to c --what disk --preset skin1 --taps 2", "--taps is 2, but must be in [3, 1024]"),
+        ("--to c --what lut --preset skin1 --size 1x5", "--size is 1, but must be in [2, 1024] each"),
+        ("--to c --what lut --preset skin1 --size 5", "two whole numbers with an x between"),
+        (
+            "--to c --what lut --preset skin1 --most-curvature 0",
+            "--most-curvature is 0, but must be in (0, 1e18]",
+        ),
+        (
+            "--to c --what disk --preset skin1 --model exact,dipole",
+            "--model is exact,dipole, but must be one",
+        ),
+        ("--to c --what profile -o no/such/directory.h", "no/such"),
+    ] {
+        let output = run(&here(), &format!("export {words}"));
+        assert_eq!(output.status.code(), Some(2), "{words}");
+        assert!(stderr(&output).contains(message), "{words}: {}", stderr(&output));
+        assert!(output.stdout.is_empty());
+    }
+}

@@ -1,0 +1,167 @@
+//! Pre-integrated tables as images: linear values, columns and rows as in the table.
+
+use std::io::{Cursor, Write};
+
+use translucid_image::{CodedPicture, MetadataValue, Picture, PictureChannel};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipWriter};
+
+use crate::curvature_table::CurvatureTable;
+use crate::error::ExportError;
+
+/// Format of an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImageFormat {
+    /// OpenEXR, single precision.
+    Exr,
+    /// PNG, eight bits, linear.
+    Png,
+    /// DirectDraw surface, single precision, four channels.
+    Dds,
+    /// NumPy's archive: `lut`, and its `most_curvature`.
+    Npz,
+}
+
+impl ImageFormat {
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Exr => "exr",
+            Self::Png => "png",
+            Self::Dds => "dds",
+            Self::Npz => "npz",
+        }
+    }
+
+    pub(crate) fn description(self) -> &'static str {
+        match self {
+            Self::Exr => "A lut as OpenEXR",
+            Self::Png => "A lut as PNG, linear, 8 bits",
+            Self::Dds => "A lut as DirectDraw surface, linear, 32 bits",
+            Self::Npz => "A lut as arrays of NumPy",
+        }
+    }
+}
+
+/// The bytes of a file.
+pub(crate) fn encode(table: &CurvatureTable, format: ImageFormat) -> Result<Vec<u8>, ExportError> {
+    // Memory takes whatever is written
+    let failed = |error: &dyn std::fmt::Display| ExportError::new("to", format.name(), error.to_string());
+    match format {
+        ImageFormat::Exr => exr(table).map_err(|error| failed(&error)),
+        ImageFormat::Png => {
+            let codes: Vec<u8> =
+                table.values.iter().flatten().map(|v| (255.0 * v).round().clamp(0.0, 255.0) as u8).collect();
+            let description = format!("{}; linear", note(table));
+            CodedPicture::rgb(table.size, &codes)
+                .with_text("Description", &description)
+                .encode()
+                .map_err(|error| failed(&error))
+        }
+        ImageFormat::Dds => Ok(dds(table)),
+        ImageFormat::Npz => npz(table).map_err(|error| failed(&error)),
+    }
+}
+
+/// What columns and rows are.
+fn note(table: &CurvatureTable) -> String {
+    format!(
+        "pre-integrated light on a sphere: columns N.L from -1 to 1, rows curvature from 0 to {} per length",
+        table.most_curvature
+    )
+}
+
+fn exr(table: &CurvatureTable) -> std::io::Result<Vec<u8>> {
+    let [width, height] = table.size;
+    let row = |y: u32, values: &mut [f64]| {
+        let start = y as usize * width;
+        for (pixel, value) in values.chunks_exact_mut(3).zip(&table.values[start..start + width]) {
+            pixel.copy_from_slice(value);
+        }
+    };
+    let channels = ["R", "G", "B"].map(PictureChannel::single).to_vec();
+    let mut picture = Picture::new([width as u32, height as u32], channels, row);
+    picture.software = format!("translucid {}", env!("CARGO_PKG_VERSION"));
+    picture.metadata.push((String::from("translucid.lut"), MetadataValue::Text(note(table))));
+    let mut file = Cursor::new(Vec::new());
+    picture.write_exr(&mut file)?;
+    Ok(file.into_inner())
+}
+
+/// A DDS file of one texture: magic, `DDS_HEADER`, `D3DFMT_A32B32G32R32F`, pixels.
+fn dds(table: &CurvatureTable) -> Vec<u8> {
+    const CAPS_HEIGHT_WIDTH_PITCH_FORMAT: u32 = 0x1 | 0x2 | 0x4 | 0x8 | 0x1000;
+    const FOUR_CC: u32 = 0x4;
+    const A32B32G32R32F: u32 = 116;
+    const TEXTURE: u32 = 0x1000;
+    let [width, height] = table.size.map(|side| side as u32);
+    let mut header = [0_u32; 31];
+    header[0] = 124;
+    header[1] = CAPS_HEIGHT_WIDTH_PITCH_FORMAT;
+    header[2] = height;
+    header[3] = width;
+    header[4] = 16 * width;
+    header[18] = 32;
+    header[19] = FOUR_CC;
+    header[20] = A32B32G32R32F;
+    header[26] = TEXTURE;
+    let mut file = b"DDS ".to_vec();
+    file.extend(header.into_iter().flat_map(u32::to_le_bytes));
+    for [red, green, blue] in &table.values {
+        file.extend([*red, *green, *blue, 1.0].into_iter().flat_map(|v| (v as f32).to_le_bytes()));
+    }
+    file
+}
+
+fn npz(table: &CurvatureTable) -> zip::result::ZipResult<Vec<u8>> {
+    let [width, height] = table.size;
+    let mut file = ZipWriter::new(Cursor::new(Vec::new()));
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+    let values: Vec<f64> = table.values.iter().flatten().copied().collect();
+    for (name, shape, values) in [
+        ("lut", format!("({height}, {width}, 3)"), values),
+        ("most_curvature", String::from("()"), vec![table.most_curvature]),
+    ] {
+        file.start_file(format!("{name}.npy"), options)?;
+        file.write_all(&npy(&shape, &values))?;
+    }
+    Ok(file.finish()?.into_inner())
+}
+
+/// An array in NumPy's format, version 1.0.
+fn npy(shape: &str, values: &[f64]) -> Vec<u8> {
+    let mut header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}");
+    // Magic, version and length take ten bytes; the whole is a multiple of 64 that ends a line
+    while (header.len() + 11) % 64 != 0 {
+        header.push(' ');
+    }
+    header.push('\n');
+    let mut file = b"\x93NUMPY\x01\x00".to_vec();
+    file.extend((header.len() as u16).to_le_bytes());
+    file.extend(header.into_bytes());
+    file.extend(values.iter().flat_map(|value| value.to_le_bytes()));
+    file
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> CurvatureTable {
+        CurvatureTable { size: [3, 2], most_curvature: 0.5, values: vec![[0.0, 0.5, 1.0]; 6] }
+    }
+
+    #[test]
+    fn formats_begin_as_they_must() {
+        for (format, magic) in [
+            (ImageFormat::Exr, &b"\x76\x2f\x31\x01"[..]),
+            (ImageFormat::Png, b"\x89PNG"),
+            (ImageFormat::Dds, b"DDS \x7c\0\0\0"),
+            (ImageFormat::Npz, b"PK\x03\x04"),
+        ] {
+            let bytes = encode(&table(), format).unwrap();
+            assert!(bytes.starts_with(magic), "{format:?}");
+        }
+        assert_eq!(encode(&table(), ImageFormat::Dds).unwrap().len(), 128 + 6 * 16);
+        assert_eq!(npy("(2,)", &[1.0, 2.0]).len() % 64, 16);
+    }
+}
