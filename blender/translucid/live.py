@@ -136,6 +136,7 @@ _DEFAULTS = {
     "geometry_opacity": 1.0,
     "base_metalness": 0.0,
     "subsurface_eta": 1.0,
+    "subsurface_flights": 65536,
     "subsurface_scatter_anisotropy": 0.0,
 }
 

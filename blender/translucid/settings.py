@@ -21,6 +21,8 @@ def integrator_keys(scene, samples):
     }
     if model_of(scene) is None:
         keys["subsurface_tail"] = CYCLES_TAIL
+        if settings.method == "ray-traced":
+            keys["subsurface_method"] = "cycles-disk"
     return keys
 
 

@@ -10,6 +10,9 @@ from . import _translucid
 
 METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
 
+#: Flights after which Cycles gives up a walk.
+MOST_FLIGHTS = 256
+
 #: Colors at which the relation of a color and what comes out is tabulated for images.
 POINTS = 4096
 
@@ -60,10 +63,10 @@ def cycles_material(
     Notes
     -----
     BURLEY is ``normalized-diffusion`` of the width radius * scale / 4 pi; cut where Cycles cuts it by
-    ``scene.set_integrator(subsurface_tail=0.00362)``, for all materials.
-    The walks are ``random-walk-rough`` and ``random-walk-skin`` in the medium that Cycles chooses, so bright colors come out
-    darker than they are: at most 0.919, since its walks end after 256 flights. What these leave out is taken off the
-    single-scattering albedo here.
+    ``scene.set_integrator(subsurface_tail=0.00362)`` and counted as Cycles counts it by ``subsurface_method="cycles-disk"``,
+    for all materials.
+    The walks are ``random-walk-rough`` and ``random-walk-skin`` in the medium that Cycles chooses, and end after 256 flights
+    as they do there: whatever the color, a half space comes out no brighter than 0.919.
 
     Examples
     --------
@@ -95,7 +98,11 @@ def cycles_material(
         g = min(anisotropy, 0.9)
         color, skin = _walks(color, g, max(ior, 1.01))
         mfp = length * (1.0 - g) * (skin if method == "RANDOM_WALK_SKIN" else 1.0 / (4.0 * math.pi))
-        keys = {"subsurface_scatter_anisotropy": g, "subsurface_eta": min(max(ior, 1.01), 3.0)}
+        keys = {
+            "subsurface_scatter_anisotropy": g,
+            "subsurface_eta": min(max(ior, 1.01), 3.0),
+            "subsurface_flights": MOST_FLIGHTS,
+        }
         if method == "RANDOM_WALK_SKIN":
             keys["subsurface_model"] = "random-walk-skin"
         else:
@@ -112,7 +119,7 @@ def cycles_material(
 
 
 def _walks(color, g, ior):
-    """Surface albedos that colors come out as, and mean free paths of the skin mode for a radius of 1."""
+    """Surface albedos of the media of colors, and mean free paths of the skin mode for a radius of 1."""
     if color.size <= POINTS:
         albedo, skin = _translucid._cycles_walks(color.ravel().tolist(), g, ior)
         return np.reshape(albedo, color.shape), np.reshape(skin, color.shape)

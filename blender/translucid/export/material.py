@@ -78,6 +78,7 @@ def material_of(material, report, model=None):
     if model is not None and keys.get("subsurface_model", "none") != "none":
         # Cycles' index is that of the view's refraction; here it would be that of a body.
         keys |= {"subsurface_model": model, "subsurface_eta": _ONE}
+        keys.pop("subsurface_flights", None)
     return _spelled(evaluator, output, keys)
 
 
@@ -575,6 +576,7 @@ _NUMBERS = {
     "coat_ior": (1.0, 4.0),
     "subsurface_scatter_anisotropy": (-0.95, 0.95),
     "subsurface_eta": (0.5, 3.0),
+    "subsurface_flights": (2, 65536),
 }
 
 

@@ -140,7 +140,7 @@ pub(crate) struct Arguments {
     /// By default random-walk or else exact, if among them, else the first.
     #[arg(long, value_name = "MODEL", hide_possible_values = true)]
     against: Option<ModelName>,
-    /// How light under surfaces is found: ray-traced or point-based
+    /// How light under surfaces is found: ray-traced, point-based or cycles-disk
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     subsurface_method: Option<SubsurfaceMethod>,
     /// Whether light below a pixel serves those around: true or false
@@ -516,7 +516,7 @@ fn parse_region(text: &str) -> Result<[u32; 4], String> {
 
 fn parse_method(text: &str) -> Result<SubsurfaceMethod, String> {
     SubsurfaceMethod::from_name(text)
-        .ok_or_else(|| String::from("the methods are ray-traced and point-based"))
+        .ok_or_else(|| String::from("the methods are ray-traced, point-based and cycles-disk"))
 }
 
 fn parse_seconds(text: &str) -> Result<Duration, String> {

@@ -137,7 +137,7 @@ pub(crate) fn _cycles_walks(
             Ok(skin.read(&[1.0, 1.0, skin_ior], albedo, Configuration::Diffuse)?.mfp())
         };
         let lengths: Result<Vec<f64>, ParameterError> = colors.iter().map(mfp).collect();
-        Ok((colors.iter().map(|&color| walk.surface_albedo(color)).collect(), lengths?))
+        Ok((colors.iter().map(|&color| walk.surface_albedo_of_medium(color)).collect(), lengths?))
     })
     .map_err(|error: ParameterError| PyValueError::new_err(error.to_string()))
 }

@@ -79,12 +79,18 @@ pub enum SubsurfaceMethod {
     RayTraced,
     /// Light that enters is computed at points all over the surface beforehand; a path sums over them.
     PointBased,
+    /// Ray-traced as Blender Cycles does it for Christensen-Burley: hits of probes weigh what they weigh there, and surfaces that
+    /// a path meets after a diffuse event are Lambertian.
+    CyclesDisk,
 }
 
 impl SubsurfaceMethod {
     /// Every method by its name, in the order of the variants.
-    pub(crate) const WORDS: [(&str, Self); 2] =
-        [("ray-traced", Self::RayTraced), ("point-based", Self::PointBased)];
+    pub(crate) const WORDS: [(&str, Self); 3] = [
+        ("ray-traced", Self::RayTraced),
+        ("point-based", Self::PointBased),
+        ("cycles-disk", Self::CyclesDisk),
+    ];
 
     /// The method's name as scene files and the command line write it.
     pub const fn name(self) -> &'static str {

@@ -104,7 +104,7 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
     };
     let mut words: Map<String, Value> =
         plain.words().into_iter().map(|word| (word.name.to_owned(), json!(word.words))).collect();
-    words.insert("subsurface_method".to_owned(), json!(["ray-traced", "point-based"]));
+    words.insert("subsurface_method".to_owned(), json!(["ray-traced", "point-based", "cycles-disk"]));
     words.insert("tone_mapping".to_owned(), json!(["srgb", "neutral", "agx"]));
     let model = |model: SubsurfaceModel| json!({ "name": model.name(), "description": model.description() });
     let objects: Vec<Value> = scene

@@ -124,5 +124,5 @@ fn options_of_points_have_to_fit() {
     }
     assert_eq!(files(&directory), ["ball.toml"]);
     let said = refusal(&directory, "render ball.toml --subsurface-method points");
-    assert!(said.contains("ray-traced and point-based"), "{said}");
+    assert!(said.contains("ray-traced, point-based and cycles-disk"), "{said}");
 }

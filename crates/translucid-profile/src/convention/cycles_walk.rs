@@ -24,9 +24,6 @@ use std::f64::consts::PI;
 use crate::math::scaled_erfc::erfcx;
 use crate::{AlbedoInversion, Configuration, half_space_surface_albedo};
 
-/// Flights after which a walk ends.
-const MOST_FLIGHTS: f64 = 256.0;
-
 /// Largest single-scattering albedo.
 const LARGEST_ALPHA: f64 = 0.999999;
 
@@ -51,6 +48,9 @@ impl CyclesWalk {
         Self { g, inversion: inversion.flatten(), fit: fit(g) }
     }
 
+    /// Flights after which a walk ends.
+    pub const MOST_FLIGHTS: f64 = 256.0;
+
     /// Mean cosine g of the phase function.
     pub fn g(&self) -> f64 {
         self.g
@@ -69,7 +69,7 @@ impl CyclesWalk {
     pub fn surface_albedo(&self, color: f64) -> f64 {
         let alpha = self.single_scattering_albedo(color);
         let absorbed = (1.0 - alpha) / (1.0 - alpha * self.g);
-        (self.of_endless_walks(alpha) - still_inside(absorbed)).max(0.0)
+        (self.surface_albedo_of_medium(color) - still_inside(absorbed)).max(0.0)
     }
 
     /// The color that comes out as a surface albedo; the nearest one beyond [`brightest`](Self::brightest).
@@ -91,8 +91,9 @@ impl CyclesWalk {
         self.surface_albedo(1.0)
     }
 
-    /// Surface albedo of a medium whose walks never end.
-    fn of_endless_walks(&self, alpha: f64) -> f64 {
+    /// Surface albedo of the medium of a color, as walks that never end would have it.
+    pub fn surface_albedo_of_medium(&self, color: f64) -> f64 {
+        let alpha = self.single_scattering_albedo(color);
         let Some(inversion) = &self.inversion else {
             return half_space_surface_albedo(alpha, Configuration::Diffuse);
         };
@@ -111,8 +112,8 @@ impl CyclesWalk {
 
 /// Share of the light that is still in a half space after the last flight, of what absorption leaves: 1 − α' = s.
 fn still_inside(s: f64) -> f64 {
-    let x = (MOST_FLIGHTS * s).sqrt();
-    let whole = 2.0 / (3.0 * PI).sqrt() * 2.0 / MOST_FLIGHTS.sqrt();
+    let x = (CyclesWalk::MOST_FLIGHTS * s).sqrt();
+    let whole = 2.0 / (3.0 * PI).sqrt() * 2.0 / CyclesWalk::MOST_FLIGHTS.sqrt();
     whole * (-x * x).exp() * (1.0 - PI.sqrt() * x * erfcx(x))
 }
 

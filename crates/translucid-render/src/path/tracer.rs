@@ -138,7 +138,10 @@ impl<'a> PathTracer<'a> {
 
         // Evaluate the material as this path sees it
         let normal = surface::shading_normal_at(&world.scene, material, point);
-        let subsurface = self.subsurface.at(&world.scene, index, point);
+        let mut subsurface = self.subsurface.at(&world.scene, index, point);
+        if path.diffuse_depth > 0 && self.subsurface.transports()[index].is_lambertian_behind_diffuse() {
+            subsurface.length = Vec3::ZERO;
+        }
         let mut surface = surface::parameters_at(&world.scene, material, point)
             .with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
         if path.soft {

@@ -18,6 +18,7 @@ pub(crate) struct WalkRecipe {
     eta: f64,
     configuration: Configuration,
     parameterization: Parameterization,
+    most_flights: u32,
 }
 
 /// The medium of any surface albedo.
@@ -29,6 +30,8 @@ pub(crate) struct WalkMedium {
     pub(crate) g: f32,
     /// Relative index of the boundary, 1 without one; of a rough surface that of its facets.
     pub(crate) eta: f32,
+    /// Flights after which a walk is given up.
+    pub(crate) most_flights: u32,
 }
 
 impl WalkRecipe {
@@ -49,6 +52,7 @@ impl WalkRecipe {
             },
             surface,
             parameterization: material.subsurface_parameter,
+            most_flights: material.subsurface_flights as u32,
         }
     }
 
@@ -59,11 +63,11 @@ impl WalkRecipe {
 
     /// Inverts the albedos of the medium.
     pub(crate) fn make(&self) -> Result<WalkMedium, ParameterError> {
-        let Self { g, eta, configuration, parameterization, surface } = *self;
+        let Self { g, eta, configuration, parameterization, surface, most_flights } = *self;
         // Only a clear surface reflects light inside
         let eta_inside = if surface == WalkSurface::Clear { eta } else { 1.0 };
         let inversion = AlbedoInversion::new(g, eta_inside, configuration)?;
-        Ok(WalkMedium { inversion, parameterization, surface, g: g as f32, eta: eta as f32 })
+        Ok(WalkMedium { inversion, parameterization, surface, g: g as f32, eta: eta as f32, most_flights })
     }
 }
 

@@ -213,6 +213,8 @@ pub struct Material {
     pub subsurface_configuration: Configuration,
     /// Relative index of refraction of the boundary in models that know one, in [0.5, 3]; 1 is index-matched.
     pub subsurface_eta: f32,
+    /// Flights after which a random walk is given up, a whole number in [2, 65536].
+    pub subsurface_flights: f32,
     /// Whose textured albedo and mean free path count.
     pub subsurface_texture_at: SubsurfaceTextureAt,
     /// Whether the shape counts in how much light a profile returns.
@@ -261,6 +263,7 @@ impl Default for Material {
             subsurface_parameter: SubsurfaceParameter::Mfp,
             subsurface_configuration: Configuration::Diffuse,
             subsurface_eta: 1.0,
+            subsurface_flights: 65536.0,
             subsurface_texture_at: SubsurfaceTextureAt::Exit,
             subsurface_normalization: SubsurfaceNormalization::None,
             coat_weight: ScalarInput::constant(0.0),

@@ -92,6 +92,7 @@ parameters! {
     subsurface_radius_scale in Interval::FACTOR,
     subsurface_scatter_anisotropy in Interval::open(-1.0, 1.0),
     subsurface_eta in Interval::closed(0.5, 3.0),
+    subsurface_flights in Interval::closed(2.0, 65536.0),
     coat_weight in Interval::UNIT,
     coat_color in Interval::UNIT,
     coat_roughness in Interval::UNIT,

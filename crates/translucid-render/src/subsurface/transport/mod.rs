@@ -135,6 +135,11 @@ impl SubsurfaceTransport {
         }
     }
 
+    /// Whether light that has left another diffuse surface toward this one leaves it where it enters.
+    pub(crate) fn is_lambertian_behind_diffuse(&self) -> bool {
+        matches!(self, Self::Probes(probes) | Self::Shared(probes) if probes.is_disk)
+    }
+
     /// Leaves a surface through the medium below; false where the path is over.
     pub(crate) fn scatter<'a, T: Tracing<'a>>(
         &'a self,

@@ -7,6 +7,7 @@
 //! Where a texture gives the entry point a say in R (see [`Pairing`]), channels are the exit's profile and the widest one
 //! that the texture has, so that every R is covered.
 
+mod disk;
 mod strategy;
 
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use crate::subsurface::kernel::{CutProfile, Passage, SubsurfaceKernel};
 use crate::subsurface::pairing::Pairing;
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{PathState, World};
+pub(super) use disk::Disk;
 pub(super) use strategy::ProbeStrategy;
 
 /// Part of a probe's length within which two hits that face the same way are one: rounding differs between the copies
@@ -40,6 +42,8 @@ pub(crate) struct Probes {
     pub(crate) tail: f32,
     /// Probabilities of probing along the two tangents and the normal.
     pub(crate) axes: [f32; 3],
+    /// Whether hits count as on the disks of Cycles: see [`Disk`].
+    pub(crate) is_disk: bool,
 }
 
 /// Hits of an exit's probes; their memory is kept between calls.
@@ -131,7 +135,8 @@ impl Probes {
             return self.sample_pair(pairing, scratch, world, exit, importance, sampler);
         }
         let own = self.strategy(exit, importance)?;
-        let (hit, weight) = scratch.find_own(&own, world, exit, importance, sampler)?;
+        let disk = self.disk(exit);
+        let (hit, weight) = scratch.find_own((&own, disk.as_ref()), world, exit, importance, sampler)?;
         Some(EntryHit { hit, weight: weight.value, subsurface: exit.subsurface })
     }
 
@@ -148,6 +153,11 @@ impl Probes {
             self.profile(surface_albedo[c], length[c])
         };
         ProbeStrategy::new(exit.point, self.axes, [profile(0), profile(1), profile(2)], shares)
+    }
+
+    /// The disks that hits count on, where they do.
+    pub(super) fn disk(&self, exit: &ExitPoint<'_>) -> Option<Disk> {
+        self.is_disk.then(|| Disk::of(exit))
     }
 
     /// Draws an entry point where its own parameters have a say: by the exit's profile and by the widest that there can
@@ -211,14 +221,18 @@ impl ProbeScratch {
     /// Draws a hit of an exit whose own parameters are all that counts.
     pub(super) fn find_own(
         &mut self,
-        own: &ProbeStrategy<'_, 3>,
+        (own, disk): (&ProbeStrategy<'_, 3>, Option<&Disk>),
         world: &World,
         exit: &ExitPoint<'_>,
         importance: Vec3,
         sampler: &mut Sampler,
     ) -> Option<(Hit, HitWeight)> {
         let albedo = exit.subsurface.scattering_albedo();
-        let weight = |_: &Hit, offset, normal| own.weight(albedo, offset, normal);
+        let weight = |_: &Hit, offset, normal| {
+            let weight = own.weight(albedo, offset, normal);
+            let disk = disk.map_or(1.0, |disk| disk.factor(&own.profiles, offset, normal));
+            HitWeight { value: weight.value * disk, ..weight }
+        };
         self.find(own, world, exit, importance, sampler, weight)
     }
 

@@ -114,7 +114,7 @@ impl ProbeStrategy<'_, 3> {
 
 /// Distance of an offset projected along an axis \[L\], and the whole distance over it.
 #[inline]
-fn projected(offset: Vec3, axis: usize, distance: f32) -> (f32, f32) {
+pub(super) fn projected(offset: Vec3, axis: usize, distance: f32) -> (f32, f32) {
     // Not |x − P|² less the way along the axis: rounding would leave nothing of a short distance, where some
     // profiles have no density at all.
     let across = [offset[(axis + 1) % 3], offset[(axis + 2) % 3]];

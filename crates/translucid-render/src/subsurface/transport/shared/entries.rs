@@ -9,6 +9,7 @@ use crate::subsurface::entry_point::Arrival;
 use crate::subsurface::kernel::{CutProfile, Directions, Passage, SubsurfaceKernel};
 use crate::subsurface::parameters::Subsurface;
 use crate::subsurface::transport::gathering::{Account, COORDINATES, Evenness, ExitKind, Found, Receiver};
+use crate::subsurface::transport::probes::Disk;
 
 /// A point where light has entered.
 #[derive(Clone, Copy, Debug)]
@@ -16,6 +17,7 @@ pub(crate) struct EntryLight {
     pub(crate) position: Vec3,
     /// Shading normal on the side that is seen.
     pub(crate) normal: Vec3,
+    pub(crate) geometric_normal: Vec3,
     /// g times an unbiased estimate of 1/p for the exit that found it.
     pub(crate) own_weight: f32,
     /// From a sampled light and from a path.
@@ -63,6 +65,7 @@ pub(crate) struct WaitingExit<'a> {
     pub(crate) kernel: &'a SubsurfaceKernel,
     pub(crate) subsurface: Subsurface,
     pub(crate) profiles: [CutProfile<'a>; 3],
+    pub(crate) disk: Option<Disk>,
     pub(crate) nearness: Nearness,
     /// Mean radius of the widest profile in pixels.
     pub(crate) mean_radius: f32,
@@ -100,7 +103,8 @@ impl<'a> Receiver for WaitingExit<'a> {
     fn light_from(&self, response: &Directions<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
         let offset = self.position - entry.position;
         let distance = self.nearness.distance(offset.length());
-        let reflectance = self.reflectance(distance);
+        let on_disk = |disk: &Disk| disk.factor_in_world(&self.profiles, -offset, entry.geometric_normal);
+        let reflectance = self.reflectance(distance) * self.disk.as_ref().map_or(1.0, on_disk);
         let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
         let directional = response.along(passage);
         let light = |arrival: &Arrival| {

@@ -57,7 +57,9 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         return probes.scatter(tracer, world, path, exit, sampler);
     };
     let Some(own) = probes.strategy(exit, path.throughput) else { return false };
-    let found = tracer.scratch().probes.find_own(&own, world, exit, path.throughput, sampler);
+    let disk = probes.disk(exit);
+    let found =
+        tracer.scratch().probes.find_own((&own, disk.as_ref()), world, exit, path.throughput, sampler);
     let reaches = own.profiles.map(|profile| profile.longest());
     let nearness = Nearness::new(own.shares, reaches, probes.tail);
     let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
@@ -80,6 +82,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         EntryLight {
             position,
             normal: entry.normal,
+            geometric_normal: entry.point.geometric_normal,
             own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
             arrivals,
         }
@@ -97,6 +100,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         kernel: &probes.kernel,
         subsurface: exit.subsurface,
         profiles: own.profiles,
+        disk,
         nearness,
         mean_radius,
     };

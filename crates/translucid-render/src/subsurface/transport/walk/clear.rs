@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::flight::STRETCH;
 use super::random::WalkRandom;
 use super::shared::{OfLight, Sharing};
-use super::state::{MOST_EVENTS, Walk};
+use super::state::Walk;
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
@@ -72,7 +72,7 @@ impl Walk<'_> {
         entered: f32,
         mut flight: f32,
     ) -> bool {
-        while self.events < MOST_EVENTS {
+        while self.events < self.most_events {
             match self.fly(flight) {
                 Some(hit) if self.eta == 1.0 => return self.leave(world, path, exit, &hit),
                 Some(hit) => {

@@ -8,7 +8,7 @@ use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
 use super::shared::{OfLight, Sharing};
-use super::state::{MOST_EVENTS, Walk};
+use super::state::Walk;
 use crate::ray::Hit;
 use crate::sampling::{Frame, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
@@ -106,7 +106,7 @@ impl Walk<'_> {
         entered: f32,
         mut flight: f32,
     ) -> Option<Hit> {
-        while self.events < MOST_EVENTS {
+        while self.events < self.most_events {
             if let Some(hit) = self.fly(flight) {
                 return Some(hit);
             }

@@ -10,13 +10,6 @@ use crate::subsurface::parameters::Subsurface;
 use crate::surface::WalkMedium;
 use crate::world::{PathState, World};
 
-/// Flights after which a walk is given up.
-///
-/// Only media that absorb next to nothing get there. As A = 1 − (4/√3) √(1 − α) + … near white, the share of light that
-/// is still inside a white half space after n collisions is (4/√3)/√(πn): 0.5 %, whose mean number of collisions is
-/// infinite. With absorption e^{−n(1 − α)} of that is left: below 0.15 % at A = 0.99, nothing at 0.95.
-pub(super) const MOST_EVENTS: u32 = 1 << 16;
-
 /// Share of the light that entered below which walks end at random.
 const ROULETTE_BELOW: f32 = 0.4;
 
@@ -37,6 +30,8 @@ pub(super) struct Walk<'a> {
     pub(super) throughput: Vec3,
     /// Collisions and reflections inside.
     pub(super) events: u32,
+    /// Number of these after which the walk is given up.
+    pub(super) most_events: u32,
     /// Whether there was a collision.
     pub(super) has_scattered: bool,
     /// Solid-angle density of the direction, infinite where it was not drawn at a collision.
@@ -74,6 +69,7 @@ impl<'a> Walk<'a> {
             direction,
             throughput,
             events: 0,
+            most_events: medium.most_flights,
             has_scattered: false,
             pdf: f32::INFINITY,
             skipped,

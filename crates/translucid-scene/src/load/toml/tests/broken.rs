@@ -153,7 +153,7 @@ fn broken_integrator_is_refused() {
     refuse("[integrator]\ncaustics = 1", message, "1", "");
     let message = "integrator.subsurface_tail is 0.5, but must be in (0, 0.1]";
     refuse("[integrator]\nsubsurface_tail = 0.5", message, "0.5", "");
-    let must = "must be one of \"ray-traced\", \"point-based\"";
+    let must = "must be one of \"ray-traced\", \"point-based\", \"cycles-disk\"";
     let message = format!("integrator.subsurface_method is \"points\", but {must}");
     refuse("[integrator]\nsubsurface_method = \"points\"", &message, "\"points\"", "");
     let message = "integrator.subsurface_sharing is a string, but must be true or false";
