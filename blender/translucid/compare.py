@@ -86,13 +86,13 @@ class TRANSLUCID_OT_compare(bpy.types.Operator):
         report, cache = Report(), Cache()
         camera = scene_camera(scene.camera.evaluated_get(depsgraph), depsgraph, width, height, report)
         samples = scene.translucid.compare_samples
-        integrator = settings.integrator_keys(scene, samples)
         film = settings.film_keys(scene, width, height)
         other = scene.translucid.compare_model
         self._names = [scene.translucid.model, other]
         jobs = []
         for model in (settings.model_of(scene), None if other == "NODE" else other):
             cache.forget_materials()
+            integrator = settings.integrator_keys(scene, samples, model)
             jobs.append((Exporter(depsgraph, report, model, cache=cache).describe(), camera, film, integrator, region))
         self._comparison = _Comparison(jobs, samples, settings.threads_of(scene))
         self._task = Task(self._comparison.run)

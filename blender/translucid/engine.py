@@ -136,7 +136,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     def _prepared(self, scene, camera, frame, samples):
         """A session, which another thread makes."""
         description = self._description
-        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, samples)
+        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, samples, settings.model_of(scene))
         threads = settings.threads_of(scene)
         self.update_stats("", "Preparing")
 

@@ -8,7 +8,8 @@ CYCLES_TAIL = 0.00362
 _DIFFUSE_EVENTS = 5
 
 
-def integrator_keys(scene, samples):
+def integrator_keys(scene, samples, model):
+    """`model` takes the place of the transports that belong to the nodes' methods."""
     settings = scene.translucid
     keys = {
         "samples_per_pixel": samples,
@@ -19,7 +20,7 @@ def integrator_keys(scene, samples):
         "subsurface_sharing": settings.use_sharing,
         "seed": seed_of(scene),
     }
-    if model_of(scene) is None:
+    if model is None:
         keys["subsurface_tail"] = CYCLES_TAIL
         if settings.method == "ray-traced":
             keys["subsurface_method"] = "cycles-disk"

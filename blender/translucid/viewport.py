@@ -76,7 +76,7 @@ class Viewport:
         description = Exporter(depsgraph, self._report, self._model, cache=self._cache).describe()
         film = settings.film_keys(scene, 1, 1)
         del film["size"]
-        integrator = settings.integrator_keys(scene, scene.translucid.preview_samples)
+        integrator = settings.integrator_keys(scene, scene.translucid.preview_samples, settings.model_of(scene))
         self._target = Target(description, film, integrator, settings.threads_of(scene))
         self._failure = None
         self._follow()

@@ -5,11 +5,13 @@
 
 use glam::Vec3;
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
-use translucid_scene::{ColorInput, Light, Material, ScalarInput, SubsurfaceModel};
+use translucid_scene::{
+    ColorInput, Light, Material, Object, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel,
+};
 
 use crate::common::{
-    assert_within, distant, measure, precision, prepare, quad, sample_ray, samples, scene, sphere,
-    uniform_environment,
+    GRAY, assert_within, distant, matte, measure, precision, prepare, quad, sample_ray, samples, scene,
+    sphere, uniform_environment,
 };
 
 const ALBEDO: Vec3 = Vec3::new(0.9, 0.5, 0.2);
@@ -61,32 +63,103 @@ fn beyond(r: f64, d: f64, tail: f64) -> f64 {
     ((full - tail) / (1.0 - tail)).max(0.0)
 }
 
+/// Mean free paths of slabs.
+const SLAB: Vec3 = Vec3::new(1.0, 0.6, 0.4);
+
+/// A slab below z = 0 that is lit from below.
+fn slab(thickness: f32) -> Scene {
+    let top = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
+    let bottom = quad(Vec3::NEG_Z * thickness, Vec3::Y * 1e3, Vec3::X * 1e3);
+    let material = Material { subsurface_radius_scale: ColorInput::constant(SLAB), ..translucent() };
+    let mut scene = scene(vec![top, bottom], material);
+    scene.lights.push(distant(Vec3::NEG_Z));
+    scene
+}
+
+fn widths_in_slab() -> [f64; 3] {
+    std::array::from_fn(|c| {
+        let (albedo, length) = (f64::from(ALBEDO[c]), f64::from(SLAB[c]));
+        d_from_surface_albedo(albedo, length, Parameterization::Mfp, Configuration::Diffuse)
+    })
+}
+
+/// Radiance of Lambertian light of these shares of A.
+fn matte_light(shares: [f64; 3]) -> Vec3 {
+    ALBEDO * Vec3::from_array(shares.map(|share| share as f32)) / std::f32::consts::PI
+}
+
 #[test]
 fn slab_transmits_what_the_profile_says() {
-    let lengths = [1.0, 0.6, 0.4];
     for thickness in [0.05_f32, 0.3, 1.0, 2.0] {
-        let top = quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3);
-        let bottom = quad(Vec3::NEG_Z * thickness, Vec3::Y * 1e3, Vec3::X * 1e3);
-        let material = Material {
-            subsurface_radius_scale: ColorInput::constant(Vec3::from_array(lengths)),
-            ..translucent()
-        };
-        let mut scene = scene(vec![top, bottom], material);
-        scene.lights.push(distant(Vec3::NEG_Z));
+        let scene = slab(thickness);
         let tail = f64::from(scene.integrator.subsurface_tail);
         let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, samples(1 << 18));
-        let expected = Vec3::from_array(std::array::from_fn(|c| {
-            let albedo = f64::from(ALBEDO[c]);
-            let d = d_from_surface_albedo(
-                albedo,
-                f64::from(lengths[c]),
-                Parameterization::Mfp,
-                Configuration::Diffuse,
-            );
-            (albedo / std::f64::consts::PI * beyond(f64::from(thickness), d, tail)) as f32
-        }));
+        let expected = matte_light(widths_in_slab().map(|d| beyond(f64::from(thickness), d, tail)));
         assert_within(&format!("slab {thickness}"), result, expected);
     }
+}
+
+/// ∫ p_c(r) Σ_{k: r ≤ R_k} p_k(ρ) / Σ_k p_k(ρ) dρ with r² = ρ² + h² through a slab of the thickness h, which the disks of
+/// Cycles find from the axis along the normal alone; p_k is cut at R_k and renormalized.
+fn across_disks(h: f64, widths: [f64; 3], tail: f64) -> [f64; 3] {
+    let reaches = widths.map(|d| {
+        let (mut low, mut high) = (0.0, 100.0 * d);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if beyond(middle, d, tail) > 0.0 { low = middle } else { high = middle }
+        }
+        low
+    });
+    let pdf = |k: usize, r: f64| {
+        let d = widths[k];
+        let inside = if r <= reaches[k] { 1.0 } else { 0.0 };
+        inside * ((-r / d).exp() + (-r / (3.0 * d)).exp()) / (4.0 * d * (1.0 - tail))
+    };
+    let steps = 100_000;
+    let step = reaches.into_iter().fold(0.0, f64::max) / f64::from(steps);
+    let mut sums = [0.0; 3];
+    for i in 0..steps {
+        let rho = (f64::from(i) + 0.5) * step;
+        let r = rho.hypot(h);
+        let all: f64 = (0..3).map(|k| pdf(k, rho)).sum();
+        let within: f64 = (0..3).filter(|&k| r <= reaches[k]).map(|k| pdf(k, rho)).sum();
+        for (c, sum) in sums.iter_mut().enumerate() {
+            *sum += pdf(c, r) * within / all * step;
+        }
+    }
+    sums
+}
+
+#[test]
+fn slab_transmits_what_the_disks_of_cycles_find() {
+    for thickness in [0.05_f32, 0.3, 1.0, 2.0] {
+        let mut scene = slab(thickness);
+        scene.integrator.subsurface_method = SubsurfaceMethod::CyclesDisk;
+        let tail = f64::from(scene.integrator.subsurface_tail);
+        let result = measure(&prepare(scene), Vec3::new(0.1, 0.2, 1.0), Vec3::NEG_Z, samples(1 << 18));
+        let expected = matte_light(across_disks(f64::from(thickness), widths_in_slab(), tail));
+        assert_within(&format!("slab {thickness}"), result, expected);
+    }
+}
+
+/// With the disks of Cycles, what comes through a body serves the camera, not a floor.
+#[test]
+fn bodies_are_lambertian_behind_a_diffuse_event_with_disks() {
+    let light_of_floor = |method: SubsurfaceMethod| {
+        let mut scene = slab(0.3);
+        scene.objects.push(Object {
+            name: "floor".into(),
+            mesh: quad(Vec3::Z, Vec3::Y * 1e3, Vec3::X * 1e3).into(),
+            material: 1,
+            subsurface_group: 1,
+            ..Object::default()
+        });
+        scene.materials.push(matte(GRAY));
+        scene.integrator.subsurface_method = method;
+        measure(&prepare(scene), Vec3::Z * 0.5, Vec3::Z, samples(1 << 12)).0
+    };
+    assert_eq!(light_of_floor(SubsurfaceMethod::CyclesDisk), Vec3::ZERO);
+    assert!(light_of_floor(SubsurfaceMethod::RayTraced).min_element() > 0.01);
 }
 
 /// Energy of a unit profile that falls on a half plane at distance x ≥ 0 from its edge:

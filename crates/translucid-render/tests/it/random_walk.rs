@@ -16,7 +16,7 @@ use translucid_scene::{
     ColorInput, Environment, Light, Material, Mesh, Object, ScalarInput, Scene, SubsurfaceModel,
     SubsurfaceParameter, WalkSurface,
 };
-use translucid_testing::power;
+use translucid_testing::{SplitMix, power};
 
 use crate::common::{
     GRAY, PreparedScene, assert_agree, assert_within, distant, matte, mean_of, measure, on_threads, picture,
@@ -556,6 +556,51 @@ fn plane_of_diffuse_surface_returns_surface_albedo() {
         }
         let rough = lit(anisotropic(between(WalkSurface::Rough, 1.0)));
         assert_within(&format!("rough, g {g}"), flux(&rough, samples(1 << 17), on_plane), ALBEDO);
+    }
+}
+
+/// Share of the light on a plane that leaves it by flights up to `most`, α of it surviving each collision, with its error:
+/// walk by walk.
+fn returned_by(most: u32, alphas: [f64; 3]) -> (Vec3, Vec3) {
+    let walks = 200_000;
+    let mut random = SplitMix(9);
+    let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
+    for _ in 0..walks {
+        let (mut depth, mut cosine) = (0.0, random.uniform().sqrt());
+        for flight in 0..most {
+            depth -= (1.0 - random.uniform()).ln() * cosine;
+            if depth <= 0.0 {
+                for (c, alpha) in alphas.iter().enumerate() {
+                    let light = alpha.powi(flight as i32);
+                    sum[c] += light;
+                    squares[c] += light * light;
+                }
+                break;
+            }
+            cosine = 2.0 * random.uniform() - 1.0;
+        }
+    }
+    let n = f64::from(walks);
+    let variance = |c: usize| (squares[c] / n - (sum[c] / n) * (sum[c] / n)) / n;
+    (per_channel(|c| sum[c] / n), per_channel(|c| variance(c).sqrt()))
+}
+
+/// Walks that are given up leave out what longer ones would bring.
+#[test]
+fn walks_of_so_many_flights_return_the_light_of_so_many() {
+    let albedos = Vec3::new(1.0, 0.9, 0.6);
+    let inversion = AlbedoInversion::new(0.0, 1.0, Configuration::Diffuse).unwrap();
+    let alphas = albedos.to_array().map(|a| inversion.single_scattering_albedo(f64::from(a)));
+    for flights in [2_u16, 16, 256] {
+        let mut scene = plane(Material {
+            subsurface_color: ColorInput::constant(albedos),
+            subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
+            subsurface_flights: f32::from(flights),
+            ..between(WalkSurface::Diffuse, 1.0)
+        });
+        scene.environment = uniform_environment(Vec3::ONE);
+        let result = measure(&prepare(scene), Vec3::new(3.3, 1.1, 1.0), Vec3::NEG_Z, samples(1 << 16));
+        assert_agree(&format!("{flights} flights"), result, returned_by(flights.into(), alphas));
     }
 }
 
