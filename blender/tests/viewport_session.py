@@ -46,7 +46,7 @@ def shown():
     return found[-1] if found else None
 
 
-def wait_until_finished(limit=60.0):
+def wait_until_finished(limit=300.0):
     begun = time.perf_counter()
     yield 0.1
     while time.perf_counter() - begun < limit:
