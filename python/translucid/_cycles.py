@@ -72,7 +72,7 @@ def cycles_material(
     --------
     >>> keys = translucid.cycles_material("RANDOM_WALK", base_color=[0.8, 0.5, 0.2], radius=[1, 0.2, 0.1], scale=0.05)
     >>> keys["subsurface_model"], np.round(keys["subsurface_color"], 3).tolist()
-    ('random-walk-rough', [0.81, 0.505, 0.202])
+    ('random-walk-rough', [0.812, 0.505, 0.202])
     """
     if method not in METHODS:
         raise ValueError(f"method is {method!r}, but must be one of {', '.join(METHODS)}")
