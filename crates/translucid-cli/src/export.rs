@@ -28,6 +28,8 @@ Examples:
   translucid export --to hlsl --what profile --preset skin1 --unit cm
   translucid export --to wgsl --what profile --surface-albedo 0.8,0.5,0.4 --mfp 1.3,0.9,0.7
   translucid export --to spirv --what sampler -o burley.spv
+  translucid export --to cpp --what probe,fresnel -o probe.hpp
+  translucid export --to osl --what inversion --g 0.8 --eta 1.4
   translucid export --to hlsl --what disk,kernel --preset skin1 --taps 17 -o skin.hlsl
   translucid export --to exr --what lut --model exact --preset skin1 -o skin.exr";
 
@@ -81,6 +83,12 @@ pub(crate) struct ExportArguments {
     /// How light enters the medium [default: diffuse, with --dmfp searchlight]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
+    /// Mean cosine of the phase function, for an inversion, in [-0.95, 0.95]
+    #[arg(long, default_value_t = 0.0, allow_negative_numbers = true)]
+    g: f64,
+    /// Relative index of refraction, for an inversion and for moments of the Fresnel reflectance
+    #[arg(long, default_value_t = 1.0, allow_negative_numbers = true)]
+    eta: f64,
     /// Number of taps of a disk or a kernel, 3 to 1024 [default: 25]
     #[arg(long, value_name = "N")]
     taps: Option<usize>,
@@ -142,6 +150,8 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         models: &models,
         material: material(arguments)?,
         configuration: arguments.configuration.unwrap_or(by_default).into(),
+        g: arguments.g,
+        eta: arguments.eta,
         sizes: sizes(arguments),
         command: &command_line::shown(),
     };
@@ -227,6 +237,8 @@ fn name_option(arguments: &ExportArguments, error: &ExportError) -> Failure {
         "length" if arguments.dmfp.is_empty() => "--mfp",
         "length" => "--dmfp",
         "model" => "--model",
+        "g" => "--g",
+        "eta" => "--eta",
         "taps" => "--taps",
         "size" => "--size",
         "most_curvature" => "--most-curvature",

@@ -15,8 +15,9 @@ use std::path::{Path, PathBuf};
 
 use translucid_export::{Export, Function, Language, Sizes, Subject, Target, entry_points};
 use translucid_profile::{
-    Configuration, Model, NormalizedDiffusion, ObliqueDiffusion, Parameterization, RefinedDiffusion,
-    scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
+    AlbedoInversion, Configuration, Model, NormalizedDiffusion, ObliqueDiffusion, Parameterization,
+    RefinedDiffusion, fresnel_from_inside, fresnel_from_outside, scaling_from_dmfp_searchlight,
+    scaling_from_mfp_diffuse, scaling_from_mfp_searchlight, schlick_from_outside,
 };
 
 /// Points for each function.
@@ -27,6 +28,11 @@ const LEAST: f64 = f32::MIN_POSITIVE as f64;
 const MOST: f64 = 1.0 / 2.9388e-39;
 /// What the last bits of a random number and of the weights of a mixture move.
 const BIT: f64 = 1e-6;
+/// Phase function and boundary of the inversion.
+const G: f64 = 0.5;
+const ETA: f64 = 1.3;
+/// Largest error of the inversion's polynomial, of the surface albedo.
+const INVERSION: f64 = 1e-3;
 /// Greatest random number below 1.
 const LAST: f64 = 1.0 - 1.0 / 16_777_216.0;
 
@@ -46,7 +52,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn Error>> {
     let export = |target| Export {
         target,
-        subjects: &[Subject::Profile, Subject::Sampler],
+        subjects: &[Subject::Profile, Subject::Sampler, Subject::Probe, Subject::Fresnel, Subject::Inversion],
         models: &[
             Model::NormalizedDiffusion,
             Model::NormalizedDiffusionRefined,
@@ -54,6 +60,8 @@ fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn E
         ],
         material: None,
         configuration,
+        g: G,
+        eta: ETA,
         sizes: Sizes::default(),
         command: "the tests of its exports",
     };
@@ -68,7 +76,8 @@ fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn E
     let functions = export(Target::Spirv).functions()?;
     let entries: Vec<String> = functions.iter().map(json).collect();
     fs::write(directory.join("functions.json"), format!("[{}]\n", entries.join(",\n")))?;
-    functions.iter().try_for_each(|function| write_points(directory, function, configuration))
+    let inversion = AlbedoInversion::new(G, ETA, configuration)?;
+    functions.iter().try_for_each(|function| write_points(directory, function, configuration, &inversion))
 }
 
 /// An entry of `functions.json`.
@@ -95,6 +104,7 @@ fn write_points(
     directory: &Path,
     function: &Function,
     configuration: Configuration,
+    inversion: &AlbedoInversion,
 ) -> Result<(), Box<dyn Error>> {
     let (mut arguments, mut least, mut greatest, mut floor) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
@@ -102,7 +112,7 @@ fn write_points(
         let point = Point::number(i);
         let row: Vec<f32> = function.arguments.iter().map(|name| point.argument(name) as f32).collect();
         let wide: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
-        for truth in truths(function, &wide, configuration)? {
+        for truth in truths(function, &wide, configuration, inversion)? {
             least.extend(truth.least.min(MOST).to_le_bytes());
             greatest.extend(truth.greatest.min(MOST).to_le_bytes());
             floor.extend(truth.floor.min(MOST).to_le_bytes());
@@ -136,7 +146,28 @@ impl Point {
         let r = || self.radius() * self.length();
         match name {
             "surface_albedo" => self.albedo(),
-            "length" | "d" => self.length(),
+            "length" | "d" | "d_red" => self.length(),
+            "d_green" => self.length() * (0.2 + self.spread[4]),
+            "d_blue" => self.length() * (0.2 + self.spread[5]),
+            "most_radius" => self.length() * 20.0,
+            "chance_red" => 0.5 * self.spread[0],
+            "chance_green" => 0.5 * self.spread[3],
+            "density" => 10f64.powf(12.0 * self.spread[4] - 6.0),
+            "z" => r() * (2.0 * self.spread[5] - 1.0),
+            "n_x" => (TAU * self.spread[3]).cos() * 0.6,
+            "n_y" => (TAU * self.spread[3]).sin() * 0.6,
+            "n_z" => 0.8,
+            "u_axis" => unit(self.i, self.spread[1]),
+            "u_channel" => unit(self.i / 16, self.spread[2]),
+            "u_radius" => unit(self.i / 5, self.spread[4]),
+            "u_turn" => unit(self.i / 7, self.spread[5]),
+            "eta" => match self.i % 8 {
+                0 => 1.0,
+                1 => 1.0 + 1e-4 * self.spread[1],
+                2 => 0.05,
+                3 => 20.0,
+                _ => (20f64.ln() * (2.0 * self.spread[1] - 1.0)).exp(),
+            },
             "scale" => 0.9 + 24.0 * self.spread[2],
             "r" => match self.i % 64 {
                 5 => 0.0,
@@ -248,6 +279,7 @@ fn truths(
     function: &Function,
     x: &[f64],
     configuration: Configuration,
+    inversion: &AlbedoInversion,
 ) -> Result<Vec<Truth>, Box<dyn Error>> {
     let one = |truth: Truth| Ok(vec![truth]);
     let burley = |a, d| NormalizedDiffusion::from_d(a, d);
@@ -317,6 +349,90 @@ fn truths(
                 among(points.iter().map(|point| point.1), floor),
             ])
         }
+        "fresnel_from_outside" => one(fresnel(fresnel_from_outside, x)),
+        "fresnel_from_inside" => one(fresnel(fresnel_from_inside, x)),
+        "fresnel_schlick" => one(among([schlick_from_outside(x[0], x[1])], 1e-12)),
+        "probe_segment" => probe_segment(x),
+        "probe_density" => probe_density(x).map(|truth| vec![truth]),
+        "probe_weight" => {
+            let (p, r) = (burley(x[0], x[1])?, x[3].max(LEAST));
+            let scale = x[0] / p.cdf(x[2]) / x[4];
+            one(exactly(p.eval(r).min(MOST) * scale / x[0].max(LEAST), p.pdf(0.0) / (TAU * r) / x[4]))
+        }
+        "inversion_absorbed" | "inversion_single_scattering_albedo" | "inversion_absorption" => {
+            let inverse = |a: f64| {
+                let alpha = inversion.single_scattering_albedo(a.clamp(0.0, 1.0));
+                match function.name {
+                    "inversion_absorbed" => (1.0 - alpha) / (1.0 - G * alpha),
+                    "inversion_absorption" => 1.0 - alpha,
+                    _ => alpha,
+                }
+            };
+            one(among([x[0], x[0] - INVERSION, x[0] + INVERSION].map(inverse), LEAST))
+        }
         other => Err(format!("no truth for {other}").into()),
     }
+}
+
+/// A reflectance, with what the last bits of its arguments move.
+fn fresnel(f: fn(f64, f64) -> f64, x: &[f64]) -> Truth {
+    let near = |value: f64| [1.0, 1.0 - 2e-7, 1.0 + 2e-7].map(|factor| value * factor);
+    let around = |eta: f64| near(x[0]).map(|cosine| f(cosine, eta));
+    // Without a boundary there is nothing to move
+    let etas = if x[1] == 1.0 { [1.0; 3] } else { near(x[1]) };
+    among(etas.into_iter().flat_map(around), 1e-12)
+}
+
+/// The segments of all radii that the last bits of the random numbers can mean.
+fn probe_segment(x: &[f64]) -> Result<Vec<Truth>, Box<dyn Error>> {
+    let [widths, most] = [&x[..3], &x[5..6]];
+    let (most, ends) = (most[0], [x[3], x[3] + x[4]]);
+    let mut segments: Vec<[f64; 6]> = Vec::new();
+    for u_channel in near(x[7]) {
+        let channel = ends.iter().filter(|end| u_channel >= **end).count();
+        let p = NormalizedDiffusion::from_d(1.0, widths[channel])?;
+        for u in near(x[8]) {
+            let r = p.quantile((u * p.cdf(most)).min(LAST)).min(most);
+            for r in near(r / most).map(|share| (share * most).min(most)) {
+                let (sin, cos) = (TAU * x[9]).sin_cos();
+                let (p, q, h) = (r * cos, r * sin, ((most - r) * (most + r)).sqrt());
+                segments.push(if x[6] < 0.5 {
+                    [p, q, h, p, q, -h]
+                } else if x[6] < 0.75 {
+                    [h, p, q, -h, p, q]
+                } else {
+                    [q, h, p, q, -h, p]
+                });
+            }
+        }
+    }
+    // Of a coordinate near 0 the error is one of the radius
+    Ok((0..6).map(|i| among(segments.iter().map(|segment| segment[i]), 2e-6 * most)).collect())
+}
+
+/// The density of an entry point, by the formula of three axes and three channels.
+fn probe_density(x: &[f64]) -> Result<Truth, Box<dyn Error>> {
+    let (widths, chances) = (&x[..3], [x[3], x[4], 1.0 - x[3] - x[4]]);
+    let (most, offset, normal) = (x[5], &x[6..9], &x[9..12]);
+    let mut density = 0.0;
+    let mut scale = 0.0;
+    for axis in 0..3 {
+        let across = [offset[(axis + 1) % 3], offset[(axis + 2) % 3]];
+        let r = across[0].hypot(across[1]).max(LEAST);
+        let share = if axis == 2 { 0.5 } else { 0.25 } * normal[axis].abs();
+        for (d, chance) in widths.iter().zip(chances) {
+            let p = NormalizedDiffusion::from_d(1.0, *d)?;
+            density += share * chance * p.pdf_area(r).min(MOST) / p.cdf(most);
+            scale += share * chance * p.pdf(0.0) / (TAU * r);
+        }
+    }
+    let distance = offset.iter().map(|x| x * x).sum::<f64>().sqrt() / most;
+    let truth = exactly(density.min(MOST), scale);
+    Ok(if distance < 1.0 - 1e-6 {
+        truth
+    } else if distance > 1.0 + 1e-6 {
+        exactly(0.0, scale)
+    } else {
+        Truth { least: 0.0, ..truth }
+    })
 }

@@ -14,6 +14,7 @@ use crate::formula::formulas;
 use crate::function::{Function, functions};
 use crate::header;
 use crate::image::{self, ImageFormat};
+use crate::inversion::Inversion;
 use crate::kernel::Kernel;
 use crate::language::Language;
 use crate::number::literal;
@@ -91,11 +92,26 @@ pub enum Subject {
     Lut,
     /// Separable kernel for screen-space scattering.
     Kernel,
+    /// Sampling of entry points on any shape, as commented reference code.
+    Probe,
+    /// Reflectance of a dielectric boundary.
+    Fresnel,
+    /// The medium behind a surface albedo.
+    Inversion,
 }
 
 impl Subject {
     /// Every subject.
-    pub const ALL: [Self; 5] = [Self::Profile, Self::Sampler, Self::Disk, Self::Lut, Self::Kernel];
+    pub const ALL: [Self; 8] = [
+        Self::Profile,
+        Self::Sampler,
+        Self::Disk,
+        Self::Lut,
+        Self::Kernel,
+        Self::Probe,
+        Self::Fresnel,
+        Self::Inversion,
+    ];
 
     /// Name as the command line writes it.
     pub fn name(self) -> &'static str {
@@ -105,6 +121,9 @@ impl Subject {
             Self::Disk => "disk",
             Self::Lut => "lut",
             Self::Kernel => "kernel",
+            Self::Probe => "probe",
+            Self::Fresnel => "fresnel",
+            Self::Inversion => "inversion",
         }
     }
 
@@ -118,13 +137,16 @@ impl Subject {
                 "Pre-integrated light on a sphere by N·L and curvature, of a material: c, cpp or an image"
             }
             Self::Kernel => "Separable kernel for screen-space scattering, of a material",
+            Self::Probe => "Sampling of entry points on any shape, as commented reference code",
+            Self::Fresnel => "Reflectance of a dielectric boundary",
+            Self::Inversion => "The medium behind a surface albedo, for a g and an eta",
         }
     }
 
     /// Tells whether it is a table of a material, and no function.
     fn is_table(self) -> bool {
         match self {
-            Self::Profile | Self::Sampler => false,
+            Self::Profile | Self::Sampler | Self::Probe | Self::Fresnel | Self::Inversion => false,
             Self::Disk | Self::Lut | Self::Kernel => true,
         }
     }
@@ -188,11 +210,18 @@ pub struct Export<'a> {
     pub material: Option<Material>,
     /// How light enters.
     pub configuration: Configuration,
+    /// Mean cosine of the phase function, for an inversion; 0 otherwise.
+    pub g: f64,
+    /// Relative index of refraction, for an inversion and moments of the Fresnel reflectance; 1 otherwise.
+    pub eta: f64,
     /// Sizes of tables.
     pub sizes: Sizes,
     /// The command that a text says it was made by.
     pub command: &'a str,
 }
+
+/// Relative indices that the Fresnel reflectance is written for.
+const ETA: RangeInclusive<f64> = 0.05..=20.0;
 
 /// Models that are closed forms.
 const MODELS: [Model; 3] =
@@ -207,7 +236,12 @@ impl Export<'_> {
         self.check()?;
         let functions = self.functions()?;
         let roots: Vec<&str> = functions.iter().flat_map(Function::called).collect();
-        let formulas = formulas(&roots, self.configuration) + &self.constants()?;
+        let made = if self.subjects.contains(&Subject::Inversion) {
+            Inversion::new(self.g, self.eta, self.configuration)?.wgsl()
+        } else {
+            String::new()
+        };
+        let formulas = formulas(&roots, self.configuration, &made) + &self.constants()?;
         match self.target {
             Target::Spirv => spirv::compile(&(formulas + &spirv::entry_points(&functions))),
             Target::Text(language) => {
@@ -240,6 +274,14 @@ impl Export<'_> {
         if matches!(self.target, Target::Image(_)) && self.subjects.len() != 1 {
             return Err(ExportError::new("what", "several", "lut alone for an image"));
         }
+        let has = |subject| self.subjects.contains(&subject);
+        if self.g != 0.0 && !has(Subject::Inversion) {
+            return Err(ExportError::new("g", self.g.to_string(), "0 without inversion"));
+        }
+        if self.eta != 1.0 && !has(Subject::Inversion) && !has(Subject::Fresnel) {
+            return Err(ExportError::new("eta", self.eta.to_string(), "1 without inversion or fresnel"));
+        }
+        require(ETA.contains(&self.eta), "eta", self.eta, "in [0.05, 20]")?;
         let Sizes { taps, lut, most_curvature } = self.sizes;
         require(Sizes::TAPS.contains(&taps), "taps", taps as f64, "in [3, 1024]")?;
         for side in lut {
@@ -259,8 +301,10 @@ impl Export<'_> {
         let mut all: Vec<Function> = Vec::new();
         let subjects = self.subjects.iter().copied().filter(|subject| !subject.is_table());
         let subjects: Vec<Subject> = subjects.collect();
+        let is_closed =
+            self.subjects.iter().any(|subject| matches!(subject, Subject::Profile | Subject::Sampler));
         for &model in self.models {
-            if !subjects.is_empty() && !MODELS.contains(&model) {
+            if is_closed && !MODELS.contains(&model) {
                 let allowed = MODELS.map(Model::name).join(", ");
                 let allowed = format!("a closed form: {allowed}");
                 return Err(ExportError::new("model", model.name(), allowed));
@@ -278,10 +322,13 @@ impl Export<'_> {
 
     /// Constants of the material.
     fn constants(&self) -> Result<String, ExportError> {
-        let Some(Material { surface_albedo, length, parameterization }) = self.material else {
-            return Ok(String::new());
-        };
         let mut text = String::new();
+        if self.subjects.contains(&Subject::Fresnel) && self.eta != 1.0 {
+            text += &header::moments(self.eta);
+        }
+        let Some(Material { surface_albedo, length, parameterization }) = self.material else {
+            return Ok(text);
+        };
         for (channel, (a, l)) in
             ["RED", "GREEN", "BLUE"].into_iter().zip(surface_albedo.into_iter().zip(length))
         {
@@ -337,9 +384,17 @@ impl Export<'_> {
     }
 
     fn text(&self, language: Language, functions: &[Function], formulas: &str, tables: &str) -> String {
-        let mut paragraphs: Vec<String> =
-            self.models.iter().map(|model| header::of_model(*model, self.configuration)).collect();
-        paragraphs.push(String::from(header::UNITS));
+        let needs_no_model = |subject: &Subject| matches!(subject, Subject::Fresnel | Subject::Inversion);
+        let mut paragraphs: Vec<String> = self
+            .subjects
+            .iter()
+            .filter_map(|subject| header::of_subject(*subject))
+            .map(String::from)
+            .collect();
+        if !self.subjects.iter().all(needs_no_model) {
+            paragraphs.extend(self.models.iter().map(|model| header::of_model(*model, self.configuration)));
+            paragraphs.push(String::from(header::UNITS));
+        }
         if !functions.is_empty() {
             paragraphs.push(header::errors(functions, language));
         }

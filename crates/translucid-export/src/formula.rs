@@ -10,16 +10,19 @@ use crate::number::{about_one, horner, literal};
 use crate::token::{Token, tokens};
 
 /// All formulas, from those that others call to those that call them.
-const FORMULAS: [&str; 4] = [
+const FORMULAS: [&str; 6] = [
     include_str!("formulas/elementary.wgsl"),
     include_str!("formulas/burley.wgsl"),
     include_str!("formulas/refined.wgsl"),
     include_str!("formulas/oblique.wgsl"),
+    include_str!("formulas/fresnel.wgsl"),
+    include_str!("formulas/probe.wgsl"),
 ];
 
-/// Functions of given names with all that they call, in WGSL, with the coefficients of a configuration.
-pub(crate) fn formulas(roots: &[&str], configuration: Configuration) -> String {
-    let source = with_constants(&FORMULAS.join("\n"), &constants(configuration));
+/// Functions of given names with all that they call, in WGSL, with the coefficients of a configuration; some of them
+/// made for the occasion.
+pub(crate) fn formulas(roots: &[&str], configuration: Configuration, made: &str) -> String {
+    let source = with_constants(&FORMULAS.join("\n"), &constants(configuration)) + "\n" + made;
     let items: Vec<Item<'_>> = items(&source);
     let by_name: BTreeMap<&str, usize> = items.iter().enumerate().map(|(i, item)| (item.name, i)).collect();
     let mut wanted = BTreeSet::new();
@@ -163,7 +166,7 @@ mod tests {
 
     #[test]
     fn formulas_come_with_what_they_call() {
-        let text = formulas(&["burley_cdf"], Configuration::Diffuse);
+        let text = formulas(&["burley_cdf"], Configuration::Diffuse, "");
         for name in ["fn one_minus_exp", "fn burley_depth", "fn burley_cdf"] {
             assert!(text.contains(name), "{text}");
         }
@@ -172,7 +175,7 @@ mod tests {
 
     #[test]
     fn constants_are_the_profiles() {
-        let text = formulas(&["burley_scale_mfp_searchlight"], Configuration::Diffuse);
+        let text = formulas(&["burley_scale_mfp_searchlight"], Configuration::Diffuse, "");
         assert!(text.contains("return 1.85 - a + 7.0 * x * x * x;"), "{text}");
     }
 }

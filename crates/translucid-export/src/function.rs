@@ -161,6 +161,72 @@ const OBLIQUE_SAMPLE: Function = Function {
     error: 1e-5,
 };
 
+const FRESNEL: [Function; 3] = [
+    function("fresnel_from_outside", &["cos_theta", "eta"], "fresnel_from_outside(cos_theta, eta)", 1e-5),
+    function("fresnel_from_inside", &["cos_theta", "eta"], "fresnel_from_inside(cos_theta, eta)", 1e-5),
+    function("fresnel_schlick", &["cos_theta", "eta"], "fresnel_schlick(cos_theta, eta)", 1e-5),
+];
+
+const PROBE: [Function; 3] = [
+    Function {
+        name: "probe_segment",
+        arguments: &[
+            "d_red",
+            "d_green",
+            "d_blue",
+            "chance_red",
+            "chance_green",
+            "most_radius",
+            "u_axis",
+            "u_channel",
+            "u_radius",
+            "u_turn",
+        ],
+        call: "probe_segment(channels(d_red, d_green, d_blue), \
+               channels(chance_red, chance_green, 1.0 - chance_red - chance_green), most_radius, u_axis, u_channel, \
+               u_radius, u_turn)",
+        outputs: &["start_x", "start_y", "start_z", "end_x", "end_y", "end_z"],
+        error: 1e-5,
+    },
+    function(
+        "probe_density",
+        &[
+            "d_red",
+            "d_green",
+            "d_blue",
+            "chance_red",
+            "chance_green",
+            "most_radius",
+            "x",
+            "y",
+            "z",
+            "n_x",
+            "n_y",
+            "n_z",
+        ],
+        "probe_density(channels(d_red, d_green, d_blue), \
+         channels(chance_red, chance_green, 1.0 - chance_red - chance_green), most_radius, x, y, z, n_x, n_y, n_z)",
+        1e-5,
+    ),
+    function(
+        "probe_weight",
+        &["surface_albedo", "d", "most_radius", "r", "density"],
+        "probe_weight(surface_albedo, d, most_radius, r, density)",
+        1e-5,
+    ),
+];
+
+const INVERSION: [Function; 3] = [
+    function("inversion_absorbed", &["surface_albedo"], "inversion_absorbed(surface_albedo)", 1e-5),
+    function(
+        "inversion_single_scattering_albedo",
+        &["surface_albedo"],
+        "inversion_single_scattering_albedo(surface_albedo)",
+        1e-5,
+    ),
+    function("inversion_absorption", &["surface_albedo"], "inversion_absorption(surface_albedo)", 1e-5),
+];
+
 /// The functions of a subject for a model; none where there is no such text.
 pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
     match (subject, model) {
@@ -178,6 +244,9 @@ pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
         }
         (Subject::Profile, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_EVAL, OBLIQUE_PDF_AREA],
         (Subject::Sampler, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_PDF_AREA, OBLIQUE_SAMPLE],
+        (Subject::Fresnel, _) => FRESNEL.to_vec(),
+        (Subject::Probe, _) => PROBE.to_vec(),
+        (Subject::Inversion, _) => INVERSION.to_vec(),
         _ => Vec::new(),
     }
 }

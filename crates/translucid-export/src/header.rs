@@ -2,10 +2,15 @@
 
 use std::fmt::Write as _;
 
-use translucid_profile::{Configuration, Model};
+use translucid_profile::{
+    Configuration, Model, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
+    fresnel_moment_2_from_inside, fresnel_moment_2_from_outside,
+};
 
+use crate::Subject;
 use crate::function::Function;
 use crate::language::Language;
+use crate::number::literal;
 
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
@@ -53,6 +58,44 @@ Memo 15-04, 2015, equations 3, 5, 6, 8. US patent 9,659,404 B2 is about it.
 The surface albedo A is in [0, 1], the width d in [1e-18, 1e18].",
         ),
     }
+}
+
+/// What a subject is that a model's words do not say.
+pub(crate) fn of_subject(subject: Subject) -> Option<&'static str> {
+    match subject {
+        Subject::Probe => Some(
+            "Entry points of light that leaves at a point of any shape: segments along three axes, each hit weighted by the
+density of all axes and channels (A. King, C. Kulla, A. Conty and M. Fajardo, BSSRDF Importance Sampling, SIGGRAPH 2013
+talks; here as it has to be where surfaces are curved or thin). Read it from step 1 to step 3.",
+        ),
+        Subject::Fresnel => Some(
+            "Reflectance of a smooth dielectric boundary for unpolarized light.
+
+A.-J. Fresnel 1823, as in M. Born and E. Wolf, Principles of Optics, section 1.5.2; C. Schlick, An Inexpensive BRDF Model
+for Physically-based Rendering, 1994, equation 15. eta = n_inside / n_outside is in [0.05, 20], whichever side the light
+comes from.",
+        ),
+        Subject::Inversion => Some(
+            "From surface albedo to single-scattering albedo: what a random walk through the volume needs.
+
+S. Chandrasekhar, Radiative Transfer, 1950, for isotropic scattering; discrete ordinates by translucid where there is a
+phase function of L. G. Henyey and J. L. Greenstein or a boundary. The surface albedo is the share of the light that
+entered which leaves again.",
+        ),
+        Subject::Profile | Subject::Sampler | Subject::Disk | Subject::Lut | Subject::Kernel => None,
+    }
+}
+
+/// Constants in WGSL: the angular moments of a boundary's reflectance.
+pub(crate) fn moments(eta: f64) -> String {
+    let line = |name: &str, value: f64| format!("const FRESNEL_{name}: f32 = {};\n", literal(value));
+    String::from(
+        "\n// Moments: integrals of F(mu) mu and F(mu) mu^2 over mu in [0, 1]. Twice the first is the reflectance of diffuse light.\n",
+    ) + &line("ETA", eta)
+        + &line("MOMENT_1_FROM_OUTSIDE", fresnel_moment_1_from_outside(eta))
+        + &line("MOMENT_2_FROM_OUTSIDE", fresnel_moment_2_from_outside(eta))
+        + &line("MOMENT_1_FROM_INSIDE", fresnel_moment_1_from_inside(eta))
+        + &line("MOMENT_2_FROM_INSIDE", fresnel_moment_2_from_inside(eta))
 }
 
 /// Units and arguments of all profiles.

@@ -52,6 +52,7 @@ impl Language {
         let is_called = |i: usize| pieces.get(i + 1) == Some(&Token::Sign("("));
         let text = pieces.iter().enumerate().map(|(i, piece)| match piece {
             Token::Word(name) if is_called(i) => self.function_name(name),
+            Token::Number(number) => self.number(number),
             piece => piece.text().to_owned(),
         });
         text.collect()

@@ -24,6 +24,8 @@
 //!     models: &[Model::NormalizedDiffusion],
 //!     material: None,
 //!     configuration: Configuration::Diffuse,
+//!     g: 0.0,
+//!     eta: 1.0,
 //!     sizes: Sizes::default(),
 //!     command: "an example",
 //! };
@@ -41,6 +43,7 @@ mod formula;
 mod function;
 mod header;
 mod image;
+mod inversion;
 mod kernel;
 mod language;
 mod number;

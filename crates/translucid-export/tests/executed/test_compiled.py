@@ -68,7 +68,7 @@ int main(int count, char **words) {{
         FILE *in = fopen(words[2], "rb");
         FILE *out = fopen(words[3], "wb");
         if (!in || !out) return 3;
-        float row[8], result[8];
+        float row[16], result[16];
         while (fread(row, sizeof(float), TABLE[i].inputs, in) == TABLE[i].inputs) {{
             TABLE[i].call(row, result);
             fwrite(result, sizeof(float), TABLE[i].outputs, out);
