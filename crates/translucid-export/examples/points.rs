@@ -25,7 +25,7 @@ const COUNT: usize = 100_000;
 /// Least normal number of single precision.
 const LEAST: f64 = f32::MIN_POSITIVE as f64;
 /// Where texts cut off what grows beyond all numbers.
-const MOST: f64 = 1.0 / 2.9388e-39;
+const MOST: f64 = 1e38;
 /// What the last bits of a random number and of the weights of a mixture move.
 const BIT: f64 = 1e-6;
 /// Phase function and boundary of the inversion.
@@ -144,16 +144,21 @@ impl Point {
 
     fn argument(&self, name: &str) -> f64 {
         let r = || self.radius() * self.length();
+        let offset = || self.radius() * self.probed();
         match name {
             "surface_albedo" => self.albedo(),
-            "length" | "d" | "d_red" => self.length(),
-            "d_green" => self.length() * (0.2 + self.spread[4]),
-            "d_blue" => self.length() * (0.2 + self.spread[5]),
-            "most_radius" => self.length() * 20.0,
+            "length" | "d" => self.length(),
+            "d_red" => self.probed(),
+            "d_green" => self.probed() * (0.2 + self.spread[4]),
+            "d_blue" => self.probed() * (0.2 + self.spread[5]),
+            "most_radius" => self.probed() * 20.0,
             "chance_red" => 0.5 * self.spread[0],
             "chance_green" => 0.5 * self.spread[3],
             "density" => 10f64.powf(12.0 * self.spread[4] - 6.0),
-            "z" => r() * (2.0 * self.spread[5] - 1.0),
+            "distance" => offset(),
+            "offset_x" => offset() * (TAU * self.turn()).cos(),
+            "offset_y" => offset() * (TAU * self.turn()).sin(),
+            "offset_z" => offset() * (2.0 * self.spread[5] - 1.0),
             "n_x" => (TAU * self.spread[3]).cos() * 0.6,
             "n_y" => (TAU * self.spread[3]).sin() * 0.6,
             "n_z" => 0.8,
@@ -209,6 +214,11 @@ impl Point {
             _ => 10f64.powf(12.0 * self.spread[1] - 6.0),
         };
         f64::from(length as f32)
+    }
+
+    /// Lengths of probes, which are squared.
+    fn probed(&self) -> f64 {
+        self.length().clamp(1e-6, 1e6)
     }
 
     /// In lengths.
@@ -391,9 +401,9 @@ fn probe_segment(x: &[f64]) -> Result<Vec<Truth>, Box<dyn Error>> {
     for u_channel in near(x[7]) {
         let channel = ends.iter().filter(|end| u_channel >= **end).count();
         let p = NormalizedDiffusion::from_d(1.0, widths[channel])?;
-        for u in near(x[8]) {
-            let r = p.quantile((u * p.cdf(most)).min(LAST)).min(most);
-            for r in near(r / most).map(|share| (share * most).min(most)) {
+        for u in near(x[8] * p.cdf(most)) {
+            let r = p.quantile(u).min(most);
+            for r in [r, r * (1.0 - BIT), r * (1.0 + BIT)].map(|r| r.min(most)) {
                 let (sin, cos) = (TAU * x[9]).sin_cos();
                 let (p, q, h) = (r * cos, r * sin, ((most - r) * (most + r)).sqrt());
                 segments.push(if x[6] < 0.5 {

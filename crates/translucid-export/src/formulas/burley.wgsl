@@ -37,12 +37,12 @@ fn burley_pdf(r: f32, d: f32) -> f32 {
 
 // Density per area R(r) / A [1/length^2]: what a renderer divides R by.
 fn burley_pdf_area(r: f32, d: f32) -> f32 {
-    return over_radius(burley_pdf(r, d) * ${inverse_two_pi}, r);
+    return bounded_ratio(burley_pdf(r, d) * ${inverse_two_pi}, r);
 }
 
 // Profile R(r) [1/length^2], which grows like 1/r: its integral over the plane is the surface albedo A.
 fn burley_eval(surface_albedo: f32, r: f32, d: f32) -> f32 {
-    return over_radius(surface_albedo * burley_pdf(r, d) * ${inverse_two_pi}, r);
+    return bounded_ratio(surface_albedo * burley_pdf(r, d) * ${inverse_two_pi}, r);
 }
 
 // Profile times radius r R(r) [1/length], finite at r = 0.

@@ -17,7 +17,7 @@ fn minus_log(x: f32, y: f32) -> f32 {
     return select(-log(x), 2.0 * z * series, y < 0.5);
 }
 
-// q / r, at most 3.4027e38, for q in [0, 1e19]; r below 1.1755e-38 counts as that.
-fn over_radius(q: f32, r: f32) -> f32 {
-    return q / max(max(r, 1.1754944e-38), q * 1e-19 * 2.9388e-20);
+// q / r for q, r >= 0, at most 1e38; r below 1.1755e-38 counts as that.
+fn bounded_ratio(q: f32, r: f32) -> f32 {
+    return q / max(max(r, 1.1754944e-38), q * 1e-19 * 1e-19);
 }

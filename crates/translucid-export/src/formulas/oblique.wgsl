@@ -95,7 +95,7 @@ fn oblique_pdf_area(terms: Oblique, x: f32, y: f32) -> f32 {
         + oblique_term(terms.weight_b, terms.rate_b, terms.sine_b, terms.cosine_b, r, versine)
         + oblique_term(terms.weight_c, terms.rate_c, terms.sine_c, terms.cosine_c, r, versine)
         + oblique_term(terms.weight_d, terms.rate_d, terms.sine_d, terms.cosine_d, r, versine);
-    return over_radius(density * ${inverse_two_pi}, r);
+    return bounded_ratio(density * ${inverse_two_pi}, r);
 }
 
 // Profile R [1/length^2] at (x, y) from the entry: its integral over the plane is terms.total.

@@ -1,13 +1,13 @@
 // Three numbers, for red, green, blue.
-struct Channels {
+struct RedGreenBlue {
     red: f32,
     green: f32,
     blue: f32,
 }
 
 // Three numbers, for red, green, blue.
-fn channels(red: f32, green: f32, blue: f32) -> Channels {
-    var three: Channels;
+fn channels(red: f32, green: f32, blue: f32) -> RedGreenBlue {
+    var three: RedGreenBlue;
     three.red = red;
     three.green = green;
     three.blue = blue;
@@ -15,7 +15,7 @@ fn channels(red: f32, green: f32, blue: f32) -> Channels {
 }
 
 // A segment from start to end, in the frame of the exit point x_o: z is the geometric normal, x and y are tangents.
-struct ProbeSegment {
+struct Segment {
     start_x: f32,
     start_y: f32,
     start_z: f32,
@@ -26,9 +26,9 @@ struct ProbeSegment {
 
 // Step 1. Choose a segment, for four random numbers in [0, 1).
 //
-// widths are the d of each channel; chances, of sum 1, say how often each is chosen: in proportion to the surface albedo
+// widths are the d of each channel, in [1e-6, 1e6] here; chances, of sum 1, say how often each is chosen: in proportion to the surface albedo
 // times the path's throughput serves well. most_radius bounds the search: burley_quantile(0.999, greatest width), say.
-fn probe_segment(widths: Channels, chances: Channels, most_radius: f32, u_axis: f32, u_channel: f32, u_radius: f32, u_turn: f32) -> ProbeSegment {
+fn probe_segment(widths: RedGreenBlue, chances: RedGreenBlue, most_radius: f32, u_axis: f32, u_channel: f32, u_radius: f32, u_turn: f32) -> Segment {
     // A channel by its chance, and a radius of its profile, which ends at most_radius
     let late: f32 = select(widths.blue, widths.green, u_channel < chances.red + chances.green);
     let d: f32 = select(late, widths.red, u_channel < chances.red);
@@ -39,7 +39,7 @@ fn probe_segment(widths: Channels, chances: Channels, most_radius: f32, u_axis: 
     // Both ends are on the ball of most_radius around x_o, whichever the axis
     let h: f32 = sqrt((most_radius - r) * (most_radius + r));
     // Half of the segments go along the normal, a quarter along each tangent
-    var segment: ProbeSegment;
+    var segment: Segment;
     if (u_axis < 0.5) {
         segment.start_x = p;
         segment.start_y = q;
@@ -66,7 +66,7 @@ fn probe_segment(widths: Channels, chances: Channels, most_radius: f32, u_axis: 
 }
 
 // Density per area, on a plane across the axis, of segments at the distance r from x_o.
-fn probe_mixture(widths: Channels, chances: Channels, most_radius: f32, r: f32) -> f32 {
+fn probe_mixture(widths: RedGreenBlue, chances: RedGreenBlue, most_radius: f32, r: f32) -> f32 {
     return chances.red * burley_pdf_area(r, widths.red) / burley_cdf(most_radius, widths.red)
         + chances.green * burley_pdf_area(r, widths.green) / burley_cdf(most_radius, widths.green)
         + chances.blue * burley_pdf_area(r, widths.blue) / burley_cdf(most_radius, widths.blue);
@@ -77,7 +77,7 @@ fn probe_mixture(widths: Channels, chances: Channels, most_radius: f32, r: f32) 
 //
 // (x, y, z) is x_i - x_o and (n_x, n_y, n_z) the geometric normal at x_i, in the frame of x_o. Do not pick one hit at
 // random and multiply by their number: together with this density that is biased.
-fn probe_density(widths: Channels, chances: Channels, most_radius: f32, x: f32, y: f32, z: f32, n_x: f32, n_y: f32, n_z: f32) -> f32 {
+fn probe_density(widths: RedGreenBlue, chances: RedGreenBlue, most_radius: f32, x: f32, y: f32, z: f32, n_x: f32, n_y: f32, n_z: f32) -> f32 {
     let along_z: f32 = 0.5 * abs(n_z) * probe_mixture(widths, chances, most_radius, sqrt(x * x + y * y));
     let along_x: f32 = 0.25 * abs(n_x) * probe_mixture(widths, chances, most_radius, sqrt(y * y + z * z));
     let along_y: f32 = 0.25 * abs(n_y) * probe_mixture(widths, chances, most_radius, sqrt(z * z + x * x));
@@ -88,6 +88,5 @@ fn probe_density(widths: Channels, chances: Channels, most_radius: f32, x: f32, 
 // Step 3. A hit's weight for one channel: the profile at the TRUE distance |x_i - x_o|, over the density. Times the light
 // that enters at x_i, it is the light that leaves at x_o. The profile ends at most_radius and keeps its energy.
 fn probe_weight(surface_albedo: f32, d: f32, most_radius: f32, distance: f32, density: f32) -> f32 {
-    let least: f32 = max(density, 1.1754944e-38);
-    return burley_eval(surface_albedo, distance, d) / burley_cdf(most_radius, d) / least;
+    return bounded_ratio(burley_eval(surface_albedo, distance, d), density * burley_cdf(most_radius, d));
 }

@@ -56,12 +56,12 @@ fn refined_pdf(terms: Refined, r: f32) -> f32 {
 
 // Density per area R(r) / A [1/length^2].
 fn refined_pdf_area(terms: Refined, r: f32) -> f32 {
-    return over_radius(refined_pdf(terms, r) * ${inverse_two_pi}, r);
+    return bounded_ratio(refined_pdf(terms, r) * ${inverse_two_pi}, r);
 }
 
 // Profile R(r) [1/length^2], which grows like 1/r: its integral over the plane is the surface albedo A.
 fn refined_eval(terms: Refined, r: f32) -> f32 {
-    return over_radius(terms.surface_albedo * refined_pdf(terms, r) * ${inverse_two_pi}, r);
+    return bounded_ratio(terms.surface_albedo * refined_pdf(terms, r) * ${inverse_two_pi}, r);
 }
 
 // Share of the light that leaves within r.

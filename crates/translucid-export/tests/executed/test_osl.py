@@ -60,7 +60,7 @@ def shader(configuration, function):
     for i, output in enumerate(function.outputs):
         call = re.sub(rf"\b({'|'.join(function.arguments)})\b", r"of_\1", function.calls["osl"])
         if output:
-            kind = {"oblique_sample": "ObliqueOffset", "probe_segment": "ProbeSegment"}[function.name]
+            kind = {"oblique_sample": "ObliqueOffset", "probe_segment": "Segment"}[function.name]
             results.append(f"    {kind} all_{i} = {call};\n    float value_{i} = all_{i}.{output};\n")
         else:
             results.append(f"    float value_{i} = {call};\n")
