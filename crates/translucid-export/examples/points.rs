@@ -32,7 +32,7 @@ const BIT: f64 = 1e-6;
 const G: f64 = 0.5;
 const ETA: f64 = 1.3;
 /// Largest error of the inversion's polynomial, of the surface albedo.
-const INVERSION: f64 = 1e-3;
+const INVERSION: f64 = 4e-4;
 /// Greatest random number below 1.
 const LAST: f64 = 1.0 - 1.0 / 16_777_216.0;
 
