@@ -158,7 +158,7 @@ const OBLIQUE_SAMPLE: Function = Function {
     arguments: &["surface_albedo", "length", "cos_theta", "u", "turn"],
     call: "oblique_sample(oblique_terms(surface_albedo, length, cos_theta), u, turn)",
     outputs: &["x", "y"],
-    error: 1e-5,
+    error: 3e-5,
 };
 
 const FRESNEL: [Function; 3] = [
