@@ -167,7 +167,7 @@ impl Subject {
 pub struct Material {
     /// Surface albedos A, in [0, 1].
     pub surface_albedo: [f64; 3],
-    /// Mean free paths or diffuse ones [L].
+    /// Mean free paths or diffuse ones \[L\].
     pub length: [f64; 3],
     /// Which of the two they are.
     pub parameterization: Parameterization,
