@@ -31,12 +31,11 @@ MARKS = ("<!-- measured: contrib/scaling.py -->", "<!-- end of what was measured
 
 SIZE = (3840, 2160)
 SAMPLES = 1024
-TRIAL = 2
-"""Samples per pixel that are measured for the model."""
 WORKERS = (1, 10, 100, 1000)
 BYTES_PER_SECOND = 1e9
 """Assumed: what a shared disk or network gives to a process that writes or reads shards."""
-SMALL = ["--size", "960x540", "--spp", "16"]
+SMALL_SIZE = (640, 360)
+SMALL_SAMPLES = 8
 
 
 class Program:
@@ -69,16 +68,17 @@ class Program:
 
 def measure_workers(program, scene):
     """One run, one worker's shard, and two workers' at once, each with its merge."""
+    small = ["--size", "{}x{}".format(*SMALL_SIZE), "--spp", SMALL_SAMPLES]
     result = {}
     begin = time.monotonic()
-    cpu = program.render(scene, "run.exr", *SMALL)["cpu"]
+    cpu = program.render(scene, "run.exr", *small)["cpu"]
     result["one run"] = {"longest": cpu, "all": cpu, "wall": time.monotonic() - begin}
     for count in (1, 2):
         begin = time.monotonic()
-        edges = [16 * i // count for i in range(count + 1)]
+        edges = [SMALL_SAMPLES * i // count for i in range(count + 1)]
         parts = [f"worker-{i}.shard" for i in range(count)]
         words = [
-            ["render", *scene, *SMALL, "-q", "--threads", 1, "--samples", f"{a}..{b}", "-o", part]
+            ["render", *scene, *small, "-q", "--threads", 1, "--samples", f"{a}..{b}", "-o", part]
             for a, b, part in zip(edges, edges[1:], parts)
         ]
         processes = [program.start(*word) for word in words]
@@ -102,45 +102,47 @@ def measure_scene(program, scene):
     common = ["--size", "{}x{}".format(*SIZE), "--spp", SAMPLES]
     pixels = SIZE[0] * SIZE[1]
     corner = program.render(scene, "corner.shard", *common, "--samples", "0..1", "--region", "0,0,16,16")
-    first = program.render(scene, "a.shard", *common, "--samples", "0..1")
-    whole = program.render(scene, "b.shard", *common, "--samples", f"1..{1 + TRIAL}")
+    whole = program.render(scene, "whole.shard", *common, "--samples", "1..2")
     result = {
         "prepare": corner["cpu"] - corner["rendering"],
-        "sample": (whole["rendering"] - first["rendering"]) / (TRIAL - 1),
+        "sample": whole["rendering"],
         "whole": whole,
-        "bytes": (program.directory / "b.shard").stat().st_size,
+        "bytes": (program.directory / "whole.shard").stat().st_size,
         "pixels": pixels,
     }
     result["write"] = max(whole["cpu"] - whole["rendering"] - result["prepare"], 0.0)
-    # A part more, a picture written, and parts of a region
-    small = bands(0, 100, 10)
-    for number, (top, bottom) in enumerate(small):
-        words = ["--samples", "0..1", "--region", f"0,{top},16,{bottom}"]
-        program.render(scene, f"small-{number}.shard", *common, *words)
-    merge = lambda *parts: program.run("merge", "-q", "--allow-gaps", "out.exr", *parts)
-    one, two = merge("b.shard"), merge("a.shard", "b.shard")
-    few, many = merge("small-0.shard"), merge(*(f"small-{i}.shard" for i in range(10)))
-    result["merge"] = {"picture": one, "part": max(two - one, 0.0), "small part": max(many - few, 0.0) / 9}
-    for name in ("a.shard", "b.shard"):
-        (program.directory / name).unlink()
 
+    merge = lambda *parts: program.run("merge", "-q", "--allow-gaps", *parts)
     top, bottom = 0, SIZE[1]
-    parent = whole["rendering"]
-    result["bands"] = {"1": {"longest": parent, "over": 1.0, "memory": whole["memory"]}}
+    parent = whole
+    result["bands"] = {"1": {"longest": whole["rendering"], "over": 1.0, "memory": whole["memory"]}}
     over = 1.0
     for count in WORKERS[1:]:
         rows = bands(top, bottom, 10)
-        times = []
+        parts, times = [], []
         for y0, y1 in rows:
-            region = f"0,{y0},{SIZE[0]},{y1}"
-            words = ["--samples", f"1..{1 + TRIAL}", "--region", region]
-            times.append(program.render(scene, "band.shard", *common, *words))
-        rendering = [t["rendering"] for t in times]
-        over *= sum(rendering) / parent
-        longest = max(range(len(rows)), key=rendering.__getitem__)
+            parts.append(f"band-{count}-{y0}.shard")
+            words = ["--samples", "0..1", "--region", f"0,{y0},{SIZE[0]},{y1}"]
+            times.append(program.render(scene, parts[-1], *common, *words))
+        if count == 10:
+            merge("bands.shard", *parts)
+        over *= sum(t["rendering"] for t in times) / parent["rendering"]
+        longest = max(range(len(rows)), key=lambda i: times[i]["rendering"])
         top, bottom = rows[longest]
-        parent = rendering[longest]
-        result["bands"][str(count)] = {"longest": parent, "over": over, "memory": times[longest]["memory"]}
+        parent = times[longest]
+        result["bands"][str(count)] = {"longest": parent["rendering"], "over": over, "memory": parent["memory"]}
+
+    one, two = merge("out.exr", "whole.shard"), merge("out.exr", "whole.shard", "bands.shard")
+    few, many = merge("few.shard", parts[0]), merge("many.shard", *parts)
+    bytes_of_small = (program.directory / parts[0]).stat().st_size
+    result["merge"] = {
+        "picture": one,
+        "part": max(two - one, 0.0),
+        "small part": max(many - few, 0.0) / (len(parts) - 1),
+        "small bytes": bytes_of_small,
+    }
+    for path in program.directory.glob("*.shard"):
+        path.unlink()
     return result
 
 
@@ -236,7 +238,7 @@ def page(result):
         f"{result['version']}, built with Cargo's profile `{result['build']}`, on {result['day']}, "
         f"on a machine with {result['processors']} processors whose load was {low:.1f} to {high:.1f} meanwhile.",
         "",
-        "One and two workers of one thread each, 960×540, 16 samples a pixel, merge included:",
+        "One and two workers of one thread each, {}×{}, {} samples a pixel, merge included:".format(*SMALL_SIZE, SMALL_SAMPLES),
         "",
     ]
     rows = []
@@ -256,7 +258,7 @@ def page(result):
         ("one sample of every pixel", lambda s: number(s["sample"])),
         ("write the shard, and what else grows with the film", lambda s: number(s["write"])),
         ("merge: a shard more", lambda s: number(s["merge"]["part"])),
-        ("merge: a shard of 160 pixels more", lambda s: number(s["merge"]["small part"])),
+        ("merge: a shard of {} rows more".format(math.ceil(SIZE[1] / WORKERS[-1])), lambda s: number(s["merge"]["small part"])),
         ("merge: read one, write picture and PNG", lambda s: number(s["merge"]["picture"])),
         ("bytes of the shard", lambda s: f"{s['bytes']:,}".replace(",", " ")),
         ("… a pixel", lambda s: number(s["bytes"] / s["pixels"])),
