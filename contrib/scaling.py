@@ -99,7 +99,8 @@ def bands(top, bottom, count):
 
 def measure_scene(program, scene):
     """What the model takes from a scene: the whole picture, and the costliest band of 10, of 100 and of 1000."""
-    common = ["--size", "{}x{}".format(*SIZE), "--spp", SAMPLES]
+    # Checkpoints of slow renderings would count as the cost of a shard
+    common = ["--size", "{}x{}".format(*SIZE), "--spp", SAMPLES, "--checkpoint", 86400]
     pixels = SIZE[0] * SIZE[1]
     corner = program.render(scene, "corner.shard", *common, "--samples", "0..1", "--region", "0,0,16,16")
     whole = program.render(scene, "whole.shard", *common, "--samples", "1..2")
@@ -167,15 +168,16 @@ def measure(arguments):
             "scenes": {},
         }
         loads = [os.getloadavg()[0]]
-        marble = {"marble": [ROOT / "scenes/marble.toml"]}
-        for name, scene in (marble | scenes).items():
-            print(f"{name}: 1 and 2 workers", file=sys.stderr)
-            result["workers"][name] = measure_workers(program, scene)
+
+        def take(kind, name, function, scene):
+            print(f"{name}: {kind}", file=sys.stderr)
+            result[kind][name] = function(program, scene)
             loads.append(os.getloadavg()[0])
+
         for name, scene in scenes.items():
-            print(f"{name}: 4K", file=sys.stderr)
-            result["scenes"][name] = measure_scene(program, scene)
-            loads.append(os.getloadavg()[0])
+            take("scenes", name, measure_scene, scene)
+        for name, scene in ({"marble": [ROOT / "scenes/marble.toml"]} | scenes).items():
+            take("workers", name, measure_workers, scene)
         result["load"] = [min(loads), max(loads)]
     return result
 
@@ -203,16 +205,32 @@ def model(scene, workers):
     longest = scene["prepare"] + (scene["write"] + move) / workers + band["longest"] * scale
     merge_bands = (workers - 1) * m["small part"] + m["picture"] + move
     cpu_bands = workers * (scene["prepare"] + m["small part"]) + scene["write"] + work * band["over"] + m["picture"]
-    return {
+    result = {
         "one": one,
         "samples": (by_samples + serial, cpu),
         "tree": (by_samples + (tree if workers > 1 else serial), cpu_tree),
         "bands": (longest + merge_bands, cpu_bands),
         "merge": {"samples": serial, "tree": tree if workers > 1 else serial, "bands": merge_bands},
     }
+    # Ten bands for each worker, who takes the next when it is free: at worst the costliest comes last
+    fine = scene["bands"].get(str(10 * workers))
+    if fine and workers > 1:
+        shards = 10 * workers
+        each = 10 * (scene["prepare"] + (scene["write"] + move) / shards)
+        merge = (shards - 1) * m["small part"] + m["picture"] + move
+        seconds = each + work * fine["over"] / workers + fine["longest"] * scale + merge
+        cpu = shards * (scene["prepare"] + m["small part"]) + scene["write"] + work * fine["over"] + m["picture"]
+        result["queue"] = (seconds, cpu)
+        result["merge"]["queue"] = merge
+    return result
 
 
-DIVISIONS = {"samples": "samples, one merge", "tree": "samples, merged as a tree", "bands": "bands, one merge"}
+DIVISIONS = {
+    "samples": "samples, one merge",
+    "tree": "samples, merged as a tree",
+    "bands": "a band a worker",
+    "queue": "ten bands a worker",
+}
 
 
 def row(*cells):
@@ -223,11 +241,13 @@ def number(x):
     """Three digits."""
     if x == 0:
         return "0"
+    if x >= 1000:
+        return f"{x:.0f}"
     return f"{x:.{max(0, 2 - math.floor(math.log10(abs(x))))}f}"
 
 
 def table(head, rows):
-    return [row(*head), row(*["---"] * len(head)), *(row(*cells) for cells in rows), ""]
+    return [row(*head), "|" + "---|" * len(head), *(row(*cells) for cells in rows), ""]
 
 
 def page(result):
@@ -277,7 +297,7 @@ def page(result):
         for workers in WORKERS:
             t = model(scene, workers)
             for key, words in DIVISIONS.items():
-                if workers > 1 or key == "samples":
+                if key in t and (workers > 1 or key == "samples"):
                     seconds, cpu = t[key]
                     rows.append([
                         name, workers, words if workers > 1 else "one shard", number(seconds),
@@ -299,10 +319,11 @@ def draw(result, path):
     for column, (name, scene) in enumerate(scenes.items()):
         up, down = axes[:, column]
         up.plot(WORKERS, WORKERS, color="0.7", linewidth=1, label="ideal")
-        for (key, words), style in zip(DIVISIONS.items(), ("o-", "s--", "^-")):
-            times = [model(scene, workers) for workers in WORKERS]
-            up.plot(WORKERS, [t["one"] / t[key][0] for t in times], style, label=words)
-            down.plot(WORKERS, [t[key][1] / t["one"] for t in times], style, label=words)
+        for (key, words), style in zip(DIVISIONS.items(), ("o-", "s--", "^-", "d:")):
+            times = {workers: model(scene, workers) for workers in WORKERS}
+            times = {workers: t for workers, t in times.items() if key in t}
+            up.plot(list(times), [t["one"] / t[key][0] for t in times.values()], style, label=words)
+            down.plot(list(times), [t[key][1] / t["one"] for t in times.values()], style, label=words)
         up.set(xscale="log", yscale="log", title=f"{name}, 3840×2160, {SAMPLES} samples")
         down.set(xscale="log", xlabel="workers of one thread", ylim=(0, None))
         for axis in (up, down):
@@ -312,7 +333,7 @@ def draw(result, path):
     axes[0, 0].legend(frameon=False)
     note = (
         f"A model: CPU seconds measured on one thread, {BYTES_PER_SECOND / 1e9:g} GB/s to write or read shards, "
-        "one shard a worker, all workers start at once"
+        "all workers start at once"
     )
     figure.text(0.5, 0.005, note, ha="center", fontsize=7.5)
     figure.tight_layout(rect=(0, 0.02, 1, 1))
