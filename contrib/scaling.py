@@ -182,6 +182,17 @@ def measure(arguments):
     return result
 
 
+def unevenness(scene):
+    ten = scene["bands"]["10"]
+    return 10 * ten["longest"] / (ten["over"] * scene["sample"])
+
+
+def best_shards(scene):
+    """The number of shards of samples, one for each worker, that is done soonest with one merge: W/N + N m is least."""
+    part = scene["merge"]["part"] + scene["bytes"] / BYTES_PER_SECOND
+    return math.sqrt(scene["sample"] * SAMPLES / part)
+
+
 def model(scene, workers):
     """Seconds until the picture is there, and CPU seconds of all, of three divisions; and of one run."""
     m = scene["merge"]
@@ -288,6 +299,7 @@ def page(result):
         ("ten bands: CPU of rendering over that of the whole", lambda s: number(s["bands"]["10"]["over"])),
         ("hundred", lambda s: number(s["bands"]["100"]["over"])),
         ("thousand", lambda s: number(s["bands"]["1000"]["over"])),
+        ("ten bands: the costliest over their mean", lambda s: number(unevenness(s))),
     ):
         rows.append([what, *map(value, scenes.values())])
     lines += table(["", *scenes], rows)
@@ -304,7 +316,9 @@ def page(result):
                         number(t["one"] / seconds), number(cpu / t["one"]), number(t["merge"][key]),
                     ])
     head = ["scene", "workers", "division", "seconds", "faster by", "CPU over one run", "of the seconds, merge"]
-    return lines + table(head, rows)
+    lines += table(head, rows)
+    best = ", ".join(f"{name} {best_shards(scene):.0f}" for name, scene in scenes.items())
+    return [*lines, f"Shards of samples with which one merge is done soonest, the root of all rendering over merging one shard more: {best}.", ""]
 
 
 def draw(result, path):
