@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
 use translucid_scene::{
     Film, LoadOptions, Mesh, Piece, SceneBuilder, SceneError, SubsurfaceModel, Unit, Warning, load_scene,
+    take_files_read,
 };
 
 use crate::arrays::{Any, Numbers, Rule, is_aligned};
@@ -181,6 +182,14 @@ impl Scene {
         };
         let scene = load(class.py(), path, options)?;
         Ok(Self::of(Making { builder: scene.into(), image_count: 0, light_count: 0 }))
+    }
+
+    /// The files that a scene file or a mesh is read from: what another machine needs to load it.
+    #[staticmethod]
+    fn _files(py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
+        drop(take_files_read());
+        load(py, path, LoadOptions::default())?;
+        Ok(take_files_read())
     }
 
     /// Adds a material.

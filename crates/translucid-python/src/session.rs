@@ -1,16 +1,19 @@
 //! `Session`: a picture that becomes better step by step, while its scene is edited and its film read.
 
+use std::ops::Range;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
 use numpy::{IntoPyArray, PyArrayMethods};
-use pyo3::exceptions::{PyRuntimeError, PyTypeError};
+use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyRange, PyRangeMethods};
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, View, available_memory,
+    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, ShardNotes, ShardRun,
+    View, available_memory,
 };
 use translucid_scene::{Image, Light, Material, Mesh, SceneBuilder, SceneError, Warning, repair_mesh};
 
@@ -130,8 +133,10 @@ impl Session {
     ///
     /// Parameters
     /// ----------
-    /// samples : int, optional
-    ///     Samples that each pixel shall have in the end, at most 2**24; by default as many as the scene states.
+    /// samples : int or range, optional
+    ///     Samples that each pixel shall have in the end, at most 2**24; by default as many as the scene states. A
+    ///     ``range`` with a step of 1 has the samples of these numbers alone, for processes that share the work and
+    ///     `save` their parts.
     /// progress : bool, 'tqdm' or callable, optional
     ///     Called now and then with the numbers of paths that are done and that there are in all; ``True`` and
     ///     ``'tqdm'`` show a bar. An exception in it ends the rendering and is passed on.
@@ -163,7 +168,7 @@ impl Session {
     fn step(&self, py: Python<'_>, samples: Option<&Any<'_>>, progress: Option<&Any<'_>>) -> PyResult<()> {
         let more = samples.map_or(Ok(1), |samples| whole_number("samples", samples, 1, MOST_SAMPLES))?;
         let goal = (more + u64::from(self.samples(py))).min(MOST_SAMPLES);
-        self.start_to(py, goal as u32)?;
+        self.start_to(py, 0..goal as u32)?;
         self.wait(py, progress)
     }
 
@@ -171,7 +176,7 @@ impl Session {
     ///
     /// Parameters
     /// ----------
-    /// samples : int, optional
+    /// samples : int or range, optional
     ///     As in `run`.
     ///
     /// Raises
@@ -180,10 +185,12 @@ impl Session {
     ///     It runs already.
     #[pyo3(signature = (samples=None))]
     fn start(&self, py: Python<'_>, samples: Option<&Any<'_>>) -> PyResult<()> {
-        let samples = samples.map(|samples| whole_number("samples", samples, 1, MOST_SAMPLES)).transpose()?;
         let samples = match samples {
-            Some(samples) => samples as u32,
-            None => py.detach(|| self.facts().samples_per_pixel),
+            Some(samples) => match samples.cast::<PyRange>() {
+                Ok(range) => sample_range(range)?,
+                Err(_) => 0..whole_number("samples", samples, 1, MOST_SAMPLES)? as u32,
+            },
+            None => 0..py.detach(|| self.facts().samples_per_pixel),
         };
         self.start_to(py, samples)
     }
@@ -236,6 +243,55 @@ impl Session {
     /// Ends what runs in the background, within milliseconds. The samples so far stay.
     fn cancel(&self, py: Python<'_>) -> PyResult<()> {
         self.end(py, RunningSession::stop)
+    }
+
+    /// Writes the samples so far as a shard, which `translucid merge` joins with others of the same scene and settings to
+    /// the picture of one run, bit for bit.
+    ///
+    /// What runs in the background is ended.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : path-like
+    ///     The file, which is whole or not there.
+    /// scene : str, default ""
+    ///     Where the scene came from, for the notes of the picture.
+    /// samples_per_pixel : int, optional
+    ///     Samples that the whole picture is to have, by which a merge finds what is missing; by default as many as the scene
+    ///     states.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     The file cannot be written.
+    #[pyo3(signature = (path, *, scene="", samples_per_pixel=None))]
+    #[expect(clippy::needless_pass_by_value, reason = "what Python gives")]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        scene: &str,
+        samples_per_pixel: Option<&Any<'_>>,
+    ) -> PyResult<()> {
+        let planned = samples_per_pixel
+            .map(|samples| whole_number("samples_per_pixel", samples, 1, MOST_SAMPLES))
+            .transpose()?;
+        let saved = self.with_idle(py, |session| {
+            let name = scene.to_owned();
+            let scene = session.prepared().scene();
+            let notes = ShardNotes {
+                scene: name,
+                seed: session.view().seed(),
+                samples_per_pixel: planned
+                    .map_or(scene.integrator.samples_per_pixel, |samples| samples as u32),
+                exposure: Some(scene.film.exposure),
+                tone_mapping: scene.film.tone_mapping.name().to_owned(),
+                ..ShardNotes::default()
+            };
+            session.set_notes(notes, ShardRun { threads: self.threads, ..ShardRun::default() });
+            Ok(session.save(&path))
+        })?;
+        saved.map_err(|error| PyOSError::new_err(error.to_string()))
     }
 
     /// A layer of the picture as it is now.
@@ -652,6 +708,12 @@ impl Session {
         py.detach(|| self.facts().notes.clone())
     }
 
+    /// Samples per pixel that the scene states.
+    #[getter]
+    fn _samples_per_pixel(&self, py: Python<'_>) -> u32 {
+        py.detach(|| self.facts().samples_per_pixel)
+    }
+
     /// Exposure in stops and tone mapping that the scene's film states.
     #[getter]
     fn _display(&self, py: Python<'_>) -> (f32, &'static str) {
@@ -681,7 +743,7 @@ impl Session {
         py.detach(|| Arc::clone(&self.facts().film))
     }
 
-    fn start_to(&self, py: Python<'_>, samples: u32) -> PyResult<()> {
+    fn start_to(&self, py: Python<'_>, samples: Range<u32>) -> PyResult<()> {
         py.detach(|| {
             let mut state = self.lock();
             let session = match std::mem::replace(&mut *state, State::Lost) {
@@ -692,12 +754,12 @@ impl Session {
                 }
                 State::Lost => return Err(lost()),
             };
-            let total = u64::from(samples) * session.view().region().area();
+            let total = samples.len() as u64 * session.view().region().area();
             let progress = Arc::clone(&self.progress);
             progress.done.store(session.film().sums().paths(), Ordering::Relaxed);
             progress.total.store(total, Ordering::Relaxed);
-            let plan =
-                Plan { point_memory: available_memory().unwrap_or(u64::MAX), ..Plan::samples(samples) };
+            let point_memory = available_memory().unwrap_or(u64::MAX);
+            let plan = Plan { samples, point_memory, ..Plan::samples(0) };
             let observer = move |event: &Event<'_>| {
                 if let Event::Samples(now) = event {
                     progress.done.store(now.samples_done, Ordering::Relaxed);
@@ -793,6 +855,20 @@ impl Session {
         let (shape, values) = denoised.map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
         Ok(values.into_pyarray(py).reshape(shape)?.into_any())
     }
+}
+
+/// The samples of a range of Python's.
+fn sample_range(range: &Bound<'_, PyRange>) -> PyResult<Range<u32>> {
+    let (start, end, step) = (range.start()?, range.stop()?, range.step()?);
+    let is_right = 0 <= start && start < end && end as u64 <= MOST_SAMPLES && step == 1;
+    if is_right {
+        return Ok(start as u32..end as u32);
+    }
+    let message = format!(
+        "samples is {}, but a range must be rising by 1 within 0 and 2**24, and not empty",
+        range.repr()?
+    );
+    Err(PyValueError::new_err(message))
 }
 
 /// Width and height.

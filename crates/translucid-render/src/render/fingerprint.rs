@@ -115,9 +115,14 @@ fn content(scene: &Scene, seed: u64) -> Fingerprint {
         "object",
         objects.map(|(number, object)| (object.name.as_str(), hash_of_object(number, object, &mut meshes))),
     );
-    let images = scene.images.iter().map(|image| (image.name.as_str(), hash_of_image(image)));
+    // Where a file lies may be another place on another machine
+    let images = scene.images.iter().map(|image| (file_name(&image.name), hash_of_image(image)));
     add_parts(&mut found, "image", images);
     found
+}
+
+fn file_name(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
 /// Adds hashes of many things by their number and name, those after [`MOST_NAMED`] together.
