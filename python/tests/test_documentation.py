@@ -9,12 +9,19 @@ import pytest
 import translucid
 from translucid import _conversion, _plot, _presets, _render, _translucid, reference
 
-MODULES = [translucid, _conversion, _plot, _presets, _render, reference]
+PUBLIC = [translucid, reference]
+try:
+    import translucid.ray
+
+    PUBLIC.append(translucid.ray)
+except ImportError:  # Ray comes apart
+    pass
+MODULES = [*PUBLIC, _conversion, _plot, _presets, _render]
 
 
 def public():
     """Public functions, classes and their methods and properties, by name."""
-    for module in (translucid, reference):
+    for module in PUBLIC:
         for name in module.__all__:
             thing = getattr(module, name)
             if inspect.ismodule(thing) or not (callable(thing)):

@@ -2,8 +2,11 @@
 
 import os
 import signal
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -169,6 +172,30 @@ def test_table_has_the_bits_of_one_walk(cluster, second_node, tmp_path):
     table.save(tmp_path / "a.npz")
     one.save(tmp_path / "b.npz")
     assert (tmp_path / "a.npz").read_bytes() == (tmp_path / "b.npz").read_bytes()
+
+
+def can_make_namespaces():
+    name = "translucid-try"
+    try:
+        made = subprocess.run(["ip", "netns", "add", name], capture_output=True).returncode == 0
+        subprocess.run(["ip", "netns", "delete", name], capture_output=True)
+    except OSError:
+        return False
+    return made
+
+
+@pytest.mark.skipif(not can_make_namespaces(), reason="this machine makes no network namespaces")
+def test_picture_has_the_bits_of_one_run_though_a_link_is_cut(scene, tmp_path):
+    output, whole = tmp_path / "out.exr", tmp_path / "whole.exr"
+    words = ["translucid", "render", str(scene), "-q", "--size", "96x64", "--spp", "96", "-o", str(whole)]
+    assert translucid._translucid.command(words) == 0
+    program = Path(__file__).with_name("ray_in_namespaces.py")
+    run = subprocess.run(
+        [sys.executable, program, scene, output], capture_output=True, text=True, timeout=280, cwd=tmp_path
+    )
+    assert run.returncode == 0, run.stderr
+    assert "cut after" in run.stdout and "has been marked dead" in run.stdout + run.stderr
+    assert_same_picture(whole, output)
 
 
 def test_wrong_arguments_are_said_before_anything_is_sent(scene, tmp_path):

@@ -40,22 +40,29 @@ impl ExactSums {
     /// Adds finite numbers to the sums of a pixel.
     pub(super) fn add(&mut self, pixel: usize, values: &[f64; layer::COUNT]) {
         let sums = &mut self.rounded[pixel];
-        let mut inexact = self.has_rest.get(pixel).copied().unwrap_or(0);
-        let mut new = [0.0; layer::COUNT];
-        for (i, (sum, value)) in sums.iter().zip(values).enumerate() {
+        let before = *sums;
+        // Without a branch, so that it becomes vector code
+        let mut errors = 0.0;
+        for (sum, value) in sums.iter_mut().zip(values) {
             let (rounded, error) = two_sum(*sum, *value);
-            new[i] = rounded;
-            inexact |= u32::from(error != 0.0) << i;
+            *sum = rounded;
+            errors += error.abs();
         }
-        if inexact == 0 {
-            *sums = new;
-            return;
+        let has_rest = self.has_rest.get(pixel).copied().unwrap_or(0);
+        if errors > 0.0 || has_rest != 0 {
+            self.rounded[pixel] = before;
+            self.add_with_rests(pixel, values, has_rest);
         }
-        for i in 0..layer::COUNT {
-            if inexact & 1 << i == 0 {
-                self.rounded[pixel][i] = new[i];
+    }
+
+    #[cold]
+    fn add_with_rests(&mut self, pixel: usize, values: &[f64; layer::COUNT], has_rest: u32) {
+        for (i, value) in values.iter().enumerate() {
+            let (rounded, error) = two_sum(self.rounded[pixel][i], *value);
+            if error == 0.0 && has_rest & 1 << i == 0 {
+                self.rounded[pixel][i] = rounded;
             } else {
-                self.add_exactly(pixel, i, &[values[i]]);
+                self.add_exactly(pixel, i, &[*value]);
             }
         }
     }

@@ -228,7 +228,11 @@ fn add_samples(
 fn add(sums: &mut ExactSums, pixel: usize, sample: &PixelSample) {
     debug_assert!(sample.radiance().is_finite(), "a sample is not finite: {sample:?}");
     if sample.radiance().is_finite() {
-        let finite = |value: f32| if value.is_finite() { f64::from(value) } else { 0.0 };
-        sums.add(pixel, &sample.layers().map(finite));
+        let mut values = sample.layers().map(f64::from);
+        // 0 unless one of them is not finite
+        if values.iter().map(|value| value * 0.0).sum::<f64>() != 0.0 {
+            values = values.map(|value| if value.is_finite() { value } else { 0.0 });
+        }
+        sums.add(pixel, &values);
     }
 }
