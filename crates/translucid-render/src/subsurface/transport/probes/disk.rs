@@ -85,7 +85,7 @@ mod tests {
         AlbedoTable, AlbedoTableF32, Appearance, Configuration, Model, Parameterization,
     };
 
-    use super::super::ProbeStrategy;
+    use super::super::strategy::ProbeStrategy;
     use super::*;
     use crate::ray::SurfacePoint;
     use crate::subsurface::Subsurface;
