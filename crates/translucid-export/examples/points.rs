@@ -90,7 +90,7 @@ fn json(function: &Function) -> String {
         });
         entries.collect::<Vec<_>>().join(",")
     };
-    let calls = of_each(&|language| format!("\"{}\"", language.call(function)));
+    let calls = of_each(&|language| format!("\"{}\"", function.call_in(language)));
     let errors = of_each(&|language| format!("{:e}", function.error_in(language)));
     let list = |words: &[&str]| words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(",");
     format!(

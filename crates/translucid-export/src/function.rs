@@ -2,8 +2,9 @@
 
 use translucid_profile::Model;
 
+use crate::language::Language;
+use crate::subject::Subject;
 use crate::token::{Token, tokens};
-use crate::{Language, Subject};
 
 /// A function of a text, as those who test it or feed it from buffers call it: numbers in, numbers out.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,6 +32,18 @@ impl Function {
     /// Largest relative error in a language: OSL approximates the exponential by a polynomial.
     pub fn error_in(&self, language: Language) -> f64 {
         if language == Language::Osl { self.error.max(ERROR_OF_OSL) } else { self.error }
+    }
+
+    /// Its call in a language, in which its arguments stand by their names.
+    pub fn call_in(&self, language: Language) -> String {
+        let pieces = tokens(self.call);
+        let is_called = |i: usize| pieces.get(i + 1) == Some(&Token::Sign("("));
+        let text = pieces.iter().enumerate().map(|(i, piece)| match piece {
+            Token::Word(name) if is_called(i) => language.function_name(name),
+            Token::Number(number) => language.number(number),
+            piece => piece.text().to_owned(),
+        });
+        text.collect()
     }
 
     /// Names of the functions in the call.

@@ -6,7 +6,6 @@
 
 use std::collections::HashMap;
 
-use crate::function::Function;
 use crate::number::literal;
 use crate::token::{Token, tokens};
 
@@ -34,7 +33,7 @@ impl Language {
     pub const ALL: [Self; 7] = [Self::Wgsl, Self::Glsl, Self::Hlsl, Self::Msl, Self::Osl, Self::C, Self::Cpp];
 
     /// The name of a function, whose WGSL name is given, as users of the language write it.
-    pub fn function_name(self, name: &str) -> String {
+    pub(crate) fn function_name(self, name: &str) -> String {
         match self {
             Self::Wgsl | Self::Osl | Self::Cpp => name.to_owned(),
             Self::C => format!("translucid_{name}"),
@@ -44,18 +43,6 @@ impl Language {
                 name[..1].to_uppercase() + &name[1..]
             }
         }
-    }
-
-    /// The call of a function, in which its arguments stand by their names.
-    pub fn call(self, function: &Function) -> String {
-        let pieces = tokens(function.call);
-        let is_called = |i: usize| pieces.get(i + 1) == Some(&Token::Sign("("));
-        let text = pieces.iter().enumerate().map(|(i, piece)| match piece {
-            Token::Word(name) if is_called(i) => self.function_name(name),
-            Token::Number(number) => self.number(number),
-            piece => piece.text().to_owned(),
-        });
-        text.collect()
     }
 
     /// The name of a struct.
@@ -101,7 +88,7 @@ impl Language {
     }
 
     /// A number as the language writes one of single precision.
-    fn number(self, number: &str) -> String {
+    pub(crate) fn number(self, number: &str) -> String {
         let is_real = number.contains('.') || number.contains('e');
         let takes_suffix = matches!(self, Self::C | Self::Cpp | Self::Hlsl | Self::Msl);
         if is_real && takes_suffix { format!("{number}f") } else { number.to_owned() }

@@ -48,12 +48,16 @@ mod kernel;
 mod language;
 mod number;
 mod spirv;
+mod subject;
+mod target;
 mod token;
 
 pub use curvature_table::CurvatureTable;
 pub use error::ExportError;
-pub use export::{Export, Material, Sizes, Subject, Target};
+pub use export::{Export, Material, Sizes};
 pub use function::{Function, functions};
 pub use image::ImageFormat;
 pub use language::Language;
 pub use spirv::entry_points;
+pub use subject::Subject;
+pub use target::Target;

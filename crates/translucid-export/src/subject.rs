@@ -1,0 +1,87 @@
+//! What an exported text is about.
+
+use crate::language::Language;
+use crate::target::Target;
+
+/// What a text is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// Evaluation, densities, distribution and quantile of a profile.
+    Profile,
+    /// Random radii and their densities.
+    Sampler,
+    /// Taps around a pixel for screen-space scattering.
+    Disk,
+    /// Pre-integrated light on a sphere, by N·L and curvature.
+    Lut,
+    /// Separable kernel for screen-space scattering.
+    Kernel,
+    /// Sampling of entry points on any shape, as commented reference code.
+    Probe,
+    /// Reflectance of a dielectric boundary.
+    Fresnel,
+    /// The medium behind a surface albedo.
+    Inversion,
+}
+
+impl Subject {
+    /// Every subject.
+    pub const ALL: [Self; 8] = [
+        Self::Profile,
+        Self::Sampler,
+        Self::Disk,
+        Self::Lut,
+        Self::Kernel,
+        Self::Probe,
+        Self::Fresnel,
+        Self::Inversion,
+    ];
+
+    /// Name as the command line writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Profile => "profile",
+            Self::Sampler => "sampler",
+            Self::Disk => "disk",
+            Self::Lut => "lut",
+            Self::Kernel => "kernel",
+            Self::Probe => "probe",
+            Self::Fresnel => "fresnel",
+            Self::Inversion => "inversion",
+        }
+    }
+
+    /// One line about it.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Profile => "Evaluation, densities, distribution and quantile of a profile",
+            Self::Sampler => "Random radii and their densities",
+            Self::Disk => "Taps around a pixel for screen-space scattering, of a material",
+            Self::Lut => {
+                "Pre-integrated light on a sphere by N·L and curvature, of a material: c, cpp or an image"
+            }
+            Self::Kernel => "Separable kernel for screen-space scattering, of a material",
+            Self::Probe => "Sampling of entry points on any shape, as commented reference code",
+            Self::Fresnel => "Reflectance of a dielectric boundary",
+            Self::Inversion => "The medium behind a surface albedo, for a g and an eta",
+        }
+    }
+
+    /// Tells whether it is a table of a material, and no function.
+    pub(crate) fn is_table(self) -> bool {
+        match self {
+            Self::Profile | Self::Sampler | Self::Probe | Self::Fresnel | Self::Inversion => false,
+            Self::Disk | Self::Lut | Self::Kernel => true,
+        }
+    }
+
+    /// Tells whether it can go to a target.
+    pub(crate) fn goes_to(self, target: Target) -> bool {
+        match (self, target) {
+            (_, Target::Image(_)) => self == Self::Lut,
+            (_, Target::Spirv | Target::Text(Language::Osl)) => !self.is_table(),
+            (Self::Lut, Target::Text(language)) => matches!(language, Language::C | Language::Cpp),
+            (_, Target::Text(_)) => true,
+        }
+    }
+}

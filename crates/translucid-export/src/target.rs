@@ -1,0 +1,63 @@
+//! What a text is written in.
+
+use crate::image::ImageFormat;
+use crate::language::Language;
+
+/// Where a text goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// A text in a language.
+    Text(Language),
+    /// A compiled module for Vulkan.
+    Spirv,
+    /// A table as an image.
+    Image(ImageFormat),
+}
+
+impl Target {
+    /// Every target.
+    pub const ALL: [Self; 12] = [
+        Self::Text(Language::Wgsl),
+        Self::Text(Language::Glsl),
+        Self::Text(Language::Hlsl),
+        Self::Text(Language::Msl),
+        Self::Spirv,
+        Self::Text(Language::Osl),
+        Self::Text(Language::C),
+        Self::Text(Language::Cpp),
+        Self::Image(ImageFormat::Exr),
+        Self::Image(ImageFormat::Png),
+        Self::Image(ImageFormat::Dds),
+        Self::Image(ImageFormat::Npz),
+    ];
+
+    /// Name as the command line writes it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Text(Language::Wgsl) => "wgsl",
+            Self::Text(Language::Glsl) => "glsl",
+            Self::Text(Language::Hlsl) => "hlsl",
+            Self::Text(Language::Msl) => "msl",
+            Self::Text(Language::Osl) => "osl",
+            Self::Text(Language::C) => "c",
+            Self::Text(Language::Cpp) => "cpp",
+            Self::Spirv => "spirv",
+            Self::Image(format) => format.name(),
+        }
+    }
+
+    /// One line about it.
+    pub fn description(self) -> &'static str {
+        match self {
+            Self::Text(Language::Wgsl) => "WebGPU's shading language",
+            Self::Text(Language::Glsl) => "OpenGL's and Vulkan's, from 3.30 or ES 3.00 on",
+            Self::Text(Language::Hlsl) => "DirectX's",
+            Self::Text(Language::Msl) => "Metal's",
+            Self::Text(Language::Osl) => "Open Shading Language",
+            Self::Text(Language::C) => "A header for C99",
+            Self::Text(Language::Cpp) => "A header for C++17",
+            Self::Spirv => "A module that computes functions for buffers of arguments",
+            Self::Image(format) => format.description(),
+        }
+    }
+}
