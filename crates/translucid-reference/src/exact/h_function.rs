@@ -119,7 +119,11 @@ impl Samples {
 
     /// Σ value/(s² + t²), in the widest registers there are.
     fn sum(&self, s_squared: Complex64) -> Complex64 {
-        dispatch!(Level::new(), _simd => self.sum_in_lanes(s_squared))
+        self.sum_at_level(Level::new(), s_squared)
+    }
+
+    fn sum_at_level(&self, level: Level, s_squared: Complex64) -> Complex64 {
+        dispatch!(level, _simd => self.sum_in_lanes(s_squared))
     }
 
     #[inline(always)]
@@ -348,6 +352,19 @@ mod tests {
                         assert!(off.norm() < allowed, "alpha {alpha}, x {x:e}, s {s:e}: {:e}", off.norm());
                     }
                 }
+            }
+        }
+    }
+
+    #[test]
+    fn instruction_sets_agree() {
+        let (dispersion, wave_number) = on_ray(0.9, 0.7);
+        let samples = Samples::new(&dispersion, wave_number, 0.2);
+        for i in 1..100 {
+            let s = Complex64::new(0.1 * f64::from(i), 0.03 * f64::from(i) - 1.0);
+            let widest = samples.sum(s * s);
+            for level in crate::walk::narrower_levels() {
+                assert_eq!(samples.sum_at_level(level, s * s), widest, "{level:?}, {s}");
             }
         }
     }

@@ -36,7 +36,7 @@ impl Interface {
     /// Fresnel's reflectance (A.-J. Fresnel 1823) for η ≠ 1 and cosines in (0, 1]; 1 beyond the critical angle.
     #[inline(always)]
     pub(crate) fn reflectance<S: Simd>(&self, simd: S, mu: Floats<S>) -> Floats<S> {
-        let squared = (mu * mu).mul_add(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
+        let squared = (mu * mu).mul_add_precise(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
         let refracted = squared.max(0.0).min(1.0).sqrt();
         let perpendicular = (mu * self.eta - refracted) / (mu * self.eta + refracted);
         let parallel = (refracted * self.eta - mu) / (refracted * self.eta + mu);

@@ -39,3 +39,19 @@ macro_rules! dispatched {
 }
 
 pub(super) use dispatched;
+
+/// The instruction sets of this machine but for its widest one, the narrowest last.
+#[cfg(test)]
+pub(crate) fn narrower_levels() -> Vec<fearless_simd::Level> {
+    use fearless_simd::Level;
+
+    #[cfg(target_arch = "x86_64")]
+    let levels = [
+        Level::new().as_avx2().map(Level::Avx2),
+        Level::new().as_sse4_2().map(Level::Sse4_2),
+        Level::new().as_sse2().map(Level::Sse2),
+    ];
+    #[cfg(not(target_arch = "x86_64"))]
+    let levels = [Some(Level::baseline())];
+    levels.into_iter().flatten().collect()
+}

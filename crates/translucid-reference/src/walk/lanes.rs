@@ -1,8 +1,8 @@
 //! Functions of random words that a walk needs, in 16 single-precision lanes.
 //!
 //! Each function turns one word per lane into one variate, without a branch, and with the same operations on
-//! every instruction set: where a fused multiply-add exists (AVX2, AVX-512, NEON) the bits are the same
-//! everywhere, elsewhere (plain SSE) they may differ in the last place.
+//! every instruction set: the bits are the same everywhere. A multiply-add is fused, an instruction of AVX2, AVX-512
+//! and NEON and a few dozen of plain SSE (`mul_add_precise`).
 //!
 //! A word's last bit is set before use: the odd numbers are the midpoints of 2³¹ cells, so that u is never 0,
 //! its mean is exactly ½, and the logarithm reaches to 22 mean free paths.
@@ -47,7 +47,7 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(
 ) -> Floats<S> {
     let mut value = Floats::splat(simd, coefficients[N - 1]);
     for i in (0..N - 1).rev() {
-        value = value.mul_add(x, coefficients[i]);
+        value = value.mul_add_precise(x, coefficients[i]);
     }
     value
 }
@@ -56,12 +56,12 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(
 /// eight before it.
 #[inline(always)]
 fn polynomial_8<S: Simd>(simd: S, x: Floats<S>, c: [f32; 9]) -> Floats<S> {
-    let pair = |i: usize| x.mul_add(c[i + 1], Floats::splat(simd, c[i]));
+    let pair = |i: usize| x.mul_add_precise(c[i + 1], Floats::splat(simd, c[i]));
     let x2 = x * x;
     let x4 = x2 * x2;
-    let low = x2.mul_add(pair(2), pair(0));
-    let high = x2.mul_add(pair(6), pair(4));
-    x4.mul_add(x4.mul_add(c[8], high), low)
+    let low = x2.mul_add_precise(pair(2), pair(0));
+    let high = x2.mul_add_precise(pair(6), pair(4));
+    x4.mul_add_precise(x4.mul_add_precise(c[8], high), low)
 }
 
 /// Uniform in (0, 1].
@@ -89,7 +89,7 @@ pub(crate) fn exponential<S: Simd>(simd: S, word: Words<S>) -> Floats<S> {
     let k = (32 - (above >> 23)).bitcast::<i32x16<S>>().to_float::<Floats<S>>();
 
     let t = factor - 1.0;
-    k.mul_add(std::f32::consts::LN_2, -(t * polynomial_8(simd, t, LOG)))
+    k.mul_add_precise(std::f32::consts::LN_2, -(t * polynomial_8(simd, t, LOG)))
 }
 
 /// Uniform on the unit circle.
@@ -113,7 +113,7 @@ pub(crate) fn circle<S: Simd>(simd: S, word: Words<S>) -> (Floats<S>, Floats<S>)
 #[inline(always)]
 pub(crate) fn complement<S: Simd>(x: Floats<S>) -> Floats<S> {
     // A fused product leaves at most a rounding below 0
-    (-x).mul_add(x, 1.0).max(0.0).sqrt()
+    (-x).mul_add_precise(x, 1.0).max(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -42,6 +42,8 @@ pub use run::Control;
 pub use run_until::{Forecast, Goal};
 pub use table_error::TableError;
 #[cfg(test)]
+pub(crate) use instruction_sets::narrower_levels;
+#[cfg(test)]
 pub(crate) use trace::trace;
 use trace::trace_until;
 pub use white_table::WhiteTable;

@@ -133,8 +133,8 @@ impl<S: Simd> Group<S> {
     #[inline(always)]
     pub(super) fn fly(&mut self, simd: S) {
         let flight = exponential(simd, self.streams.next());
-        self.x = flight.mul_add(self.directions.x, self.x);
-        self.y = flight.mul_add(self.directions.y, self.y);
-        self.z = flight.mul_add(self.directions.z, self.z);
+        self.x = flight.mul_add_precise(self.directions.x, self.x);
+        self.y = flight.mul_add_precise(self.directions.y, self.y);
+        self.z = flight.mul_add_precise(self.directions.z, self.z);
     }
 }

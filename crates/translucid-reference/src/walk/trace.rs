@@ -308,7 +308,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             transmitted.select(Floats::splat(simd, self.setup.boundary.thickness), Floats::splat(simd, 0.0));
         let Directions { x: ux, y: uy, z: uz } = photons.directions;
         let beyond = (photons.z - face) / uz;
-        let places = [(-beyond).mul_add(ux, photons.x), (-beyond).mul_add(uy, photons.y), uz.abs()];
+        let places = [(-beyond).mul_add_precise(ux, photons.x), (-beyond).mul_add_precise(uy, photons.y), uz.abs()];
         let order = photons.budget - photons.left;
         let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
         if moves_lanes(simd) {

@@ -201,4 +201,28 @@ mod tests {
             assert_eq!(cell_distance(p, 7).to_bits(), nearest.to_bits(), "{p}");
         }
     }
+
+    /// Every instruction set of this machine, each forced.
+    #[test]
+    #[cfg(target_arch = "x86_64")]
+    fn instruction_sets_agree() {
+        let levels = [
+            LEVEL.as_avx2().map(Level::Avx2),
+            LEVEL.as_sse4_2().map(Level::Sse4_2),
+            LEVEL.as_sse2().map(Level::Sse2),
+        ];
+        let all = |level: Level, p: Vec3| {
+            dispatch!(level, simd => [
+                noise_by(simd, p, 7),
+                fractal_noise_by(simd, p, 4, 7),
+                cell_distance_by(simd, p, 7),
+            ])
+            .map(f32::to_bits)
+        };
+        for level in levels.into_iter().flatten() {
+            for p in points() {
+                assert_eq!(all(level, p), all(*LEVEL, p), "{level:?}, {p}");
+            }
+        }
+    }
 }
