@@ -33,19 +33,19 @@ pub struct Gaussian;
 
 impl Family for Gaussian {
     fn times_r(x: f64) -> f64 {
-        x * (-0.5 * x * x).exp() / (2.0 * PI)
+        x * libm::exp(-0.5 * x * x) / (2.0 * PI)
     }
 
     fn slope(x: f64) -> f64 {
-        if x > 1e3 { 0.0 } else { (1.0 - x * x) * (-0.5 * x * x).exp() / (2.0 * PI) }
+        if x > 1e3 { 0.0 } else { (1.0 - x * x) * libm::exp(-0.5 * x * x) / (2.0 * PI) }
     }
 
     fn within(x: f64) -> f64 {
-        -(-0.5 * x * x).exp_m1()
+        -libm::expm1(-0.5 * x * x)
     }
 
     fn beyond(x: f64) -> f64 {
-        (-0.5 * x * x).exp()
+        libm::exp(-0.5 * x * x)
     }
 
     /// √(π/2)
@@ -58,19 +58,19 @@ pub struct Exponential;
 
 impl Family for Exponential {
     fn times_r(x: f64) -> f64 {
-        (-x).exp() / (2.0 * PI)
+        libm::exp(-x) / (2.0 * PI)
     }
 
     fn slope(x: f64) -> f64 {
-        -(-x).exp() / (2.0 * PI)
+        -libm::exp(-x) / (2.0 * PI)
     }
 
     fn within(x: f64) -> f64 {
-        -(-x).exp_m1()
+        -libm::expm1(-x)
     }
 
     fn beyond(x: f64) -> f64 {
-        (-x).exp()
+        libm::exp(-x)
     }
 
     const MEAN_RADIUS: f64 = 1.0;
@@ -82,19 +82,19 @@ pub struct Burley;
 
 impl Family for Burley {
     fn times_r(x: f64) -> f64 {
-        ((-x).exp() + (-x / 3.0).exp()) / (8.0 * PI)
+        (libm::exp(-x) + libm::exp(-x / 3.0)) / (8.0 * PI)
     }
 
     fn slope(x: f64) -> f64 {
-        -((-x).exp() + (-x / 3.0).exp() / 3.0) / (8.0 * PI)
+        -(libm::exp(-x) + libm::exp(-x / 3.0) / 3.0) / (8.0 * PI)
     }
 
     fn within(x: f64) -> f64 {
-        -0.25 * (-x).exp_m1() - 0.75 * (-x / 3.0).exp_m1()
+        -0.25 * libm::expm1(-x) - 0.75 * libm::expm1(-x / 3.0)
     }
 
     fn beyond(x: f64) -> f64 {
-        0.25 * (-x).exp() + 0.75 * (-x / 3.0).exp()
+        0.25 * libm::exp(-x) + 0.75 * libm::exp(-x / 3.0)
     }
 
     const MEAN_RADIUS: f64 = 2.5;

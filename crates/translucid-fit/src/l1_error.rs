@@ -55,7 +55,7 @@ impl Judge {
     /// Evaluates the reference at some 530 radii.
     pub fn new(reference: &dyn Profile) -> Self {
         let step = |octaves: f64| (octaves * Self::NODES_PER_OCTAVE) as i32;
-        let radius = |i: i32| reference.scale() * (f64::from(i) / Self::NODES_PER_OCTAVE).exp2();
+        let radius = |i: i32| reference.scale() * libm::exp2(f64::from(i) / Self::NODES_PER_OCTAVE);
         let range = step(Self::OCTAVES.start)..=step(Self::OCTAVES.end);
         let nodes = range.map(|i| Node::new(reference, radius(i))).collect();
         Self { nodes, total: reference.surface_albedo() }
@@ -77,8 +77,8 @@ impl Judge {
             let wrong: f64 = cells
                 .filter(|(ends, _)| ends[0].r < r_max)
                 .map(|(ends, differences)| {
-                    let ln_step = (ends[1].r / ends[0].r).ln();
-                    let share = ((r_max / ends[0].r).ln() / ln_step).min(1.0);
+                    let ln_step = libm::log(ends[1].r / ends[0].r);
+                    let share = (libm::log(r_max / ends[0].r) / ln_step).min(1.0);
                     Cubic::new(differences, ln_step).variation(share)
                 })
                 .sum();
@@ -93,8 +93,8 @@ impl Judge {
     /// Energy of the reference within a radius.
     fn enclosed(&self, r_max: f64) -> f64 {
         let Some(ends) = self.nodes.windows(2).find(|ends| ends[1].r >= r_max) else { return self.total };
-        let ln_step = (ends[1].r / ends[0].r).ln();
-        Cubic::new(ends, ln_step).eval(((r_max / ends[0].r).ln() / ln_step).max(0.0))
+        let ln_step = libm::log(ends[1].r / ends[0].r);
+        Cubic::new(ends, ln_step).eval((libm::log(r_max / ends[0].r) / ln_step).max(0.0))
     }
 }
 

@@ -72,7 +72,7 @@ impl Target {
         let (total, scale) = (reference.surface_albedo(), reference.scale());
         require(total > 0.0 && total.is_finite(), "total", total, "greater than 0")?;
         let point = |step: i32| {
-            let r = (Self::STEP * f64::from(step)).exp();
+            let r = libm::exp(Self::STEP * f64::from(step));
             Point {
                 r,
                 weight: Self::STEP.sqrt() * r,
@@ -177,8 +177,8 @@ struct Problem<'a, F> {
 
 impl<'a, F: Family> Problem<'a, F> {
     fn new(target: &'a Target, terms: &[(f64, f64)]) -> Self {
-        let logits = terms.iter().map(|(weight, _)| weight.max(1e-12).ln());
-        let ln_scales = terms.iter().map(|(_, scale)| scale.ln());
+        let logits = terms.iter().map(|(weight, _)| libm::log(weight.max(1e-12)));
+        let ln_scales = terms.iter().map(|(_, scale)| libm::log(*scale));
         let parameters = DVector::from_iterator(2 * terms.len(), logits.chain(ln_scales));
         Self { target, parameters, family: std::marker::PhantomData }
     }
@@ -187,9 +187,9 @@ impl<'a, F: Family> Problem<'a, F> {
     fn terms(&self) -> Vec<(f64, f64)> {
         let (logits, ln_scales) = self.parameters.as_slice().split_at(self.parameters.len() / 2);
         let greatest = logits.iter().fold(f64::NEG_INFINITY, |a, b| a.max(*b));
-        let weights: Vec<f64> = logits.iter().map(|logit| (logit - greatest).exp()).collect();
+        let weights: Vec<f64> = logits.iter().map(|logit| libm::exp(logit - greatest)).collect();
         let sum: f64 = weights.iter().sum();
-        weights.iter().zip(ln_scales).map(|(weight, ln_scale)| (weight / sum, ln_scale.exp())).collect()
+        weights.iter().zip(ln_scales).map(|(weight, ln_scale)| (weight / sum, libm::exp(*ln_scale))).collect()
     }
 
     fn residual_vector(&self) -> DVector<f64> {

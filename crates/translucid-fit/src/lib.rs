@@ -34,6 +34,8 @@
 //! # Out of scope
 //! How a reference comes about (`translucid-reference`), files, figures.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod family;
 mod l1_error;
 mod least_squares;

@@ -216,7 +216,7 @@ struct Data {
 impl Data {
     fn new(samples: &[Sample]) -> Self {
         let count = samples.len() as f64;
-        let unit_r = (samples.iter().map(|sample| sample.r.ln()).sum::<f64>() / count).exp();
+        let unit_r = libm::exp(samples.iter().map(|sample| libm::log(sample.r)).sum::<f64>() / count);
         let energy = |sample: &Sample| (sample.r / unit_r).powi(2) * sample.reflectance;
         let unit = samples.iter().map(energy).fold(f64::MIN_POSITIVE, f64::max);
         let point = |sample: &Sample| Sample {
@@ -235,7 +235,7 @@ impl Data {
             .iter()
             .fold((f64::MAX, 0.0f64), |(low, high), point| (low.min(point.r), high.max(point.r)));
         let start = |i: i32| {
-            let scale = 0.1 * low * (100.0 * high / low).powf(f64::from(i) / 40.0) / F::MEAN_RADIUS;
+            let scale = 0.1 * low * libm::pow(100.0 * high / low, f64::from(i) / 40.0) / F::MEAN_RADIUS;
             let sums = self.points.iter().fold([0.0; 2], |[a, b], point| {
                 let kernel = F::times_r(point.r / scale) / (scale * point.r) / point.error;
                 [a + kernel * point.reflectance / point.error, b + kernel * kernel]
@@ -274,15 +274,15 @@ impl<'a, F: Family> Problem<'a, F> {
     const MOST: f64 = 300.0;
 
     fn new(data: &'a Data, terms: &[(f64, f64)]) -> Self {
-        let energies = terms.iter().map(|(energy, _)| energy.max(1e-30).ln());
-        let scales = terms.iter().map(|(_, scale)| scale.ln());
+        let energies = terms.iter().map(|(energy, _)| libm::log(energy.max(1e-30)));
+        let scales = terms.iter().map(|(_, scale)| libm::log(*scale));
         let parameters = DVector::from_iterator(2 * terms.len(), energies.chain(scales));
         Self { data, parameters, family: std::marker::PhantomData }
     }
 
     /// Energies and scales.
     fn terms(&self) -> Vec<(f64, f64)> {
-        let exp = |ln: &f64| ln.clamp(-Self::MOST, Self::MOST).exp();
+        let exp = |ln: &f64| libm::exp(ln.clamp(-Self::MOST, Self::MOST));
         let (energies, scales) = self.parameters.as_slice().split_at(self.parameters.len() / 2);
         energies.iter().map(exp).zip(scales.iter().map(exp)).collect()
     }

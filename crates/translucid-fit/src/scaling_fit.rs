@@ -37,9 +37,9 @@ impl ScalingPoint {
         let judge = Judge::new(&exact);
         let mut point = Self { surface_albedo, length, s: 1.0, error: 0.0, judge };
         // The tolerance is what the rounding of the error leaves
-        let error = |ln_s: f64| point.error_of(ln_s.exp(), case.r_max);
-        let [ln_s, least] = minimum(error, Self::LN_S.map(|ln_s| ln_s + length.ln()), 60, 1e-8);
-        (point.s, point.error) = (ln_s.exp(), least);
+        let error = |ln_s: f64| point.error_of(libm::exp(ln_s), case.r_max);
+        let [ln_s, least] = minimum(error, Self::LN_S.map(|ln_s| ln_s + libm::log(length)), 60, 1e-8);
+        (point.s, point.error) = (libm::exp(ln_s), least);
         Ok(point)
     }
 

@@ -84,7 +84,7 @@ impl fmt::Display for ScalingPolynomial {
 }
 
 fn digits(value: f64) -> String {
-    let places = 4 - value.abs().max(1e-4).log10().floor() as i32;
+    let places = 4 - libm::log10(value.abs().max(1e-4)).floor() as i32;
     let text = format!("{value:.*}", places.max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

@@ -48,13 +48,13 @@ impl Picture<'_> {
                 let [red, green, blue] = color.map(|index| pixel[index].max(0.0));
                 let luminance = (0.2126 * red + 0.7152 * green + 0.0722 * blue) / coverage;
                 if coverage >= 0.5 && luminance > 0.0 && luminance.is_finite() {
-                    let bin = (luminance.log2() + 2.0 * LIMIT) * BINS_PER_STOP;
+                    let bin = (libm::log2(luminance) + 2.0 * LIMIT) * BINS_PER_STOP;
                     counts[(bin.max(0.0) as usize).min(last)] += 1;
                 }
             }
         }
         Ok(percentile(&counts).map_or(0.0, |bin| {
-            let stops = TARGET.log2() - ((bin as f64 + 0.5) / BINS_PER_STOP - 2.0 * LIMIT);
+            let stops = libm::log2(TARGET) - ((bin as f64 + 0.5) / BINS_PER_STOP - 2.0 * LIMIT);
             ((stops * 10.0).round() / 10.0).clamp(-LIMIT, LIMIT) as f32
         }))
     }

@@ -12,6 +12,7 @@
 //! # Out of scope
 //! Reading pictures, and any knowledge of scenes and of how a picture is computed.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![allow(
     clippy::manual_clamp,
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as images need it"

@@ -63,7 +63,7 @@ impl Picture<'_> {
         let color = self.indices_of(["R", "G", "B"])?;
         let alpha = self.index_of("A");
         self.check()?;
-        let exposure = f64::from(display.exposure).exp2();
+        let exposure = libm::exp2(f64::from(display.exposure));
         let [width, height] = self.size();
         let bytes = width.checked_mul(height).and_then(|count| count.checked_mul(4));
         let mut codes = vec![0; bytes.ok_or_else(|| invalid("the picture is too large"))?];

@@ -60,7 +60,7 @@ fn encode_srgb(linear: f32) -> f32 {
         // The formula gives a little less than white.
         return 1.0;
     }
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 }
 }
 
 /// Khronos PBR Neutral [Khronos Group 2024, "Khronos PBR Neutral Tone Mapper", specification 1.0]:
@@ -99,7 +99,7 @@ fn agx(color: [f32; 3]) -> [f32; 3] {
     let mixed = multiply(&INSET, color);
     // Apply the curve to the logarithm; log2(0) is −∞, which the bound turns into the least exposure.
     let curved = mixed.map(|value| {
-        let ev = value.log2().clamp(EV_MIN, EV_MAX);
+        let ev = libm::log2f(value).clamp(EV_MIN, EV_MAX);
         agx_curve((ev - EV_MIN) / (EV_MAX - EV_MIN))
     });
     multiply(&OUTSET, curved)

@@ -60,11 +60,12 @@
 //! # Out of scope
 //! Rays, colors and channels (a channel is the caller's loop), random generators (random numbers are
 //! arguments), threads and files.
-//! The crate has no dependencies.
+//! The crate depends on `libm` alone, for functions that have the same bits on every machine.
 //!
 //! The normalized diffusion profile is the subject of US patent 9,659,404 B2; this notice is not legal
 //! advice.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 #![allow(
     clippy::manual_clamp,
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as every function here promises"

@@ -101,7 +101,7 @@ pub trait Profile: Send + Sync {
             return self.quantile(1.0 - v);
         }
         // In logarithms, where an exponential tail is a straight line
-        let excess = |share: f64| v.ln() - share.max(LEAST_SHARE).ln();
+        let excess = |share: f64| libm::log(v) - libm::log(share.max(LEAST_SHARE));
         let at_ends = [excess(0.0), excess(1.0)];
         radius_where(self.scale(), |r| excess(self.complementary_cdf(r)), at_ends, 1e-12)
     }

@@ -20,6 +20,8 @@
 //! # Out of scope
 //! Approximate profiles (`translucid-profile`), fits, colors, files of tables other than the walk's own.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 pub mod body;
 mod estimate;
 pub mod exact;

@@ -22,8 +22,8 @@ impl Ray {
 /// from the axis away from +z.
 pub(crate) fn across(axis: Vector, cosine: f64, azimuth: f64) -> Vector {
     let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    let (sin, cos) = azimuth.sin_cos();
-    let horizontal = axis[0].hypot(axis[1]);
+    let (sin, cos) = libm::sincos(azimuth);
+    let horizontal = libm::hypot(axis[0], axis[1]);
     let (first, second) = if horizontal > 1e-12 {
         let (x, y) = (axis[0] / horizontal, axis[1] / horizontal);
         ([x * axis[2], y * axis[2], -horizontal], [-y, x, 0.0])

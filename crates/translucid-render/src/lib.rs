@@ -64,6 +64,8 @@
 //! # Out of scope
 //! Reading scenes (`translucid-scene`) and the profiles' mathematics (`translucid-profile`).
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 mod light;
 #[doc(hidden)]
 pub mod measure;

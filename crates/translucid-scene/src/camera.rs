@@ -48,7 +48,7 @@ impl Projection {
     pub fn width_at(self, depth: f64) -> f64 {
         match self {
             Self::Perspective { horizontal_fov } => {
-                2.0 * depth * (0.5 * f64::from(horizontal_fov)).to_radians().tan()
+                2.0 * depth * libm::tan((0.5 * f64::from(horizontal_fov)).to_radians())
             }
             Self::Orthographic { width } => f64::from(width),
         }
@@ -59,7 +59,7 @@ impl Projection {
         match self {
             Self::Perspective { .. } => {
                 let tangent = 0.5 * factor * self.width_at(1.0);
-                Self::Perspective { horizontal_fov: (2.0 * tangent.atan()).to_degrees() as f32 }
+                Self::Perspective { horizontal_fov: (2.0 * libm::atan(tangent)).to_degrees() as f32 }
             }
             Self::Orthographic { width } => Self::Orthographic { width: (factor * f64::from(width)) as f32 },
         }

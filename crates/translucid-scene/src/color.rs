@@ -14,7 +14,7 @@ pub(crate) fn hexadecimal_color(text: &str) -> Option<Vec3> {
 }
 
 fn linear_from_srgb(value: f64) -> f64 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 
 #[cfg(test)]

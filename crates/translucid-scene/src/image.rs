@@ -149,7 +149,7 @@ impl Image {
 
 /// Linear value of an sRGB value, both in [0, 1] (IEC 61966-2-1:1999, section 5.2).
 pub(crate) fn linear_from_srgb(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+    if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 /// `linear_from_srgb` of every byte.

@@ -13,6 +13,8 @@
 //! # Out of scope
 //! Tracing rays, sampling, and any knowledge of how a picture is computed.
 
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
 #[cfg(any(test, feature = "testing"))]
 pub mod broken;
 mod camera;

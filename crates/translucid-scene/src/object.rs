@@ -185,8 +185,8 @@ fn greatest_stretch(m: &DMat3) -> f64 {
         return scale * mean.sqrt();
     }
     let half_determinant = (off * p.recip()).determinant() / 2.0;
-    let angle = half_determinant.clamp(-1.0, 1.0).acos() / 3.0;
-    scale * (mean + 2.0 * p * angle.cos()).sqrt()
+    let angle = libm::acos(half_determinant.clamp(-1.0, 1.0)) / 3.0;
+    scale * (mean + 2.0 * p * libm::cos(angle)).sqrt()
 }
 
 #[cfg(test)]

@@ -52,14 +52,14 @@ impl Viewpoint {
 
     /// The viewpoint in a direction from what is looked at.
     pub(crate) fn toward(direction: DVec3) -> Self {
-        let elevation = direction.y.atan2(direction.x.hypot(direction.z)).to_degrees();
-        Self::of(direction.x.atan2(direction.z).to_degrees(), elevation)
+        let elevation = libm::atan2(direction.y, libm::hypot(direction.x, direction.z)).to_degrees();
+        Self::of(libm::atan2(direction.x, direction.z).to_degrees(), elevation)
     }
 
     /// Unit direction from what is looked at to the camera.
     pub(crate) fn direction(self) -> DVec3 {
-        let (height, reach) = self.elevation.to_radians().sin_cos();
-        let (sine, cosine) = self.azimuth.to_radians().sin_cos();
+        let (height, reach) = libm::sincos(self.elevation.to_radians());
+        let (sine, cosine) = libm::sincos(self.azimuth.to_radians());
         DVec3::new(reach * sine, height, reach * cosine)
     }
 

@@ -1,5 +1,6 @@
 //! The command from outside: what it prints and writes, how it ends, and what the documentation says of it.
 
+mod bits;
 mod broken_files;
 mod command_line;
 mod common;

@@ -61,7 +61,8 @@ impl CyclesWalk {
         let color = color.max(0.0).min(1.0);
         let [a, b, c, d, e, f] = self.fit;
         let blend = color.sqrt().sqrt();
-        let alpha = (1.0 - blend) * a * (b * color).atan().powf(c) + blend * d * (e * color).atan().powf(f);
+        let alpha = (1.0 - blend) * a * libm::pow(libm::atan(b * color), c)
+            + blend * d * libm::pow(libm::atan(e * color), f);
         alpha.max(0.0).min(LARGEST_ALPHA)
     }
 
@@ -114,7 +115,7 @@ impl CyclesWalk {
 fn still_inside(s: f64) -> f64 {
     let x = (CyclesWalk::MOST_FLIGHTS * s).sqrt();
     let whole = 2.0 / (3.0 * PI).sqrt() * 2.0 / CyclesWalk::MOST_FLIGHTS.sqrt();
-    whole * (-x * x).exp() * (1.0 - PI.sqrt() * x * erfcx(x))
+    whole * libm::exp(-x * x) * (1.0 - PI.sqrt() * x * erfcx(x))
 }
 
 /// Coefficients of the fit at a mean cosine.
@@ -133,7 +134,7 @@ fn fit(g: f64) -> [f64; 6] {
         ]),
         4.98511194385
             + 0.127355959438
-                * polynomial([
+                * libm::exp(polynomial([
                     0.0,
                     31.1491581433,
                     -201.847017512,
@@ -142,8 +143,7 @@ fn fit(g: f64) -> [f64; 6] {
                     2731.71560286,
                     -1935.41424244,
                     559.009054474,
-                ])
-                .exp(),
+                ])),
         polynomial([
             1.09686102424,
             -0.394704063468,
@@ -166,7 +166,7 @@ fn fit(g: f64) -> [f64; 6] {
         ]),
         4.23190299701
             + 0.00310603949088
-                * polynomial([
+                * libm::exp(polynomial([
                     0.0,
                     76.7316253952,
                     -594.356773233,
@@ -175,8 +175,7 @@ fn fit(g: f64) -> [f64; 6] {
                     7116.60171912,
                     -4763.54467887,
                     1303.5318055,
-                ])
-                .exp(),
+                ])),
         polynomial([
             2.40602999408,
             -2.51814844609,

@@ -39,7 +39,7 @@ fn alpha_prime(surface_albedo: f64, ior: f64) -> f64 {
 /// Total of the standard dipole.
 fn dipole_total(alpha_prime: f64, boundary: f64) -> f64 {
     let root = (3.0 * (1.0 - alpha_prime)).sqrt();
-    0.5 * alpha_prime * (1.0 + (-4.0 / 3.0 * boundary * root).exp()) * (-root).exp()
+    0.5 * alpha_prime * (1.0 + libm::exp(-4.0 / 3.0 * boundary * root)) * libm::exp(-root)
 }
 
 /// A_F of an index of refraction, which Cycles keeps in [1.01, 3.8].

@@ -18,7 +18,7 @@ pub(crate) fn shared_gauss_legendre(n: usize) -> &'static [(f64, f64)] {
 }
 
 fn gauss_legendre_point(n: usize, i: usize) -> (f64, f64) {
-    let mut x = (PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
+    let mut x = libm::cos(PI * (i as f64 + 0.75) / (n as f64 + 0.5));
     let mut slope = 1.0;
     for _ in 0..8 {
         let (value, new_slope) = legendre(n, x);

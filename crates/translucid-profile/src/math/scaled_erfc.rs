@@ -60,7 +60,7 @@ fn midpoint_sum(f: impl Fn(f64, f64) -> f64) -> f64 {
 /// Error of the midpoint rule: 2 e^{x²}/(1 + e^{2πx/h}) up to x = π/h, where it has become 7e-18, and 0 beyond.
 fn residue(x: f64) -> f64 {
     let slope = 2.0 * PI / STEP;
-    if x < 0.5 * slope { 2.0 * (x * x).exp() / (1.0 + (slope * x).exp()) } else { 0.0 }
+    if x < 0.5 * slope { 2.0 * libm::exp(x * x) / (1.0 + libm::exp(slope * x)) } else { 0.0 }
 }
 
 #[cfg(test)]

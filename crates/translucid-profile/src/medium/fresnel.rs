@@ -150,8 +150,8 @@ fn moment(eta: f64, order: Order) -> f64 {
 fn moment_from_thinner_side(eta: f64, order: Order) -> f64 {
     let delta = ((eta - 1.0) * (eta + 1.0)).sqrt();
     integrate_over_t(eta, delta, |t| {
-        let mu = delta * t.sinh();
-        mu.powi(order as i32) * delta * t.cosh()
+        let mu = delta * libm::sinh(t);
+        mu.powi(order as i32) * delta * libm::cosh(t)
     })
 }
 
@@ -164,8 +164,8 @@ fn moment_from_denser_side(eta: f64, order: Order) -> f64 {
     let n = order as i32;
     let total = critical.powi(n + 1) / f64::from(n + 1);
     let partial = integrate_over_t(eta, delta, |t| {
-        let mu = critical * t.cosh();
-        mu.powi(n - 1) * critical * t.sinh() * critical * t.cosh()
+        let mu = critical * libm::cosh(t);
+        mu.powi(n - 1) * critical * libm::sinh(t) * critical * libm::cosh(t)
     });
     total + partial
 }
@@ -176,7 +176,7 @@ fn moment_from_denser_side(eta: f64, order: Order) -> f64 {
 /// up to 1.
 fn integrate_over_t(eta: f64, delta: f64, weight: impl Fn(f64) -> f64) -> f64 {
     let rule = shared_gauss_legendre(20);
-    let end = (1.0 / delta).asinh();
+    let end = libm::asinh(1.0 / delta);
     let mut from = 0.0;
     let mut sum = 0.0;
     while from < end {
@@ -190,9 +190,9 @@ fn integrate_over_t(eta: f64, delta: f64, weight: impl Fn(f64) -> f64) -> f64 {
 
 /// F where μ = δ sinh t: the polarizations reflect e^{−4t} and ((η² tanh t − 1)/(η² tanh t + 1))².
 fn reflectance_over_t(t: f64, eta: f64) -> f64 {
-    let product = eta * eta * t.tanh();
+    let product = eta * eta * libm::tanh(t);
     let parallel = (product - 1.0) / (product + 1.0);
-    0.5 * ((-4.0 * t).exp() + parallel * parallel)
+    0.5 * (libm::exp(-4.0 * t) + parallel * parallel)
 }
 
 #[cfg(test)]

@@ -98,8 +98,8 @@ impl HFunction {
     fn new(absorbed: f64) -> Self {
         let alpha = 1.0 - absorbed;
         let sample = |step: i32| {
-            let t = (Self::STEP * f64::from(step)).exp();
-            let log = (absorbed + alpha * one_minus_atan_over(t)).ln();
+            let t = libm::exp(Self::STEP * f64::from(step));
+            let log = libm::log(absorbed + alpha * one_minus_atan_over(t));
             (t, log * t * Self::STEP)
         };
         let (small, samples): (Vec<_>, Vec<_>) = Self::STEPS.map(sample).partition(|(t, _)| *t < 1e-9);
@@ -117,7 +117,7 @@ impl HFunction {
             }
         }
         let sum = sums.iter().sum::<f64>() + rest.iter().map(term).sum::<f64>();
-        (-nu / PI * sum).exp()
+        libm::exp(-nu / PI * sum)
     }
 
     /// ∫₀¹ μ H(μ) dμ, with μ = w³ because H has a term μ ln μ.
@@ -133,7 +133,7 @@ impl HFunction {
 /// 1 − atan(t)/t, with every digit for small t.
 fn one_minus_atan_over(t: f64) -> f64 {
     if t > 0.3 {
-        return 1.0 - t.atan() / t;
+        return 1.0 - libm::atan(t) / t;
     }
     // t²/3 − t⁴/5 + …: the 16th term is below 1e-17 of the first
     let z = t * t;

@@ -117,11 +117,11 @@ impl Similarity {
             surface_albedo,
             g: monomials.g,
             configuration,
-            odds_ratio: monomials.sum(similar_albedo, root).exp(),
-            stretch_of_normalized_diffusion: monomials.sum(stretch_of_normalized_diffusion, root).exp(),
-            stretch: monomials.sum(stretch, root).exp(),
+            odds_ratio: libm::exp(monomials.sum(similar_albedo, root)),
+            stretch_of_normalized_diffusion: libm::exp(monomials.sum(stretch_of_normalized_diffusion, root)),
+            stretch: libm::exp(monomials.sum(stretch, root)),
             dimple: monomials.sum(dimple, root),
-            dimple_rate: (polynomial(of_one, root) + monomials.sum(of_monomials, root)).exp(),
+            dimple_rate: libm::exp(polynomial(of_one, root) + monomials.sum(of_monomials, root)),
         }
     }
 
@@ -235,7 +235,7 @@ impl Monomials {
     fn new(g: f64, eta: f64) -> Result<Self, ParameterError> {
         require(Similarity::G.contains(&g), "g", g, "in [-0.5, 0.9], which this model is fitted for")?;
         require(Similarity::ETA.contains(&eta), "eta", eta, "in [1, 1.5], which this model is fitted for")?;
-        let l = -(1.0 - 2.0 * fresnel_moment_1_from_inside(eta)).ln();
+        let l = -libm::log(1.0 - 2.0 * fresnel_moment_1_from_inside(eta));
         // Exactly 0 where there is no boundary, whatever the quadrature's last digit
         let l = if eta == 1.0 { 0.0 } else { l };
         Ok(Self { g, values: [g, g * g, g * g * g, l, l * l, g * l, g * g * l] })

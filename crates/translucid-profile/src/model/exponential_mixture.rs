@@ -102,7 +102,7 @@ impl<const N: usize> ExponentialMixture<N> {
         let rates = self.rates.map(|rate| rate * self.length);
         let slowest = rates.into_iter().fold(f64::INFINITY, f64::min);
         let greatest: f64 = self.weights.iter().map(|weight| weight.abs()).sum();
-        let (mut low, mut high) = (0.0, (depth + greatest.ln() + ROUNDING) / slowest);
+        let (mut low, mut high) = (0.0, (depth + libm::log(greatest) + ROUNDING) / slowest);
         // Start where a lower bound of positive weights says: e^{−Σ w λ r} lies below the mixture, and so does its
         // slowest term
         let of_first = self.weights[0].min(1.0);

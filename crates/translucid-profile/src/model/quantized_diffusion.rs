@@ -258,19 +258,19 @@ impl Beam {
     /// exponentially. At the lower end it falls like √v, that is e^s: the nodes left out there make a geometric series.
     fn gaussians(&self) -> ([f64; COUNT], [f64; COUNT]) {
         let unit = TURN / self.sigma_tr_squared.max(LEAST_SIGMA_TR_SQUARED).sqrt();
-        let first = (LEAST_VARIANCE.sqrt() / unit).exp_m1().ln();
-        let last = (GREATEST_VARIANCE.sqrt() / TURN).exp_m1().ln();
+        let first = libm::log(libm::expm1(LEAST_VARIANCE.sqrt() / unit));
+        let last = libm::log(libm::expm1(GREATEST_VARIANCE.sqrt() / TURN));
         let step = (last - first) / (COUNT - 1) as f64;
 
         let (mut variances, mut energies) = ([0.0; COUNT], [0.0; COUNT]);
         for i in 0..COUNT {
             let s = first + step * i as f64;
-            let root = unit * s.exp().ln_1p();
-            let slope = 2.0 * root * unit / (1.0 + (-s).exp());
+            let root = unit * libm::log1p(libm::exp(s));
+            let slope = 2.0 * root * unit / (1.0 + libm::exp(-s));
             variances[i] = root * root;
             energies[i] = step * slope * self.energy_per_variance(root * root);
         }
-        energies[0] /= 1.0 - (-step).exp();
+        energies[0] /= 1.0 - libm::exp(-step);
         (variances, energies)
     }
 }

@@ -120,7 +120,7 @@ impl AlbedoTable {
         let most = greatest_albedo(&mut profile_of)?;
         // 1 − A = (1 − y³)³, in equal steps of y: shapes change with α ~ √A in dark media, and their tails ever
         // faster towards 1
-        let y = |albedo: f64| (1.0 - (1.0 - albedo).cbrt()).cbrt();
+        let y = |albedo: f64| libm::cbrt(1.0 - libm::cbrt(1.0 - albedo));
         let (first, last) = (y(LEAST_ALBEDO), y(most));
         let albedo = |i: usize| {
             let y = first + (last - first) * i as f64 / (ROWS - 1) as f64;

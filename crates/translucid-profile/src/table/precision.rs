@@ -73,7 +73,8 @@ pub trait Number:
 }
 
 macro_rules! number {
-    ($number:ident, $bits:ident, $cell:ty, $complement_min:expr, $lengths:expr, $unit_radius_min:expr) => {
+    ($number:ident, $bits:ident, $cell:ty, $complement_min:expr, $lengths:expr, $unit_radius_min:expr,
+     $exp:path, $ln:path) => {
         impl Number for $number {
             type Cell = $cell;
 
@@ -121,16 +122,16 @@ macro_rules! number {
 
             #[inline(always)]
             fn exp(self) -> Self {
-                $number::exp(self)
+                $exp(self)
             }
 
             #[inline(always)]
             fn ln(self) -> Self {
-                $number::ln(self)
+                $ln(self)
             }
         }
     };
 }
 
-number!(f64, u64, Cell, f64::MIN_POSITIVE, [1e-150, 1e150], 1e-150);
-number!(f32, u32, CellF32, 1.0 / 8_589_934_592.0, [1e-18, 1e18], 1e-12);
+number!(f64, u64, Cell, f64::MIN_POSITIVE, [1e-150, 1e150], 1e-150, libm::exp, libm::log);
+number!(f32, u32, CellF32, 1.0 / 8_589_934_592.0, [1e-18, 1e18], 1e-12, libm::expf, libm::logf);

@@ -107,7 +107,7 @@ impl Source<'_> {
             if last.beyond < TAIL_SHARE && exponent > 1 {
                 break;
             }
-            let next = self.knot(f64::from(exponent).exp2(), side);
+            let next = self.knot(libm::exp2(f64::from(exponent)), side);
             side = if next.within < 0.5 { Side::Unknown } else { Side::AboveMedian };
             edges.push(next);
         }
@@ -117,7 +117,7 @@ impl Source<'_> {
         let mut inward = Vec::new();
         let (mut edge, mut exponent) = (middle, 0);
         loop {
-            let next = self.knot(f64::from(exponent - 1).exp2(), side);
+            let next = self.knot(libm::exp2(f64::from(exponent - 1)), side);
             let head = Cell::new(&origin, &next, &edge);
             let is_good = edge.within < HEAD_SHARE && share_error(&head, &next) < TOLERANCE;
             if is_good || exponent <= -OCTAVES_MAX {

@@ -42,11 +42,11 @@ impl SampleCurve {
         let samples = unit.iter().zip(reflectances);
         let densities: Vec<f64> = samples.map(|(x, value)| (x * length) * value * length).collect();
         let floor = floor_of(&densities);
-        let xs: Vec<f64> = unit.iter().map(|x| x.ln()).collect();
-        let ys: Vec<f64> = densities.iter().map(|density| density.max(floor).ln()).collect();
+        let xs: Vec<f64> = unit.iter().map(|x| libm::log(*x)).collect();
+        let ys: Vec<f64> = densities.iter().map(|density| libm::log(density.max(floor))).collect();
 
         // Go on before the first and behind the last sample
-        let (first, second) = (ys[0].exp(), ys[1].exp());
+        let (first, second) = (libm::exp(ys[0]), libm::exp(ys[1]));
         let at_zero = first - (second - first) / (unit[1] - unit[0]) * unit[0];
         let head = [at_zero.max(0.0).min(2.0 * first), first];
         let points = unit.iter().zip(&ys).zip(&densities);
@@ -65,7 +65,7 @@ impl SampleCurve {
 
     /// Densities per length 2πr R at the ends of cells.
     pub(super) fn densities(&self) -> Vec<f64> {
-        self.radii.iter().map(|x| 2.0 * PI * self.curve.eval(x.ln()).exp()).collect()
+        self.radii.iter().map(|x| 2.0 * PI * libm::exp(self.curve.eval(libm::log(*x)))).collect()
     }
 
     /// Energies of each cell and its first half, beginning at 0.
@@ -83,7 +83,7 @@ impl SampleCurve {
 
     /// Energy between two radii of one cell.
     fn between(&self, from: f64, to: f64) -> f64 {
-        2.0 * PI * integrate(self.rule, from.ln(), to.ln(), |x| (self.curve.eval(x) + x).exp())
+        2.0 * PI * integrate(self.rule, libm::log(from), libm::log(to), |x| libm::exp(self.curve.eval(x) + x))
     }
 }
 
@@ -119,7 +119,7 @@ fn ends_of_cells(radii: &[f64], xs: &[f64], ys: &[f64]) -> Vec<f64> {
         let change = (ys[i + 1] - ys[i]).abs().max(pair[1] - pair[0]);
         let cells = 1 + (change / CELL) as usize;
         let step = (pair[1] - pair[0]) / cells as f64;
-        ends.extend((1..cells).map(|j| (pair[0] + step * j as f64).exp()));
+        ends.extend((1..cells).map(|j| libm::exp(pair[0] + step * j as f64)));
         ends.push(radii[i + 1]);
     }
     ends

@@ -87,7 +87,7 @@ impl SampledProfile {
         let width = radii[n - 1] - radii[n - 2];
         let chord = |i: usize| (enclosed[i] - enclosed[i - 1]) / (radii[i] - radii[i - 1]);
         let (before, last) = (chord(n - 2), chord(n - 1));
-        let rate = 2.0 * (before / last).ln() / (radii[n - 1] - radii[n - 3]);
+        let rate = 2.0 * libm::log(before / last) / (radii[n - 1] - radii[n - 3]);
         require(
             rate > 0.0 || last == 0.0,
             "energy per length of the last ring",
@@ -95,7 +95,7 @@ impl SampledProfile {
             "less than of that before it",
         )?;
         let rate = if rate.is_finite() && rate > 0.0 { rate } else { 1.0 / radii[n - 1] };
-        let tail = last * (-0.5 * rate * width).exp() / rate;
+        let tail = last * libm::exp(-0.5 * rate * width) / rate;
         let densities = densities_of_energies(radii, enclosed, tail, rate);
         Self::with_enclosed(radii, &densities, enclosed, tail, rate)
     }
@@ -239,7 +239,7 @@ fn densities(radii: &[f64], reflectances: &[f64]) -> Vec<f64> {
 fn densities_of_energies(radii: &[f64], enclosed: &[f64], tail: f64, rate: f64) -> Vec<f64> {
     let last = radii.len() - 1;
     let first = enclosed.iter().position(|energy| *energy > 0.0).unwrap_or(last);
-    let logs = |values: &[f64]| values.iter().map(|value| value.ln()).collect::<Vec<f64>>();
+    let logs = |values: &[f64]| values.iter().map(|value| libm::log(*value)).collect::<Vec<f64>>();
     let powers = monotone_slopes(&logs(&radii[first..]), &logs(&enclosed[first..]));
     let beyond: Vec<f64> =
         enclosed.iter().map(|energy| (enclosed[last] - energy + tail).max(f64::MIN_POSITIVE)).collect();
@@ -259,7 +259,7 @@ fn rate_of_last(radii: &[f64], densities: &[f64]) -> Result<f64, ParameterError>
         .iter()
         .zip(densities)
         .filter(|(_, density)| **density > 0.0)
-        .map(|(r, density)| [*r, density.ln()])
+        .map(|(r, density)| [*r, libm::log(*density)])
         .collect();
     let allowed = "greater than 0 at two radii and more";
     require(points.len() > 1, "number of reflectances", points.len() as f64, allowed)?;

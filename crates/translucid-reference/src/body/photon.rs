@@ -28,7 +28,7 @@ pub(super) fn follow(shape: &Shape, interior: &Interior, mut ray: Ray, random: &
 
 /// Flies to the next collision; the part of the surface through which the photon left before it.
 fn fly(shape: &Shape, eta: f64, ray: &mut Ray, random: &mut SplitMix) -> Option<usize> {
-    let mut flight = -random.uniform().ln();
+    let mut flight = -libm::log(random.uniform());
     while let Some(wall) = shape.wall(ray)
         && wall.distance < flight
     {

@@ -89,7 +89,7 @@ impl Shape {
                 nearest(planes, position, direction)
             }
             Self::Wedge { angle, .. } => {
-                let planes = [([0.0, 0.0, 1.0], 0.0), ([angle.sin(), 0.0, -angle.cos()], 0.0)];
+                let planes = [([0.0, 0.0, 1.0], 0.0), ([libm::sin(angle), 0.0, -libm::cos(angle)], 0.0)];
                 nearest(planes, position, direction)
             }
         }

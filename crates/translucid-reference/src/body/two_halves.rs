@@ -64,7 +64,7 @@ impl TwoHalves {
 
     /// Flies to the next collision; the half that has it, `None` where the photon leaves before.
     fn fly(&self, ray: &mut Ray, random: &mut SplitMix) -> Option<usize> {
-        let mut depth = -random.uniform().ln();
+        let mut depth = -libm::log(random.uniform());
         let Ray { position, direction } = *ray;
         let mut left = if direction[2] < 0.0 { -position[2] / direction[2] } else { f64::INFINITY };
         // A photon on the divide is in the half that it flies into

@@ -19,6 +19,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 use translucid_profile::quadrature::gauss_legendre;
 
+use super::complex::{exp, from_polar};
 use super::macdonald::Macdonald;
 use crate::Estimate;
 
@@ -100,7 +101,7 @@ impl AzimuthalInversion {
 
     /// The least end that is large enough.
     fn end_index(&self, r: f64) -> usize {
-        (self.least_argument / (r * FIRST_END)).log2().ceil().max(0.0).min((ENDS - 1) as f64) as usize
+        libm::log2(self.least_argument / (r * FIRST_END)).ceil().max(0.0).min((ENDS - 1) as f64) as usize
     }
 
     fn eval_from(
@@ -144,7 +145,7 @@ impl AzimuthalInversion {
     /// Nodes from k_j on.
     fn ray(&self, j: usize, transform: &(dyn Fn(Complex64) -> Harmonics + Sync)) -> Vec<Node> {
         let rule = gauss_legendre(RAY_POINTS);
-        let unit = Complex64::from_polar(end(j) / self.least_argument, FRAC_PI_4);
+        let unit = from_polar(end(j) / self.least_argument, FRAC_PI_4);
         let panel =
             |ends: &[f64]| nodes(end(j) + unit * ends[0], unit * (ends[1] - ends[0]), &rule, transform);
         RAY_PANELS.windows(2).flat_map(panel).collect()
@@ -153,7 +154,7 @@ impl AzimuthalInversion {
 
 /// k_j.
 fn end(j: usize) -> f64 {
-    FIRST_END * (j as f64).exp2()
+    FIRST_END * libm::exp2(j as f64)
 }
 
 fn nodes(
@@ -180,7 +181,7 @@ fn least_argument(count: usize, growth: f64) -> f64 {
     let (mut low, mut high) = (1.0, 50.0);
     for _ in 0..60 {
         let y = 0.5 * (low + high);
-        let found = m * (f64::acosh(y) - (1.0f64 - 1.0 / (y * y)).sqrt());
+        let found = m * (libm::acosh(y) - (1.0f64 - 1.0 / (y * y)).sqrt());
         if found < growth { low = y } else { high = y }
     }
     (m / low).max(10.0)
@@ -215,7 +216,7 @@ fn bessel_j(x: f64, count: usize, values: &mut Vec<f64>) {
         return;
     }
     let largest = x.max(count as f64);
-    let start = 2 * ((largest + 6.0 * largest.cbrt() + 12.0) as usize).div_ceil(2);
+    let start = 2 * ((largest + 6.0 * libm::cbrt(largest) + 12.0) as usize).div_ceil(2);
     let (mut above, mut value, mut norm) = (0.0, 1e-290, 0.0);
     for m in (0..=start).rev() {
         if m < count {
@@ -246,7 +247,7 @@ fn hankel_1(z: Complex64, count: usize, values: &mut Vec<Complex64>) {
     let (k0, k1) = match Macdonald::new(rotated) {
         Macdonald::Small { k0, k1_minus_pole } => (k0, k1_minus_pole + rotated.inv()),
         Macdonald::Scaled { k0, k1 } => {
-            let scale = (-rotated).exp();
+            let scale = exp(-rotated);
             (k0 * scale, k1 * scale)
         }
     };

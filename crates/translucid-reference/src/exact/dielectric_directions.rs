@@ -28,6 +28,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
+use super::complex::{asinh, sinh_cosh};
+
 /// Numbers of points of the rules.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct DirectionCounts {
@@ -66,9 +68,9 @@ impl Directions {
                 let [u, du] = [share, weight].map(Complex64::from);
                 directions.push(u.inv(), 0.5 * du, 0.5 * du / u);
             } else {
-                let end = k.asinh();
+                let end = asinh(k);
                 let (v, dv) = (end * share, end * weight);
-                let (sinh, cosh) = (v.sinh(), v.cosh());
+                let (sinh, cosh) = sinh_cosh(v);
                 directions.push(k * cosh / sinh, 0.5 * cosh / k * dv, 0.5 * dv / sinh);
             }
         }
@@ -82,7 +84,7 @@ impl Directions {
         let mut directions = Self::default();
         for (x, weight) in unit_rule(counts.arcs) {
             let (beta, d_beta) = (FRAC_PI_2 * x, FRAC_PI_2 * weight);
-            let edge = sin_edge * beta.cos();
+            let edge = sin_edge * libm::cos(beta);
             for &(x, weight) in &unit_rule(counts.arc) {
                 let point = ArcPoint::new(x, weight);
                 let end_distance = edge * edge * point.one_minus_square;
@@ -130,7 +132,7 @@ impl ArcPoint {
     fn new(x: f64, weight: f64) -> Self {
         let psi = PI * x * x * (3.0 - 2.0 * x);
         let d_psi = PI * 6.0 * x * (1.0 - x) * weight;
-        let (sin, cos) = psi.sin_cos();
+        let (sin, cos) = libm::sincos(psi);
         let turned = Complex64::new(cos, -sin);
         Self {
             position: -turned,

@@ -21,8 +21,9 @@
 
 use num_complex::Complex64;
 
+use super::complex::{exp, exp_m1};
 use super::dielectric_directions::{DirectionCounts, Directions};
-use super::dispersion::{Dispersion, exp_m1};
+use super::dispersion::Dispersion;
 use super::h_function::{HFunction, WaveNumber};
 
 /// Residual of the equation, as part of its right side, at which the solution is good.
@@ -95,9 +96,9 @@ impl Response {
         let mut reflected: Vec<Complex64> = cone.per_cosine.iter().map(|w| -alpha * w).collect();
         reflected.extend(hemisphere.per_cosine.iter().map(|w| alpha * w));
         let ln_h: Vec<Complex64> = s.iter().map(|&s| h.ln_h_anywhere(s).fine).collect();
-        let exit: Vec<Complex64> = single.iter().zip(&ln_h).map(|(w, ln)| w * ln.exp()).collect();
+        let exit: Vec<Complex64> = single.iter().zip(&ln_h).map(|(w, ln)| w * exp(*ln)).collect();
         for (w, ln) in reflected.iter_mut().zip(&ln_h) {
-            *w *= (2.0 * ln).exp();
+            *w *= exp(2.0 * ln);
         }
 
         // Solve, and weigh: g(s₀) = Σ (exit + reflected g)/(s₀ + s)
@@ -105,7 +106,7 @@ impl Response {
         let g = cauchy.solve(&cauchy.apply(&exit), &reflected);
         let multiple = (0..s.len()).map(|i| single[i] * exp_m1(ln_h[i]) + reflected[i] * g[i]).collect();
         let isotropic = [zeros(&cone), hemisphere.per_cosine].concat();
-        let isotropic_with_h = isotropic.iter().zip(&ln_h).map(|(w, ln)| w * ln.exp()).collect();
+        let isotropic_with_h = isotropic.iter().zip(&ln_h).map(|(w, ln)| w * exp(*ln)).collect();
         let g_of_single = cauchy.apply(&single);
         let boundary = BoundarySolution { exit, g, g_of_single, isotropic, isotropic_with_h };
         Self { h, single_scattering_albedo: alpha, s, single, multiple, boundary: Some(boundary) }
@@ -121,7 +122,7 @@ impl Response {
     /// R̂ of unit flux entered with the cosine μ₀ and the decay s₀ inside.
     pub(crate) fn pencil(&self, cos_inside: f64, s0: Complex64) -> Complex64 {
         let (single, multiple) = self.sums(s0);
-        self.h.ln_h_anywhere(s0).fine.exp() * (single + multiple) / cos_inside
+        exp(self.h.ln_h_anywhere(s0).fine) * (single + multiple) / cos_inside
     }
 
     /// R̂ of unit flux entered from all directions outside with equal radiance, less single scattering.

@@ -8,7 +8,7 @@
 
 use num_complex::Complex64;
 
-use super::dispersion::sqrt;
+use super::complex::{norm, sqrt};
 use super::h_function::WaveNumber;
 
 /// A node of the rule.
@@ -41,7 +41,7 @@ const SMALL_B: f64 = 3.0;
 
 /// s = b + c (1 − p)/p: singularities are at s = ±k and −b, behind the start.
 fn straight_in_s(b: Complex64, nodes: impl Iterator<Item = (f64, f64)>) -> impl Iterator<Item = Direction> {
-    let c = 0.7 * b.norm().powf(0.4);
+    let c = 0.7 * libm::pow(norm(b), 0.4);
     nodes.map(move |(p, dp)| {
         let y = c * (1.0 - p) / p;
         let s = b + y;
@@ -59,7 +59,7 @@ fn straight_in_s(b: Complex64, nodes: impl Iterator<Item = (f64, f64)>) -> impl 
 fn from_wave_number(wave_number: &WaveNumber, nodes: impl Iterator<Item = (f64, f64)>) -> Vec<Direction> {
     let k = wave_number.k;
     // Half way in argument between the singularities
-    let kappa = 0.7 * sqrt(k * k.norm());
+    let kappa = 0.7 * sqrt(k * norm(k));
     let mut left = Complex64::ONE;
     let mut directions: Vec<Direction> = nodes
         .map(|(p, dp)| {

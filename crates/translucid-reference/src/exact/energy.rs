@@ -61,7 +61,7 @@ impl EnergyBudget {
             return beyond(r);
         }
         let Estimate { value, error } = beyond(self.far);
-        let factor = self.far / r * (-self.k0 * (r - self.far)).exp();
+        let factor = self.far / r * libm::exp(-self.k0 * (r - self.far));
         // The law is a leading order: it is not trusted with any digit
         Estimate { value: value * factor, error: (value + error) * factor }
     }

@@ -30,7 +30,8 @@ use std::f64::consts::PI;
 use fearless_simd::{Level, dispatch};
 use num_complex::Complex64;
 
-use super::dispersion::{Dispersion, exp_m1, ln_1p, sqrt};
+use super::complex::{asinh, atan, exp, exp_m1, from_polar, ln_1p, norm, sqrt};
+use super::dispersion::Dispersion;
 
 /// Wave number beyond which the transform is that of single scattering, and fourth powers are no numbers.
 pub(crate) const K_MAX: f64 = 1e60;
@@ -53,7 +54,7 @@ pub(crate) struct WaveNumber {
 impl WaveNumber {
     /// k = i k₀ + x e^{iψ} for x > 0 and the angle ψ ∈ [0, π/2).
     pub(crate) fn on_ray(dispersion: &Dispersion, x: f64, angle: f64) -> Self {
-        let from_vertex = Complex64::from_polar(x, angle);
+        let from_vertex = from_polar(x, angle);
         let k = from_vertex + Complex64::I * dispersion.k0;
         let a_squared = from_vertex * (from_vertex + Complex64::I * (2.0 * dispersion.k0));
         // arg a² is between 0 and π/2 + ψ, for every branch point; half of that, times ±i, are singularities in t
@@ -63,7 +64,7 @@ impl WaveNumber {
     /// Any k in the right upper quadrant; near i k₀ [`Self::on_ray`] keeps more digits.
     pub(crate) fn in_quadrant(dispersion: &Dispersion, k: Complex64) -> Self {
         let a_squared = k * k + dispersion.k0 * dispersion.k0;
-        Self::new(dispersion, k, a_squared, 0.25 * a_squared.arg())
+        Self::new(dispersion, k, a_squared, 0.25 * libm::atan2(a_squared.im, a_squared.re))
     }
 
     /// k ≥ 0 on the real axis.
@@ -170,12 +171,12 @@ pub(crate) struct HFunction {
 impl HFunction {
     /// Samples ln Λ̃ with the step h in w: 0.2 gives some 13 digits for k on the ray of π/4.
     pub(crate) fn new(dispersion: &Dispersion, wave_number: WaveNumber, step: f64) -> Self {
-        let scale = Complex64::from_polar(0.25 * wave_number.b.norm().min(1.0), wave_number.t_angle);
+        let scale = from_polar(0.25 * norm(wave_number.b).min(1.0), wave_number.t_angle);
         let count =
-            ((2.0 * REACH * wave_number.b.norm().max(1.0) / scale.norm()).ln() / step).ceil() as usize;
-        let end = scale * ((count as f64 + 0.5) * step).sinh();
+            (libm::log(2.0 * REACH * norm(wave_number.b).max(1.0) / norm(scale)) / step).ceil() as usize;
+        let end = scale * libm::sinh((count as f64 + 0.5) * step);
         let (mut even, mut odd) = (Samples::default(), Samples::default());
-        let (ratio, mut exp_w) = (step.exp(), 1.0);
+        let (ratio, mut exp_w) = (libm::exp(step), 1.0);
         for j in 0..=count {
             let weight = if j == 0 { 0.5 * step } else { step };
             let exp_minus_w = 1.0 / exp_w;
@@ -267,7 +268,7 @@ impl HFunction {
         let first = (ln_1p(ratio) * 0.25 / s - to_sum) * alpha;
         let c = alpha - (alpha * PI) * (alpha * PI) / 8.0 + self.dispersion.one_minus_k0_squared;
         let root = sqrt(ratio);
-        first - c / (PI * s * sqrt(self.end_squared)) * (1.0 - root.atan() / root)
+        first - c / (PI * s * sqrt(self.end_squared)) * (1.0 - atan(root) / root)
     }
 
     /// ln (s + b)/(s + a), with every digit for large s.
@@ -288,16 +289,7 @@ fn over_one_minus(z: Complex64) -> Complex64 {
         // Without overflow: −1/(1 − 1/q)
         return exp_m1(-z).inv();
     }
-    -z.exp() / exp_m1(z)
-}
-
-/// asinh z, Re asinh having the sign of Re z.
-///
-/// Its cuts lie on the imaginary axis, beyond ±i, where the pole is as far from the real axis as it can be.
-fn asinh(z: Complex64) -> Complex64 {
-    // ln(z + √(z² + 1)); for Re z < 0 the mirror image avoids cancellation
-    let root = sqrt(z * z + 1.0);
-    if z.re >= 0.0 { super::dispersion::ln(z + root) } else { -super::dispersion::ln(root - z) }
+    -exp(z) / exp_m1(z)
 }
 
 #[cfg(test)]
@@ -359,7 +351,7 @@ mod tests {
     #[test]
     fn instruction_sets_agree() {
         let (dispersion, wave_number) = on_ray(0.9, 0.7);
-        let samples = Samples::new(&dispersion, wave_number, 0.2);
+        let samples = HFunction::new(&dispersion, wave_number, 0.2).even;
         for i in 1..100 {
             let s = Complex64::new(0.1 * f64::from(i), 0.03 * f64::from(i) - 1.0);
             let widest = samples.sum(s * s);

@@ -22,6 +22,7 @@ use std::f64::consts::PI;
 
 use num_complex::Complex64;
 
+use super::complex::{exp, from_polar};
 use super::dispersion::Dispersion;
 use super::h_function::{Nested, WaveNumber};
 use super::macdonald::{Macdonald, MacdonaldNear};
@@ -72,18 +73,18 @@ pub(crate) struct Contour {
 impl Contour {
     pub(crate) fn new(dispersion: &Dispersion, settings: &Settings) -> Self {
         let Settings { angle, k_step, r_max, .. } = *settings;
-        let direction = Complex64::from_polar(1.0, angle);
-        let (low, high) = ((0.1 / r_max).ln(), 1e5f64.ln());
+        let direction = from_polar(1.0, angle);
+        let (low, high) = (libm::log(0.1 / r_max), libm::log(1e5f64));
         let first = low - 3.6;
         let count = ((high + 2.4 - first) / k_step).ceil() as usize;
         let node = |j: usize| {
             let w = first + j as f64 * k_step;
-            let (below, above) = ((low - w).exp(), (w - high).exp());
-            let x = (w - below + above).exp();
+            let (below, above) = (libm::exp(low - w), libm::exp(w - high));
+            let x = libm::exp(w - below + above);
             let dk = direction * (x * (1.0 + below + above) * k_step);
             Node { x, wave_number: WaveNumber::on_ray(dispersion, x, angle), dk }
         };
-        Self { k0: dispersion.k0, angle, low: low.exp(), nodes: (0..=count).map(node).collect() }
+        Self { k0: dispersion.k0, angle, low: libm::exp(low), nodes: (0..=count).map(node).collect() }
     }
 }
 
@@ -126,7 +127,7 @@ impl Inversion {
         Self {
             k0: contour.k0,
             low: contour.low,
-            z_direction: Complex64::from_polar(1.0, contour.angle - PI / 2.0),
+            z_direction: from_polar(1.0, contour.angle - PI / 2.0),
             x: contour.nodes.iter().map(|node| node.x).collect(),
             far: contour
                 .nodes
@@ -158,7 +159,7 @@ impl Inversion {
         // (1/2π) (2/π) (−i) K₀ k dk, with k = iz/r
         let factor = 1.0 / (PI * PI * r);
         self.for_each_node(r, |j, z, k0, _| sums.add(j, self.far[j], k0 * z * factor, values[j]));
-        let decay = (-self.k0 * r).exp();
+        let decay = libm::exp(-self.k0 * r);
         if sums.moduli == 0.0 {
             // Farther out than every node: all that is known is that f falls
             return Estimate { value: 0.0, error: decay / (PI * r * r) };
@@ -177,7 +178,7 @@ impl Inversion {
         let mut sums = Sums::default();
         let values = &self.values;
         self.for_each_node(r, |j, _, _, k1| sums.add(j, self.far[j], k1 * (2.0 * r / PI), values[j]));
-        sums.estimate((-self.k0 * r).exp())
+        sums.estimate(libm::exp(-self.k0 * r))
     }
 
     /// ∫₀^r f(r') 2πr' dr' for r > 0.
@@ -192,7 +193,7 @@ impl Inversion {
             let z = self.k0 * r + self.z_direction * (x * r);
             let kernel = match Macdonald::new(z) {
                 Macdonald::Small { k1_minus_pole, .. } => k1_minus_pole,
-                Macdonald::Scaled { k1, .. } => k1 * (-z).exp() - z.inv(),
+                Macdonald::Scaled { k1, .. } => k1 * exp(-z) - z.inv(),
             };
             sums.add(j, self.far[j], kernel * (-2.0 * r / PI), *value);
         }
@@ -203,7 +204,7 @@ impl Inversion {
     #[inline(always)]
     fn for_each_node(&self, r: f64, mut call: impl FnMut(usize, Complex64, Complex64, Complex64)) {
         let z0 = self.k0 * r;
-        let scale = z0.exp();
+        let scale = libm::exp(z0);
         let near = (z0 > Z0_MIN).then(|| MacdonaldNear::new(z0));
         let reach = near.map_or(0.0, |near| near.reach() / r);
         for (j, x) in self.x.iter().enumerate() {
@@ -222,7 +223,7 @@ impl Inversion {
             let (k0, k1) = match Macdonald::new(z) {
                 Macdonald::Small { k0, k1_minus_pole } => (k0 * scale, (k1_minus_pole + z.inv()) * scale),
                 Macdonald::Scaled { k0, k1 } => {
-                    let decay = (-delta).exp();
+                    let decay = exp(-delta);
                     (k0 * decay, k1 * decay)
                 }
             };

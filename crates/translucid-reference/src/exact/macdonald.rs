@@ -7,7 +7,7 @@
 
 use num_complex::Complex64;
 
-use super::dispersion::{ln, sqrt};
+use super::complex::{ln, sqrt};
 
 /// Euler's constant γ.
 const EULER_GAMMA: f64 = 0.577_215_664_901_532_9;
@@ -67,7 +67,7 @@ impl MacdonaldNear {
     pub(crate) fn new(z0: f64) -> Self {
         let (k0, k1) = match Macdonald::new(z0.into()) {
             Macdonald::Small { k0, k1_minus_pole } => {
-                ((k0 * z0.exp()).re, (k1_minus_pole.re + 1.0 / z0) * z0.exp())
+                ((k0 * libm::exp(z0)).re, (k1_minus_pole.re + 1.0 / z0) * libm::exp(z0))
             }
             Macdonald::Scaled { k0, k1 } => (k0.re, k1.re),
         };

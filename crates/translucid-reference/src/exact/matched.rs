@@ -3,8 +3,9 @@
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
+use super::complex::exp_m1;
 use super::directions::directions;
-use super::dispersion::{Dispersion, exp_m1};
+use super::dispersion::Dispersion;
 use super::energy::EnergyBudget;
 use super::h_function::{HFunction, K_MAX, Nested, WaveNumber};
 use super::inversion::{Contour, Inversion, Settings};

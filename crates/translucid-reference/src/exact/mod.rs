@@ -30,6 +30,7 @@
 mod albedo;
 mod azimuthal_inversion;
 mod boundary_entrance;
+mod complex;
 mod dielectric;
 mod dielectric_directions;
 mod dielectric_response;

@@ -93,7 +93,7 @@ impl ObliqueHalfSpace {
     ) -> Self {
         let entrance = BoundaryEntrance::Pencil(beam);
         let count = if beam.sin_inside > 0.0 {
-            (4.0 - harmonics.tolerance.ln() / beam.azimuth_strip()).min(MAX_HARMONICS as f64) as usize
+            (4.0 - libm::log(harmonics.tolerance) / beam.azimuth_strip()).min(MAX_HARMONICS as f64) as usize
         } else {
             0
         };
@@ -157,13 +157,13 @@ impl ObliqueHalfSpace {
         let harmonics = self.harmonics.eval(r, &|k| self.transform(k));
         let (mut sum, mut rounding, mut doubt) = (0.0, 0.0, 0.0);
         for (m, [value, difference]) in harmonics.iter().enumerate().skip(1) {
-            sum += value.value * (m as f64 * phi).cos();
+            sum += value.value * libm::cos(m as f64 * phi);
             rounding += value.error;
             doubt += difference.value * difference.value;
         }
         // What is left out falls like the last harmonics do
         let last = harmonics[harmonics.len().saturating_sub(3)..].iter().map(|[value, _]| value.value.abs());
-        let left_out = last.fold(0.0, f64::max) / -(-self.beam.azimuth_strip()).exp_m1();
+        let left_out = last.fold(0.0, f64::max) / -libm::expm1(-self.beam.azimuth_strip());
         Estimate { value: sum, error: rounding + doubt.sqrt() + left_out }
     }
 
@@ -183,7 +183,7 @@ impl ObliqueHalfSpace {
         let Beam { cos_inside, sin_inside, .. } = self.beam;
         let count = self.count;
         // cos(πj/count) for j < 2 count
-        let cosines: Vec<f64> = (0..2 * count).map(|j| (PI * j as f64 / count as f64).cos()).collect();
+        let cosines: Vec<f64> = (0..2 * count).map(|j| libm::cos(PI * j as f64 / count as f64)).collect();
         let weigh = |j: usize| {
             let s0 = (1.0 + Complex64::I * k * (sin_inside * cosines[j])) / cos_inside;
             let share = if j == 0 || j == count { 0.5 } else { 1.0 } / count as f64;

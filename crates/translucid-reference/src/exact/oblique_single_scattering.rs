@@ -60,7 +60,7 @@ impl Beam {
     /// Half width of the strip of azimuths around the real axis in which the profile is analytic,
     /// acosh(1/sin θ₀); infinite for a beam along the normal.
     pub(crate) fn azimuth_strip(&self) -> f64 {
-        self.cos_inside.atanh()
+        libm::atanh(self.cos_inside)
     }
 
     /// Single scattering towards the azimuth φ.
@@ -98,12 +98,12 @@ impl Beam {
             return (0..=count).map(|j| (PI * j as f64 / count as f64, share(j) / count as f64)).collect();
         }
         // Close to grazing the profile peaks at φ = 0: φ = strip · sinh y, in panels
-        let end = (PI / strip).asinh();
+        let end = libm::asinh(PI / strip);
         let panels = end.ceil() as usize;
         let width = end / panels as f64;
         let node = |panel: usize, (x, weight): (f64, f64)| {
             let y = width * (panel as f64 + x);
-            (strip * y.sinh(), strip * y.cosh() * width * weight / PI)
+            (strip * libm::sinh(y), strip * libm::cosh(y) * width * weight / PI)
         };
         (0..panels).flat_map(|panel| rule.iter().map(move |&point| node(panel, point))).collect()
     }
@@ -111,14 +111,14 @@ impl Beam {
     /// Calls back with σ − 1 and f dσ of one azimuth.
     fn for_each(&self, phi: f64, rule: &[(f64, f64)], mut call: impl FnMut([f64; 2])) {
         // w = S + h sinh v and d = h cosh v, S = sin θ₀ cos φ: smooth on the scale of 1 in v
-        let (sin_phi, cos_phi) = phi.sin_cos();
+        let (sin_phi, cos_phi) = libm::sincos(phi);
         let shift = self.sin_inside * cos_phi;
-        let height = self.cos_inside.hypot(self.sin_inside * sin_phi).max(1e-150);
+        let height = libm::hypot(self.cos_inside, self.sin_inside * sin_phi).max(1e-150);
         // 1 - shift, with its digits at grazing
         let gap = if shift > 0.0 { height * height / (1.0 + shift) } else { 1.0 - shift };
         let Some(w_first) = self.first_w(shift) else { return };
-        let first = ((w_first - shift) / height).asinh();
-        let last = LN_W_MAX - height.ln();
+        let first = libm::asinh((w_first - shift) / height);
+        let last = LN_W_MAX - libm::log(height);
         let mut from = first;
         let mut panel = 1.0 / 64.0;
         while from < last {
@@ -127,12 +127,12 @@ impl Beam {
                 // T rises like a square root from the critical angle: x² removes it
                 let (x, dx) = if from == first { (x * x, 2.0 * x) } else { (x, 1.0) };
                 let v = from + panel * x;
-                let (d, w) = (height * v.cosh(), shift + height * v.sinh());
+                let (d, w) = (height * libm::cosh(v), shift + height * libm::sinh(v));
                 let mu = (w * self.cos_inside / d).min(1.0);
                 if w > 0.0 {
                     let passed = 1.0 - fresnel_from_inside(mu, self.eta);
                     let weight = self.cos_inside * passed * w / (d * d);
-                    call([(height * v.exp() - gap).max(0.0), weight * weight_of_rule * dx * panel]);
+                    call([(height * libm::exp(v) - gap).max(0.0), weight * weight_of_rule * dx * panel]);
                 }
             }
             (from, panel) = (to, (2.0 * panel).min(0.75));
@@ -165,7 +165,7 @@ pub(crate) fn cosine_single_scattering(single_scattering_albedo: f64, eta: f64) 
         .collect();
     // Over inside directions for η < 1, over outside ones for η > 1: whichever cover their hemisphere
     let cosines = |angle: f64| -> Option<(Beam, f64)> {
-        let (sin, cos) = angle.sin_cos();
+        let (sin, cos) = libm::sincos(angle);
         if eta >= 1.0 {
             let passed = 1.0 - translucid_profile::fresnel_from_outside(cos, eta);
             Some((Beam::refracted(eta, cos)?, passed * cos * sin))
@@ -198,7 +198,7 @@ pub(crate) fn uniform_cosine_single_scattering(single_scattering_albedo: f64, et
     let rule = gauss_legendre(24);
     let critical = ((eta - 1.0) * (eta + 1.0)).max(0.0).sqrt() / eta;
     let node = |step: i32| {
-        let y = (f64::from(step) * STEP).exp();
+        let y = libm::exp(f64::from(step) * STEP);
         [y, over_spheroid(y, eta, critical, &rule) * y * STEP / PI]
     };
     SingleScattering::from_nodes(single_scattering_albedo, STEPS.map(node).collect(), 1e-9)
@@ -209,18 +209,18 @@ fn over_spheroid(y: f64, eta: f64, critical: f64, rule: &[(f64, f64)]) -> f64 {
     // In the plane of the foci the exit ray has the cosine M = sin of the angle γ from the surface: over γ all is smooth.
     // With e = 1/σ the focal distance is σ − τ = (σ² − 1)/(σ − cos γ), dτ = (σ² − 1) sin γ/(σ − cos γ)² dγ
     let (sigma, square_minus_1) = (1.0 + y, y * (2.0 + y));
-    let least = critical.asin();
+    let least = libm::asin(critical);
     let over_gamma = |gamma: f64| {
-        let sin = gamma.sin();
+        let sin = libm::sin(gamma);
         // σ − cos γ, with every digit for small y and γ
-        let denominator = y + 2.0 * (0.5 * gamma).sin().powi(2);
+        let denominator = y + 2.0 * libm::sin(0.5 * gamma).powi(2);
         let far = square_minus_1 / denominator;
         let d_tau = far * sin / denominator;
-        let first = if critical > 0.0 { (critical / sin).min(1.0).asin() } else { 0.0 };
+        let first = if critical > 0.0 { libm::asin((critical / sin).min(1.0)) } else { 0.0 };
         // (σ − τ)(σ + τ)
         d_tau / (far * (2.0 * sigma - far))
             * integrate_to_edges(rule, first, PI - first, |psi| {
-                let mu = (sin * psi.sin()).min(1.0);
+                let mu = (sin * libm::sin(psi)).min(1.0);
                 (1.0 - fresnel_from_inside(mu, eta)) * mu
             })
     };
@@ -258,7 +258,7 @@ impl Gathered {
     fn new() -> Self {
         let mut edges = vec![0.0];
         let mut width = 0.05;
-        while edges[edges.len() - 1] < 2.0 * LN_W_MAX.exp() {
+        while edges[edges.len() - 1] < 2.0 * libm::exp(LN_W_MAX) {
             edges.push(edges[edges.len() - 1] + width);
             width *= 1.5;
         }
@@ -266,7 +266,7 @@ impl Gathered {
         let point = |i: usize| {
             let angle = PI * (i as f64 + 0.5) / n as f64;
             let sign = if i.is_multiple_of(2) { 1.0 } else { -1.0 };
-            (0.5 - 0.5 * angle.cos(), sign * angle.sin())
+            (0.5 - 0.5 * libm::cos(angle), sign * libm::sin(angle))
         };
         let weights = vec![0.0; n * (edges.len() - 1)];
         Self { edges, points: (0..n).map(point).collect(), weights }

@@ -78,7 +78,7 @@ const STEPS: std::ops::RangeInclusive<i32> = -184..=168;
 impl SingleScattering {
     pub(crate) fn new(single_scattering_albedo: f64, entrance: Entrance) -> Self {
         let node = |step: i32| {
-            let y = (f64::from(step) * STEP).exp();
+            let y = libm::exp(f64::from(step) * STEP);
             [y, density(entrance, y) * y * STEP]
         };
         Self { single_scattering_albedo, nodes: STEPS.map(node).collect(), accuracy: Accuracy::Halving }
@@ -102,25 +102,25 @@ impl SingleScattering {
     /// as that one.
     pub fn eval(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        let sum = self.sum((-r).exp() / (4.0 * PI), 60.0 / r, |y| (-r * y).exp());
+        let sum = self.sum(libm::exp(-r) / (4.0 * PI), 60.0 / r, |y| libm::exp(-r * y));
         Estimate { value: (sum.value / r).min(f64::MAX), error: (sum.error / r).min(f64::MAX) }
     }
 
     /// ∫₀^r R₁ 2πr' dr'.
     pub fn enclosed(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        self.sum(0.5, f64::INFINITY, |y| -(-r * (1.0 + y)).exp_m1() / (1.0 + y))
+        self.sum(0.5, f64::INFINITY, |y| -libm::expm1(-r * (1.0 + y)) / (1.0 + y))
     }
 
     /// ∫_r^∞ R₁ 2πr' dr'.
     pub fn beyond(&self, r: f64) -> Estimate {
         let r = positive_radius(r);
-        self.sum(0.5 * (-r).exp(), 60.0 / r, |y| (-r * y).exp() / (1.0 + y))
+        self.sum(0.5 * libm::exp(-r), 60.0 / r, |y| libm::exp(-r * y) / (1.0 + y))
     }
 
     /// Hankel transform R̂₁(k) = ∫ R₁(r) J₀(kr) 2πr dr for k ≥ 0.
     pub fn hankel(&self, k: f64) -> Estimate {
-        self.sum(0.5, f64::INFINITY, |y| 1.0 / (1.0 + y).hypot(k))
+        self.sum(0.5, f64::INFINITY, |y| 1.0 / libm::hypot(1.0 + y, k))
     }
 
     /// α `factor` ∫ f(σ) `kernel`(σ − 1) dσ up to the given σ − 1.
@@ -162,7 +162,7 @@ fn density(entrance: Entrance, y: f64) -> f64 {
 fn mean_over_spheroid(sigma: f64, y: f64) -> f64 {
     let square = sigma * sigma;
     if sigma < 2.0 {
-        return ((2.0 + y) / y).ln() * (square + 1.0) / (2.0 * square * sigma) - 1.0 / square;
+        return libm::log((2.0 + y) / y) * (square + 1.0) / (2.0 * square * sigma) - 1.0 / square;
     }
     // σ⁻⁴ Σ (1/(2n+1) + 1/(2n+3)) σ⁻²ⁿ: the 28th term is below 1e-17
     let inverse = 1.0 / square;

@@ -36,7 +36,8 @@ impl Interface {
     /// Fresnel's reflectance (A.-J. Fresnel 1823) for η ≠ 1 and cosines in (0, 1]; 1 beyond the critical angle.
     #[inline(always)]
     pub(crate) fn reflectance<S: Simd>(&self, simd: S, mu: Floats<S>) -> Floats<S> {
-        let squared = (mu * mu).mul_add_precise(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
+        let squared =
+            (mu * mu).mul_add_precise(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
         let refracted = squared.max(0.0).min(1.0).sqrt();
         let perpendicular = (mu * self.eta - refracted) / (mu * self.eta + refracted);
         let parallel = (refracted * self.eta - mu) / (refracted * self.eta + mu);
@@ -96,7 +97,7 @@ impl Boundary {
     /// meets: no slab is so thin that this takes long. Returns the face that the photon left through, with
     /// `ray` on it, or nothing, with `ray` inside.
     pub(crate) fn cross_again(&self, ray: &mut Ray, share: f32, reflectance: f32) -> Option<Side> {
-        let logs = [share, reflectance].map(|share| f64::from(share).ln().abs());
+        let logs = [share, reflectance].map(|share| libm::log(f64::from(share)).abs());
         let reflections = (logs[0] / logs[1]).floor();
         let faces = 1.0 + (self.beyond(ray) / f64::from(self.thickness)).floor();
         if reflections < faces && reflectance < 1.0 {

@@ -94,7 +94,8 @@ impl Layout {
         require(fits, "rings × sectors × order bins", entries as f64, "at most 2097152")?;
         let ring_search = EdgeSearch::new(radii.iter().map(|r| r * r).collect());
         let angle = |bound: u32| PI * f64::from(bound) / f64::from(sectors);
-        let sector_bounds = (1..sectors).map(|bound| (angle(bound).cos(), angle(bound).sin())).collect();
+        let sector_bounds =
+            (1..sectors).map(|bound| (libm::cos(angle(bound)), libm::sin(angle(bound)))).collect();
         Ok(Self { radii: radii.to_vec(), sectors, order_bins, ring_search, sector_bounds })
     }
 
@@ -194,7 +195,7 @@ impl Layout {
 
     /// The sector of a direction, an angle from the plane of incidence [rad].
     pub(crate) fn sector(&self, azimuth: f64) -> usize {
-        let (sin, cos) = azimuth.sin_cos();
+        let (sin, cos) = libm::sincos(azimuth);
         self.sector_bounds.partition_point(|(bound_cos, bound_sin)| bound_cos * sin.abs() > bound_sin * cos)
     }
 

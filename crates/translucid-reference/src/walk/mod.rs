@@ -29,6 +29,8 @@ mod weights;
 mod white_table;
 
 pub use at_albedo::{AtAlbedo, AtRadius};
+#[cfg(test)]
+pub(crate) use instruction_sets::narrower_levels;
 pub use layout::{Layout, Region};
 #[doc(hidden)]
 pub use measure::Walker;
@@ -41,8 +43,6 @@ pub use problem::{Parameters, PhaseFunction, Problem};
 pub use run::Control;
 pub use run_until::{Forecast, Goal};
 pub use table_error::TableError;
-#[cfg(test)]
-pub(crate) use instruction_sets::narrower_levels;
 #[cfg(test)]
 pub(crate) use trace::trace;
 use trace::trace_until;

@@ -73,14 +73,14 @@ fn enter(parameters: &Parameters, random: &mut SplitMix) -> Ray {
         }
     };
     Ray {
-        position: [radius * around.cos(), radius * around.sin(), 0.0],
-        direction: [sine * azimuth.cos(), sine * azimuth.sin(), (1.0 - sine * sine).sqrt()],
+        position: [radius * libm::cos(around), radius * libm::sin(around), 0.0],
+        direction: [sine * libm::cos(azimuth), sine * libm::sin(azimuth), (1.0 - sine * sine).sqrt()],
     }
 }
 
 /// Flies from collision to collision, from face to face; the face through which the photon left.
 fn fly(parameters: &Parameters, ray: &mut Ray, random: &mut SplitMix) -> Option<Side> {
-    let mut flight = -random.uniform().ln();
+    let mut flight = -libm::log(random.uniform());
     loop {
         let (side, face) = if ray.direction[2] < 0.0 {
             (Side::Reflected, 0.0)

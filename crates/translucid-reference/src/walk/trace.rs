@@ -134,7 +134,7 @@ fn walk<P: Scatter>(
 #[allow(clippy::manual_clamp, reason = "`clamp` passes NaN on")]
 fn mean_per_unit(reference_albedo: f64) -> f32 {
     // A NaN absorbs at once
-    let log = reference_albedo.max(0.0).min(1.0).ln();
+    let log = libm::log(reference_albedo.max(0.0).min(1.0));
     (-1.0 / log).min(1e30) as f32
 }
 
@@ -308,7 +308,8 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
             transmitted.select(Floats::splat(simd, self.setup.boundary.thickness), Floats::splat(simd, 0.0));
         let Directions { x: ux, y: uy, z: uz } = photons.directions;
         let beyond = (photons.z - face) / uz;
-        let places = [(-beyond).mul_add_precise(ux, photons.x), (-beyond).mul_add_precise(uy, photons.y), uz.abs()];
+        let places =
+            [(-beyond).mul_add_precise(ux, photons.x), (-beyond).mul_add_precise(uy, photons.y), uz.abs()];
         let order = photons.budget - photons.left;
         let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
         if moves_lanes(simd) {

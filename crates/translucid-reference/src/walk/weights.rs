@@ -82,7 +82,7 @@ impl Weights {
     /// α is at least 0, the reference albedo greater than 0.
     pub(crate) fn new(bins: &OrderBins, alpha: f64, reference_albedo: f64) -> Self {
         let beta = alpha / reference_albedo;
-        let mut weights = Self { reference_albedo, beta, lambda: -beta.ln(), bins: Vec::new() };
+        let mut weights = Self { reference_albedo, beta, lambda: -libm::log(beta), bins: Vec::new() };
         let end = |order| (f64::from(order), weights.power(f64::from(order)));
         let bins = (0..bins.len()).map(|bin| bins.orders(bin));
         weights.bins =
@@ -95,7 +95,7 @@ impl Weights {
             return Power { value: 1.0, slope: 0.0 };
         }
         // Not n βⁿ/α, which is 0/0 at α = 0.
-        let lower = self.beta.powf(n - 1.0);
+        let lower = libm::pow(self.beta, n - 1.0);
         Power { value: self.beta * lower, slope: n * lower / self.reference_albedo }
     }
 

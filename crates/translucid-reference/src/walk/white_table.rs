@@ -150,7 +150,7 @@ impl WhiteTable {
             return Estimate::ZERO;
         }
         let sum: Weighed = cells.chunks_exact(bins.len()).map(|orders| weights.weigh(bin, orders[bin])).sum();
-        let greatest = self.reference_albedo.powf(-f64::from(bins.orders(bin).0));
+        let greatest = libm::pow(self.reference_albedo, -f64::from(bins.orders(bin).0));
         sum.mean(self.photons(), greatest)
     }
 

@@ -68,11 +68,11 @@ impl LightBounds {
             return Self::everywhere(low, high, strength);
         }
         let axis = cone.axis;
-        let theta_o = cone.cos_inner.acos();
-        let theta_e = (cone.cos_outer.acos() - theta_o).max(0.0);
+        let theta_o = libm::acosf(cone.cos_inner);
+        let theta_e = (libm::acosf(cone.cos_outer) - theta_o).max(0.0);
         // As if it shone fully up to the middle of the falloff: the mean is then the share of the sphere, and the
         // first moment 3/4π ∫ cos over the cap.
-        let cos = (theta_o + 0.5 * theta_e).min(PI).cos();
+        let cos = libm::cosf((theta_o + 0.5 * theta_e).min(PI));
         Self {
             low,
             high,
@@ -82,7 +82,7 @@ impl LightBounds {
             strength,
             mean: 0.5 * (1.0 - cos) * strength,
             lean: axis * (0.75 * (1.0 - cos * cos) * strength),
-            facing: axis * (0.5 * (1.0 + theta_o.cos()) * strength),
+            facing: axis * (0.5 * (1.0 + libm::cosf(theta_o)) * strength),
         }
     }
 
@@ -112,7 +112,7 @@ impl LightBounds {
         let (wide, narrow) = if self.theta_o >= other.theta_o { (self, other) } else { (other, self) };
         let (a, b) = (wide.axis.as_dvec3(), narrow.axis.as_dvec3());
         // The arc cosine of small angles would have no digits.
-        let between = a.cross(b).length().atan2(a.dot(b)) as f32;
+        let between = libm::atan2(a.cross(b).length(), a.dot(b)) as f32;
         if (between + narrow.theta_o).min(PI) <= wide.theta_o {
             return (wide.axis, wide.theta_o);
         }
@@ -127,7 +127,7 @@ impl LightBounds {
 /// The unit vector at an angle from `a` toward `b`.
 fn turned(a: DVec3, b: DVec3, angle: f64) -> Vec3 {
     let across = (b - a * a.dot(b)).try_normalize().unwrap_or_else(|| a.any_orthonormal_vector());
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     (a * cos + across * sin).as_vec3().normalize()
 }
 

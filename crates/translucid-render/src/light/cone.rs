@@ -17,7 +17,7 @@ impl Cone {
     /// By half-angles \[degrees\]; none if it holds no direction.
     pub(crate) fn new(axis: Vec3, inner_angle: f32, outer_angle: f32) -> Option<Self> {
         let axis = axis.try_normalize()?;
-        let cos = |degrees: f32| f64::from(degrees).to_radians().cos() as f32;
+        let cos = |degrees: f32| libm::cos(f64::from(degrees).to_radians()) as f32;
         let is_everywhere = outer_angle >= 180.0;
         // A point light is bright all around, whatever its inner angle.
         let (cos_inner, cos_outer) =

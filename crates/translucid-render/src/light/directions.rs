@@ -38,7 +38,7 @@ pub(crate) fn uniform_sphere(v: [f32; 2]) -> Vec3 {
 
 /// Unit vector by the cosine and sine of its angle to the axis and its angle about it.
 fn polar(axis: Vec3, cos: f32, sin: f32, phi: f32) -> Vec3 {
-    let (sin_phi, cos_phi) = phi.sin_cos();
+    let (sin_phi, cos_phi) = libm::sincosf(phi);
     Frame::from_normal(axis).to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize_or(axis)
 }
 

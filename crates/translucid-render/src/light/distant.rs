@@ -33,7 +33,7 @@ impl Distant {
     pub(crate) fn new(direction: Vec3, angular_radius: f32, irradiance: Vec3) -> Option<Self> {
         let direction = direction.try_normalize()?;
         let disc = (angular_radius >= LEAST_ANGULAR_RADIUS).then(|| {
-            let sin = f64::from(angular_radius.min(90.0)).to_radians().sin() as f32;
+            let sin = libm::sin(f64::from(angular_radius.min(90.0)).to_radians()) as f32;
             Disc { sin2: sin * sin, one_minus_cos: one_minus_cos(sin * sin) }
         });
         (luminance(irradiance) > 0.0).then_some(Self { direction, irradiance, disc })

@@ -248,7 +248,7 @@ impl SphericalRectangle {
         let second = times(corner(n2, n3), corner(n3, n0));
         // The sum of the angles is 2π more than the solid angle, which lies in (0, 2π).
         let [cos, sin] = times(first, second);
-        let angle = sin.atan2(cos);
+        let angle = libm::atan2(sin, cos);
         // Just below 0 it is rounding, and so small that it counts as none.
         let solid_angle = if angle < -1e-9 { angle + TAU } else { angle };
         Self { b0: n0, b1: n2, k: [second[0], -second[1]], solid_angle }
@@ -264,7 +264,7 @@ impl SphericalRectangle {
     /// The x up to which so great a share of the solid angle lies.
     #[inline]
     pub(super) fn x_at(&self, view: &View, share: f64) -> f64 {
-        let (sin, cos) = (share * self.solid_angle).sin_cos();
+        let (sin, cos) = libm::sincos(share * self.solid_angle);
         let [cos_au, sin_au] = times([cos, sin], self.k);
         let fu = (cos_au * self.b0 - self.b1) / sin_au;
         let cu = (1.0_f64.copysign(fu) / (fu * fu + self.b0 * self.b0).sqrt()).clamp(-1.0, 1.0);

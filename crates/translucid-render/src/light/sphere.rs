@@ -83,8 +83,8 @@ impl Sphere {
         }
         // The brightest direction within the angle that the sphere subtends
         let falloff = self.cone.map_or(1.0, |cone| {
-            let angle = (-to_center.dot(cone.axis) * per_distance).clamp(-1.0, 1.0).acos();
-            cone.falloff((angle - sin.asin()).max(0.0).cos() + ROUNDING)
+            let angle = libm::acosf((-to_center.dot(cone.axis) * per_distance).clamp(-1.0, 1.0));
+            cone.falloff(libm::cosf((angle - libm::asinf(sin)).max(0.0)) + ROUNDING)
         });
         if falloff <= 0.0 {
             return 0.0;

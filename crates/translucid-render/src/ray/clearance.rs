@@ -35,7 +35,7 @@ impl Clearance {
             .flatten()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let extent = (high - low).max(Vec3::ZERO);
-        let edge = extent.max_element() / cells.cbrt().max(1.0);
+        let edge = extent.max_element() / libm::cbrtf(cells).max(1.0);
         let mut new = Self { origin: low, edge, size: UVec3::ZERO, steps: Vec::new() };
         if !(edge > 0.0 && edge.is_finite()) || triangles().nth(MOST_TRIANGLES).is_some() {
             return new;

@@ -92,7 +92,7 @@ impl View {
         let x = right.map_or_else(|| Frame::from_normal(forward).x, DVec3::as_vec3);
         let (width, height) = (film.width as f32, film.height as f32);
         let half_width = match camera.projection {
-            Projection::Perspective { horizontal_fov } => (horizontal_fov.to_radians() * 0.5).tan(),
+            Projection::Perspective { horizontal_fov } => libm::tanf(horizontal_fov.to_radians() * 0.5),
             Projection::Orthographic { width } => 0.5 * width,
         };
         Self {
@@ -251,11 +251,11 @@ fn inverse_filter(kind: FilterKind, radius: f32) -> InverseFilter {
     const FINE: usize = 1 << 14;
     let value = |t: f64| match kind {
         FilterKind::Box => 1.0,
-        FilterKind::Gaussian => (-0.5 * (3.0 * t).powi(2)).exp(),
+        FilterKind::Gaussian => libm::exp(-0.5 * (3.0 * t).powi(2)),
         FilterKind::BlackmanHarris => {
             // Four-term window [Harris 1978, table I, 92 dB].
             let a = std::f64::consts::PI * (t + 1.0);
-            0.35875 - 0.48829 * a.cos() + 0.14128 * (2.0 * a).cos() - 0.01168 * (3.0 * a).cos()
+            0.35875 - 0.48829 * libm::cos(a) + 0.14128 * libm::cos(2.0 * a) - 0.01168 * libm::cos(3.0 * a)
         }
     };
     let mut cumulative = vec![0.0; FINE + 1];

@@ -9,5 +9,5 @@ pub(crate) fn concentric_disk(u: [f32; 2]) -> [f32; 2] {
     let quarter = std::f32::consts::FRAC_PI_4;
     let (r, angle) =
         if a.abs() > b.abs() { (a, quarter * b / a) } else { (b, 2.0 * quarter - quarter * a / b) };
-    [r * angle.cos(), r * angle.sin()]
+    [r * libm::cosf(angle), r * libm::sinf(angle)]
 }

@@ -66,5 +66,5 @@ pub(crate) fn absorption(material: &Material) -> Vec3 {
         return Vec3::ZERO;
     }
     let color = material.transmission_color.factor.clamp(Vec3::splat(1e-6), Vec3::ONE);
-    -Vec3::new(color.x.ln(), color.y.ln(), color.z.ln()) / material.transmission_depth
+    -Vec3::new(libm::logf(color.x), libm::logf(color.y), libm::logf(color.z)) / material.transmission_depth
 }

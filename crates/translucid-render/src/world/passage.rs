@@ -93,7 +93,7 @@ impl World {
             return None;
         }
         // Beyond, the last channel is dark
-        let visible = -reach.transmittance.ln() * length.max_element();
+        let visible = -libm::logf(reach.transmittance) * length.max_element();
         let side = if direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
         let body = Body::below(&self.scene, &self.geometry, point, side);
         let (start, skipped) = body.enter(point, direction)?;

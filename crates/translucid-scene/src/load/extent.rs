@@ -38,7 +38,7 @@ pub(super) fn warn_of_extent(
     let in_unit = |other: Unit| extent * other.in_millimeters() / file_unit.in_millimeters();
     let others = Unit::WORDS.into_iter().map(|(_, other)| other);
     let better = others.filter(|&other| (in_unit(other) > extent) == is_small && other != file_unit);
-    let doubt = |other: &Unit| (in_unit(*other) / USUAL).ln().abs();
+    let doubt = |other: &Unit| libm::log(in_unit(*other) / USUAL).abs();
     let question = match better.min_by(|a, b| doubt(a).total_cmp(&doubt(b))) {
         Some(best) => format!("is it in {}? {}", best.plural(), advice(best)),
         None => String::from("is that what it should be?"),
@@ -65,10 +65,10 @@ fn shown(millimeters: f64) -> String {
         _ => (1.0, "mm"),
     };
     let value = millimeters * factor;
-    let step = 10_f64.powf(value.max(1e-9).log10().floor() - 2.0);
+    let step = libm::pow(10_f64, libm::log10(value.max(1e-9)).floor() - 2.0);
     let rounded = (value / step).round() * step;
     // The sum of a division and a product may have a tail.
-    let digits = (-step.log10().round()).max(0.0) as usize;
+    let digits = (-libm::log10(step).round()).max(0.0) as usize;
     let text = format!("{rounded:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} {unit}")

@@ -162,7 +162,7 @@ impl LineReader<'_> {
             "tf" => self.color(rest, Interval::UNIT, &mut draft.transmission_color)?,
             "ns" if !draft.has_roughness => {
                 let exponent = self.scalar(rest, EXPONENT)?;
-                material.specular_roughness.factor = (2.0 / (exponent + 2.0)).powf(0.25);
+                material.specular_roughness.factor = libm::powf(2.0 / (exponent + 2.0), 0.25);
             }
             "pr" => {
                 draft.has_roughness = true;

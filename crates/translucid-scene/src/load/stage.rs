@@ -79,7 +79,7 @@ impl Stage {
 
     /// A camera from which the meshes fill most of an image of the given width over height.
     pub(crate) fn camera(&self, objects: &[Object], aspect: f64) -> Camera {
-        let tangent = (0.5 * FIELD_OF_VIEW).to_radians().tan();
+        let tangent = libm::tan((0.5 * FIELD_OF_VIEW).to_radians());
         let view = View::from(self.viewpoint, [tangent, tangent / aspect]);
         let points = silhouette(objects).map(|p| (p.as_dvec3() - self.center) / self.radius);
         let points: Vec<DVec3> = if self.is_turntable {
@@ -154,8 +154,8 @@ impl Stage {
     fn place(&self, azimuth: f64, elevation: f64, distance: f64) -> (DVec3, DVec3) {
         let horizontal = self.viewpoint.horizontal();
         let right = DVec3::Y.cross(horizontal);
-        let (sine, cosine) = azimuth.to_radians().sin_cos();
-        let (height, reach) = elevation.to_radians().sin_cos();
+        let (sine, cosine) = libm::sincos(azimuth.to_radians());
+        let (height, reach) = libm::sincos(elevation.to_radians());
         let outward = reach * (cosine * horizontal + sine * right) + height * DVec3::Y;
         (self.center + distance * self.radius * outward, outward)
     }
@@ -207,7 +207,7 @@ fn backdrop_profile(shape: BackdropShape) -> Vec<([f64; 2], [f64; 2])> {
         return profile;
     }
     for step in 0..=STEPS {
-        let (sine, cosine) = (std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(STEPS)).sin_cos();
+        let (sine, cosine) = libm::sincos(std::f64::consts::FRAC_PI_2 * f64::from(step) / f64::from(STEPS));
         profile.push(([START + BEND * sine, BEND - BEND * cosine], [-sine, cosine]));
     }
     profile.push(([START + BEND, TOP], [-1.0, 0.0]));
@@ -225,9 +225,9 @@ fn usual_viewpoint(extent: DVec3) -> Viewpoint {
 /// Points all around the y axis where a point comes by that turns about it.
 fn ring(p: DVec3) -> impl Iterator<Item = DVec3> {
     const STEPS: u8 = 24;
-    let radius = p.x.hypot(p.z);
+    let radius = libm::hypot(p.x, p.z);
     (0..STEPS).map(move |step| {
-        let (sine, cosine) = (std::f64::consts::TAU * f64::from(step) / f64::from(STEPS)).sin_cos();
+        let (sine, cosine) = libm::sincos(std::f64::consts::TAU * f64::from(step) / f64::from(STEPS));
         DVec3::new(radius * sine, p.y, radius * cosine)
     })
 }

@@ -143,7 +143,7 @@ fn with_creases(mesh: &Mesh) -> Mesh {
     for (triangle, own) in mesh.triangles.iter().zip(&weighted) {
         let own = own.normalize_or_zero();
         creased.triangles.push(triangle.map(|i| {
-            let is_smooth = |other: &Vec3| other.normalize_or_zero().dot(own) >= CREASE.cos();
+            let is_smooth = |other: &Vec3| other.normalize_or_zero().dot(own) >= libm::cosf(CREASE);
             let neighbors = around[i as usize].iter().map(|&number| weighted[number]);
             let normal = neighbors.filter(is_smooth).sum::<Vec3>().try_normalize().unwrap_or(own);
             *vertices.entry((i, normal.to_array().map(f32::to_bits))).or_insert_with(|| {

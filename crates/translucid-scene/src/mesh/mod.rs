@@ -156,7 +156,7 @@ fn angle_weighted_normals([a, b, c]: [DVec3; 3]) -> [Vec3; 3] {
     let unit = |v: DVec3| v.normalize_or_zero();
     let [ab, bc, ca] = [unit(b - a), unit(c - b), unit(a - c)];
     let normal = unit(ab.cross(-ca)).as_vec3();
-    let angle = |from: DVec3, to: DVec3| (-from.dot(to)).clamp(-1.0, 1.0).acos() as f32;
+    let angle = |from: DVec3, to: DVec3| libm::acos((-from.dot(to)).clamp(-1.0, 1.0)) as f32;
     [normal * angle(ca, ab), normal * angle(ab, bc), normal * angle(bc, ca)]
 }
 

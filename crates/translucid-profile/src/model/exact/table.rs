@@ -72,7 +72,7 @@ impl ExactTable {
         let (rows, weights) = self.interpolation(angle(surface_albedo));
         let value = |i: usize| {
             let terms = rows.iter().zip(&weights).map(|(row, weight)| weight * f64::from(row[i]));
-            terms.sum::<f64>().min(50.0).exp()
+            libm::exp(terms.sum::<f64>().min(50.0))
         };
         let count = self.radii.len() - 1;
         let mut shares: Vec<f64> = (0..=count).map(value).collect();
@@ -132,7 +132,7 @@ impl ExactTable {
 fn angle(surface_albedo: f64) -> f64 {
     let cosine_squared = (1.0 - surface_albedo).sqrt();
     let sine_squared = surface_albedo / (1.0 + cosine_squared);
-    sine_squared.sqrt().atan2(cosine_squared.sqrt())
+    libm::atan2(sine_squared.sqrt(), cosine_squared.sqrt())
 }
 
 /// Ends of the cells: 0, then those of the octaves.
@@ -140,10 +140,11 @@ fn radii(first_exponent: i32, octaves: &[u32]) -> Vec<f64> {
     let mut radii = vec![0.0];
     for (bits, exponent) in octaves.iter().zip(first_exponent..) {
         let count = 1 << bits;
-        radii
-            .extend((0..count).map(|i| f64::from(exponent).exp2() * (1.0 + f64::from(i) / f64::from(count))));
+        radii.extend(
+            (0..count).map(|i| libm::exp2(f64::from(exponent)) * (1.0 + f64::from(i) / f64::from(count))),
+        );
     }
-    radii.push(f64::from(first_exponent + octaves.len() as i32).exp2());
+    radii.push(libm::exp2(f64::from(first_exponent + octaves.len() as i32)));
     radii
 }
 

@@ -163,7 +163,7 @@ impl Terms {
 /// f_j(μ): μ ln(1 + 1/μ), μ and μ² less their means over diffuse light, 2∫ f μ dμ.
 #[inline(always)]
 fn functions(mu: f64) -> [f64; FUNCTIONS] {
-    let log = if mu > 0.0 { mu * (1.0 / mu).ln_1p() } else { 0.0 };
+    let log = if mu > 0.0 { mu * libm::log1p(1.0 / mu) } else { 0.0 };
     [log - (4.0 * LN_2 - 1.0) / 3.0, mu - 2.0 / 3.0, mu * mu - 0.5]
 }
 
@@ -171,8 +171,8 @@ fn functions(mu: f64) -> [f64; FUNCTIONS] {
 pub(crate) fn means_above(least: f64) -> [f64; FUNCTIONS] {
     // With ∫ μ² ln(1 + 1/μ) dμ = [μ³ ln(1 + 1/μ) + μ²/2 − μ + ln(1 + μ)]/3
     let primitive = |mu: f64| {
-        let log = if mu > 0.0 { mu.powi(3) * (1.0 / mu).ln_1p() } else { 0.0 };
-        [(log + 0.5 * mu * mu - mu + mu.ln_1p()) / 3.0, mu.powi(3) / 3.0, mu.powi(4) / 4.0]
+        let log = if mu > 0.0 { mu.powi(3) * libm::log1p(1.0 / mu) } else { 0.0 };
+        [(log + 0.5 * mu * mu - mu + libm::log1p(mu)) / 3.0, mu.powi(3) / 3.0, mu.powi(4) / 4.0]
     };
     let share = 0.5 * (1.0 - least) * (1.0 + least);
     let [upper, lower] = [primitive(1.0), primitive(least)];

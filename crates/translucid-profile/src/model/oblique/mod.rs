@@ -190,13 +190,13 @@ impl ObliqueDiffusion {
         // The greatest u below a term's end may round up to 1
         let rescaled = ((u - start) / weights[k]).max(0.0).min(1.0 - f64::EPSILON / 2.0);
         let r = negative_log::<Double>(1.0 - rescaled, rescaled) / rates[k];
-        let phi = 2.0 * (cosines[k] / (1.0 + sines[k]) * (PI * (turn - 0.5)).tan()).atan();
+        let phi = 2.0 * libm::atan(cosines[k] / (1.0 + sines[k]) * libm::tan(PI * (turn - 0.5)));
         (r, phi)
     }
 
     /// r R/E.
     fn density_times_r(&self, r: f64, phi: f64) -> f64 {
-        let sin_half = if phi.is_finite() { (0.5 * phi).sin() } else { 0.0 };
+        let sin_half = if phi.is_finite() { libm::sin(0.5 * phi) } else { 0.0 };
         let way = Way { versine: 2.0 * sin_half * sin_half, lift: 0.0 };
         self.terms.pdf_times_turn::<Double>(r.max(0.0), way) / (2.0 * PI)
     }

@@ -169,7 +169,7 @@ impl DipoleBeam {
             let (_, kappa) = exp_negative::<Single>(2.0 * (t + d_r));
             kappa * self.exitance(t, d_r, t)
         });
-        let logarithm = (near / r.max(f64::MIN_POSITIVE)).ln();
+        let logarithm = libm::log(near / r.max(f64::MIN_POSITIVE));
         self.alpha_squared / (4.0 * PI) * sum + self.logarithm() * logarithm
     }
 
@@ -217,7 +217,7 @@ impl DipoleBeam {
 ///
 /// It varies on the scale of d_r = √(r² + t²), which y in t = r sinh y, d_r = r cosh y = dt/dy takes away.
 fn integrate_along_beam(r: f64, f: impl Fn(f64, f64) -> f64) -> f64 {
-    let y_max = (DEPTH / r).asinh();
+    let y_max = libm::asinh(DEPTH / r);
     let rule = shared_gauss_legendre(points_along_beam(y_max));
     integrate(rule, 0.0, y_max, |y| {
         let (e, complement) = exp_negative::<Single>(y);
@@ -251,12 +251,12 @@ impl Energies {
         for ends in LN_R.windows(2) {
             let (center, half) = (0.5 * (ends[0] + ends[1]), 0.5 * (ends[1] - ends[0]));
             let rings: [f64; POINTS] = LegendrePanel::nodes().map(|x| {
-                let r = (center + half * x).exp();
+                let r = libm::exp(center + half * x);
                 half * 2.0 * PI * r * r * beam.reflectance(r)
             });
             panels.push(LegendrePanel::new(&rings));
         }
-        let [first, last] = [LN_R[0], LN_R[LN_R.len() - 1]].map(f64::exp);
+        let [first, last] = [LN_R[0], LN_R[LN_R.len() - 1]].map(libm::exp);
         let mut within = vec![beam.within_logarithm(first)];
         within.extend(panels.iter().scan(within[0], |sum, panel| {
             *sum += panel.integral();
@@ -274,7 +274,7 @@ impl Energies {
 
     /// Energies within and beyond r, if it lies in a panel.
     fn within_and_beyond(&self, r: f64) -> Option<[f64; 2]> {
-        let x = r.ln();
+        let x = libm::log(r);
         let i = LN_R.partition_point(|end| *end <= x).checked_sub(1)?;
         let (panel, left, right) = (self.panels.get(i)?, LN_R[i], LN_R[i + 1]);
         let part = panel.integral_to((2.0 * x - (left + right)) / (right - left));

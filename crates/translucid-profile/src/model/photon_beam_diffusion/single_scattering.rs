@@ -110,7 +110,7 @@ impl Ways {
         let first = if eta > 1.0 { eta + ((eta - 1.0) * (eta + 1.0)).sqrt() } else { 1.0 };
         let (mut lengths, mut weights) = ([0.0; WAYS], [0.0; WAYS]);
         for ((step, sigma), weight) in STEPS.zip(&mut lengths).zip(&mut weights) {
-            let excess = (f64::from(step) / STEPS_PER_UNIT).exp();
+            let excess = libm::exp(f64::from(step) / STEPS_PER_UNIT);
             *sigma = first + excess;
 
             // Compute the cosine of the exit from σ − 1 with its digits, and 1 − μ

@@ -77,7 +77,7 @@ impl SumOfGaussians {
         require_terms(terms)?;
         let mfp = half_space_mfp(surface_albedo, length, parameterization, configuration)?;
         let [weights, ln_deviations] = interpolate(surface_albedo, configuration, terms);
-        let deviations = ln_deviations.map(|ln_deviation| mfp * ln_deviation.exp());
+        let deviations = ln_deviations.map(|ln_deviation| mfp * libm::exp(ln_deviation));
         Ok(Self { total: surface_albedo, terms, weights: normalized(weights), deviations })
     }
 
@@ -148,7 +148,7 @@ impl SumOfGaussians {
     pub fn cdf(&self, r: f64) -> f64 {
         self.sum(|deviation| {
             let x = ratio(r, deviation);
-            -(-0.5 * x * x).exp_m1()
+            -libm::expm1(-0.5 * x * x)
         })
     }
 
@@ -177,7 +177,7 @@ impl SumOfGaussians {
         // Where rounding leaves more than the last weight, u was 1 or next to it
         let (weight, deviation) = chosen;
         let complement = ((weight - left) / weight).min(1.0).max(f64::MIN_POSITIVE);
-        deviation * (-2.0 * complement.ln()).sqrt()
+        deviation * (-2.0 * libm::log(complement)).sqrt()
     }
 
     /// Σ w_k f(√v_k).
@@ -228,7 +228,7 @@ fn ratio(r: f64, deviation: f64) -> f64 {
 
 /// e^{−x²/2}.
 fn gaussian(x: f64) -> f64 {
-    (-0.5 * x * x).exp()
+    libm::exp(-0.5 * x * x)
 }
 
 fn require_terms(terms: usize) -> Result<usize, ParameterError> {

@@ -84,7 +84,7 @@ impl EnvironmentMap {
         let cos = lerp(self.grid.cos_theta(row.index), self.grid.cos_theta(row.index + 1), row.rest);
         let u = lerp(self.grid.u(column.index), self.grid.u(column.index + 1), column.rest);
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
-        let (sin_phi, cos_phi) = (TAU * (u - 0.5)).sin_cos();
+        let (sin_phi, cos_phi) = libm::sincos(TAU * (u - 0.5));
         let local = DVec3::new(sin * sin_phi, cos, -sin * cos_phi).as_vec3();
         (self.world_from_environment * local).normalize_or(Vec3::Y)
     }
@@ -103,9 +103,9 @@ impl EnvironmentMap {
 ///
 /// As seen from inside with +y up: the middle is −z, right of it +x.
 fn image_coordinates(direction: Vec3) -> [f32; 2] {
-    let u = 0.5 + direction.x.atan2(-direction.z) / std::f32::consts::TAU;
+    let u = 0.5 + libm::atan2f(direction.x, -direction.z) / std::f32::consts::TAU;
     // By both coordinates: the arc cosine alone has no digits near the poles.
-    let v = direction.x.hypot(direction.z).atan2(direction.y) / std::f32::consts::PI;
+    let v = libm::atan2f(libm::hypotf(direction.x, direction.z), direction.y) / std::f32::consts::PI;
     [u, v]
 }
 
@@ -184,7 +184,7 @@ impl Grid {
     /// Cosine of the polar angle of the upper edge of a row of cells.
     fn cos_theta(&self, row: usize) -> f64 {
         let v = (row * self.block[1]).min(self.pixels[1]) as f64 / self.pixels[1] as f64;
-        (PI * v).cos()
+        libm::cos(PI * v)
     }
 
     /// Solid angle of a cell [sr].
@@ -219,7 +219,7 @@ impl Grid {
             let edges = [self.cos_theta(j), self.cos_theta(j + 1)];
             for i in 0..self.columns {
                 // Corners bound the cosine from above: a cell that can contribute is not forgotten.
-                let [left, right] = [self.u(i), self.u(i + 1)].map(|u| (TAU * (u - 0.5)).sin_cos());
+                let [left, right] = [self.u(i), self.u(i + 1)].map(|u| libm::sincos(TAU * (u - 0.5)));
                 let weight = weight(i, j);
                 let corners = [(edges[0], left), (edges[0], right), (edges[1], left), (edges[1], right)].map(
                     |(cos, (sin_phi, cos_phi))| {

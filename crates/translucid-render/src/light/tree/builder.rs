@@ -134,7 +134,7 @@ impl Summary {
     fn one(bounds: &LightBounds) -> Self {
         let strength = f64::from(bounds.strength).max(1e-60);
         // The mean vector of a cone's directions has length (1 + cos θ)/2.
-        let length = 0.5 * (1.0 + f64::from(bounds.theta_o).cos());
+        let length = 0.5 * (1.0 + libm::cos(f64::from(bounds.theta_o)));
         let direction = bounds.axis.as_dvec3() * (length * strength);
         Self { low: bounds.low, high: bounds.high, strength, direction, count: 1 }
     }

@@ -116,9 +116,9 @@ impl Node {
             put(&mut self.lean[axis], bounds.lean[axis]);
         }
         put(&mut self.radius, half_size.length());
-        put(&mut self.cos_o, bounds.theta_o.cos());
-        put(&mut self.sin_o, bounds.theta_o.sin());
-        put(&mut self.cos_e, bounds.theta_e.cos() - COSINE_ROOM);
+        put(&mut self.cos_o, libm::cosf(bounds.theta_o));
+        put(&mut self.sin_o, libm::sinf(bounds.theta_o));
+        put(&mut self.cos_e, libm::cosf(bounds.theta_e) - COSINE_ROOM);
         put(&mut self.strength, strength);
         put(&mut self.mean, bounds.mean);
         put(&mut self.alike, if alike.is_finite() { (alike * alike).min(1.0) } else { 0.0 });

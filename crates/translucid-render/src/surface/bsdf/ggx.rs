@@ -61,7 +61,7 @@ impl Ggx {
         let stretched = Vec3::new(wo.x * alpha, wo.y * alpha, wo.z).normalize();
         let z = (1.0 - v[0]) * (1.0 + stretched.z) - stretched.z;
         let r = (1.0 - z * z).max(0.0).sqrt();
-        let (sin, cos) = (TAU * v[1]).sin_cos();
+        let (sin, cos) = libm::sincosf(TAU * v[1]);
         let h = Vec3::new(r * cos, r * sin, z) + stretched;
         Vec3::new(h.x * alpha, h.y * alpha, h.z.max(0.0)).try_normalize().unwrap_or(Vec3::Z)
     }

@@ -159,7 +159,7 @@ pub(super) fn coat_tint_one_way(p: &SurfaceParameters) -> Vec3 {
 
 /// A direction over the upper hemisphere with density cosθ/π.
 pub(crate) fn sample_cosine(v: [f32; 2]) -> Vec3 {
-    let (sin, cos) = (TAU * v[1]).sin_cos();
+    let (sin, cos) = libm::sincosf(TAU * v[1]);
     let r = v[0].sqrt();
     // Never exactly on the horizon.
     Vec3::new(r * cos, r * sin, (1.0 - v[0]).max(1e-7).sqrt())

@@ -118,7 +118,7 @@ pub(super) struct FacetQuadrature<const CAP: usize, const TURN: usize> {
 impl<const CAP: usize, const TURN: usize> FacetQuadrature<CAP, TURN> {
     pub(super) fn new() -> Self {
         let step = PI / TURN as f32;
-        Self { cap: gauss_legendre(), turn: std::array::from_fn(|j| ((j as f32 + 0.5) * step).sin_cos()) }
+        Self { cap: gauss_legendre(), turn: std::array::from_fn(|j| libm::sincosf((j as f32 + 0.5) * step)) }
     }
 
     /// Mean of `f(wo, h)` over the facets h visible from the cosine `mu`.

@@ -77,7 +77,7 @@ struct Attenuation {
 impl Attenuation {
     /// Mean free path per channel, d / −ln c.
     fn mean_free_path(&self) -> Vec3 {
-        let path = |c: f32| (f64::from(self.distance) / -f64::from(c).min(CLEAREST).ln()) as f32;
+        let path = |c: f32| (f64::from(self.distance) / -libm::log(f64::from(c).min(CLEAREST))) as f32;
         Vec3::from_array(self.color.to_array().map(path))
     }
 }

@@ -585,7 +585,7 @@ fn transformed_light(light: &Light, map: &Affine3A) -> Option<Light> {
     let direct = |direction| map.transform_vector3(direction).try_normalize();
     match *light {
         Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => {
-            let scale = map.matrix3.determinant().abs().cbrt();
+            let scale = libm::cbrtf(map.matrix3.determinant().abs());
             Some(Light::Spot {
                 position: map.transform_point3(position),
                 direction: direct(direction)?,

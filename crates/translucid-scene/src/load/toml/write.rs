@@ -327,7 +327,7 @@ fn rotation(matrix: Mat3) -> String {
 
 /// The angle about y that gives the very bits of a rotation, with few digits if there is such a one.
 fn degrees(rotation: Mat3) -> Option<f32> {
-    let angle = f64::from(rotation.z_axis.x).atan2(f64::from(rotation.z_axis.z)).to_degrees();
+    let angle = libm::atan2(f64::from(rotation.z_axis.x), f64::from(rotation.z_axis.z)).to_degrees();
     let rounded = (0..6).map(|digits| 10_f64.powi(digits)).map(|unit| ((angle * unit).round() / unit) as f32);
     let exact = (-4..=4).map(|step| f32::from_bits((angle as f32).to_bits().wrapping_add_signed(step)));
     rounded.chain(exact).find(|angle| bits(Mat3::from_rotation_y(angle.to_radians())) == bits(rotation))

@@ -94,10 +94,11 @@ fn hair(head: f32, p: Vec3, q: Vec3) -> f32 {
     if is_beyond((cap - 0.05).max(front).min(knot - 0.06) - 0.1, head, FILLET) {
         return head;
     }
-    let strands = 0.05 * (7.0 * (0.9 * q.x + 0.16 * (1.2 * p.y + p.z)) + 1.2 * (0.9 * p.y).sin()).sin();
+    let strands =
+        0.05 * libm::sinf(7.0 * (0.9 * q.x + 0.16 * (1.2 * p.y + p.z)) + 1.2 * libm::sinf(0.9 * p.y));
     let cap = common(cap + strands, front, 0.35);
     let around = Vec2::new(p.x - center.x, p.y - center.y);
-    let coil = 0.06 * (2.0 * around.x.atan2(around.y) + 6.5 * around.length()).sin();
+    let coil = 0.06 * libm::sinf(2.0 * libm::atan2f(around.x, around.y) + 6.5 * around.length());
     blend(head, blend(cap, knot + coil, 0.4), FILLET)
 }
 
@@ -138,7 +139,7 @@ fn torso(p: Vec3) -> f32 {
 fn foot(p: Vec3) -> f32 {
     let p = p - RAISE;
     let r = Vec2::new(p.x, p.z + 1.2).length();
-    let waist = 1.25 + 0.16 * (p.y + 11.6).abs().powf(2.0).min(6.0);
+    let waist = 1.25 + 0.16 * libm::powf((p.y + 11.6).abs(), 2.0).min(6.0);
     let column = 0.75 * (r - waist.min(2.35));
     let slab = (p.y + 12.6).abs() - 2.6;
     let plinth = Vec2::new(r - 2.55, (p.y + 14.7).abs() - 0.5);

@@ -98,8 +98,11 @@ pub(in crate::shapes) fn flame(values: &Values) -> Result<Mesh, SceneError> {
     // The piriform curve: round below, pointed above.
     let curve = |t: f32| {
         let angle = std::f32::consts::PI * (t - 0.5);
-        let y = angle.sin();
-        Vec2::new(0.5 * width * 1.54 * angle.cos() * (0.5 - 0.5 * y).powf(0.9).max(0.0) * 1.0, 0.5 + 0.5 * y)
+        let y = libm::sinf(angle);
+        Vec2::new(
+            0.5 * width * 1.54 * libm::cosf(angle) * libm::powf(0.5 - 0.5 * y, 0.9).max(0.0) * 1.0,
+            0.5 + 0.5 * y,
+        )
     };
     let rings = segments;
     let mut profile = curve_profile(curve, rings);

@@ -21,7 +21,7 @@ fn radius_about_y(p: Vec3) -> f32 {
 
 /// Angle about the y axis in (−π, π].
 fn angle_about_y(p: Vec3) -> f32 {
-    p.x.atan2(p.z)
+    libm::atan2f(p.x, p.z)
 }
 
 pub(in crate::shapes) const APPLE: &[ShapeParameter] = &[height(7.6), detail(110.0), SEED];
@@ -29,7 +29,7 @@ pub(in crate::shapes) const APPLE: &[ShapeParameter] = &[height(7.6), detail(110
 /// The outside of a ring that overlaps itself has an apple's two hollows.
 fn apple_flesh(p: Vec3) -> f32 {
     let taper = 1.0 + 0.045 * p.y - 0.006 * p.y * p.y;
-    let lobes = 1.0 + 0.016 * (5.0 * angle_about_y(p)).cos() * smoothstep(0.5, -3.2, p.y);
+    let lobes = 1.0 + 0.016 * libm::cosf(5.0 * angle_about_y(p)) * smoothstep(0.5, -3.2, p.y);
     let r = radius_about_y(p) / (taper * lobes);
     0.85 * (Vec2::new(r - 1.3, 0.86 * p.y + 0.02 * p.x).length() - 2.6)
 }
@@ -54,7 +54,8 @@ pub(in crate::shapes) fn apple(values: &Values) -> Result<Mesh, SceneError> {
         let streaks = fractal_noise(Vec3::new(5.0 * around.x, 0.35 * p.y, 5.0 * around.y), 4, seed);
         let patches = fractal_noise(0.35 * p, 3, seed + 20);
         let hollow = smoothstep(1.3, 0.3, radius_about_y(p)) + 0.4 * smoothstep(-2.0, -3.0, p.y);
-        let blush = (0.85 + 0.5 * (angle - 0.5).cos() * 0.6 + 0.9 * streaks + 0.7 * patches - 1.1 * hollow)
+        let blush = (0.85 + 0.5 * libm::cosf(angle - 0.5) * 0.6 + 0.9 * streaks + 0.7 * patches
+            - 1.1 * hollow)
             .clamp(0.0, 1.0);
         let speckle = smoothstep(0.16, 0.1, cell_distance(2.6 * p, seed + 40));
         let skin = srgb(0xe2c060).lerp(srgb(0xb31420), smoothstep(0.1, 0.9, blush));
@@ -91,7 +92,8 @@ pub(in crate::shapes) fn pear(values: &Values) -> Result<Mesh, SceneError> {
         if stem(p) < 0.04 {
             return srgb(0x54391f);
         }
-        let blush = 0.5 + 0.6 * (angle_about_y(p) - 0.9).cos() + 0.7 * fractal_noise(0.5 * p, 3, seed + 9);
+        let blush =
+            0.5 + 0.6 * libm::cosf(angle_about_y(p) - 0.9) + 0.7 * fractal_noise(0.5 * p, 3, seed + 9);
         let speckle = smoothstep(0.2, 0.1, cell_distance(3.6 * p, seed + 40));
         let russet = smoothstep(7.6, 8.8, p.y + 0.5 * fractal_noise(1.5 * p, 3, seed + 3));
         let skin = srgb(0xc9c04c).lerp(srgb(0xc8752e), 0.6 * smoothstep(0.6, 1.2, blush));
@@ -219,7 +221,7 @@ pub(in crate::shapes) fn melon_slice(values: &Values) -> Result<Mesh, SceneError
     let half_angle = 0.2 * PI;
     let distance = move |p: Vec3| {
         let rind = ball(p, radius);
-        let side = Vec2::new(half_angle.cos(), half_angle.sin());
+        let side = Vec2::new(libm::cosf(half_angle), libm::sinf(half_angle));
         common(rind, p.z.abs() * side.x + p.y * side.y, 0.15)
     };
     let color = move |p: Vec3, _: Vec3| {

@@ -47,7 +47,8 @@ fn wood(p: Vec3, half_boards: f32, seed: u32) -> Vec3 {
     let bow = 2.2 * noise(Vec3::new(0.018 * q.x, 0.5, 3.0 * board), seed + 1)
         + 0.35 * noise(Vec3::new(0.09 * q.x, 0.2 * q.z, 0.5), seed + 2);
     let rings = (0.9
-        * (q.y.hypot(q.z + bow) + 0.25 * noise(Vec3::new(0.12 * q.x, 0.8 * q.y, 0.8 * q.z), seed + 3)))
+        * (libm::hypotf(q.y, q.z + bow)
+            + 0.25 * noise(Vec3::new(0.12 * q.x, 0.8 * q.y, 0.8 * q.z), seed + 3)))
     .rem_euclid(1.0);
     let late = smoothstep(0.35, 0.92, rings) * smoothstep(1.0, 0.94, rings);
     let fibers = fractal_noise(Vec3::new(0.22 * q.x, 5.0 * q.y, 5.0 * q.z), 3, seed + 4);

@@ -56,7 +56,7 @@ fn drop_to_floor(mesh: &mut Mesh) {
 
 /// Grapes of radius about 1 around a stalk along x, wide at one end.
 fn first_guess(count: usize, seed: usize) -> Vec<Grape> {
-    let length = 2.3 * (count as f32).cbrt();
+    let length = 2.3 * libm::cbrtf(count as f32);
     (0..count)
         .map(|index| {
             let u = |axis| scatter(index, seed, axis);

@@ -100,7 +100,7 @@ pub(in crate::shapes) fn drink(values: &Values) -> Result<Mesh, SceneError> {
     let rim = radius(level + climb) - overlap;
     corners.extend((1..=8).map(|k| {
         let away = (0.12 * k as f32).min(0.1 * rim * k as f32);
-        let position = Vec2::new(rim - away, level + climb * (-3.7 * away).exp());
+        let position = Vec2::new(rim - away, level + climb * libm::expf(-3.7 * away));
         Corner::rounded(position.x, position.y, 0.05)
     }));
     corners.push(Corner::sharp(0.0, level));

@@ -22,7 +22,7 @@ pub(in crate::shapes) const SPHERE: &[ShapeParameter] = &[RADIUS, SEGMENTS];
 pub(in crate::shapes) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, segments) = (values.get("radius"), values.count("segments"));
     let rings = (segments / 2).max(2);
-    let mut profile = curve_profile(|t| radius * Vec2::new((PI * t).sin(), -(PI * t).cos()), rings);
+    let mut profile = curve_profile(|t| radius * Vec2::new(libm::sinf(PI * t), -libm::cosf(PI * t)), rings);
     for (i, point) in profile.iter_mut().enumerate() {
         point.normal = point.position / radius;
         // The poles lie on the axis exactly.

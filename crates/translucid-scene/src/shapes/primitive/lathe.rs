@@ -64,8 +64,8 @@ pub(in crate::shapes) fn fillet_profile(corners: &[Corner], arc: usize) -> Vec<P
 /// Replaces a corner by an arc that touches both of its sides.
 fn push_corner(points: &mut Vec<ProfilePoint>, corner: Corner, before: Vec2, after: Vec2, arc: usize) {
     let (a, b) = (before.normalize_or(Vec2::Y), after.normalize_or(Vec2::Y));
-    let turn = a.perp_dot(b).atan2(a.dot(b));
-    let half_tangent = (0.5 * turn).tan().abs();
+    let turn = libm::atan2f(a.perp_dot(b), a.dot(b));
+    let half_tangent = libm::tanf(0.5 * turn).abs();
     // An arc may take almost half of either side, so that neighbors never meet.
     let reach = (corner.fillet * half_tangent).min(0.49 * before.length().min(after.length()));
     let fillet = if half_tangent > 1e-4 { reach / half_tangent } else { 0.0 };
@@ -107,7 +107,7 @@ pub(in crate::shapes) fn revolve(profile: &[ProfilePoint], segments: usize) -> M
     for (point, length) in profile.iter().zip(&lengths) {
         for j in 0..=segments {
             // The seam's two columns must coincide to the bit.
-            let (sine, cosine) = (TAU * (j % segments) as f32 / segments as f32).sin_cos();
+            let (sine, cosine) = libm::sincosf(TAU * (j % segments) as f32 / segments as f32);
             let turn = |v: Vec2| Vec3::new(v.x * sine, v.y, v.x * cosine);
             mesh.positions.push(turn(point.position));
             mesh.normals.push(turn(point.normal));

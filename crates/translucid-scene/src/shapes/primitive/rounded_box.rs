@@ -18,7 +18,8 @@ fn stations(half: f32, edge_radius: f32, arc: usize, flat: usize) -> Vec<Station
     let inner = half - edge_radius;
     let rounding = if edge_radius > 0.0 { arc } else { 0 };
     // tan maps equal steps to equal angles; the ends are ±1 exactly so that faces meet to the bit.
-    let bend = |k: usize| if k == rounding { 1.0 } else { (FRAC_PI_4 * k as f32 / rounding as f32).tan() };
+    let bend =
+        |k: usize| if k == rounding { 1.0 } else { libm::tanf(FRAC_PI_4 * k as f32 / rounding as f32) };
     let mut list: Vec<Station> =
         (1..=rounding).rev().map(|k| Station { inner: -inner, bend: -bend(k) }).collect();
     list.extend((0..=flat).map(|k| {

@@ -40,7 +40,7 @@ impl Patch {
 
     /// Calls `found` for every part after halving longest edges until no area is above `most_area` > 0.
     pub(super) fn for_each_part(self, most_area: f64, mut found: impl FnMut(&Self)) {
-        let halvings = (self.area() / most_area).log2().ceil().clamp(0.0, 48.0) as u32;
+        let halvings = libm::log2(self.area() / most_area).ceil().clamp(0.0, 48.0) as u32;
         // Parts of a triangle have equal areas, so all of them are halved equally often.
         let mut stack = vec![self];
         while let Some(patch) = stack.pop() {

@@ -248,7 +248,7 @@ fn for_each_place(world: &World, index: usize, mut found: impl FnMut(SurfacePoin
 fn significant(x: f64) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x) {
         let digits =
-            if x >= 100.0 || x == 0.0 { 0 } else { (2.0 - x.log10().floor()).clamp(0.0, 6.0) as usize };
+            if x >= 100.0 || x == 0.0 { 0 } else { (2.0 - libm::log10(x).floor()).clamp(0.0, 6.0) as usize };
         format!("{x:.digits$}")
     } else {
         format!("{x:.2e}")

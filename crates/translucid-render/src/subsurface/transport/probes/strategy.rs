@@ -133,7 +133,7 @@ fn segment(
     u: f32,
     (low, high): (Vec3, Vec3),
 ) -> Option<Ray> {
-    let (sin, cos) = (TAU * u).sin_cos();
+    let (sin, cos) = libm::sincosf(TAU * u);
     let (first, second) = (frame.axis((axis + 1) % 3), frame.axis((axis + 2) % 3));
     // √(R_m² − r²), whose squares might overflow
     let half = (longest - radius).max(0.0).sqrt() * (longest + radius).sqrt();

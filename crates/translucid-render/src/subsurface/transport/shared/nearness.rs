@@ -25,7 +25,7 @@ impl Nearness {
     /// \[L\]. Channels without weight or length are left out.
     pub(crate) fn new(weights: [f32; 3], reaches: [f32; 3], tail: f32) -> Self {
         // Of normalized diffusion: R_m = 3d ln(¾ / tail)
-        let scale_of_reach = 2.0 / (0.75 / tail).ln();
+        let scale_of_reach = 2.0 / libm::logf(0.75 / tail);
         let mut new = Self { inverse_scale: [0.0; 3], share: [0.0; 3], longest: 0.0 };
         for c in 0..3 {
             if weights[c] > 0.0 && reaches[c] > 0.0 {

@@ -41,7 +41,7 @@ impl Flights {
         let shares = (throughput / throughput.element_sum()).to_array();
         let (channel, rest) = choose(shares, u);
         // ln(1 − u) without a loss of small lengths
-        let length = -(-rest).ln_1p() / self.sigma_t[channel];
+        let length = -libm::log1pf(-rest) / self.sigma_t[channel];
         if length.is_nan() { f32::INFINITY } else { length }
     }
 

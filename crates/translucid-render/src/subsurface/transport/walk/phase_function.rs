@@ -39,7 +39,7 @@ impl HenyeyGreenstein {
         let g = self.g;
         let turned = |cosine: f32| {
             let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-            let (sin, cos) = (TAU * u[1]).sin_cos();
+            let (sin, cos) = libm::sincosf(TAU * u[1]);
             Vec3::new(sine * cos, sine * sin, cosine)
         };
         if g == 0.0 {
