@@ -144,8 +144,7 @@ fn make(words: &[&str], tunables: &str) -> Made {
         if model.starts_with("random-walk") || ["none", "default"].contains(&model) {
             continue;
         }
-        let line =
-            format!("profile --model {model} --surface-albedo 0.7 --mfp 1 --eta 1.3 --at 0.01,0.3,3,30");
+        let line = format!("profile --model {model} --surface-albedo 0.7 --mfp 1 --at 0.01,0.3,3,30");
         made.insert(line.clone(), run(&line));
     }
     for name in ["walk.npz", "matched.npz", "rayleigh.npz"] {
