@@ -28,7 +28,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
-use super::complex::{asinh, sinh_cosh};
+use super::complex::{asinh, sinh_cosh, sqrt};
 
 /// Numbers of points of the rules.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -94,9 +94,9 @@ impl Directions {
                 } else {
                     (1.0 - eta) * (1.0 + eta) + eta * eta * end_distance
                 };
-                let (mu, mu_outside) = (mu_squared.sqrt(), mu_outside_squared.sqrt());
+                let (mu, mu_outside) = (sqrt(mu_squared), sqrt(mu_outside_squared));
                 // ±n_y alike; dΩ = dn_x dn_y/μ
-                let d_n_y = edge * d_beta * point.one_minus_square.sqrt();
+                let d_n_y = edge * d_beta * sqrt(point.one_minus_square);
                 let solid_angle = 2.0 * d_n_y * sin_edge * point.slope / mu;
                 let weight = solid_angle * transmittance(mu, mu_outside, eta) / (4.0 * PI);
                 directions.push((1.0 + q * sin_edge * point.position) / mu, weight, weight / mu);
@@ -112,7 +112,7 @@ pub(crate) fn azimuthal_mean(sin: f64, count: usize) -> Vec<(Complex64, Complex6
     // (1/π) ∫ f dc/√(1 − c²) over the arc
     let node = |(x, weight)| {
         let point = ArcPoint::new(x, weight);
-        (sin * point.position, point.slope / point.one_minus_square.sqrt() / PI)
+        (sin * point.position, point.slope / sqrt(point.one_minus_square) / PI)
     };
     unit_rule(count).into_iter().map(node).collect()
 }

@@ -110,8 +110,8 @@ fn floats() -> Image {
 fn profile_table() -> ProfileTable {
     let row = |surface_albedo: f64| {
         let radii: Vec<f64> = (0..8).map(|i| 0.05 * 2_f64.powi(i)).collect();
-        let reflectances = radii.iter().map(|r| surface_albedo * (-r).exp() / r).collect();
-        let enclosed = radii.iter().map(|r| -surface_albedo * (-r).exp_m1()).collect();
+        let reflectances = radii.iter().map(|r| surface_albedo * libm::exp(-r) / r).collect();
+        let enclosed = radii.iter().map(|r| -surface_albedo * libm::expm1(-r)).collect();
         ProfileRow { surface_albedo: Some(surface_albedo), radii, reflectances, enclosed }
     };
     ProfileTable { path: "table.csv".into(), rows: vec![row(0.3), row(0.9)] }

@@ -163,7 +163,7 @@ fn material_reads_every_constant() {
         transmission_color = \"#ff0000\"\ntransmission_depth = 3\nsubsurface_weight = 1\n\
         subsurface_color = \"vertex\"\nsubsurface_radius = 2\nsubsurface_radius_scale = [3, 2, 1]\n\
         subsurface_scatter_anisotropy = -0.5\nsubsurface_model = \"none\"\nsubsurface_parameter = \"dmfp\"\n\
-        subsurface_configuration = \"searchlight\"\nsubsurface_eta = 1.4\n\
+        subsurface_configuration = \"searchlight\"\nsubsurface_eta = 1.4\nsubsurface_flights = 250\n\
         subsurface_texture_at = \"both\"\nsubsurface_normalization = \"energy\"\ncamera_visibility = \"shadow\"\ncoat_weight = 0.5\ncoat_color = [1, 1, 0]\n\
         coat_roughness = 0.1\ncoat_ior = 1.4\nemission_luminance = 100\nemission_color = [5, 6, 7]\ngeometry_opacity = 0.5";
     let color = |r, g, b| ColorInput::constant(Vec3::new(r, g, b));
@@ -188,6 +188,7 @@ fn material_reads_every_constant() {
         subsurface_parameter: SubsurfaceParameter::Dmfp,
         subsurface_configuration: Configuration::Searchlight,
         subsurface_eta: 1.4,
+        subsurface_flights: 250.0,
         subsurface_texture_at: SubsurfaceTextureAt::Both,
         subsurface_normalization: SubsurfaceNormalization::Energy,
         coat_weight: ScalarInput::constant(0.5),
