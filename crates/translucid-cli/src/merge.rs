@@ -176,7 +176,8 @@ fn print_summary<'a>(merge: &ShardMerge, parts: usize, written: impl Iterator<It
     hosts.sort_unstable();
     hosts.dedup();
     messages::line(&format!(
-        "merged {parts} parts: {} samples per pixel at {}x{}, rendered in {} (runs: {}, machines: {})",
+        "merged {parts} {}: {} samples per pixel at {}x{}, rendered in {} (runs: {}, machines: {})",
+        if parts == 1 { "part" } else { "parts" },
         film.samples(),
         film.width,
         film.height,

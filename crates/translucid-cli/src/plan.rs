@@ -28,7 +28,8 @@ Prints one JSON object:
   shards: [{samples: [A, B], region: [X0, Y0, X1, Y1] or null, output, command}, …]
   merge: the command that joins them
 Commands are lists of words. Whatever queue runs them, in whatever order and how often, the picture is that of one run.
-Samples are divided first; where there are more shards than samples, the picture is divided into bands.
+Samples are divided first; where there are more shards than samples, the picture is divided, too, which costs more the
+smaller its parts are: light is shared across their edges.
 
 Examples:
   translucid plan scene.toml --shards 16
@@ -141,18 +142,26 @@ fn trial(scene: translucid_scene::Scene, region: PixelRect, start: Instant) -> R
     Ok([preparing, per_sample])
 }
 
-/// So many parts, or a few more where bands are needed.
+/// So many parts, or a few more where the picture is divided, into cells that are about square: light is shared across their
+/// edges, so that each renders some pixels around it.
 fn divide(samples: u32, region: PixelRect, is_part: bool, count: u32) -> Vec<Part> {
-    let bands = count.div_ceil(samples).min(region.height);
-    let ranges = count.div_ceil(bands).min(samples);
+    let cells = count.div_ceil(samples);
+    let square = (f64::from(cells) * f64::from(region.width) / f64::from(region.height)).sqrt();
+    let columns = (square.round() as u32).clamp(1, region.width.min(cells));
+    let rows = cells.div_ceil(columns).min(region.height);
+    let ranges = count.div_ceil(columns * rows).min(samples);
     let at = |number: u32, of: u32, size: u32| (u64::from(number) * u64::from(size) / u64::from(of)) as u32;
-    let band = |number: u32| {
-        let [top, bottom] = [number, number + 1].map(|number| region.top + at(number, bands, region.height));
-        (is_part || bands > 1).then_some([region.left, top, region.left + region.width, bottom])
+    let span = |number: u32, of: u32, start: u32, size: u32| {
+        [number, number + 1].map(|number| start + at(number, of, size))
+    };
+    let cell = |number: u32| {
+        let [left, right] = span(number % columns, columns, region.left, region.width);
+        let [top, bottom] = span(number / columns, rows, region.top, region.height);
+        (is_part || columns * rows > 1).then_some([left, top, right, bottom])
     };
     let parts = (0..ranges).flat_map(|range| {
         let samples = at(range, ranges, samples)..at(range + 1, ranges, samples);
-        (0..bands).map(move |number| Part { samples: samples.clone(), region: band(number) })
+        (0..columns * rows).map(move |number| Part { samples: samples.clone(), region: cell(number) })
     });
     parts.collect()
 }

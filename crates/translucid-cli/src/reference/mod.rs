@@ -1,12 +1,10 @@
 //! `translucid reference`: ground truth as a table.
 
 mod exact_method;
-#[cfg_attr(not(test), allow(dead_code, reason = "the verb that merges pictures takes it"))]
 mod merging;
 mod photons;
 mod walk_method;
 
-#[allow(unused_imports, reason = "the verb that merges pictures takes it")]
 pub(crate) use merging::merge_tables;
 pub(crate) use photons::parse_photons;
 
