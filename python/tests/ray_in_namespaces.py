@@ -100,7 +100,7 @@ def main():
                 start_node(number, folder)
                 time.sleep(4)
             driver = inside(0, [sys.executable, os.path.abspath(__file__), "--drive", *sys.argv[1:]])
-            sys.exit(driver.wait(timeout=200))
+            sys.exit(driver.wait(timeout=400))
     finally:
         tear_down()
 

@@ -15,6 +15,7 @@ import math
 import os
 import shutil
 import tempfile
+import time
 from pathlib import Path
 
 import ray
@@ -27,6 +28,9 @@ __all__ = ["reference", "render"]
 
 _TASKS = 64
 """Tasks that work is divided into by default, at least: the last of them is what all others wait for."""
+
+_PATIENCE = 5
+"""Seconds that a task may take besides four times the longest so far, before it is begun again elsewhere."""
 
 
 class _Files:
@@ -93,23 +97,39 @@ def _parts(count, size):
 
 
 def _collect(task, arguments, parts, threads, retries, report, take):
-    """Run a task for each part, as many at a time as the cluster has room for, and have `take` take each result."""
+    """Run a task for each part, as many at a time as the cluster has room for, and have `take` take each result.
+
+    A task that takes much longer than all others is begun again elsewhere, and the first result counts: its machine is slow,
+    or cannot be reached, which Ray is sure of only after minutes.
+    """
     remote = ray.remote(num_cpus=threads, max_retries=retries)(task)
     waiting = list(reversed(parts))
-    running = {}
-    total, done = sum(map(len, parts)), 0
+    running = {}  # part and time of the beginning of each task
+    late = set()
+    finished = set()
+    total, done, longest = sum(map(len, parts)), 0, None
     try:
-        while waiting or running:
+        while len(finished) < len(parts):
             # Twice what fits, so that nobody waits for this process; not all, or a million would be queued
             slots = max(1, int(ray.cluster_resources().get("CPU", 1) // threads))
-            while waiting and len(running) < 2 * slots:
+            while waiting and len(running) - len(late) < 2 * slots:
                 part = waiting.pop()
-                running[remote.remote(part, *arguments)] = part
+                if part not in finished:
+                    running[remote.remote(part, *arguments)] = part, time.monotonic()
             ready, _ = ray.wait(list(running), timeout=0.5)
             for reference in ready:
-                part = running.pop(reference)
-                take(part, ray.get(reference))
-                done += len(part)
+                part, start = running.pop(reference)
+                late.discard(reference)
+                if part not in finished:
+                    take(part, ray.get(reference))
+                    finished.add(part)
+                    done += len(part)
+                    longest = max(longest or 0, time.monotonic() - start)
+            for reference, (part, start) in running.items():
+                is_late = longest is not None and time.monotonic() - start > _PATIENCE + 4 * longest
+                if is_late and reference not in late:
+                    late.add(reference)
+                    waiting.append(part)
             if report is not None:
                 report(done, total)
     finally:
