@@ -26,7 +26,7 @@ import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PAGE = ROOT / "docs/guide/many-machines.md"
-FIGURE = ROOT / "docs/figures/many-machines.svg"
+FIGURE = ROOT / "docs/images/many-machines.svg"
 MARKS = ("<!-- measured: contrib/scaling.py -->", "<!-- end of what was measured -->")
 
 SIZE = (3840, 2160)
