@@ -184,7 +184,7 @@ fn wrong_options_are_refused_with_a_reason() {
         ("render mesh.ply", "mesh.ply"),
         ("render broken.toml", "subsurface_color"),
         ("render broken.toml", "broken.toml:"),
-        ("render ball.toml -o a.tiff", ".exr or .png"),
+        ("render ball.toml -o a.tiff", ".exr, .png or .shard"),
         ("render ball.toml -o nowhere/a.exr", "nowhere"),
         ("render ball.toml -o ball.toml/a.exr", "ball.toml"),
         ("render ball.toml -o protected.png", "write-protected"),
