@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 use translucid_image::PixelRect;
 use translucid_render::{
-    FilmSums, Goal, LiveFilm, PreparedScene, ShardMerge, ShardNotes, ShardReader, View, save_shard,
+    FilmSums, Goal, LiveFilm, PreparedScene, ShardMerge, ShardNotes, ShardReader, ShardRun, View, save_shard,
 };
 use translucid_scene::Scene;
 use translucid_testing::SplitMix;
@@ -218,6 +218,28 @@ fn gaps_are_said_as_what_to_render() {
     let merge = merged(&parts).expect("parts of one picture");
     assert!(merge.gaps(5).is_empty());
     view.region().pixels().for_each(|(x, y)| assert_eq!(merge.film().mean(x, y), film(&whole).mean(x, y)));
+}
+
+/// Clocks of machines are wrong, and go back: what a shard says of its times decides nothing.
+#[test]
+fn clocks_that_jump_change_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let prepared = prepare(ball());
+    let view = prepared.view().expect("a valid view");
+    let mut parts = Vec::new();
+    for (samples, began) in [(0..2, u64::MAX), (2..3, 0), (3..5, 1 << 40)] {
+        let film = film(&shard_of(ball(), samples, folder.path().join("any.shard")));
+        let run = ShardRun { began, seconds: 1.5, ..ShardRun::default() };
+        let notes = ShardNotes { samples_per_pixel: SAMPLES, runs: vec![run], ..ShardNotes::default() };
+        let path = folder.path().join(format!("{began}.shard"));
+        let place = (view.region(), view.whole_size());
+        save_shard(&path, &film, prepared.fingerprint(&view), place, notes).expect("room");
+        parts.push(path);
+    }
+    let whole = shard_of(ball(), 0..5, folder.path().join("whole.shard"));
+    let merge = merged(&parts).expect("parts of one picture");
+    assert!(*merge.film() == film(&whole));
+    assert_eq!((merge.notes().seconds(), merge.gaps(SAMPLES)), (4.5, Vec::new()));
 }
 
 #[test]
