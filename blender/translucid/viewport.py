@@ -107,7 +107,9 @@ class Viewport:
         if self._task is None and self._target is not self._followed and self._failure is None:
             self._followed = target = self._target
             self.changed_at = time.perf_counter()
-            self._task = Task(lambda: self._live.follow(target))
+            # Without this object, which would keep itself after Blender has dropped it
+            live = self._live
+            self._task = Task(lambda: live.follow(target))
 
     def _arrive(self):
         """Takes what a task that is done has brought."""
