@@ -79,13 +79,16 @@ def scene(tmp_path):
     return path
 
 
+def run_command(*words):
+    subprocess.run([sys.executable, "-m", "translucid", *words, "-q"], check=True)
+
+
 @pytest.fixture
 def whole(scene, tmp_path):
     """The picture of one run by the command."""
     path = tmp_path / "whole.exr"
     size = "x".join(map(str, SIZE))
-    words = ["translucid", "render", str(scene), "-q", "--size", size, "--spp", str(SPP), "-o", str(path)]
-    assert translucid._translucid.command(words) == 0
+    run_command("render", scene, "--size", size, "--spp", str(SPP), "-o", path)
     return path
 
 
@@ -187,8 +190,7 @@ def can_make_namespaces():
 @pytest.mark.skipif(not can_make_namespaces(), reason="this machine makes no network namespaces")
 def test_picture_has_the_bits_of_one_run_though_a_link_is_cut(scene, tmp_path):
     output, whole = tmp_path / "out.exr", tmp_path / "whole.exr"
-    words = ["translucid", "render", str(scene), "-q", "--size", "96x64", "--spp", "96", "-o", str(whole)]
-    assert translucid._translucid.command(words) == 0
+    run_command("render", scene, "--size", "96x64", "--spp", "96", "-o", whole)
     program = Path(__file__).with_name("ray_in_namespaces.py")
     run = subprocess.run(
         [sys.executable, program, scene, output], capture_output=True, text=True, timeout=450, cwd=tmp_path

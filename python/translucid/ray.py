@@ -14,6 +14,8 @@ import hashlib
 import math
 import os
 import shutil
+import subprocess
+import sys
 import tempfile
 import time
 from pathlib import Path
@@ -222,9 +224,11 @@ def render(
         with reporter(progress, "rendering", "sample") as report:
             notes = {"scene": str(scene), "samples_per_pixel": spp}
             _collect(_shard, (files, options, notes, threads), missing, threads, retries, report, take)
-        words = ["translucid", "merge", "-q", str(output), *(str(path(part)) for part in all_parts)]
-        if _translucid.command(words) != 0:
-            raise ValueError(f"the shards in {str(folder)!r} cannot be merged: see the message above")
+        # A process of its own: the command takes Ctrl-C for itself
+        words = [sys.executable, "-m", "translucid", "merge", "-q", output, *map(path, all_parts)]
+        merging = subprocess.run(words, capture_output=True, text=True)
+        if merging.returncode != 0:
+            raise ValueError(f"the shards in {str(folder)!r} cannot be merged: {merging.stderr}")
 
 
 def reference(photons, *, threads=1, task_photons=None, retries=-1, progress=None, **arguments):
