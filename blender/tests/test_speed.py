@@ -86,7 +86,7 @@ def test_blender_adds_little_to_a_rendering():
             description,
             {"position": [0, -2, 2], "target": [0, 0, 0], "fov": 39.6},
             addon.engine.settings.film_keys(scene, 320, 180),
-            addon.engine.settings.integrator_keys(scene, 1),
+            addon.engine.settings.integrator_keys(scene, 1, addon.engine.settings.model_of(scene)),
         )
         translucid.render(made, spp=1, threads=2)
         extra.append(whole - (time.perf_counter() - begun))
