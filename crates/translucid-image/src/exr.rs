@@ -150,7 +150,8 @@ fn name_from(name: &str) -> io::Result<Text> {
 
 /// The value as a finite 16-bit number; NaN is 0.
 fn half(value: f64) -> f16 {
-    f16::from_f64(finite(value, f64::from(f16::MAX.to_f32())))
+    // By way of single precision everywhere: processors that convert halves know no other
+    f16::from_f32(finite(value, f64::from(f16::MAX.to_f32())) as f32)
 }
 
 #[cfg(test)]
