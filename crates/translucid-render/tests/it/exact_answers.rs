@@ -156,6 +156,7 @@ fn bodies_are_lambertian_behind_a_diffuse_event_with_disks() {
         });
         scene.materials.push(matte(GRAY));
         scene.integrator.subsurface_method = method;
+        scene.integrator.max_depth = 3;
         measure(&prepare(scene), Vec3::Z * 0.5, Vec3::Z, samples(1 << 12)).0
     };
     assert_eq!(light_of_floor(SubsurfaceMethod::CyclesDisk), Vec3::ZERO);
