@@ -40,7 +40,7 @@ pub(crate) struct ExportArguments {
     /// Language to write
     #[arg(long, value_name = "LANGUAGE")]
     to: TargetName,
-    /// What to write, comma-separated
+    /// Subjects of the text, comma-separated
     #[arg(long, value_name = "SUBJECTS", value_delimiter = ',', required = true)]
     what: Vec<SubjectName>,
     /// Models of the profile, comma-separated

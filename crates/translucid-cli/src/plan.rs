@@ -57,7 +57,7 @@ pub(crate) struct PlanArguments {
     options: Vec<OsString>,
 }
 
-/// What a shard has.
+/// Samples and pixels of a shard.
 #[derive(Clone, Debug, PartialEq)]
 struct Part {
     samples: Range<u32>,

@@ -26,7 +26,7 @@ const COUNT: usize = 100_000;
 const LEAST: f64 = f32::MIN_POSITIVE as f64;
 /// Where texts cut off what grows beyond all numbers.
 const MOST: f64 = 1e38;
-/// What the last bits of a random number and of the weights of a mixture move.
+/// Error that the last bits of a random number and of the weights of a mixture make.
 const BIT: f64 = 1e-6;
 /// Phase function and boundary of the inversion.
 const G: f64 = 0.5;

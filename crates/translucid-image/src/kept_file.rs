@@ -26,7 +26,7 @@ pub struct KeptFile {
     pub magic: [u8; 8],
     /// Number of the format's version.
     pub version: u32,
-    /// Word for a file, for messages: "checkpoint".
+    /// Word for a file, for messages: "file of points".
     pub name: &'static str,
     /// Words for the way without it: "render from the start".
     pub anew: &'static str,

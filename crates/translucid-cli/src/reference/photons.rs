@@ -10,7 +10,7 @@ use translucid_reference::walk::{PhotonRange, WhiteTable};
 pub(super) enum Photons {
     /// The first ones, those of tables included.
     Count(u64),
-    /// Those of a range, whatever else tables hold.
+    /// Photons of a range, whatever else tables hold.
     Range(Range<u64>),
 }
 

@@ -409,7 +409,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// What a shard of a task is to say of itself.
+/// The notes of a task's shard. Pictures are spared the hashes of files, which may be large: their checkpoints are their own.
 fn notes(task: &Task<'_>, scene: &Scene) -> ShardNotes {
     // What cannot be read again has been read all the same
     let facts = |path: &PathBuf| {
@@ -425,7 +425,7 @@ fn notes(task: &Task<'_>, scene: &Scene) -> ShardNotes {
             .unwrap_or(0),
         exposure: task.exposure.stated(&scene.film),
         tone_mapping: scene.film.tone_mapping.name().to_owned(),
-        inputs: take_files_read().iter().filter_map(facts).collect(),
+        inputs: take_files_read().iter().filter(|_| task.outputs.is_shard()).filter_map(facts).collect(),
         runs: Vec::new(),
     }
 }

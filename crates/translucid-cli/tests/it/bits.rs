@@ -1,4 +1,4 @@
-//! The same bits on every machine: pictures and tables by other processors and other functions of the system.
+//! Pictures and tables by other processors and other functions of the system: the same bits on every machine.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -62,7 +62,7 @@ impl ExactSums {
             if error == 0.0 && has_rest & 1 << i == 0 {
                 self.rounded[pixel][i] = rounded;
             } else {
-                self.add_exactly(pixel, i, &[*value]);
+                self.add_exactly(pixel, i, *value);
             }
         }
     }
@@ -73,7 +73,7 @@ impl ExactSums {
         for &(number, part) in
             &other.rests[other.rests_of(number_of(other_pixel, 0)..number_of(other_pixel + 1, 0))]
         {
-            self.add_exactly(pixel, number as usize % layer::COUNT, &[part]);
+            self.add_exactly(pixel, number as usize % layer::COUNT, part);
         }
     }
 
@@ -87,21 +87,19 @@ impl ExactSums {
             if !is_right || !before[number / layer::COUNT][number % layer::COUNT].is_finite() {
                 return None;
             }
-            sums.add_exactly(number / layer::COUNT, number % layer::COUNT, &[part]);
+            sums.add_exactly(number / layer::COUNT, number % layer::COUNT, part);
         }
         // What is as it should be stays as it is
         (sums.rounded == before && sums.rests == rests).then_some(sums)
     }
 
     #[cold]
-    fn add_exactly(&mut self, pixel: usize, sum: usize, values: &[f64]) {
+    fn add_exactly(&mut self, pixel: usize, sum: usize, value: f64) {
         let number = number_of(pixel, sum);
         let place = self.rests_of(number..number + 1);
         let mut parts = Vec::new();
         let before = self.rests[place.clone()].iter().map(|(_, part)| *part);
-        for value in before.chain([self.rounded[pixel][sum]]).chain(values.iter().copied()) {
-            grow(&mut parts, value);
-        }
+        before.chain([self.rounded[pixel][sum], value]).for_each(|part| grow(&mut parts, part));
         self.rounded[pixel][sum] = take_rounded(&mut parts);
         let mut rest = Vec::new();
         while !parts.is_empty() {

@@ -56,8 +56,6 @@ pub struct ShardHeader {
     pub region: [u32; 4],
     /// Ranges of the numbers of samples that all pixels have.
     pub samples: Vec<[u32; 2]>,
-    /// Whether no pixel has others.
-    pub is_even: bool,
     /// Where columns and rows of tiles begin in the region, and where they end.
     edges: [Vec<u32>; 2],
     /// What the caller knows of it.
@@ -117,13 +115,12 @@ impl ShardHeader {
         let PixelRect { left, top, width, height } = region;
         let mut tiles = film.tiles.iter().map(|tile| &tile.taken);
         let first = tiles.next().cloned().unwrap_or_default();
-        let is_even = tiles.clone().all(|taken| *taken == first);
         let samples = tiles
             .fold(first, |common, taken| if common == *taken { common } else { common.intersection(taken) });
         let samples = samples.as_slice().iter().map(|range| [range.start, range.end]).collect();
         let region = [left, top, left + width, top + height];
         let edges = film.grid().edges().map(<[u32]>::to_vec);
-        Self { fingerprint, size, region, samples, is_even, edges, notes }
+        Self { fingerprint, size, region, samples, edges, notes }
     }
 
     /// The part of the picture that the shard has.

@@ -86,8 +86,8 @@ mod tests {
     };
 
     use super::super::strategy::ProbeStrategy;
+    use super::super::strategy::tests::exit_at_origin;
     use super::*;
-    use crate::ray::SurfacePoint;
     use crate::subsurface::Subsurface;
 
     /// The energy beyond 16 d.
@@ -100,20 +100,6 @@ mod tests {
             Appearance { surface_albedo: 0.8, length: 1.0, parameterization: Parameterization::Mfp, g: 0.0 };
         let row = |_| Model::NormalizedDiffusion.profile(&appearance, Configuration::Diffuse, 1.0);
         AlbedoTableF32::from(&AlbedoTable::new(&[0.8], row).expect("a table"))
-    }
-
-    fn exit_at_origin() -> SurfacePoint {
-        SurfacePoint {
-            position: Vec3::ZERO,
-            geometric_normal: Vec3::Z,
-            shading_normal: Vec3::Z,
-            uv: glam::Vec2::ZERO,
-            color: Vec3::ONE,
-            offset: 0.0,
-            object: 0,
-            triangle: 0,
-            group: 0,
-        }
     }
 
     fn disk(length: Vec3) -> Disk {

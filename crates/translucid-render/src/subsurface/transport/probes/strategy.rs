@@ -146,7 +146,7 @@ fn segment(
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use std::f32::consts::PI;
 
     use translucid_profile::{
@@ -227,7 +227,7 @@ mod tests {
         }
     }
 
-    fn exit_at_origin() -> SurfacePoint {
+    pub(in super::super) fn exit_at_origin() -> SurfacePoint {
         SurfacePoint {
             position: Vec3::ZERO,
             geometric_normal: Vec3::Z,
