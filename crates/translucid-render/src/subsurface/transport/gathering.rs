@@ -202,6 +202,16 @@ impl<F> Default for Sums<F> {
 }
 
 impl<R: Receiver> Gathering<R> {
+    /// Number of places that the only cohort has found.
+    pub(super) fn found_count(&self) -> usize {
+        self.cohorts.first().map_or(0, |cohort| cohort.found.len())
+    }
+
+    /// A place that the only cohort has found.
+    pub(super) fn found_mut(&mut self, index: usize) -> &mut R::Found {
+        &mut self.cohorts[0].found[index]
+    }
+
     /// Adds a receiver to the only cohort, and the places that it has found.
     pub(super) fn push(&mut self, receiver: R, found: impl IntoIterator<Item = R::Found>) {
         self.push_to(0, receiver, found);

@@ -4,7 +4,7 @@
 //! probes/   segments near the exit point draw an entry point; the path goes on from there
 //! shared/   the same, and what enters below one pixel serves the pixels around it
 //! points/   a sum over points all over the surface, whose light is known beforehand
-//! walk/     the volume itself, collision by collision; neighbors share the ends of their second flights
+//! walk/     the volume itself, collision by collision; neighbors share the ends of their flights
 //! ```
 //!
 //! `gathering.rs` is what the pixels of a block have in common to share what they find.

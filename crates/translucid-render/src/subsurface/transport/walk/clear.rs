@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::flight::STRETCH;
 use super::random::WalkRandom;
-use super::shared::{OfLight, Sharing};
-use super::state::Walk;
+use super::shared::{OfLight, Onward, SHARED_ROULETTE, Sharing};
+use super::state::{MOST_EVENTS, Walk};
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
@@ -40,18 +40,49 @@ impl WalkMedium {
         let [flight, of_choice, ..] = random.next_4d(sampler);
         let number =
             number.filter(|_| self.eta == 1.0 && !is_last(world, path) && walk.can_share(tracer, path));
+        let mut onward = ThroughClear { world, exit, random, entered };
         let Some(sample) = number else {
-            return walk.wander(world, path, exit, (&mut random, sampler), entered, flight);
+            return onward.finish(&mut walk, path, sampler, flight);
         };
-        let of_light = OfLight::AtCollision(random.next_4d(sampler));
-        let of_flight = random.next_4d(sampler);
+        onward.entered *= SHARED_ROULETTE;
+        let of_light = OfLight::AtCollision(onward.random.next_4d(sampler));
+        let of_flight = onward.random.next_4d(sampler);
         let sharing = Sharing { world, exit, sample, of_first: flight, of_choice, of_light, of_flight };
-        let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {
-            walk.collide(world, path, (&mut random, sampler), entered)
-                .is_some_and(|flight| walk.wander(world, path, exit, (&mut random, sampler), entered, flight))
-        };
-        let end = walk.share(tracer, path, sampler, &sharing, rest);
+        let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| walk.leave(world, path, exit, &hit))
+    }
+}
+
+/// The way of walks out through a clear surface.
+struct ThroughClear<'s, 'a> {
+    world: &'a World,
+    exit: &'s ExitPoint<'s>,
+    random: WalkRandom,
+    /// Sum of the throughput below which walks may end at random.
+    entered: f32,
+}
+
+impl<'a> Onward<'a> for ThroughClear<'_, 'a> {
+    fn survival(&self, walk: &Walk<'a>) -> f32 {
+        walk.survival(self.entered)
+    }
+
+    fn turn(&mut self, walk: &mut Walk<'a>, path: &mut PathState, sampler: &mut Sampler) -> Option<f32> {
+        walk.collide(self.world, path, (&mut self.random, sampler), self.entered)
+    }
+
+    fn finish(
+        &mut self,
+        walk: &mut Walk<'a>,
+        path: &mut PathState,
+        sampler: &mut Sampler,
+        flight: f32,
+    ) -> bool {
+        walk.wander(self.world, path, self.exit, (&mut self.random, sampler), self.entered, flight)
+    }
+
+    fn number(&mut self) -> f32 {
+        self.random.next_1d()
     }
 }
 

@@ -7,10 +7,10 @@ use glam::Vec3;
 use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
-use super::shared::{OfLight, Sharing};
-use super::state::Walk;
+use super::shared::{OfLight, Onward, SHARED_ROULETTE, Sharing};
+use super::state::{MOST_EVENTS, Walk};
 use crate::ray::Hit;
-use crate::sampling::{Frame, Sampler};
+use crate::sampling::{Frame, Reserved, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::DirectionalWeight;
@@ -41,26 +41,17 @@ impl WalkMedium {
         let walk = direction.and_then(|direction| Walk::enter(world, path, exit, self, direction));
         let Some(mut walk) = walk else { return false };
         let entered = walk.throughput.element_sum();
-        let enter = |walk: &Walk<'_>, path: &mut PathState, hit: &Hit| {
-            path.throughput = walk.throughput;
-            let entry = EntryPoint::new(world, world.surface_point(hit), exit.side);
-            entry.enter(path, &DirectionalWeight::RADIAL, at_the_end)
-        };
+        let mut onward = ToMatteEnd { world, random, at_the_end, entered };
         let Some(sample) = number.filter(|_| walk.can_share(tracer, path)) else {
-            let end = walk.find_end((&mut random, sampler), entered, u[2]);
-            return end.is_some_and(|hit| enter(&walk, path, &hit));
+            return onward.finish(&mut walk, path, sampler, u[2]);
         };
-        let of_flight = random.next_4d(sampler);
+        onward.entered *= SHARED_ROULETTE;
+        let of_flight = onward.random.next_4d(sampler);
         let [_, _, of_first, of_choice] = u;
         let of_light = OfLight::AtSurface(at_the_end);
         let sharing = Sharing { world, exit, sample, of_first, of_choice, of_light, of_flight };
-        let rest = |walk: &mut Walk<'_>, path: &mut PathState, sampler: &mut Sampler| {
-            let flight = walk.turn((&mut random, sampler), entered);
-            let end = flight.and_then(|flight| walk.find_end((&mut random, sampler), entered, flight));
-            end.is_some_and(|hit| enter(walk, path, &hit))
-        };
-        let end = walk.share(tracer, path, sampler, &sharing, rest);
-        end.is_some_and(|hit| enter(&walk, path, &hit))
+        let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
+        end.is_some_and(|hit| onward.enter(&walk, path, &hit))
     }
 
     /// Direction in which the view goes on below the surface; `None` if it does not.
@@ -95,6 +86,49 @@ impl WalkMedium {
         let outward = exit.point.geometric_normal * exit.side;
         let out = direction.dot(outward).max(0.0);
         Some((direction - outward * (2.0 * out)).normalize())
+    }
+}
+
+/// The way of walks to where light enters through a matte surface.
+struct ToMatteEnd<'a> {
+    world: &'a World,
+    random: WalkRandom,
+    at_the_end: [Reserved; 2],
+    /// Sum of the throughput below which walks may end at random.
+    entered: f32,
+}
+
+impl ToMatteEnd<'_> {
+    /// Goes on where light enters at the walk's end; false where the path is over.
+    fn enter(&self, walk: &Walk<'_>, path: &mut PathState, hit: &Hit) -> bool {
+        path.throughput = walk.throughput;
+        let entry = EntryPoint::new(self.world, self.world.surface_point(hit), walk.side);
+        entry.enter(path, &DirectionalWeight::RADIAL, self.at_the_end)
+    }
+}
+
+impl<'a> Onward<'a> for ToMatteEnd<'a> {
+    fn survival(&self, walk: &Walk<'a>) -> f32 {
+        walk.survival(self.entered)
+    }
+
+    fn turn(&mut self, walk: &mut Walk<'a>, _path: &mut PathState, sampler: &mut Sampler) -> Option<f32> {
+        walk.turn((&mut self.random, sampler), self.entered)
+    }
+
+    fn finish(
+        &mut self,
+        walk: &mut Walk<'a>,
+        path: &mut PathState,
+        sampler: &mut Sampler,
+        flight: f32,
+    ) -> bool {
+        let end = walk.find_end((&mut self.random, sampler), self.entered, flight);
+        end.is_some_and(|hit| self.enter(walk, path, &hit))
+    }
+
+    fn number(&mut self) -> f32 {
+        self.random.next_1d()
     }
 }
 

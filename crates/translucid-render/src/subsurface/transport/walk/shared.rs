@@ -15,8 +15,16 @@
 //! leaves the body does not end there: should it come back to the body behind a gap, whatever it finds there is for those
 //! who see it.
 //!
+//! The light of a second collision y_i is gathered in the same way from the ends of all walks' third flights, which start
+//! at y_1 … y_n, and so on for some generations; the rest of a walk belongs to it alone. Given where the collisions of a
+//! generation are, flights from there do not depend on each other, so that the mean stays exact, from the last generation
+//! back to the first.
+//! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
+//!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
 //! shared.
+
+use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
@@ -50,6 +58,12 @@ const PART: usize = 128;
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
 
+/// Generations of collisions that light is gathered at.
+const GENERATIONS: usize = 3;
+
+/// Walks that share end at random below so many times the light below which others do: neighbors make up for them.
+pub(super) const SHARED_ROULETTE: f32 = 2.0;
+
 /// A walk that shares: the exit where it begins, the number of its sample in the block, and random numbers.
 pub(super) struct Sharing<'s, 'a> {
     pub(super) world: &'a World,
@@ -60,6 +74,13 @@ pub(super) struct Sharing<'s, 'a> {
     pub(super) of_light: OfLight,
     /// Of the direction after a first collision, the length of the flight, and the terms that are picked.
     pub(super) of_flight: [f32; 4],
+}
+
+impl Sharing<'_, '_> {
+    /// Whether walks end at a matte surface.
+    fn is_matte(&self) -> bool {
+        matches!(self.of_light, OfLight::AtSurface(_))
+    }
 }
 
 /// Throughput of a path below which it does not share.
@@ -76,13 +97,58 @@ pub(super) enum OfLight {
     AtSurface([Reserved; 2]),
 }
 
-/// The collisions of a block.
-pub(in crate::subsurface::transport) type SharedCollisions<'a> = Gathering<Collision<'a>>;
+/// The way of walks from a collision on.
+pub(super) trait Onward<'a> {
+    /// Probability with which `turn` goes on.
+    fn survival(&self, walk: &Walk<'a>) -> f32;
+
+    /// Adds light at a collision and turns there: a number for the next flight's length, or `None` where the walk ends.
+    fn turn(&mut self, walk: &mut Walk<'a>, path: &mut PathState, sampler: &mut Sampler) -> Option<f32>;
+
+    /// Follows a walk to its end, first by the number `flight`; true if its path goes on outside.
+    fn finish(
+        &mut self,
+        walk: &mut Walk<'a>,
+        path: &mut PathState,
+        sampler: &mut Sampler,
+        flight: f32,
+    ) -> bool;
+
+    /// A random number for whatever else is to be drawn.
+    fn number(&mut self) -> f32;
+}
+
+/// The collisions of a block, by generation.
+#[derive(Default)]
+pub(in crate::subsurface::transport) struct SharedCollisions<'a> {
+    generations: [Gathering<Collision<'a>>; GENERATIONS],
+}
+
+impl SharedCollisions<'_> {
+    /// [`Gathering::resolve`] of the first generation, with all light that comes to the others.
+    pub(in crate::subsurface::transport) fn resolve(
+        &mut self,
+        stop: &AtomicBool,
+        add: impl FnMut(usize, Layer, Vec3),
+    ) {
+        for next in (1..GENERATIONS).rev() {
+            let (before, from) = self.generations.split_at_mut(next);
+            let found_before = &mut before[next - 1];
+            from[0].resolve(stop, |index, _, light| found_before.found_mut(index).light += light);
+        }
+        self.generations[0].resolve(stop, add);
+    }
+
+    /// Forgets all collisions.
+    pub(in crate::subsurface::transport) fn clear(&mut self) {
+        self.generations.iter_mut().for_each(Gathering::clear);
+    }
+}
 
 /// All that walks have in common if they share: the exit's, σ_t and α by channel, whether they end at a matte surface, and their part of the block.
 type WalkKind = (ExitKind, [u32; 3], [u32; 3], bool, usize);
 
-/// A first collision, which light comes to from the second ones.
+/// A collision that light comes to from those of the next generation.
 pub(in crate::subsurface::transport) struct Collision<'a> {
     kind: WalkKind,
     account: Account,
@@ -91,7 +157,7 @@ pub(in crate::subsurface::transport) struct Collision<'a> {
     kernel: FlightKernel,
 }
 
-/// Light where a flight from a first collision ends.
+/// Light where a flight from a collision ends.
 #[derive(Clone, Copy)]
 pub(in crate::subsurface::transport) struct FlightLight {
     place: Place,
@@ -172,15 +238,13 @@ impl<'a> Walk<'a> {
 
     /// Goes through the body with the light that the block shares. Returns where the body ends if some of the first flight
     /// gets there without a collision.
-    ///
-    /// `rest` follows a walk from its second collision on; true if its path goes on outside.
     pub(super) fn share<T: Tracing<'a>>(
         &mut self,
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
         sharing: &Sharing<'_, 'a>,
-        rest: impl FnOnce(&mut Self, &mut PathState, &mut Sampler) -> bool,
+        onward: &mut impl Onward<'a>,
     ) -> Option<Hit> {
         let part = 1.0 / FIRST as f32;
         let (mut collided, mut count) = ([*self; FIRST], 0);
@@ -199,7 +263,7 @@ impl<'a> Walk<'a> {
             }
         }
         if count > 0 {
-            self.gather(tracer, path, sampler, sharing, &collided[..count], rest);
+            Self::gather(tracer, path, sampler, sharing, &collided[..count], onward);
         }
         self.throughput = passed;
         end
@@ -207,37 +271,77 @@ impl<'a> Walk<'a> {
 
     /// Leaves the light that comes to first collisions from where flights end to the block, and flies on from one of them.
     fn gather<T: Tracing<'a>>(
-        &self,
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
         sharing: &Sharing<'_, 'a>,
         collided: &[Self],
-        rest: impl FnOnce(&mut Self, &mut PathState, &mut Sampler) -> bool,
+        onward: &mut impl Onward<'a>,
     ) {
-        let world = sharing.world;
-        let is_matte = matches!(sharing.of_light, OfLight::AtSurface(_));
         let count = collided.len() as f32;
         let mut walk = collided[((sharing.of_choice * count) as usize).min(collided.len() - 1)];
         walk.throughput *= count;
         if let OfLight::AtCollision(u) = sharing.of_light {
-            walk.add_light_at_collision(world, path, u);
+            walk.add_light_at_collision(sharing.world, path, u);
         }
         let [a, b, of_flight, of_picks] = sharing.of_flight;
         walk.scatter([a, b]);
-        let length = walk.flights.sample(walk.throughput, of_flight);
+        let found = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);
+        let mut found = found.into_iter().flatten();
+        for (k, first) in collided.iter().enumerate() {
+            let account = Account {
+                sample: sharing.sample,
+                layer: path.layer_after(Layer::Subsurface),
+                throughput: first.throughput,
+                random: (of_picks + k as f32 / count).fract(),
+            };
+            let collision = first.receiver(path, sharing, account, 1.0 / count);
+            tracer.scratch().collisions.generations[0].push(collision, found.by_ref());
+        }
+    }
+
+    /// A collision that gathers light, and whose own flights are such a `share` of those by its throughput.
+    fn receiver(
+        &self,
+        path: &PathState,
+        sharing: &Sharing<'_, 'a>,
+        account: Account,
+        share: f32,
+    ) -> Collision<'a> {
+        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
+        let sigma_t = self.flights.sigma_t();
+        let part = sharing.sample / PART;
+        let kind =
+            (ExitKind::new(sharing.exit, path), bits(sigma_t), bits(self.alpha), sharing.is_matte(), part);
+        let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, share);
+        Collision { kind, account, body: self.body, at: self.at, kernel }
+    }
+
+    /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds to the path what
+    /// comes through a clear surface.
+    fn find<T: Tracing<'a>>(
+        mut self,
+        tracer: &mut T,
+        path: &mut PathState,
+        sampler: &mut Sampler,
+        sharing: &Sharing<'_, 'a>,
+        (generation, flight): (usize, f32),
+        onward: &mut impl Onward<'a>,
+    ) -> [Option<FlightLight>; 2] {
+        let world = sharing.world;
+        let length = self.flights.sample(self.throughput, flight);
 
         // Find where the flight ends, and where it leaves the body: one of these places, should there be more
         let (mut end, mut ends) = (None, 0);
-        let inside = match walk.body.fly(walk.at, walk.direction, length) {
+        let inside = match self.body.fly(self.at, self.direction, length) {
             FlightEnd::Inside(at) => Some(at),
             FlightEnd::Boundary { distance, hit } => {
                 (end, ends) = (Some((distance, hit)), 1);
                 let mut random = sampler.fork();
-                walk.body.behind(walk.at, walk.direction, distance, length, |distance, hit| {
+                self.body.behind(self.at, self.direction, distance, length, |distance, hit| {
                     ends += 1;
                     random = split_mix(random);
-                    if is_matte && random.is_multiple_of(ends) {
+                    if sharing.is_matte() && random.is_multiple_of(ends) {
                         end = Some((distance, hit));
                     }
                 })
@@ -245,53 +349,41 @@ impl<'a> Walk<'a> {
         };
 
         // Find the light there: what enters through a clear surface comes from one direction, and serves no other walk
-        let scattered = inside.and_then(|at| walk.scattered_at(tracer, path, sampler, (at, length), rest));
+        let scattered = inside.and_then(|at| {
+            self.scattered_at(tracer, path, sampler, sharing, (generation, at, length), onward)
+        });
         let mut entered = None;
         if let Some((distance, hit)) = end {
-            let throughput = walk.flights.pass(walk.throughput, distance);
+            let throughput = self.flights.pass(self.throughput, distance);
             if let OfLight::AtSurface(numbers) = sharing.of_light {
                 let entry = EntryPoint::new(world, world.surface_point(&hit), self.side);
                 let arrivals = arrivals(tracer, path, &entry, throughput, sampler, numbers);
                 // In its plane, which the flight's length is not exact enough for in a thin body
-                let place = Place { position: entry.point.position, normal: walk.body.normal(&hit) };
+                let place = Place { position: entry.point.position, normal: self.body.normal(&hit) };
                 let light = arrivals.iter().map(|arrival| arrival.light).sum();
                 entered = Some(FlightLight { place, own_weight: ends as f32, light });
             } else {
-                walk.throughput = throughput;
+                self.throughput = throughput;
                 let mut branch = path.branch(Vec3::ONE);
-                if walk.leave(world, &mut branch, sharing.exit, &hit) {
+                if self.leave(world, &mut branch, sharing.exit, &hit) {
                     tracer.follow(&mut branch, sampler);
                 }
                 path.add_to(path.layer_after(Layer::Subsurface), branch.sample.radiance());
             }
         }
-
-        let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-        let sigma_t = self.flights.sigma_t();
-        let part = sharing.sample / PART;
-        let kind = (ExitKind::new(sharing.exit, path), bits(sigma_t), bits(self.alpha), is_matte, part);
-        let mut found = scattered.into_iter().chain(entered);
-        for (k, Self { at, throughput, .. }) in collided.iter().enumerate() {
-            let account = Account {
-                sample: sharing.sample,
-                layer: path.layer_after(Layer::Subsurface),
-                throughput: *throughput,
-                random: (of_picks + k as f32 / count).fract(),
-            };
-            let kernel = FlightKernel::new(at.position, sigma_t, *throughput, 1.0 / count);
-            let collision = Collision { kind, account, body: self.body, at: *at, kernel };
-            tracer.scratch().collisions.push(collision, found.by_ref());
-        }
+        [scattered, entered]
     }
 
-    /// Light that is scattered where a flight of this length ends.
+    /// Light that is scattered where a flight of this length from a generation ends: at a collision of the next generation,
+    /// which light is gathered at, too, if it shares.
     fn scattered_at<T: Tracing<'a>>(
         &self,
         tracer: &mut T,
         path: &PathState,
         sampler: &mut Sampler,
-        (at, length): (Inside, f32),
-        rest: impl FnOnce(&mut Self, &mut PathState, &mut Sampler) -> bool,
+        sharing: &Sharing<'_, 'a>,
+        (generation, at, length): (usize, Inside, f32),
+        onward: &mut impl Onward<'a>,
     ) -> Option<FlightLight> {
         let own = self.flights.collide(self.throughput, length) * self.alpha;
         let scatters = self.alpha.cmpgt(Vec3::ZERO) & self.flights.sigma_t().cmpgt(Vec3::ZERO);
@@ -300,9 +392,25 @@ impl<'a> Walk<'a> {
         if worth.max_element() <= LEAST_WORTH || self.body.is_lost(&at) {
             return None;
         }
-        let mut walk = Self { at, throughput: worth, events: self.events + 1, ..*self };
+        let collided = Self { at, throughput: worth, events: self.events + 1, ..*self };
+        let mut walk = collided;
         let mut branch = path.branch(worth);
-        if rest(&mut walk, &mut branch, sampler) {
+        let flight = onward.turn(&mut walk, &mut branch, sampler);
+        let next = generation + 1;
+        if next < GENERATIONS {
+            let found = flight.map_or([None; 2], |flight| {
+                walk.find(tracer, &mut branch, sampler, sharing, (next, flight), onward)
+            });
+            let generations = &mut tracer.scratch().collisions.generations;
+            let account = Account {
+                sample: generations[generation].found_count(),
+                layer: Layer::Subsurface,
+                throughput: Vec3::select(scatters, self.alpha, Vec3::ZERO),
+                random: onward.number(),
+            };
+            let receiver = collided.receiver(path, sharing, account, onward.survival(&collided));
+            generations[next].push(receiver, found.into_iter().flatten());
+        } else if flight.is_some_and(|flight| onward.finish(&mut walk, &mut branch, sampler, flight)) {
             tracer.follow(&mut branch, sampler);
         }
         let light = Vec3::select(scatters, self.alpha * branch.sample.radiance() / worth, Vec3::ZERO);

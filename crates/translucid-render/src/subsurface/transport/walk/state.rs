@@ -108,11 +108,13 @@ impl<'a> Walk<'a> {
         if sum <= 0.0 || self.body.is_lost(&self.at) {
             return false;
         }
-        if sum >= ROULETTE_BELOW * entered {
-            return true;
-        }
-        let survival = sum / (ROULETTE_BELOW * entered);
+        let survival = self.survival(entered);
         self.throughput /= survival;
         u < survival
+    }
+
+    /// Probability with which a walk goes on that is not lost.
+    pub(super) fn survival(&self, entered: f32) -> f32 {
+        (self.throughput.element_sum() / (ROULETTE_BELOW * entered)).min(1.0)
     }
 }
