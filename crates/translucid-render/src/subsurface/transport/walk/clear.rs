@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::flight::STRETCH;
 use super::random::WalkRandom;
-use super::shared::{OfLight, Onward, SHARED_ROULETTE, Sharing};
+use super::shared::{OfLight, Onward, Sharing};
 use super::state::{MOST_EVENTS, Walk};
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
@@ -44,7 +44,6 @@ impl WalkMedium {
         let Some(sample) = number else {
             return onward.finish(&mut walk, path, sampler, flight);
         };
-        onward.entered *= SHARED_ROULETTE;
         let of_light = OfLight::AtCollision(onward.random.next_4d(sampler));
         let of_flight = onward.random.next_4d(sampler);
         let sharing = Sharing { world, exit, sample, of_first: flight, of_choice, of_light, of_flight };
@@ -63,6 +62,9 @@ struct ThroughClear<'s, 'a> {
 }
 
 impl<'a> Onward<'a> for ThroughClear<'_, 'a> {
+    /// With three the means of regions in the test `sharing` are 1.11 to 1.16 times as uncertain as without sharing.
+    const GENERATIONS: usize = 2;
+
     fn survival(&self, walk: &Walk<'a>) -> f32 {
         walk.survival(self.entered)
     }

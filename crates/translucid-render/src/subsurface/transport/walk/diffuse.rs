@@ -7,7 +7,7 @@ use glam::Vec3;
 use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
-use super::shared::{OfLight, Onward, SHARED_ROULETTE, Sharing};
+use super::shared::{MOST_GENERATIONS, OfLight, Onward, Sharing};
 use super::state::{MOST_EVENTS, Walk};
 use crate::ray::Hit;
 use crate::sampling::{Frame, Reserved, Sampler};
@@ -45,7 +45,6 @@ impl WalkMedium {
         let Some(sample) = number.filter(|_| walk.can_share(tracer, path)) else {
             return onward.finish(&mut walk, path, sampler, u[2]);
         };
-        onward.entered *= SHARED_ROULETTE;
         let of_flight = onward.random.next_4d(sampler);
         let [_, _, of_first, of_choice] = u;
         let of_light = OfLight::AtSurface(at_the_end);
@@ -108,6 +107,8 @@ impl ToMatteEnd<'_> {
 }
 
 impl<'a> Onward<'a> for ToMatteEnd<'a> {
+    const GENERATIONS: usize = MOST_GENERATIONS;
+
     fn survival(&self, walk: &Walk<'a>) -> f32 {
         walk.survival(self.entered)
     }

@@ -58,11 +58,8 @@ const PART: usize = 128;
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
 
-/// Generations of collisions that light is gathered at.
-const GENERATIONS: usize = 3;
-
-/// Walks that share end at random below so many times the light below which others do: neighbors make up for them.
-pub(super) const SHARED_ROULETTE: f32 = 2.0;
+/// Generations of collisions that light is gathered at, at the most.
+pub(super) const MOST_GENERATIONS: usize = 3;
 
 /// A walk that shares: the exit where it begins, the number of its sample in the block, and random numbers.
 pub(super) struct Sharing<'s, 'a> {
@@ -99,6 +96,9 @@ pub(super) enum OfLight {
 
 /// The way of walks from a collision on.
 pub(super) trait Onward<'a> {
+    /// Generations of collisions that light is gathered at, of [`MOST_GENERATIONS`].
+    const GENERATIONS: usize;
+
     /// Probability with which `turn` goes on.
     fn survival(&self, walk: &Walk<'a>) -> f32;
 
@@ -121,7 +121,7 @@ pub(super) trait Onward<'a> {
 /// The collisions of a block, by generation.
 #[derive(Default)]
 pub(in crate::subsurface::transport) struct SharedCollisions<'a> {
-    generations: [Gathering<Collision<'a>>; GENERATIONS],
+    generations: [Gathering<Collision<'a>>; MOST_GENERATIONS],
 }
 
 impl SharedCollisions<'_> {
@@ -131,7 +131,7 @@ impl SharedCollisions<'_> {
         stop: &AtomicBool,
         add: impl FnMut(usize, Layer, Vec3),
     ) {
-        for next in (1..GENERATIONS).rev() {
+        for next in (1..MOST_GENERATIONS).rev() {
             let (before, from) = self.generations.split_at_mut(next);
             let found_before = &mut before[next - 1];
             from[0].resolve(stop, |index, _, light| found_before.found_mut(index).light += light);
@@ -376,14 +376,14 @@ impl<'a> Walk<'a> {
 
     /// Light that is scattered where a flight of this length from a generation ends: at a collision of the next generation,
     /// which light is gathered at, too, if it shares.
-    fn scattered_at<T: Tracing<'a>>(
+    fn scattered_at<T: Tracing<'a>, W: Onward<'a>>(
         &self,
         tracer: &mut T,
         path: &PathState,
         sampler: &mut Sampler,
         sharing: &Sharing<'_, 'a>,
         (generation, at, length): (usize, Inside, f32),
-        onward: &mut impl Onward<'a>,
+        onward: &mut W,
     ) -> Option<FlightLight> {
         let own = self.flights.collide(self.throughput, length) * self.alpha;
         let scatters = self.alpha.cmpgt(Vec3::ZERO) & self.flights.sigma_t().cmpgt(Vec3::ZERO);
@@ -397,7 +397,7 @@ impl<'a> Walk<'a> {
         let mut branch = path.branch(worth);
         let flight = onward.turn(&mut walk, &mut branch, sampler);
         let next = generation + 1;
-        if next < GENERATIONS {
+        if next < W::GENERATIONS {
             let found = flight.map_or([None; 2], |flight| {
                 walk.find(tracer, &mut branch, sampler, sharing, (next, flight), onward)
             });
