@@ -5,7 +5,7 @@ use glam::Vec3;
 use super::flight::STRETCH;
 use super::random::WalkRandom;
 use super::shared::{OfLight, Onward, Sharing};
-use super::state::{MOST_EVENTS, Walk};
+use super::state::Walk;
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;

@@ -8,7 +8,7 @@ use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
 use super::shared::{MOST_GENERATIONS, OfLight, Onward, Sharing};
-use super::state::{MOST_EVENTS, Walk};
+use super::state::Walk;
 use crate::ray::Hit;
 use crate::sampling::{Frame, Reserved, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
