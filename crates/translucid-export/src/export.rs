@@ -17,6 +17,7 @@ use crate::image;
 use crate::inversion::Inversion;
 use crate::kernel::Kernel;
 use crate::language::Language;
+use crate::materialx;
 use crate::number::literal;
 use crate::spirv;
 use crate::subject::Subject;
@@ -106,7 +107,21 @@ impl Export<'_> {
             Target::Spirv => spirv::compile(&(formulas + &spirv::entry_points(&functions))),
             Target::Text(language) => {
                 let tables = self.tables(language)?;
-                Ok(self.text(language, &functions, &formulas, &tables).into_bytes())
+                let subjects = self.subjects.iter().map(|subject| subject.name());
+                let content: Vec<&str> =
+                    subjects.chain(self.models.iter().map(|model| model.name())).collect();
+                let definitions = language.translate(&formulas) + &tables;
+                let head = self.head(&functions, language, language);
+                Ok(language.file(&head, &definitions, &content.join("_")).into_bytes())
+            }
+            Target::MaterialX => {
+                let mut definitions = materialx::definitions(&formulas, &functions)?;
+                if let Some(material) = self.material.filter(|_| self.subjects.contains(&Subject::Material)) {
+                    definitions += &materialx::material(&material, self.configuration)?;
+                }
+                // Nodes are called as functions in C
+                let head = self.head(&functions, Language::Osl, Language::C);
+                Ok(materialx::document(&head, self.command, &definitions).into_bytes())
             }
             Target::Image(format) => image::encode(&self.curvature_table()?, format),
         }
@@ -121,8 +136,8 @@ impl Export<'_> {
                 let allowed = format!("one of {} for {}", allowed.join(", "), subject.name());
                 return Err(ExportError::new("to", self.target.name(), allowed));
             }
-            if subject.is_table() && self.material.is_none() {
-                let allowed = "a profile, sampler or other function without a material: tables are of one";
+            if (subject.is_table() || subject == Subject::Material) && self.material.is_none() {
+                let allowed = "a profile, sampler or other function without a material: it is of one";
                 return Err(ExportError::new("what", subject.name(), allowed));
             }
             if subject.is_table() && self.models.len() != 1 {
@@ -243,8 +258,10 @@ impl Export<'_> {
         Ok([profile(0)?, profile(1)?, profile(2)?])
     }
 
-    fn text(&self, language: Language, functions: &[Function], formulas: &str, tables: &str) -> String {
-        let needs_no_model = |subject: &Subject| matches!(subject, Subject::Fresnel | Subject::Inversion);
+    /// The comment that a text begins with, with errors of one language and names of another.
+    fn head(&self, functions: &[Function], errors: Language, names: Language) -> String {
+        let needs_no_model =
+            |subject: &Subject| matches!(subject, Subject::Fresnel | Subject::Inversion | Subject::Material);
         let mut paragraphs: Vec<String> = self
             .subjects
             .iter()
@@ -256,15 +273,9 @@ impl Export<'_> {
             paragraphs.push(String::from(header::UNITS));
         }
         if !functions.is_empty() {
-            paragraphs.push(header::errors(functions, language));
+            paragraphs.push(header::errors(functions, errors, names));
         }
         paragraphs.push(header::origin(self.command));
-        let subjects = self.subjects.iter().map(|subject| subject.name());
-        let content: Vec<&str> = subjects.chain(self.models.iter().map(|model| model.name())).collect();
-        language.file(
-            &header::comment(&paragraphs),
-            &(language.translate(formulas) + tables),
-            &content.join("_"),
-        )
+        header::comment(&paragraphs)
     }
 }

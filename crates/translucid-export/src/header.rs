@@ -83,6 +83,11 @@ S. Chandrasekhar, Radiative Transfer, 1950, for isotropic scattering; discrete o
 phase function of L. G. Henyey and J. L. Greenstein or a boundary. The surface albedo is the share of the light that
 entered which leaves again. Errors below come on top of that of the fit, which stands at its function.",
         ),
+        Subject::Material => Some(
+            "A material with the subsurface scattering of OpenPBR Surface: subsurface_color is the surface albedo, and
+subsurface_radius times subsurface_radius_scale the mean free path, in the unit of the scene. A host that shades
+MaterialX's subsurface_bsdf by the shaders that MaterialX generates takes the latter for the width of a profile.",
+        ),
         Subject::Profile | Subject::Sampler | Subject::Disk | Subject::Lut | Subject::Kernel => None,
     }
 }
@@ -104,14 +109,14 @@ pub(crate) const UNITS: &str = "\
 Lengths are in one unit that you keep to; R and densities per area are in its inverse square, densities per length in
 its inverse. r is any number; a negative one counts as 0. Random numbers are in [0, 1).";
 
-/// How far functions are from double precision.
-pub(crate) fn errors(functions: &[Function], language: Language) -> String {
+/// How far functions are from double precision, in a language, with names of another.
+pub(crate) fn errors(functions: &[Function], language: Language, names: Language) -> String {
     let mut text = String::from(
         "Largest relative errors against double precision, asserted on 100,000 points over these ranges and their ends
 (values below 2.4e-38 of that at r = 0 count as 0; a sampler may choose another term where a random number is within
 a millionth of its end). Devices may add what their exp and log are off: these are for exact ones, OSL's its own.\n",
     );
-    let names: Vec<String> = functions.iter().map(|function| language.function_name(function.name)).collect();
+    let names: Vec<String> = functions.iter().map(|function| names.function_name(function.name)).collect();
     let width = names.iter().map(String::len).max().unwrap_or(0);
     for (name, function) in names.iter().zip(functions) {
         // Writing to a string cannot fail

@@ -5,7 +5,8 @@
 //! WGSL has one spelling for everything that the formulas need, so [`Language`] translates them into GLSL, HLSL, MSL,
 //! OSL, C and C++ word by word, with their comments and names. naga could write three of these languages; but it drops
 //! comments, renames what ends in a digit and flattens expressions into temporaries, and what people paste they want to
-//! read. naga makes the SPIR-V, and in tests it checks the WGSL.
+//! read. naga makes the SPIR-V, in tests it checks the WGSL, and for MaterialX it reads the formulas, which are then run
+//! with nodes in the place of numbers.
 //!
 //! # Units
 //! Lengths are in any one unit that the caller keeps to.
@@ -46,9 +47,12 @@ mod image;
 mod inversion;
 mod kernel;
 mod language;
+mod materialx;
+mod node_graph;
 mod number;
 mod spirv;
 mod subject;
+mod symbolic;
 mod target;
 mod token;
 

@@ -2,8 +2,9 @@
 
 use std::fmt::Write as _;
 
+use naga::Module;
 use naga::back::spv;
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 
 use crate::error::ExportError;
 use crate::function::Function;
@@ -47,15 +48,22 @@ fn each_{name}(@builtin(global_invocation_id) id: vec3<u32>) {{
     text
 }
 
-/// Compiles WGSL, little-endian.
-pub(crate) fn compile(wgsl: &str) -> Result<Vec<u8>, ExportError> {
+/// Reads WGSL and checks it, for a target.
+pub(crate) fn checked(wgsl: &str, target: &str) -> Result<(Module, ModuleInfo), ExportError> {
     // A failure is a defect of the formulas, which tests of every text rule out
-    let defect = |message: String| ExportError::new("to", "spirv", format!("another: {message}"));
+    let defect = |message: String| ExportError::new("to", target, format!("another: {message}"));
     let module = naga::front::wgsl::parse_str(wgsl).map_err(|error| defect(error.emit_to_string(wgsl)))?;
     let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
         .validate(&module)
         .map_err(|error| defect(error.emit_to_string(wgsl)))?;
+    Ok((module, info))
+}
+
+/// Compiles WGSL, little-endian.
+pub(crate) fn compile(wgsl: &str) -> Result<Vec<u8>, ExportError> {
+    let (module, info) = checked(wgsl, "spirv")?;
     let options = spv::Options { lang_version: (1, 3), ..spv::Options::default() };
-    let words = spv::write_vec(&module, &info, &options, None).map_err(|error| defect(error.to_string()))?;
+    let words = spv::write_vec(&module, &info, &options, None)
+        .map_err(|error| ExportError::new("to", "spirv", format!("another: {error}")))?;
     Ok(words.into_iter().flat_map(u32::to_le_bytes).collect())
 }

@@ -22,11 +22,13 @@ pub enum Subject {
     Fresnel,
     /// The medium behind a surface albedo.
     Inversion,
+    /// A material, with its surface shader.
+    Material,
 }
 
 impl Subject {
     /// Every subject.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Profile,
         Self::Sampler,
         Self::Disk,
@@ -35,6 +37,7 @@ impl Subject {
         Self::Probe,
         Self::Fresnel,
         Self::Inversion,
+        Self::Material,
     ];
 
     /// Name as the command line writes it.
@@ -48,6 +51,7 @@ impl Subject {
             Self::Probe => "probe",
             Self::Fresnel => "fresnel",
             Self::Inversion => "inversion",
+            Self::Material => "material",
         }
     }
 
@@ -64,13 +68,19 @@ impl Subject {
             Self::Probe => "Sampling of entry points on any shape, as commented reference code",
             Self::Fresnel => "Reflectance of a dielectric boundary",
             Self::Inversion => "The medium behind a surface albedo, for a g and an eta",
+            Self::Material => "A material with the numbers of OpenPBR Surface: materialx",
         }
     }
 
     /// Tells whether it is a table of a material, and no function.
     pub(crate) fn is_table(self) -> bool {
         match self {
-            Self::Profile | Self::Sampler | Self::Probe | Self::Fresnel | Self::Inversion => false,
+            Self::Profile
+            | Self::Sampler
+            | Self::Probe
+            | Self::Fresnel
+            | Self::Inversion
+            | Self::Material => false,
             Self::Disk | Self::Lut | Self::Kernel => true,
         }
     }
@@ -79,7 +89,8 @@ impl Subject {
     pub(crate) fn goes_to(self, target: Target) -> bool {
         match (self, target) {
             (_, Target::Image(_)) => self == Self::Lut,
-            (_, Target::Spirv | Target::Text(Language::Osl)) => !self.is_table(),
+            (Self::Material, _) => target == Target::MaterialX,
+            (_, Target::Spirv | Target::MaterialX | Target::Text(Language::Osl)) => !self.is_table(),
             (Self::Lut, Target::Text(language)) => matches!(language, Language::C | Language::Cpp),
             (_, Target::Text(_)) => true,
         }

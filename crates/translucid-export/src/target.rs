@@ -10,13 +10,15 @@ pub enum Target {
     Text(Language),
     /// A compiled module for Vulkan.
     Spirv,
+    /// A document of nodes and materials.
+    MaterialX,
     /// A table as an image.
     Image(ImageFormat),
 }
 
 impl Target {
     /// Every target.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Text(Language::Wgsl),
         Self::Text(Language::Glsl),
         Self::Text(Language::Hlsl),
@@ -25,6 +27,7 @@ impl Target {
         Self::Text(Language::Osl),
         Self::Text(Language::C),
         Self::Text(Language::Cpp),
+        Self::MaterialX,
         Self::Image(ImageFormat::Exr),
         Self::Image(ImageFormat::Png),
         Self::Image(ImageFormat::Dds),
@@ -42,6 +45,7 @@ impl Target {
             Self::Text(Language::C) => "c",
             Self::Text(Language::Cpp) => "cpp",
             Self::Spirv => "spirv",
+            Self::MaterialX => "materialx",
             Self::Image(format) => format.name(),
         }
     }
@@ -57,6 +61,7 @@ impl Target {
             Self::Text(Language::C) => "A header for C99",
             Self::Text(Language::Cpp) => "A header for C++17",
             Self::Spirv => "A module that computes functions for buffers of arguments",
+            Self::MaterialX => "A document with a node for each function, or an OpenPBR material",
             Self::Image(format) => format.description(),
         }
     }

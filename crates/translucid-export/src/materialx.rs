@@ -1,0 +1,140 @@
+//! MaterialX: every function as a node of its own, made of nodes that each renderer has, and materials.
+
+use std::fmt::Write as _;
+
+use naga::Module;
+use translucid_profile::{Configuration, RefinedDiffusion};
+
+use crate::error::ExportError;
+use crate::export::Material;
+use crate::function::Function;
+use crate::node_graph::{NodeGraph, Operand};
+use crate::number::literal;
+use crate::spirv;
+use crate::symbolic::{Unknown, Value, run};
+
+/// A whole document.
+pub(crate) fn document(comment: &str, made_by: &str, definitions: &str) -> String {
+    // XML allows no two hyphens in a row within a comment
+    let comment: String = comment.lines().map(|line| line.trim_start_matches("//").to_owned() + "\n").collect();
+    format!(
+        "<?xml version=\"1.0\"?>\n<!--\n{}-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\" doc=\"{}\">\n{definitions}</materialx>\n",
+        comment.replace("--", "- -"),
+        escaped(made_by)
+    )
+}
+
+/// Text as an attribute's value.
+fn escaped(text: &str) -> String {
+    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    text.replace('"', "&quot;").replace('\n', "&#10;")
+}
+
+/// Functions as definitions of nodes.
+pub(crate) fn definitions(formulas: &str, functions: &[Function]) -> Result<String, ExportError> {
+    // A failure is a defect of the formulas, which tests of every text rule out
+    let defect = |Unknown(what): Unknown| ExportError::new("to", "materialx", format!("another: {what}"));
+    let wrapped = formulas.to_owned() + &wrappers(functions);
+    let (module, _) = spirv::checked(&wrapped, "materialx")?;
+    let mut text = String::new();
+    for function in functions {
+        text += &definition(&module, function, &comment_of(formulas, function.name)).map_err(defect)?;
+    }
+    Ok(text)
+}
+
+/// A function in WGSL for each output of each function: its result is a number.
+fn wrappers(functions: &[Function]) -> String {
+    let mut text = String::new();
+    for Function { name, arguments, call, outputs, .. } in functions {
+        let inputs: Vec<String> = arguments.iter().map(|argument| format!("{argument}: f32")).collect();
+        for (i, output) in outputs.iter().enumerate() {
+            let field = if output.is_empty() { String::new() } else { format!(".{output}") };
+            // Writing to a string cannot fail
+            let _ = write!(
+                text,
+                "\nfn output_{i}_of_{name}({}) -> f32 {{\n    let result = {call};\n    return result{field};\n}}\n",
+                inputs.join(", ")
+            );
+        }
+    }
+    text
+}
+
+fn definition(module: &Module, function: &Function, doc: &str) -> Result<String, Unknown> {
+    let Function { name, arguments, outputs, .. } = function;
+    let inputs: Vec<Value> =
+        arguments.iter().map(|argument| Value::Number(Operand::Input(argument))).collect();
+    let mut graph = NodeGraph::default();
+    let mut results = Vec::new();
+    for (i, output) in outputs.iter().enumerate() {
+        let wrapper = format!("output_{i}_of_{name}");
+        let wrapper = module.functions.iter().find(|(_, f)| f.name.as_ref() == Some(&wrapper));
+        let Some((_, wrapper)) = wrapper else {
+            return Err(Unknown(format!("no {name}")));
+        };
+        match run(&mut graph, module, wrapper, &inputs)? {
+            Value::Number(operand) => results.push((if output.is_empty() { "out" } else { output }, operand)),
+            other => return Err(Unknown(format!("{other:?}"))),
+        }
+    }
+    let mut text = format!(
+        "  <nodedef name=\"ND_translucid_{name}\" node=\"translucid_{name}\" nodegroup=\"math\" doc=\"{}\">\n",
+        escaped(doc)
+    );
+    for argument in *arguments {
+        let _ = writeln!(text, "    <input name=\"{argument}\" type=\"float\" value=\"{}\" />", default(argument));
+    }
+    for (output, _) in &results {
+        let _ = writeln!(text, "    <output name=\"{output}\" type=\"float\" />");
+    }
+    let _ = write!(
+        text,
+        "  </nodedef>\n  <nodegraph name=\"NG_translucid_{name}\" nodedef=\"ND_translucid_{name}\">\n{}  </nodegraph>\n",
+        graph.text(&results)
+    );
+    Ok(text)
+}
+
+/// An input's value where nothing is connected.
+fn default(argument: &str) -> &'static str {
+    if argument == "eta" { "1.5" } else { "0.5" }
+}
+
+/// The comment before a function.
+fn comment_of(formulas: &str, name: &str) -> String {
+    let before = formulas.split(&format!("fn {name}(")).next().unwrap_or_default();
+    let lines: Vec<&str> = before.lines().rev().take_while(|line| line.starts_with("//")).collect();
+    let lines = lines.into_iter().rev().map(|line| line.trim_start_matches('/').trim());
+    lines.collect::<Vec<_>>().join("\n")
+}
+
+/// A material, as OpenPBR Surface has it.
+pub(crate) fn material(material: &Material, configuration: Configuration) -> Result<String, ExportError> {
+    let Material { surface_albedo, length, parameterization } = material;
+    let mut mfp = [0.0; 3];
+    for c in 0..3 {
+        mfp[c] = RefinedDiffusion::new(surface_albedo[c], length[c], *parameterization, configuration)?.mfp();
+    }
+    let radius = mfp.into_iter().fold(0.0, f64::max);
+    let three = |numbers: [f64; 3]| numbers.map(literal).join(", ");
+    let inputs = [
+        ("subsurface_weight", "float", literal(1.0)),
+        ("subsurface_color", "color3", three(*surface_albedo)),
+        ("subsurface_radius", "float", literal(radius)),
+        ("subsurface_radius_scale", "color3", three(mfp.map(|mfp| mfp / radius))),
+        ("subsurface_scatter_anisotropy", "float", literal(0.0)),
+    ];
+    let inputs = inputs.map(|(name, kind, value)| {
+        format!("    <input name=\"{name}\" type=\"{kind}\" value=\"{value}\" />\n")
+    });
+    Ok(format!(
+        "  <open_pbr_surface name=\"translucid_surface\" type=\"surfaceshader\">
+{}  </open_pbr_surface>
+  <surfacematerial name=\"translucid_material\" type=\"material\">
+    <input name=\"surfaceshader\" type=\"surfaceshader\" nodename=\"translucid_surface\" />
+  </surfacematerial>
+",
+        inputs.concat()
+    ))
+}
