@@ -31,9 +31,10 @@ Examples:
   translucid export --to cpp --what probe,fresnel -o probe.hpp
   translucid export --to osl --what inversion --g 0.8 --eta 1.4
   translucid export --to hlsl --what disk,kernel --preset skin1 --taps 17 -o skin.hlsl
-  translucid export --to exr --what lut --model exact --preset skin1 -o skin.exr";
+  translucid export --to exr --what lut --model exact --preset skin1 -o skin.exr
+  translucid export --to materialx --what material --preset marble --unit cm -o marble.mtlx";
 
-/// Writes profiles as text for other renderers: shaders, C, C++, OSL
+/// Writes profiles as text for other renderers: shaders, C, C++, OSL, MaterialX
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ExportArguments {
@@ -158,7 +159,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
     let bytes = export.bytes().map_err(|error| name_option(arguments, &error))?;
     match (&arguments.output, export.target) {
         (Some(path), _) => write_file(path, &bytes),
-        (None, Target::Text(_)) => print(&String::from_utf8_lossy(&bytes)),
+        (None, Target::Text(_) | Target::MaterialX) => print(&String::from_utf8_lossy(&bytes)),
         (None, binary) if io::stdout().is_terminal() => {
             Err(Failure::input(format!("{} is no text for a terminal", binary.name()))
                 .with_help("name a file with -o FILE"))

@@ -150,6 +150,13 @@ impl Export<'_> {
             return Err(ExportError::new("what", "several", "lut alone for an image"));
         }
         let has = |subject| self.subjects.contains(&subject);
+        if self.target == Target::MaterialX && self.material.is_some() && !has(Subject::Material) {
+            return Err(ExportError::new(
+                "what",
+                "functions",
+                "material too, to say a material in MaterialX",
+            ));
+        }
         if self.g != 0.0 && !has(Subject::Inversion) {
             return Err(ExportError::new("g", self.g.to_string(), "0 without inversion"));
         }

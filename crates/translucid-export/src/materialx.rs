@@ -16,7 +16,8 @@ use crate::symbolic::{Unknown, Value, run};
 /// A whole document.
 pub(crate) fn document(comment: &str, made_by: &str, definitions: &str) -> String {
     // XML allows no two hyphens in a row within a comment
-    let comment: String = comment.lines().map(|line| line.trim_start_matches("//").to_owned() + "\n").collect();
+    let comment: String =
+        comment.lines().map(|line| line.trim_start_matches("//").to_owned() + "\n").collect();
     format!(
         "<?xml version=\"1.0\"?>\n<!--\n{}-->\n<materialx version=\"1.39\" colorspace=\"lin_rec709\" doc=\"{}\">\n{definitions}</materialx>\n",
         comment.replace("--", "- -"),
@@ -64,7 +65,7 @@ fn wrappers(functions: &[Function]) -> String {
 fn definition(module: &Module, function: &Function, doc: &str) -> Result<String, Unknown> {
     let Function { name, arguments, outputs, .. } = function;
     let inputs: Vec<Value> =
-        arguments.iter().map(|argument| Value::Number(Operand::Input(argument))).collect();
+        arguments.iter().map(|argument| Value::Number(Operand::Input(input(argument)))).collect();
     let mut graph = NodeGraph::default();
     let mut results = Vec::new();
     for (i, output) in outputs.iter().enumerate() {
@@ -82,8 +83,9 @@ fn definition(module: &Module, function: &Function, doc: &str) -> Result<String,
         "  <nodedef name=\"ND_translucid_{name}\" node=\"translucid_{name}\" nodegroup=\"math\" doc=\"{}\">\n",
         escaped(doc)
     );
-    for argument in *arguments {
-        let _ = writeln!(text, "    <input name=\"{argument}\" type=\"float\" value=\"{}\" />", default(argument));
+    for argument in arguments.iter().copied() {
+        let (name, value) = (input(argument), default(argument));
+        let _ = writeln!(text, "    <input name=\"{name}\" type=\"float\" value=\"{value}\" />");
     }
     for (output, _) in &results {
         let _ = writeln!(text, "    <output name=\"{output}\" type=\"float\" />");
@@ -94,6 +96,11 @@ fn definition(module: &Module, function: &Function, doc: &str) -> Result<String,
         graph.text(&results)
     );
     Ok(text)
+}
+
+/// The name of an input: a shader in OSL has a `u` of its own.
+fn input(argument: &'static str) -> &'static str {
+    if argument == "u" { "random_number" } else { argument }
 }
 
 /// An input's value where nothing is connected.

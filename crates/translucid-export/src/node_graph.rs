@@ -93,7 +93,7 @@ impl NodeGraph {
             let _ = writeln!(text, "    <{category} name=\"n{}\" type=\"float\">", names[number]);
             for (input, operand) in input_names(category).iter().zip(operands) {
                 let source = match operand {
-                    Operand::Number(number) => format!("value=\"{number:.DECIMALS$}\""),
+                    Operand::Number(number) => format!("value=\"{number:?}\""),
                     Operand::Input(name) => format!("interfacename=\"{name}\""),
                     Operand::Node(number) => format!("nodename=\"n{}\"", names[*number]),
                 };

@@ -5,8 +5,8 @@
 use std::collections::HashMap;
 
 use naga::{
-    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, MathFunction, Module, Statement,
-    TypeInner, UnaryOperator,
+    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, MathFunction, Module,
+    Statement, TypeInner, UnaryOperator,
 };
 
 use crate::node_graph::{NodeGraph, Operand};
@@ -44,7 +44,8 @@ pub(crate) fn run(
     function: &Function,
     arguments: &[Value],
 ) -> Result<Value, Unknown> {
-    let mut run = Run { graph, module, function, arguments, values: HashMap::new(), variables: HashMap::new() };
+    let mut run =
+        Run { graph, module, function, arguments, values: HashMap::new(), variables: HashMap::new() };
     for (handle, variable) in function.local_variables.iter() {
         let value = match variable.init {
             Some(init) => run.value(init)?,
@@ -105,7 +106,12 @@ impl Run<'_> {
         Ok(None)
     }
 
-    fn branch(&mut self, condition: Handle<Expression>, accept: &Block, reject: &Block) -> Result<(), Unknown> {
+    fn branch(
+        &mut self,
+        condition: Handle<Expression>,
+        accept: &Block,
+        reject: &Block,
+    ) -> Result<(), Unknown> {
         let Value::Truth(condition) = self.value(condition)? else {
             return unknown("a condition that is none");
         };

@@ -48,6 +48,24 @@ fn tables_are_of_a_material() {
 }
 
 #[test]
+fn materialx_has_nodes_and_materials() {
+    let words = "export --to materialx --what profile,material --surface-albedo 0.8 --mfp 0.5,2,1";
+    let text = stdout(&here(), words);
+    for part in [
+        "<nodedef name=\"ND_translucid_burley_eval\"",
+        "<nodegraph name=\"NG_translucid_burley_eval\"",
+        "<open_pbr_surface",
+        "<input name=\"subsurface_radius\" type=\"float\" value=\"2.0\" />",
+        "value=\"0.25, 1.0, 0.5\"",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    // Two hyphens end a comment in XML
+    let comment = text.split("<!--").nth(1).and_then(|rest| rest.split("-->").next()).unwrap();
+    assert!(!comment.contains("--"), "{comment}");
+}
+
+#[test]
 fn wrong_input_is_told_what_is_allowed() {
     for (words, message) in [
         ("--to cobol --what profile", "[possible values: wgsl"),
@@ -87,6 +105,9 @@ fn wrong_input_is_told_what_is_allowed() {
             "--to is wgsl, but must be one of c, cpp, exr, png, dds, npz for lut",
         ),
         ("--to exr --what profile", "--to is exr, but must be one of"),
+        ("--to c --what material --preset skin1", "--to is c, but must be one of materialx for material"),
+        ("--to materialx --what material", "--what is material, but must be a profile, sampler or other"),
+        ("--to materialx --what profile --preset skin1", "--what is functions, but must be material too"),
         ("--to c --what disk --preset skin1 --taps 2", "--taps is 2, but must be in [3, 1024]"),
         ("--to c --what lut --preset skin1 --size 1x5", "--size is 1, but must be in [2, 1024] each"),
         ("--to c --what lut --preset skin1 --size 5", "two whole numbers with an x between"),

@@ -69,8 +69,23 @@ def shader(configuration, function):
     return f"{text(configuration, 'osl')}\nshader each({inputs}, {outputs}) {{\n{''.join(results)}}}\n"
 
 
-def render(squares, source, function, directory):
-    """Results of a shader for all points."""
+def emission(tree, script, name):
+    """The socket of a closure whose color has a script's number, its positive part in red and its negative one in green."""
+    result = script.outputs.new("NodeSocketFloat", name)
+    color, closure = tree.nodes.new("ShaderNodeCombineColor"), tree.nodes.new("ShaderNodeEmission")
+    for channel, sign in [("Red", 1.0), ("Green", -1.0)]:
+        signed, part = tree.nodes.new("ShaderNodeMath"), tree.nodes.new("ShaderNodeMath")
+        signed.operation, part.operation = "MULTIPLY", "MAXIMUM"
+        signed.inputs[1].default_value, part.inputs[1].default_value = sign, 0.0
+        tree.links.new(result, signed.inputs[0])
+        tree.links.new(signed.outputs[0], part.inputs[0])
+        tree.links.new(part.outputs[0], color.inputs[channel])
+    tree.links.new(color.outputs[0], closure.inputs["Color"])
+    return closure.outputs[0]
+
+
+def render(squares, source, function, directory, names, socket_of):
+    """Results of a shader for all points: `names` are those of its inputs, `socket_of` gives that of each output."""
     scene, mesh = squares
     path, compiled = directory / "each.osl", directory / "each.oso"
     path.write_text(source)
@@ -81,10 +96,10 @@ def render(squares, source, function, directory):
     script.mode = "INTERNAL"
     script.bytecode = compiled.read_text()
     script.bytecode_hash = str(hash(script.bytecode))
-    for i, name in enumerate(function.arguments):
+    for i, name in enumerate(names):
         attribute = tree.nodes.new("ShaderNodeAttribute")
         attribute.attribute_name = f"argument_{i}"
-        socket = script.inputs.new("NodeSocketFloat", f"of_{name}")
+        socket = script.inputs.new("NodeSocketFloat", name)
         tree.links.new(attribute.outputs["Fac"], socket)
     inputs = function.inputs
     padded = np.zeros((SIDE * SIDE, inputs.shape[1]), np.float32)
@@ -94,11 +109,10 @@ def render(squares, source, function, directory):
         mesh.attributes[f"argument_{i}"].data.foreach_set("value", padded[:, i].copy())
     mesh.update()
     material_output = tree.nodes.new("ShaderNodeOutputMaterial")
-    for i in range(len(function.outputs)):
-        script.outputs.new("NodeSocketShader", f"result_{i}")
+    sockets = [socket_of(tree, script, i) for i in range(len(function.outputs))]
     columns = []
-    for i in range(len(function.outputs)):
-        tree.links.new(script.outputs[i], material_output.inputs["Surface"])
+    for socket in sockets:
+        tree.links.new(socket, material_output.inputs["Surface"])
         scene.render.filepath = str(directory / "picture.exr")
         bpy.ops.render.render(write_still=True)
         picture = bpy.data.images.load(scene.render.filepath)
@@ -111,14 +125,21 @@ def render(squares, source, function, directory):
     return np.stack(columns, axis=1)
 
 
+# What does not depend on the configuration runs once: a picture takes a second
+DEPENDING = ("refined", "oblique", "inversion")
+
+
+def to_run(configuration):
+    """Functions that are to run in a configuration."""
+    return [f for f in functions(configuration) if configuration == CONFIGURATIONS[0] or f.name.startswith(DEPENDING)]
+
+
 @pytest.mark.parametrize("configuration", CONFIGURATIONS)
 def test_osl_agrees_with_double_precision(squares, configuration, tmp_path):
     faults = []
-    # What does not depend on the configuration runs once: a picture takes a second
-    depend = ("refined", "oblique", "inversion")
-    for function in functions(configuration):
-        if configuration != CONFIGURATIONS[0] and not function.name.startswith(depend):
-            continue
-        results = render(squares, shader(configuration, function), function, tmp_path)
+    for function in to_run(configuration):
+        names = [f"of_{name}" for name in function.arguments]
+        closure = lambda tree, script, i: script.outputs.new("NodeSocketShader", f"result_{i}")
+        results = render(squares, shader(configuration, function), function, tmp_path, names, closure)
         faults += function.fault(results, "OSL", "osl")
     assert not faults
