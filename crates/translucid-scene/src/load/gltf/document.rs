@@ -361,9 +361,17 @@ pub(super) fn extension<T: DeserializeOwned>(
     path: &Path,
 ) -> Result<Option<T>, SceneError> {
     let Some(value) = extensions.get(name) else { return Ok(None) };
-    T::deserialize(value)
-        .map(Some)
-        .map_err(|error| SceneError::at(Place::part(path, format!("{part}, {name}")), reason(&error)))
+    T::deserialize(value).map(Some).map_err(|error| {
+        let message = error.to_string();
+        // A parser says what is wrong, not where: the key that by itself is wrong in the same way
+        let is_at_fault = |(key, value): &(&String, &Value)| {
+            let alone = Map::from_iter([((*key).clone(), (*value).clone())]);
+            T::deserialize(Value::Object(alone)).is_err_and(|error| error.to_string() == message)
+        };
+        let key = value.as_object().and_then(|object| object.iter().find(is_at_fault));
+        let key = key.map_or(String::new(), |(key, _)| format!(", {}", clip(key)));
+        SceneError::at(Place::part(path, format!("{part}, {name}{key}")), reason(&error))
+    })
 }
 
 fn syntax_error(error: &serde_json::Error, path: &Path) -> SceneError {

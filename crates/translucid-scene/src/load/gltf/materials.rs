@@ -10,7 +10,7 @@
 //! | KHR_materials_ior, _specular | `specular_ior`, `specular_weight` (alpha), `specular_color` |
 //! | KHR_materials_clearcoat | `coat_weight` (red), `coat_roughness` (green), `coat_ior` 1.5 |
 //! | KHR_materials_transmission, _volume | `transmission_*`, see [`super::media`] |
-//! | KHR_materials_volume_scatter, _diffuse_transmission | `subsurface_*`, see [`super::media`] |
+//! | KHR_materials_volume_scatter, _scatter, _diffuse_transmission | `subsurface_*`, see [`super::media`] |
 //!
 //! Occlusion is what a path tracer computes, and `doubleSided` means nothing for closed surfaces: both
 //! are not read.
@@ -28,11 +28,12 @@ use super::uri::clip;
 use crate::{Channel, ColorInput, Material, NormalMap, ScalarInput, SceneError};
 
 /// Extensions that are read; of the others the user is told.
-const READ: [&str; 9] = [
+const READ: [&str; 10] = [
     "KHR_materials_clearcoat",
     "KHR_materials_diffuse_transmission",
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    "KHR_materials_scatter",
     "KHR_materials_specular",
     "KHR_materials_transmission",
     "KHR_materials_unlit",

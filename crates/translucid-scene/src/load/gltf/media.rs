@@ -3,14 +3,21 @@
 //! - *Clear*: KHR_materials_transmission is `transmission_weight` (red channel). Its tint is the base
 //!   color, or, with an attenuationDistance d in KHR_materials_volume, `transmission_color` =
 //!   attenuationColor at `transmission_depth` = d.
-//! - *Scattering*: KHR_materials_volume_scatter states ρ = multiscatterColor, the color after many
-//!   scattering events, which is `subsurface_color`. KHR_materials_volume then gives the extinction
-//!   σ_t = −ln(c)/d per channel of the attenuation color c, so that `subsurface_radius` ×
+//! - *Scattering*, of two drafts. KHR_materials_volume_scatter (KhronosGroup/glTF pull request 2453) states
+//!   ρ = multiscatterColorFactor, at first spelled multiscatterColor, the color after many scattering events,
+//!   which is `subsurface_color`. KHR_materials_volume then gives the extinction σ_t = −ln(c)/d per channel of
+//!   the attenuation color c, whatever the anisotropy, so that `subsurface_radius` ×
 //!   `subsurface_radius_scale` = d / −ln(c), the mean free path. As much light enters as
 //!   KHR_materials_diffuse_transmission says, else as KHR_materials_transmission says:
 //!   `subsurface_weight`. The diffuse transmission's color multiplies `subsurface_color`.
+//!   KHR_materials_scatter (pull request 2579) is to take the place of both: scatterStrengthFactor times ρ is
+//!   `subsurface_color`, and KHR_materials_transmission says how much light enters.
 //! - *Absorbing, entered diffusely*: KHR_materials_diffuse_transmission with a volume but no scattering
 //!   is how files described wax and skin before; ρ is then the diffuse transmission's color.
+//!
+//! The drafts find the single-scattering albedo from ρ by the approximation of C. Kulla and A. Conty (2017), we by the
+//! inversion that our models have, so that ρ itself comes out. A boundary that refracts is left out, as for any material
+//! without `subsurface_eta`.
 //!
 //! Lengths in the extensions are meters in world space.
 //! A thin sheet (transmission without thickness) is rendered as if it were the skin of a solid.
@@ -42,14 +49,37 @@ struct Volume {
     attenuation_color: [f32; 3],
 }
 
-/// KHR_materials_volume_scatter.
+/// KHR_materials_volume_scatter, in both of its spellings.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct VolumeScatter {
-    #[serde(default)]
-    multiscatter_color: [f32; 3],
+    multiscatter_color: Option<[f32; 3]>,
+    multiscatter_color_factor: Option<[f32; 3]>,
+    multiscatter_color_texture: Option<TextureInfo>,
     #[serde(default)]
     scatter_anisotropy: f32,
+}
+
+/// KHR_materials_scatter.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Scatter {
+    #[serde(default)]
+    scatter_strength_factor: f32,
+    scatter_strength_texture: Option<TextureInfo>,
+    #[serde(default = "white")]
+    multiscatter_color_factor: [f32; 3],
+    multiscatter_color_texture: Option<TextureInfo>,
+    #[serde(default)]
+    scatter_anisotropy: f32,
+}
+
+/// Scattering inside, whichever extension states it.
+struct Scattering {
+    /// Color after many scattering events.
+    color: ColorInput,
+    /// Mean cosine of the phase function.
+    g: f32,
 }
 
 /// KHR_materials_diffuse_transmission.
@@ -95,17 +125,41 @@ impl MaterialReader<'_> {
             }
             None => ScalarInput::constant(0.0),
         };
-        let diffuse = self.extension::<DiffuseTransmission>("KHR_materials_diffuse_transmission")?;
-        let scatter = self.extension::<VolumeScatter>("KHR_materials_volume_scatter")?;
-        match (attenuation, &scatter, &diffuse) {
-            (Some(attenuation), Some(_), _) | (Some(attenuation), None, Some(_)) => {
-                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
-                self.set_subsurface(material, attenuation, scatter.as_ref(), weight, tint);
-                if scatter.is_none() {
-                    set_transmission(material, clear, Some(attenuation));
+        let mut diffuse = self.extension::<DiffuseTransmission>("KHR_materials_diffuse_transmission")?;
+        let scatter = match self.extension::<Scatter>("KHR_materials_scatter")? {
+            Some(data) => {
+                for name in ["KHR_materials_volume_scatter", "KHR_materials_diffuse_transmission"] {
+                    if self.data.extensions.contains_key(name) {
+                        self.warn(&format!(
+                            "{name} is left out beside KHR_materials_scatter, which replaces it"
+                        ));
+                    }
                 }
+                diffuse = None;
+                if data.scatter_strength_factor != 0.0
+                    && volume.as_ref().is_some_and(|volume| volume.thickness_factor <= 0.0)
+                {
+                    self.warn("a thin sheet (thicknessFactor 0) that scatters is rendered as a solid's skin");
+                }
+                self.scattering(&data)?
             }
-            _ => {
+            None => match self.extension::<VolumeScatter>("KHR_materials_volume_scatter")? {
+                Some(data) => Some(self.volume_scattering(&data)?),
+                None => None,
+            },
+        };
+        match (attenuation, scatter, &diffuse) {
+            (Some(attenuation), Some(scatter), _) => {
+                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
+                set_subsurface(material, attenuation, weight, tint);
+                self.set_scattering(material, &scatter);
+            }
+            (Some(attenuation), None, Some(_)) => {
+                let (weight, tint) = self.entering(clear, diffuse.as_ref())?;
+                set_subsurface(material, attenuation, weight, tint);
+                set_transmission(material, clear, Some(attenuation));
+            }
+            (_, scatter, diffuse) => {
                 if scatter.is_some() || diffuse.is_some() {
                     self.warn(
                         "scattering without a KHR_materials_volume with attenuationDistance is left out",
@@ -118,6 +172,40 @@ impl MaterialReader<'_> {
             self.warn("transmission without thickness is rendered as a solid's");
         }
         Ok(())
+    }
+
+    /// What KHR_materials_volume_scatter states.
+    fn volume_scattering(&mut self, data: &VolumeScatter) -> Result<Scattering, SceneError> {
+        let (key, factor) = match (data.multiscatter_color_factor, data.multiscatter_color) {
+            (Some(factor), _) => ("multiscatterColorFactor", factor),
+            (None, Some(color)) => ("multiscatterColor", color),
+            (None, None) => ("multiscatterColorFactor", [0.0; 3]),
+        };
+        let texture = data.multiscatter_color_texture.as_ref();
+        let color = self.color(factor, texture, key)?;
+        Ok(Scattering { color, g: self.anisotropy(data.scatter_anisotropy) })
+    }
+
+    /// What KHR_materials_scatter states; none where its strength is 0, at which it is as if it were not there.
+    fn scattering(&mut self, data: &Scatter) -> Result<Option<Scattering>, SceneError> {
+        let strength = self.unit(data.scatter_strength_factor, "scatterStrengthFactor");
+        if data.scatter_strength_texture.is_some() {
+            self.warn("scatterStrengthTexture is left out: scatterStrengthFactor counts everywhere");
+        }
+        let texture = data.multiscatter_color_texture.as_ref();
+        let mut color = self.color(data.multiscatter_color_factor, texture, "multiscatterColorFactor")?;
+        color.factor *= strength;
+        let g = self.anisotropy(data.scatter_anisotropy);
+        Ok((strength > 0.0).then_some(Scattering { color, g }))
+    }
+
+    /// A mean cosine that a phase function can have.
+    fn anisotropy(&self, g: f32) -> f32 {
+        let nearest = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
+        if nearest != g {
+            self.warn(&format!("scatterAnisotropy is {g}, but must be in (-1, 1): it becomes {nearest}"));
+        }
+        nearest
     }
 
     fn attenuation(&self, volume: &Volume) -> Option<Attenuation> {
@@ -146,29 +234,27 @@ impl MaterialReader<'_> {
         Ok((weight, tint))
     }
 
-    fn set_subsurface(
-        &self,
-        material: &mut Material,
-        attenuation: Attenuation,
-        scatter: Option<&VolumeScatter>,
-        weight: ScalarInput,
-        tint: ColorInput,
-    ) {
-        let path = attenuation.mean_free_path();
-        let longest = path.max_element();
-        material.subsurface_weight = weight;
-        material.subsurface_radius = ScalarInput::constant(longest);
-        material.subsurface_radius_scale =
-            ColorInput::constant(if longest > 0.0 { path / longest } else { Vec3::ONE });
-        material.subsurface_color = tint;
-        if let Some(scatter) = scatter {
-            let albedo = scatter.multiscatter_color.map(|c| self.unit(c, "multiscatterColor"));
-            material.subsurface_color.factor *= Vec3::from_array(albedo);
-            let g = scatter.scatter_anisotropy;
-            let g = if g.is_nan() { 0.0 } else { g.clamp(-0.99, 0.99) };
-            material.subsurface_scatter_anisotropy = g;
+    /// Brings scattering into a material whose color is the tint of the light that enters.
+    fn set_scattering(&self, material: &mut Material, scatter: &Scattering) {
+        let tint = material.subsurface_color;
+        if tint.texture.is_some() && scatter.color.texture.is_some() {
+            self.warn("diffuseTransmissionColorTexture is left out beside multiscatterColorTexture");
         }
+        material.subsurface_color.factor = tint.factor * scatter.color.factor;
+        material.subsurface_color.texture = scatter.color.texture.or(tint.texture);
+        material.subsurface_scatter_anisotropy = scatter.g;
     }
+}
+
+/// A medium under the surface, and how light enters it.
+fn set_subsurface(material: &mut Material, attenuation: Attenuation, weight: ScalarInput, tint: ColorInput) {
+    let path = attenuation.mean_free_path();
+    let longest = path.max_element();
+    material.subsurface_weight = weight;
+    material.subsurface_radius = ScalarInput::constant(longest);
+    material.subsurface_radius_scale =
+        ColorInput::constant(if longest > 0.0 { path / longest } else { Vec3::ONE });
+    material.subsurface_color = tint;
 }
 
 fn set_transmission(material: &mut Material, weight: ScalarInput, attenuation: Option<Attenuation>) {

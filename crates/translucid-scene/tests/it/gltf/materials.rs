@@ -7,7 +7,7 @@ use translucid_scene::{
     load_gltf,
 };
 
-use super::builder::{File, png};
+use super::builder::{File, parse, png};
 
 /// A file whose only material is this one, with textures 0 and 1 on two images.
 fn with_textures(material: Value) -> File {
@@ -209,7 +209,7 @@ fn transmission_takes_its_tint_from_the_volume_else_from_the_base() {
 /// The example of KHR_materials_volume_scatter's specification: a skin of 10 mm.
 fn skin() -> Value {
     json!({ "extensions": {
-        "KHR_materials_volume_scatter": { "multiscatterColor": [0.572, 0.227, 0.075], "scatterAnisotropy": 0.3 },
+        "KHR_materials_volume_scatter": { "multiscatterColorFactor": [0.572, 0.227, 0.075], "scatterAnisotropy": 0.3 },
         "KHR_materials_volume": { "attenuationColor": [0.9, 0.5, 0.1], "attenuationDistance": 0.01, "thicknessFactor": 1 },
         "KHR_materials_diffuse_transmission": { "diffuseTransmissionFactor": 0.75 }
     } })
@@ -258,6 +258,193 @@ fn diffuse_transmission_needs_a_volume() {
     assert_eq!(material.subsurface_weight.texture.unwrap().1, Channel::Alpha);
     assert_eq!(material.subsurface_color.factor, Vec3::new(0.3, 0.2, 0.1));
     assert!(material.subsurface_color.texture.is_some());
+}
+
+/// [`skin`] with the members of an extension changed.
+fn skin_with(extension: &str, members: Value) -> Value {
+    let mut material = skin();
+    let object = &mut material["extensions"][extension];
+    members.as_object().unwrap().iter().for_each(|(key, value)| object[key] = value.clone());
+    material
+}
+
+#[test]
+fn scattering_colors_are_read_in_both_spellings_and_the_later_counts() {
+    let read = |scatter: Value| {
+        let mut material = skin();
+        material["extensions"]["KHR_materials_volume_scatter"] = scatter;
+        read(material).0.subsurface_color.factor
+    };
+    let (old, new) = ([0.25, 0.5, 0.75], [0.5, 0.125, 1.0]);
+    assert_eq!(read(json!({ "multiscatterColor": old })), Vec3::from(old));
+    assert_eq!(read(json!({ "multiscatterColorFactor": new })), Vec3::from(new));
+    assert_eq!(read(json!({ "multiscatterColor": old, "multiscatterColorFactor": new })), Vec3::from(new));
+    // The drafts' default: no scattering, all black
+    assert_eq!(read(json!({})), Vec3::ZERO);
+}
+
+#[test]
+fn scattering_color_is_factor_times_texture_times_tint() {
+    let textured = json!({ "multiscatterColorTexture": { "index": 0 } });
+    let mut material = skin_with("KHR_materials_volume_scatter", textured);
+    let tint = json!({ "diffuseTransmissionFactor": 1, "diffuseTransmissionColorFactor": [0.5, 1, 1] });
+    material["extensions"]["KHR_materials_diffuse_transmission"] = tint;
+    let (found, warnings) = read(material.clone());
+    assert_eq!(found.subsurface_color.factor, Vec3::new(0.286, 0.227, 0.075));
+    assert_eq!((found.subsurface_color.texture, &warnings[..]), (texture(0), &[][..]));
+    material["extensions"]["KHR_materials_diffuse_transmission"]["diffuseTransmissionColorTexture"] =
+        json!({ "index": 1 });
+    let (found, warnings) = read(material);
+    assert_eq!(found.subsurface_color.texture, texture(0));
+    assert!(warnings[0].contains("diffuseTransmissionColorTexture is left out"), "{warnings:?}");
+}
+
+/// The volumetric example of KHR_materials_scatter's draft, switched on.
+fn candle() -> Value {
+    json!({ "extensions": {
+        "KHR_materials_scatter": { "scatterStrengthFactor": 1, "multiscatterColorFactor": [0.8, 0.6, 0.5], "scatterAnisotropy": 0.2 },
+        "KHR_materials_transmission": { "transmissionFactor": 0.75 },
+        "KHR_materials_volume": { "thicknessFactor": 1, "attenuationDistance": 0.01, "attenuationColor": [0.95, 0.85, 0.75] }
+    } })
+}
+
+#[test]
+fn the_draft_that_unites_scattering_is_that_of_a_volume_with_its_strength_in_the_color() {
+    let (material, warnings) = read(candle());
+    assert!(warnings.is_empty(), "{warnings:?}");
+    assert_eq!(material.subsurface_weight, ScalarInput::constant(0.75));
+    assert_eq!(material.subsurface_color.factor, Vec3::new(0.8, 0.6, 0.5));
+    assert_eq!(material.subsurface_scatter_anisotropy, 0.2);
+    // The same volume states the same mean free path by the other draft
+    let mut other = skin();
+    other["extensions"]["KHR_materials_volume"] = candle()["extensions"]["KHR_materials_volume"].clone();
+    let other = read(other).0;
+    assert_eq!(
+        (material.subsurface_radius, material.subsurface_radius_scale),
+        (other.subsurface_radius, other.subsurface_radius_scale)
+    );
+    let with_strength = |strength: f32| {
+        let mut material = candle();
+        material["extensions"]["KHR_materials_scatter"]["scatterStrengthFactor"] = json!(strength);
+        read(material).0
+    };
+    assert_eq!(with_strength(0.5).subsurface_color.factor, Vec3::new(0.4, 0.3, 0.25));
+    let clear = with_strength(0.0);
+    assert_eq!((clear.subsurface_weight.factor, clear.transmission_weight.factor), (0.0, 0.75));
+    // It takes the place of the two others, and says so
+    let mut both = candle();
+    both["extensions"]["KHR_materials_diffuse_transmission"] = json!({ "diffuseTransmissionFactor": 0.25 });
+    let (material, warnings) = read(both);
+    assert_eq!(material.subsurface_weight.factor, 0.75);
+    let expected = "KHR_materials_diffuse_transmission is left out beside KHR_materials_scatter";
+    assert!(warnings[0].contains(expected), "{warnings:?}");
+}
+
+#[test]
+fn what_scattering_cannot_be_translated_is_told() {
+    let cases = [
+        (
+            "KHR_materials_scatter",
+            json!({ "scatterStrengthTexture": { "index": 1 } }),
+            "scatterStrengthTexture is left out",
+        ),
+        (
+            "KHR_materials_volume",
+            json!({ "thicknessFactor": 0 }),
+            "a thin sheet (thicknessFactor 0) that scatters",
+        ),
+        (
+            "KHR_materials_volume",
+            json!({ "attenuationDistance": null }),
+            "scattering without a KHR_materials_volume",
+        ),
+        (
+            "KHR_materials_volume",
+            json!({ "attenuationDistance": 0 }),
+            "an attenuationDistance that is not above 0",
+        ),
+        (
+            "KHR_materials_scatter",
+            json!({ "scatterStrengthFactor": 1.5 }),
+            "scatterStrengthFactor is 1.5, but must be in [0, 1]",
+        ),
+        (
+            "KHR_materials_scatter",
+            json!({ "multiscatterColorFactor": [0, -1, 2] }),
+            "multiscatterColorFactor is -1, but must be in [0, 1]",
+        ),
+        (
+            "KHR_materials_scatter",
+            json!({ "scatterAnisotropy": 1 }),
+            "scatterAnisotropy is 1, but must be in (-1, 1): it becomes 0.99",
+        ),
+        (
+            "KHR_materials_scatter",
+            json!({ "scatterAnisotropy": -1e39 }),
+            "scatterAnisotropy is -inf, but must be in (-1, 1)",
+        ),
+    ];
+    for (extension, members, expected) in cases {
+        let mut material = candle();
+        let object = &mut material["extensions"][extension];
+        members.as_object().unwrap().iter().for_each(|(key, value)| object[key] = value.clone());
+        let (material, warnings) = read(material);
+        assert!(warnings.iter().any(|warning| warning.contains(expected)), "{warnings:?}: {expected}");
+        assert_eq!(material.validate(2, 0), Ok(()));
+    }
+    // Pieces that are missing: no volume, nothing that lets light in
+    let mut alone = candle();
+    alone["extensions"].as_object_mut().unwrap().remove("KHR_materials_volume");
+    let (material, warnings) = read(alone);
+    assert_eq!((material.subsurface_weight.factor, material.transmission_weight.factor), (0.0, 0.75));
+    assert!(warnings[0].contains("scattering without a KHR_materials_volume"), "{warnings:?}");
+    let mut closed = candle();
+    closed["extensions"].as_object_mut().unwrap().remove("KHR_materials_transmission");
+    assert_eq!(read(closed).0.subsurface_weight, ScalarInput::constant(0.0));
+}
+
+#[test]
+fn scattering_of_a_wrong_type_is_refused_with_its_material_extension_and_key() {
+    for (extension, key, value, reason) in [
+        ("KHR_materials_scatter", "multiscatterColorFactor", json!("red"), "invalid type: string \"red\""),
+        (
+            "KHR_materials_scatter",
+            "multiscatterColorFactor",
+            json!([1, 2]),
+            "invalid length 2, expected an array of length 3",
+        ),
+        (
+            "KHR_materials_scatter",
+            "scatterStrengthFactor",
+            json!([1]),
+            "invalid type: sequence, expected f32",
+        ),
+        ("KHR_materials_scatter", "multiscatterColorTexture", json!(0), "invalid type: integer `0`"),
+        (
+            "KHR_materials_volume_scatter",
+            "scatterAnisotropy",
+            json!("0.3"),
+            "invalid type: string \"0.3\", expected f32",
+        ),
+        (
+            "KHR_materials_volume",
+            "attenuationDistance",
+            json!(true),
+            "invalid type: boolean `true`, expected f64",
+        ),
+        (
+            "KHR_materials_diffuse_transmission",
+            "diffuseTransmissionColorFactor",
+            json!({}),
+            "invalid type: map",
+        ),
+    ] {
+        let mut material = if extension == "KHR_materials_scatter" { candle() } else { skin() };
+        material["extensions"][extension][key] = value;
+        let message = parse(&with_textures(material).glb(), Unit::Meter).err().unwrap();
+        let place = format!("nowhere/x.gltf, material 0, {extension}, {key}: {reason}");
+        assert!(message.starts_with(&place), "{message}\n{place}");
+    }
 }
 
 #[test]

@@ -17,7 +17,8 @@ fn everything() -> File {
         "emissiveFactor": [1, 0, 0], "alphaMode": "MASK",
         "extensions": {
             "KHR_materials_volume": { "attenuationColor": [0.9, 0.5, 0.1], "attenuationDistance": 0.01 },
-            "KHR_materials_volume_scatter": { "multiscatterColor": [0.5, 0.2, 0.1] },
+            "KHR_materials_volume_scatter": { "multiscatterColorFactor": [0.5, 0.2, 0.1], "multiscatterColorTexture": { "index": 0 } },
+            "KHR_materials_diffuse_transmission": { "diffuseTransmissionFactor": 0.5 },
             "KHR_materials_transmission": { "transmissionFactor": 0.5 },
             "KHR_materials_clearcoat": { "clearcoatFactor": 1 }, "KHR_materials_ior": { "ior": 1.4 }
         }
