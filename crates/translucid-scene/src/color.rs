@@ -13,7 +13,8 @@ pub(crate) fn hexadecimal_color(text: &str) -> Option<Vec3> {
     Some(Vec3::new(channel(16), channel(8), channel(0)))
 }
 
-fn linear_from_srgb(value: f64) -> f64 {
+/// Linear value of a channel in sRGB.
+pub(crate) fn linear_from_srgb(value: f64) -> f64 {
     if value <= 0.04045 { value / 12.92 } else { libm::pow((value + 0.055) / 1.055, 2.4) }
 }
 

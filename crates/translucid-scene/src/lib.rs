@@ -2,7 +2,7 @@
 //!
 //! A [`Scene`] is everything a renderer needs to make a picture, in plain arrays: cameras, meshes in their
 //! places, materials with OpenPBR names, images, lights.
-//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or from code.
+//! It comes from a TOML scene file, a glTF, OBJ or PLY mesh, or from code; materials come from MaterialX, too.
 //! A scene from a file is valid, and one that is made in code if [`Scene::validate`] says so: every index is in range,
 //! every number finite and within its documented range, so a renderer needs no checks of its own.
 //!
@@ -47,7 +47,7 @@ pub use light::{Environment, Light};
 pub use load::{
     ExrChannels, ExtendedBase, Floor, LoadOptions, LoadProgress, LoadWatch, MeshFile, NamedCamera, Piece,
     SceneBuilder, SceneFile, Surroundings, UpAxis, decode_image, load_exr, load_gltf, load_image, load_obj,
-    load_ply, load_profile_table, load_scene, load_stl, parse_gltf, parse_obj, parse_ply,
+    load_ply, load_profile_table, load_scene, load_stl, parse_gltf, parse_materialx, parse_obj, parse_ply,
     parse_profile_table, parse_stl, take_files_read,
 };
 pub use material::{

@@ -2,8 +2,10 @@
 
 mod bare_mesh;
 mod extent;
+mod file_request;
 mod gltf;
 mod image;
+mod materialx;
 mod mesh_file;
 mod mtl;
 mod number;
@@ -26,6 +28,7 @@ use std::sync::{Mutex, PoisonError};
 
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};
+pub use materialx::parse_materialx;
 pub use mesh_file::{MeshFile, NamedCamera};
 pub use obj::{load_obj, parse_obj};
 pub use options::{Floor, LoadOptions, Surroundings};

@@ -8,11 +8,12 @@ use std::sync::Arc;
 use glam::Affine3A;
 use rayon::prelude::*;
 
-use super::input::{FileRequest, KnownFiles};
+use super::input::KnownFiles;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::interval::Interval;
 use crate::load::extent::warn_of_extent;
+use crate::load::file_request::FileRequest;
 use crate::load::mesh_file::{MeshFile, scale_lengths};
 use crate::load::shared_mesh::SharedMesh;
 use crate::load::stage::Stage;

@@ -275,7 +275,7 @@ impl Chain {
             let of_file = LoadOptions { camera: camera_of(Some(number)), ..of_file.clone() };
             base = Some(match base {
                 Some(base) => extend(base, &file, &objects[number], &of_file, warnings)?,
-                None => file.assemble(&objects[number], &of_file, warnings)?,
+                None => file.with_documents(warnings)?.assemble(&objects[number], &of_file, warnings)?,
             });
         }
         let mut scene = base.ok_or_else(|| SceneError::new("there is no scene"))?;
@@ -338,7 +338,7 @@ fn extend(
     }
     let first_new = base.materials.len();
     let source: &DocumentText = &file.source;
-    let file = SceneFile::of(source, Base::Known(Box::new(base)))?;
+    let file = SceneFile::of(source, Base::Known(Box::new(base)), Some(warnings))?;
     let new: Vec<String> = file.scene.materials[first_new..].iter().map(|m| m.name.clone()).collect();
     let scene = file.assemble(overrides, options, warnings)?;
     for (number, name) in new.iter().enumerate() {

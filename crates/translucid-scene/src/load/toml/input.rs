@@ -8,9 +8,10 @@ use glam::{Affine2, Vec2, Vec3};
 use super::document::{Item, Table};
 use crate::color::hexadecimal_color;
 use crate::interval::Interval;
+use crate::load::file_request::FileRequest;
 use crate::texture::{MAPPING, TEXTURED_COLOR, TEXTURED_SCALAR};
 use crate::{
-    Channel, ColorInput, ColorSpace, NormalMap, Place, ScalarInput, Scene, SceneError, TextureRef, Wrap,
+    Channel, ColorInput, ColorSpace, NormalMap, ScalarInput, Scene, SceneError, TextureRef, Warning, Wrap,
 };
 
 const COLOR_SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
@@ -24,13 +25,16 @@ pub(super) const SCALAR_KEYS: &[&str] =
     &["file", "color_space", "channel", "factor", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
 pub(super) const NORMAL_KEYS: &[&str] = &["file", "scale", "uv_scale", "uv_offset", "uv_rotation", "wrap"];
 
-/// A file that the scene needs, and where it is asked for.
-#[derive(Clone, Debug)]
-pub(super) struct FileRequest<K> {
-    pub(super) path: PathBuf,
-    /// Kind of request, which tells it from another request for the same file.
-    pub(super) kind: K,
-    pub(super) place: Place,
+/// What becomes of documents that materials name.
+#[derive(Clone, Debug, Default)]
+pub(super) enum Documents {
+    /// They are refused.
+    #[default]
+    Refused,
+    /// They are opened later: of their materials only the keys and the name are read.
+    Later,
+    /// They are opened, and this was found in them.
+    Opened(Vec<Warning>),
 }
 
 /// Images and profile tables that a scene is to have after those that it has.
@@ -38,6 +42,9 @@ pub(super) struct FileRequest<K> {
 pub(super) struct FileList {
     pub(super) images: Vec<FileRequest<ColorSpace>>,
     pub(super) tables: Vec<FileRequest<()>>,
+    pub(super) documents: Documents,
+    /// Whether a material names one.
+    pub(super) has_documents: bool,
     /// Number of images and of tables that the scene has: the index of a request is its index there.
     before: [usize; 2],
 }
@@ -53,6 +60,23 @@ impl FileList {
     /// Nothing after what is in a scene.
     pub(super) fn after(scene: &Scene) -> Self {
         Self { before: [scene.images.len(), scene.profile_tables.len()], ..Self::default() }
+    }
+
+    /// The list in which documents are opened.
+    pub(super) fn opening(self) -> Self {
+        Self { documents: Documents::Opened(Vec::new()), ..self }
+    }
+
+    /// Takes what was found in documents.
+    pub(super) fn take_findings(&mut self, warnings: &mut Vec<Warning>) {
+        if let Documents::Opened(found) = &mut self.documents {
+            warnings.append(found);
+        }
+    }
+
+    /// Index of an image that a document asks for.
+    pub(super) fn image_of_document(&mut self, wanted: FileRequest<ColorSpace>) -> usize {
+        self.before[0] + add(&mut self.images, wanted)
     }
 
     /// Index of the image in a file; the same file in the same color space is loaded once.
@@ -72,12 +96,16 @@ fn request<K: PartialEq>(
     file: &Item<'_>,
     kind: K,
 ) -> Result<usize, SceneError> {
-    let path = file.file()?;
-    let known = requests.iter().position(|request| request.path == path && request.kind == kind);
-    Ok(known.unwrap_or_else(|| {
-        requests.push(FileRequest { path, kind, place: file.place() });
+    Ok(add(requests, FileRequest { path: file.file()?, kind, place: file.place() }))
+}
+
+/// The place of a request in its list; the same one is there once.
+fn add<K: PartialEq>(requests: &mut Vec<FileRequest<K>>, wanted: FileRequest<K>) -> usize {
+    let is_same = |request: &FileRequest<K>| request.path == wanted.path && request.kind == wanted.kind;
+    requests.iter().position(is_same).unwrap_or_else(|| {
+        requests.push(wanted);
         requests.len() - 1
-    }))
+    })
 }
 
 /// A color: a number, three numbers, `"#rrggbb"`, `"vertex"`, or a table with an image.

@@ -1,8 +1,11 @@
 //! `[[material]]`: a surface with the parameter names of OpenPBR.
 
+use super::build::check_present;
 use super::document::{Item, Table};
-use super::input::{FileList, read_color, read_normal_map, read_scalar};
+use super::input::{Documents, FileList, read_color, read_normal_map, read_scalar};
 use super::text::word_of;
+use crate::load::extension;
+use crate::load::materialx::{MaterialChoice, load_materialx};
 use crate::material::{PARAMETERS, Slot};
 use crate::preset::preset;
 use crate::{
@@ -12,7 +15,7 @@ use crate::{
 
 /// Every key.
 pub(super) fn keys() -> Vec<&'static str> {
-    let mut keys = vec!["name", "preset"];
+    let mut keys = vec!["name", "preset", "file", "file_material", "file_unit"];
     keys.extend(PARAMETERS.iter().map(|parameter| parameter.name));
     keys.extend(["subsurface_model", "subsurface_table"]);
     keys.extend(WORDS.iter().map(|setting| setting.key));
@@ -83,13 +86,20 @@ impl Material {
     }
 }
 
-/// Reads a material; what it does not say comes from its preset, else from `base`.
+/// Reads a material; what it does not say comes from its preset or its document, else from `base`.
 pub(super) fn read_material(
     table: &Table<'_>,
     base: Material,
     unit: Unit,
     images: &mut FileList,
 ) -> Result<Material, SceneError> {
+    let base = match table.get("file") {
+        Some(item) => match read_document(table, &item, unit, images)? {
+            Some(material) => material,
+            None => return Ok(Material { name: table.read("name", base.name.clone(), Item::name)?, ..base }),
+        },
+        None => refuse_keys_of_documents(table).map(|()| base)?,
+    };
     let mut material = table.read("preset", base, |item| read_preset(item, unit))?;
     table.update("name", &mut material.name, Item::name)?;
     for parameter in PARAMETERS {
@@ -115,6 +125,48 @@ pub(super) fn read_material(
         read_normal_map(item, map, images)
     })?;
     Ok(material)
+}
+
+/// The material of a MaterialX document; none if that is opened later.
+fn read_document(
+    table: &Table<'_>,
+    item: &Item<'_>,
+    unit: Unit,
+    files: &mut FileList,
+) -> Result<Option<Material>, SceneError> {
+    let path = item.file()?;
+    if extension(&path) != "mtlx" {
+        return Err(item.refuse("the path of a MaterialX document (.mtlx)"));
+    }
+    if let Some(preset) = table.get("preset") {
+        return Err(preset.error("preset and file both give all other keys, but one of them must"));
+    }
+    let name = table.get("file_material").map(|item| item.name()).transpose()?;
+    let length_unit = table.get("file_unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
+    files.has_documents = true;
+    let warnings = match &mut files.documents {
+        Documents::Refused => {
+            let error = item.error("this scene takes no further materials from files");
+            return Err(error.with_help("make a scene that has it"));
+        }
+        Documents::Later => return Ok(None),
+        Documents::Opened(warnings) => warnings,
+    };
+    check_present(&path, &item.place())?;
+    let choice = MaterialChoice { name: name.as_deref(), length_unit, unit };
+    let (mut material, images) = load_materialx(&path, choice, warnings)?;
+    let numbers: Vec<usize> = images.into_iter().map(|image| files.image_of_document(image)).collect();
+    material.for_each_texture(|texture| texture.image = numbers[texture.image]);
+    Ok(Some(material))
+}
+
+fn refuse_keys_of_documents(table: &Table<'_>) -> Result<(), SceneError> {
+    for key in ["file_material", "file_unit"] {
+        if let Some(item) = table.get(key) {
+            return Err(item.error(format!("{key} is for a material with the key file")));
+        }
+    }
+    Ok(())
 }
 
 fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {

@@ -20,15 +20,16 @@ use std::path::Path;
 
 use document::{DocumentText, Item, Table};
 use extend::{Base, Extends};
-use input::{FileList, FileRequest};
+use input::{Documents, FileList};
 use object::{GeometryOrigin, ObjectEntry};
 
 pub use build::SceneBuilder;
 pub use piece::Piece;
 pub use write::ExtendedBase;
 
+use super::file_request::FileRequest;
 use super::stem;
-use crate::{Camera, ColorSpace, Environment, Material, NamedCamera, Scene, SceneError, Unit};
+use crate::{Camera, ColorSpace, Environment, Material, NamedCamera, Scene, SceneError, Unit, Warning};
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -81,6 +82,8 @@ pub struct SceneFile {
     objects: Vec<ObjectEntry>,
     images: Vec<FileRequest<ColorSpace>>,
     profile_tables: Vec<FileRequest<()>>,
+    /// Whether materials are in documents that have not been opened.
+    has_documents: bool,
 }
 
 impl SceneFile {
@@ -101,11 +104,17 @@ impl SceneFile {
     /// assert_eq!(error.place.unwrap().line, Some(3));
     /// ```
     pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
-        Self::of(&DocumentText::new(path, text), Base::Unknown)
+        Self::of(&DocumentText::new(path, text), Base::Unknown, None)
     }
 
     /// Reads a text; one that extends a scene changes the base, or is checked as far as it can be without.
-    fn of(source: &DocumentText, base: Base) -> Result<Self, SceneError> {
+    ///
+    /// Documents of materials are opened where there is a place for what is found in them.
+    fn of(
+        source: &DocumentText,
+        base: Base,
+        findings: Option<&mut Vec<Warning>>,
+    ) -> Result<Self, SceneError> {
         let document = source.parse()?;
         let root = Table::root(source, document.get_ref());
         let is_extending = root.get("extends").is_some();
@@ -119,9 +128,13 @@ impl SceneFile {
             }
         };
         let mut files = FileList::after(&scene);
+        files.documents = if findings.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };
         if is_known {
-            read_materials(&root, is_extending, &mut scene, &mut files)?;
+            let read = read_materials(&root, is_extending, &mut scene, &mut files);
+            findings.into_iter().for_each(|warnings| files.take_findings(warnings));
+            read?;
         }
+        let has_documents = files.has_documents && matches!(files.documents, Documents::Later);
         scene.environment = read_environment(&root, is_extending, scene.environment, &mut files)?;
         let cameras = root.read("camera", Vec::new(), camera::read_cameras)?;
         if root.get("light").is_some() {
@@ -137,11 +150,30 @@ impl SceneFile {
         };
         let base_camera = is_extending.then_some(scene.camera);
         let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
-        Ok(Self { source, extends, scene, grouping, cameras, base_camera, objects, images, profile_tables })
+        Ok(Self {
+            source,
+            extends,
+            scene,
+            grouping,
+            cameras,
+            base_camera,
+            objects,
+            images,
+            profile_tables,
+            has_documents,
+        })
     }
 }
 
 impl SceneFile {
+    /// The file with the materials of its documents.
+    fn with_documents(self, warnings: &mut Vec<Warning>) -> Result<Self, SceneError> {
+        match self.has_documents {
+            true => Self::of(&self.source, Base::Unknown, Some(warnings)),
+            false => Ok(self),
+        }
+    }
+
     /// The camera of a name, or the first, or that of the base; none if it is to be chosen.
     fn camera(&self, name: Option<&str>) -> Result<Option<Camera>, SceneError> {
         let chosen =

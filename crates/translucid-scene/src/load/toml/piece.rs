@@ -7,9 +7,10 @@ use glam::Affine3A;
 
 use super::build::{SceneBuilder, check_present, staged};
 use super::document::{DocumentText, Table};
-use super::input::{FileList, FileRequest};
+use super::input::FileList;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
+use crate::load::file_request::FileRequest;
 use crate::load::{LoadOptions, load_image, load_profile_table};
 use crate::{
     Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
@@ -112,8 +113,10 @@ impl Piece {
         material: &Material,
         warnings: &mut Vec<Warning>,
     ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
-        let mut files = FileList::after(scene);
-        let changed = self.changed_material(material, scene.unit, &mut files)?;
+        let mut files = FileList::after(scene).opening();
+        let changed = self.changed_material(material, scene.unit, &mut files);
+        files.take_findings(warnings);
+        let changed = changed?;
         Ok((changed, self.all_images(&files, warnings)?))
     }
 
@@ -212,13 +215,15 @@ impl SceneBuilder {
     /// # Errors
     /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
     pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
-        let mut files = FileList::default();
+        let mut files = FileList::default().opening();
         let unit = self.scene.unit;
-        let mut new = piece.read(|table| {
+        let new = piece.read(|table| {
             let table = table.allow(&material::keys())?;
             table.require("name")?;
             material::read_material(&table, Material::default(), unit, &mut files)
-        })?;
+        });
+        files.take_findings(warnings);
+        let mut new = new?;
         Self::require_new_name(piece, &new.name, self.scene.materials.iter().map(|other| &other.name))?;
         let (images, tables) = self.add_files(piece, &files, warnings)?;
         new.for_each_texture(|texture| texture.image = images[texture.image]);

@@ -383,7 +383,7 @@ fn without_meshes(scene: &Scene) -> Scene {
 /// Reads the text back, as changes of the base: it must give what was to be written.
 fn verify(text: &str, from: &Scene, to: &Scene) -> Result<(), SceneError> {
     let source = DocumentText::of_part("the scene to be written", text);
-    let read = SceneFile::of(&source, Base::Known(Box::new(without_meshes(from))))?;
+    let read = SceneFile::of(&source, Base::Known(Box::new(without_meshes(from))), None)?;
     let mut environment = to.environment;
     if let Some(image) = environment.as_mut().and_then(|environment| environment.image.as_mut()) {
         // The only new image that is written

@@ -1,6 +1,7 @@
 //! Tests of the scene file; the broken ones have a file of their own.
 
 mod broken;
+mod documents;
 mod examples;
 mod extending;
 mod mutation;

@@ -1,0 +1,149 @@
+//! Color spaces of constants, by the names of MaterialX: to linear Rec. 709.
+
+use glam::{DMat3, DVec3, Vec3};
+
+use crate::color::linear_from_srgb;
+
+/// Chromaticities x, y of red, green, blue and white.
+type Primaries = [[f64; 2]; 4];
+
+const D65: [f64; 2] = [0.3127, 0.329];
+/// ITU-R BT.709.
+const REC_709: Primaries = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], D65];
+/// SMPTE EG 432-1, with D65.
+const DISPLAY_P3: Primaries = [[0.68, 0.32], [0.265, 0.69], [0.15, 0.06], D65];
+/// Adobe RGB (1998).
+const ADOBE_RGB: Primaries = [[0.64, 0.33], [0.21, 0.71], [0.15, 0.06], D65];
+/// AP1 of ACES (S-2014-004), whose white is near D60.
+const AP1: Primaries = [[0.713, 0.293], [0.165, 0.83], [0.128, 0.044], [0.32168, 0.33767]];
+
+/// Curve between a channel's code and its light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Curve {
+    Linear,
+    Srgb,
+    Power(f64),
+}
+
+/// A color space.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NamedSpace {
+    name: &'static str,
+    primaries: Primaries,
+    curve: Curve,
+}
+
+const fn space(name: &'static str, primaries: Primaries, curve: Curve) -> NamedSpace {
+    NamedSpace { name, primaries, curve }
+}
+
+/// The spaces that MaterialX names; "none" is no management: numbers are taken as they are.
+const SPACES: [NamedSpace; 14] = [
+    space("none", REC_709, Curve::Linear),
+    space("lin_rec709", REC_709, Curve::Linear),
+    space("lin_srgb", REC_709, Curve::Linear),
+    space("srgb_texture", REC_709, Curve::Srgb),
+    space("g22_rec709", REC_709, Curve::Power(2.2)),
+    space("g18_rec709", REC_709, Curve::Power(1.8)),
+    space("acescg", AP1, Curve::Linear),
+    space("lin_ap1", AP1, Curve::Linear),
+    space("g22_ap1", AP1, Curve::Power(2.2)),
+    space("g18_ap1", AP1, Curve::Power(1.8)),
+    space("lin_adobergb", ADOBE_RGB, Curve::Linear),
+    space("adobergb", ADOBE_RGB, Curve::Power(563.0 / 256.0)),
+    space("lin_displayp3", DISPLAY_P3, Curve::Linear),
+    space("srgb_displayp3", DISPLAY_P3, Curve::Srgb),
+];
+
+impl NamedSpace {
+    pub(super) fn named(name: &str) -> Option<Self> {
+        SPACES.into_iter().find(|space| space.name == name)
+    }
+
+    /// Whether an image in it needs the sRGB curve and nothing else, or nothing at all; none if it needs more.
+    pub(super) fn of_images(&self) -> Option<bool> {
+        match self.curve {
+            _ if self.primaries != REC_709 => None,
+            Curve::Linear => Some(false),
+            Curve::Srgb => Some(true),
+            Curve::Power(_) => None,
+        }
+    }
+
+    /// A color of the space in linear Rec. 709; channels beyond that gamut are negative or above 1.
+    pub(super) fn to_rec_709(self, color: Vec3) -> Vec3 {
+        let linear = |code: f32| match self.curve {
+            Curve::Linear => f64::from(code),
+            Curve::Srgb => linear_from_srgb(f64::from(code)),
+            Curve::Power(exponent) => libm::pow(f64::from(code).max(0.0), exponent),
+        };
+        if self.primaries == REC_709 {
+            return Vec3::from_array(color.to_array().map(|code| linear(code) as f32));
+        }
+        let linear = DVec3::from_array(color.to_array().map(linear));
+        (xyz_from(REC_709).inverse() * adaptation(self.primaries[3]) * xyz_from(self.primaries) * linear)
+            .as_vec3()
+    }
+}
+
+/// X, Y, Z of a chromaticity at Y = 1.
+fn xyz([x, y]: [f64; 2]) -> DVec3 {
+    DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
+}
+
+/// Matrix from linear channels to X, Y, Z (SMPTE RP 177).
+fn xyz_from([red, green, blue, white]: Primaries) -> DMat3 {
+    let primaries = DMat3::from_cols(xyz(red), xyz(green), xyz(blue));
+    primaries * DMat3::from_diagonal(primaries.inverse() * xyz(white))
+}
+
+/// Chromatic adaptation of X, Y, Z from a white to D65, after Bradford (K. M. Lam 1985).
+fn adaptation(white: [f64; 2]) -> DMat3 {
+    let cones = DMat3::from_cols(
+        DVec3::new(0.8951, -0.7502, 0.0389),
+        DVec3::new(0.2664, 1.7135, -0.0685),
+        DVec3::new(-0.1614, 0.0367, 1.0296),
+    );
+    cones.inverse() * DMat3::from_diagonal((cones * xyz(D65)) / (cones * xyz(white))) * cones
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn to_rec_709(name: &str, color: [f32; 3]) -> Vec3 {
+        NamedSpace::named(name).unwrap().to_rec_709(color.into())
+    }
+
+    #[test]
+    fn white_and_gray_stay_what_they_are_in_linear_spaces() {
+        for space in SPACES.iter().filter(|space| space.curve == Curve::Linear) {
+            for gray in [1.0, 0.18, 0.0] {
+                let found = space.to_rec_709(Vec3::splat(gray));
+                assert!(found.abs_diff_eq(Vec3::splat(gray), 1e-6), "{}: {found}", space.name);
+            }
+        }
+    }
+
+    /// The columns of the matrices of MaterialX 1.39, cmlib_ng.mtlx; that of ACEScg has six equal digits because it was made
+    /// with another adaptation.
+    #[test]
+    fn primaries_become_those_of_materialx() {
+        for (name, red, tolerance) in [
+            ("acescg", [1.705_051, -0.130_256, -0.024_003], 2e-4),
+            ("lin_adobergb", [1.398_356, 0.0, 0.0], 1e-4),
+            ("lin_displayp3", [1.224_930, -0.042_059, -0.019_641], 1e-4),
+        ] {
+            let found = to_rec_709(name, [1.0, 0.0, 0.0]);
+            assert!(found.abs_diff_eq(red.into(), tolerance), "{name}: {found}");
+        }
+    }
+
+    #[test]
+    fn curves_are_those_of_their_names() {
+        assert!((to_rec_709("srgb_texture", [188.0 / 255.0; 3]).x - 0.502_886).abs() < 1e-6);
+        assert!((to_rec_709("g22_rec709", [0.5; 3]).y - 0.217_638).abs() < 1e-6);
+        assert!((to_rec_709("adobergb", [0.5; 3]).z - 0.5_f32.powf(2.199_218_8)).abs() < 1e-6);
+        assert!(NamedSpace::named("sRGB").is_none());
+    }
+}
