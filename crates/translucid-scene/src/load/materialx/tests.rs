@@ -568,7 +568,7 @@ fn what_is_no_sound_xml_is_refused_with_its_line() {
     for (text, expected) in [
         ("", ":1: this is not valid XML: "),
         ("<materialx>\n<open_pbr_surface>\n</materialx>", ":3: this is not valid XML: "),
-        ("<materialx a='1' a='2'/>", "this is not valid XML: attribute 'a' at 1:19 is already defined"),
+        ("<materialx a='1' a='2'/>", "this is not valid XML: attribute 'a' at 1:18 is already defined"),
         ("<materialx>&unknown;</materialx>", "this is not valid XML: "),
         ("<materialx><x:y/></materialx>", "this is not valid XML: "),
         ("{\"asset\": {}}", "this is not valid XML: "),

@@ -93,12 +93,8 @@ pub(super) fn read_material(
     unit: Unit,
     images: &mut FileList,
 ) -> Result<Material, SceneError> {
-    let base = match table.get("file") {
-        Some(item) => match read_document(table, &item, unit, images)? {
-            Some(material) => material,
-            None => return Ok(Material { name: table.read("name", base.name.clone(), Item::name)?, ..base }),
-        },
-        None => refuse_keys_of_documents(table).map(|()| base)?,
+    let Some(base) = read_document(table, base.clone(), unit, images)? else {
+        return Ok(Material { name: table.read("name", base.name.clone(), Item::name)?, ..base });
     };
     let mut material = table.read("preset", base, |item| read_preset(item, unit))?;
     table.update("name", &mut material.name, Item::name)?;
@@ -127,13 +123,21 @@ pub(super) fn read_material(
     Ok(material)
 }
 
-/// The material of a MaterialX document; none if that is opened later.
+/// The material of the MaterialX document that the keys `file` name, else `base`; none if that is opened later.
 fn read_document(
     table: &Table<'_>,
-    item: &Item<'_>,
+    base: Material,
     unit: Unit,
     files: &mut FileList,
 ) -> Result<Option<Material>, SceneError> {
+    let name = table.get("file_material").map(|item| item.name()).transpose()?;
+    let length_unit = table.get("file_unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
+    let Some(item) = table.get("file") else {
+        return match table.get("file_material").or(table.get("file_unit")) {
+            Some(item) => Err(item.error(format!("{} is for a material with the key file", item.path()))),
+            None => Ok(Some(base)),
+        };
+    };
     let path = item.file()?;
     if extension(&path) != "mtlx" {
         return Err(item.refuse("the path of a MaterialX document (.mtlx)"));
@@ -141,8 +145,6 @@ fn read_document(
     if let Some(preset) = table.get("preset") {
         return Err(preset.error("preset and file both give all other keys, but one of them must"));
     }
-    let name = table.get("file_material").map(|item| item.name()).transpose()?;
-    let length_unit = table.get("file_unit").map(|item| item.word(&Unit::WORDS)).transpose()?;
     files.has_documents = true;
     let warnings = match &mut files.documents {
         Documents::Refused => {
@@ -158,15 +160,6 @@ fn read_document(
     let numbers: Vec<usize> = images.into_iter().map(|image| files.image_of_document(image)).collect();
     material.for_each_texture(|texture| texture.image = numbers[texture.image]);
     Ok(Some(material))
-}
-
-fn refuse_keys_of_documents(table: &Table<'_>) -> Result<(), SceneError> {
-    for key in ["file_material", "file_unit"] {
-        if let Some(item) = table.get(key) {
-            return Err(item.error(format!("{key} is for a material with the key file")));
-        }
-    }
-    Ok(())
 }
 
 fn read_preset(item: &Item<'_>, unit: Unit) -> Result<Material, SceneError> {

@@ -226,7 +226,7 @@ fn broken_material_names_suggest_the_nearest() {
         error
             .help
             .unwrap()
-            .starts_with("did you mean subsurface_color? the keys are name, preset, base_weight, ")
+            .starts_with("did you mean subsurface_color? the keys are name, preset, file, file_material, file_unit, ")
     );
     let text = format!("unit = \"mm\"\n{BALL}[[material]]\nname = \"m\"\npreset = \"skim1\"\n");
     let error = parse(&text).unwrap_err();

@@ -92,12 +92,12 @@ fn mistakes_of_keys_and_files_name_their_place() {
     let shop = Shop::new("../maps/gone.hdr");
     for (lines, part) in [
         ("file = \"materials/soap.mtlx\"", "the document has 2 materials, so file_material must name one"),
-        ("file = \"materials/soap.mtlx\"\nfile_material = \"Sope\"", "did you mean \"Soap\"?"),
+        ("file = \"materials/soap.mtlx\"\nfile_material = \"Soapy\"", "did you mean \"Soap\"?"),
         ("file = \"materials\\u0000.mtlx\"", "must be the path of a file"),
         ("file = \"materials\"", "must be the path of a MaterialX document (.mtlx)"),
         ("file = 3", "material[0].file is a number, but must be the path of a file"),
-        ("file_material = \"Soap\"", "file_material is for a material with the key file"),
-        ("file_unit = \"cm\"", "file_unit is for a material with the key file"),
+        ("file_material = \"Soap\"", "material[0].file_material is for a material with the key file"),
+        ("file_unit = \"cm\"", "material[0].file_unit is for a material with the key file"),
         (
             &format!("{FILE}\nfile_unit = \"inch\""),
             "material[0].file_unit is \"inch\", but must be one of \"mm\", \"cm\", \"m\"",
