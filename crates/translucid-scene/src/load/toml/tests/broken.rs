@@ -222,12 +222,9 @@ fn broken_material_names_suggest_the_nearest() {
     let text = format!("unit = \"mm\"\n{BALL}[[material]]\nname = \"m\"\nsubsurface_colour = 1\n");
     let error = parse(&text).unwrap_err();
     assert_eq!(error.message, "material[0] has no key subsurface_colour");
-    assert!(
-        error
-            .help
-            .unwrap()
-            .starts_with("did you mean subsurface_color? the keys are name, preset, file, file_material, file_unit, ")
-    );
+    assert!(error.help.unwrap().starts_with(
+        "did you mean subsurface_color? the keys are name, preset, file, file_material, file_unit, "
+    ));
     let text = format!("unit = \"mm\"\n{BALL}[[material]]\nname = \"m\"\npreset = \"skim1\"\n");
     let error = parse(&text).unwrap_err();
     assert_eq!(error.message, "there is no preset \"skim1\"");

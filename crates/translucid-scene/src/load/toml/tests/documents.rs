@@ -144,3 +144,25 @@ fn pieces_take_documents_where_a_scene_takes_files() {
         edit.material_with_images(builder.scene(), &Material::default(), &mut warnings).unwrap();
     assert_eq!((edited.base_color.texture.unwrap().image, images.len()), (1, 1));
 }
+
+/// The document and the scene of the guide, which lie beside each other.
+#[test]
+fn example_of_the_guide_loads_with_the_warning_that_it_shows() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/guide/materials.md");
+    let page = std::fs::read_to_string(path).unwrap();
+    let (_, page) = page.split_once("\n## From MaterialX\n").unwrap();
+    let block = |language: &str| {
+        let (_, rest) = page.split_once(&format!("```{language}\n")).unwrap();
+        rest.split("```").next().unwrap()
+    };
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("soap.mtlx"), block("xml")).unwrap();
+    let file = SceneFile::parse(block("toml"), &folder.path().join("soap.toml")).unwrap();
+    let mut warnings = Vec::new();
+    let scene = file.load(&LoadOptions::default(), &mut warnings).unwrap();
+    let soap = &scene.materials[0];
+    assert_eq!((soap.subsurface_radius.factor, soap.specular_roughness.factor), (4.0, 0.35));
+    let [warning] = &warnings[..] else { panic!("{warnings:?}") };
+    let shown = warning.to_string().replace(&format!("{}/", folder.path().display()), "");
+    assert!(page.contains(&format!("`{shown}`")), "{shown}");
+}
