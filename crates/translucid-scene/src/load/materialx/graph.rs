@@ -29,7 +29,7 @@ const LONGEST_CHAIN: usize = 128;
 const MOST_STEPS: usize = 4096;
 
 /// The value of an input.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Signal {
     /// Numbers of the type: 1 for a float, 3 for a color.
     pub(super) channels: usize,
@@ -365,7 +365,7 @@ impl<'s, 'd> Graph<'s, 'd> {
     ) -> Result<Option<Signal>, SceneError> {
         let Some(signal) = self.required(node, scope, "in")? else { return Ok(None) };
         let index = (0..signal.channels).find(|&channel| channel as f32 == index);
-        index.map(|index| Some(signal.clone().single(index))).ok_or_else(|| {
+        index.map(|index| Some(signal.single(index))).ok_or_else(|| {
             let message =
                 format!("{} asks for a channel that its input of {} has not", title(node), signal.channels);
             self.error(node, &message)

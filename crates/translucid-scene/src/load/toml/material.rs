@@ -93,8 +93,10 @@ pub(super) fn read_material(
     unit: Unit,
     images: &mut FileList,
 ) -> Result<Material, SceneError> {
-    let Some(base) = read_document(table, base.clone(), unit, images)? else {
-        return Ok(Material { name: table.read("name", base.name.clone(), Item::name)?, ..base });
+    let Some(base) = read_document(table, &base, unit, images)? else {
+        let mut named = base;
+        table.update("name", &mut named.name, Item::name)?;
+        return Ok(named);
     };
     let mut material = table.read("preset", base, |item| read_preset(item, unit))?;
     table.update("name", &mut material.name, Item::name)?;
@@ -126,7 +128,7 @@ pub(super) fn read_material(
 /// The material of the MaterialX document that the keys `file` name, else `base`; none if that is opened later.
 fn read_document(
     table: &Table<'_>,
-    base: Material,
+    base: &Material,
     unit: Unit,
     files: &mut FileList,
 ) -> Result<Option<Material>, SceneError> {
@@ -135,7 +137,7 @@ fn read_document(
     let Some(item) = table.get("file") else {
         return match table.get("file_material").or(table.get("file_unit")) {
             Some(item) => Err(item.error(format!("{} is for a material with the key file", item.path()))),
-            None => Ok(Some(base)),
+            None => Ok(Some(base.clone())),
         };
     };
     let path = item.file()?;
