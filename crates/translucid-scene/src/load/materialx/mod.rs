@@ -117,7 +117,9 @@ fn syntax_error(error: &roxmltree::Error, path: &Path) -> SceneError {
         }
         _ => format!("this is not valid XML: {}", clipped(&error.to_string(), 200)),
     };
-    SceneError::at(Place::line(path, error.pos().row as usize), message)
+    let is_bare = message.contains("not '<'");
+    let error = SceneError::at(Place::line(path, error.pos().row as usize), message);
+    if is_bare { error.with_help("a < in a value, as in <UDIM>, is written &lt;") } else { error }
 }
 
 fn read_material<'d>(
@@ -146,7 +148,26 @@ fn read_material<'d>(
     let units = LengthUnits { of_scene: choice.unit, stated: choice.length_unit };
     let mut material = read_shader(&mut graph, shader, model, units)?;
     material.name = chosen.attribute("name").unwrap_or_default().to_owned();
-    Ok((material, graph.images))
+    let images = images_in_use(&mut material, graph.images);
+    Ok((material, images))
+}
+
+/// The images that a material refers to, which then counts these: others were behind inputs that keep their defaults.
+fn images_in_use(
+    material: &mut Material,
+    images: Vec<FileRequest<ColorSpace>>,
+) -> Vec<FileRequest<ColorSpace>> {
+    let mut numbers = vec![None; images.len()];
+    let mut count = 0;
+    material.for_each_texture(|texture| {
+        texture.image = *numbers[texture.image].get_or_insert_with(|| {
+            count += 1;
+            count - 1
+        });
+    });
+    let mut used: Vec<_> = images.into_iter().zip(numbers).filter(|(_, number)| number.is_some()).collect();
+    used.sort_by_key(|(_, number)| *number);
+    used.into_iter().map(|(image, _)| image).collect()
 }
 
 /// The material of a name, or the only one; where there are no materials, a shader.

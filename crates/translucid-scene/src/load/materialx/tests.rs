@@ -408,7 +408,12 @@ fn what_cannot_be_translated_is_told_once_with_its_place() {
         ),
     ] {
         let (found, warnings) = read_text(&document("open_pbr_surface", &inputs, &rest));
-        found.unwrap().0.validate(9, 0).unwrap();
+        let (material, images) = found.unwrap();
+        material.validate(images.len(), 0).unwrap();
+        // An image that nothing shows is not asked for
+        let shown =
+            [material.base_color.texture, material.specular_roughness.texture.map(|(texture, _)| texture)];
+        assert_eq!(images.len(), shown.into_iter().flatten().count(), "{expected}");
         assert!(warnings.len() == 1 && warnings[0].contains(expected), "{warnings:?}\n{expected}");
         let line = if rest.is_empty() { "shop/a.mtlx:3: " } else { "shop/a.mtlx:" };
         assert!(warnings[0].starts_with(line), "{warnings:?}");
@@ -572,6 +577,10 @@ fn what_is_no_sound_xml_is_refused_with_its_line() {
         ("<materialx>&unknown;</materialx>", "this is not valid XML: "),
         ("<materialx><x:y/></materialx>", "this is not valid XML: "),
         ("{\"asset\": {}}", "this is not valid XML: "),
+        (
+            "<materialx><a value=\"i.<UDIM>.png\"/></materialx>",
+            "(a < in a value, as in <UDIM>, is written &lt;)",
+        ),
     ] {
         let message = error(text);
         assert!(message.starts_with("shop/a.mtlx:") && message.contains(expected), "{message}\n{expected}");
