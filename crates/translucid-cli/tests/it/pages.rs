@@ -155,15 +155,19 @@ fn scenes_of_the_guide_render() {
     let mut count = 0;
     for name in ["first-picture", "materials"] {
         let page = Page::read(&root().join(format!("docs/guide/{name}.md")));
-        for block in of_language(&page.code(), "toml") {
+        let code = page.code();
+        for block in of_language(&code, "toml") {
             let directory = tempfile::tempdir().unwrap();
+            for document in of_language(&code, "xml") {
+                std::fs::write(directory.path().join("soap.mtlx"), document.lines.join("\n")).unwrap();
+            }
             std::fs::write(directory.path().join("scene.toml"), block.lines.join("\n")).unwrap();
             let output = run(directory.path(), "render scene.toml --size 8x8 --spp 1 -o scene.png");
             assert!(output.status.success(), "{}:{}: {}", page.path.display(), block.line, stderr(&output));
             count += 1;
         }
     }
-    assert_eq!(count, 3);
+    assert_eq!(count, 4);
 }
 
 /// Every command of the guide that takes a moment runs; those that render or walk are options of others' tests.
