@@ -219,10 +219,12 @@ impl SubsurfaceSet {
         let is_disk = integrator.subsurface_method == SubsurfaceMethod::CyclesDisk;
         // Cycles knows the exit's parameters only
         let pairing = if is_disk { None } else { Pairing::new(scene, index, &kernel) };
-        let can_share = integrator.subsurface_sharing && pairing.is_none() && kernel.is_positive();
         let probes = Probes { kernel, pairing, tail: integrator.subsurface_tail, axes: self.axes, is_disk };
-        let probing =
-            if can_share { SubsurfaceTransport::Shared(probes) } else { SubsurfaceTransport::Probes(probes) };
+        let probing = if integrator.subsurface_sharing && probes.can_share() {
+            SubsurfaceTransport::Shared(probes)
+        } else {
+            SubsurfaceTransport::Probes(probes)
+        };
         match integrator.subsurface_method {
             SubsurfaceMethod::RayTraced | SubsurfaceMethod::CyclesDisk => probing,
             SubsurfaceMethod::PointBased => SubsurfaceTransport::Points(Box::new(probing), None),

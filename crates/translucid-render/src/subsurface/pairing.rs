@@ -17,7 +17,7 @@ use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceTextu
 use super::exit_point::ExitPoint;
 use super::kernel::SubsurfaceKernel;
 use super::parameters::Subsurface;
-use crate::ray::Hit;
+use crate::ray::SurfacePoint;
 use crate::surface;
 use crate::surface::bsdf::SurfaceParameters;
 use crate::world::World;
@@ -42,11 +42,55 @@ pub(crate) struct Pairing {
     widest: Vec3,
 }
 
+/// What a material states where light enters.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stated {
+    /// Number of the material.
+    material: usize,
+    surface_albedo: Vec3,
+    /// Length, per channel \[L\].
+    length: Vec3,
+}
+
+impl Stated {
+    /// What is stated at a point.
+    pub(crate) fn at(world: &World, point: &SurfacePoint) -> Self {
+        let (index, material) = world.material(point);
+        Self {
+            material: index,
+            surface_albedo: surface::surface_albedo_at(&world.scene, material, point),
+            length: surface::stated_length_at(&world.scene, material, point),
+        }
+    }
+
+    /// What is stated at a point, where it counts for some exit.
+    pub(crate) fn if_paired(world: &World, point: &SurfacePoint) -> Option<Self> {
+        let (_, material) = world.material(point);
+        entries_count(material).then(|| Self::at(world, point))
+    }
+}
+
+/// What counts of an exit in a pair.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PairedExit {
+    /// Number of the material.
+    material: usize,
+    subsurface: Subsurface,
+    /// How exact its position is \[L\].
+    offset: f32,
+}
+
+impl PairedExit {
+    pub(crate) fn new(exit: &ExitPoint<'_>) -> Self {
+        Self { material: exit.material, subsurface: exit.subsurface, offset: exit.point.offset }
+    }
+}
+
 impl Pairing {
     /// `None` where the exit's parameters count alone: it is asked for, or all points have the same.
     pub(crate) fn new(scene: &Scene, index: usize, kernel: &SubsurfaceKernel) -> Option<Self> {
         let material = &scene.materials[index];
-        if material.subsurface_texture_at == SubsurfaceTextureAt::Exit || !is_textured(material) {
+        if !entries_count(material) {
             return None;
         }
         let color = greatest_color(scene, index, &material.subsurface_color);
@@ -62,28 +106,22 @@ impl Pairing {
         })
     }
 
-    /// The parameters of light that leaves at the exit and enters at a hit.
+    /// The parameters of light that leaves at an exit and enters where this is stated: length 0 in channels in which that
+    /// of either is.
     ///
     /// In another material, whose lengths may mean something else, the exit's count.
-    pub(crate) fn pair(
-        &self,
-        kernel: &SubsurfaceKernel,
-        world: &World,
-        exit: &ExitPoint<'_>,
-        hit: &Hit,
-    ) -> Subsurface {
-        let point = world.surface_point(hit);
-        let (index, material) = world.material(&point);
-        if index != exit.material {
-            return exit.subsurface;
+    pub(crate) fn pair(&self, kernel: &SubsurfaceKernel, exit: &PairedExit, entry: &Stated) -> Subsurface {
+        let own = exit.subsurface;
+        if entry.material != exit.material {
+            return own;
         }
-        let mut surface_albedo = surface::surface_albedo_at(&world.scene, material, &point);
-        let mut length = surface::stated_length_at(&world.scene, material, &point);
+        let Stated { mut surface_albedo, mut length, .. } = *entry;
         if self.is_symmetric {
-            surface_albedo = geometric_mean(surface_albedo, exit.subsurface.surface_albedo);
-            length = geometric_mean(length, surface::stated_length_at(&world.scene, material, exit.point));
+            surface_albedo = geometric_mean(surface_albedo, own.surface_albedo);
+            length = geometric_mean(length, own.length);
         }
-        Subsurface { surface_albedo, length: kernel.resolved(surface_albedo, length, exit.point.offset) }
+        let length = Vec3::select(own.length.cmpgt(Vec3::ZERO), length, Vec3::ZERO);
+        Subsurface { surface_albedo, length: kernel.resolved(surface_albedo, length, exit.offset) }
     }
 
     /// Parameters of a profile that is at least as wide as that of any pair.
@@ -114,11 +152,13 @@ fn geometric_mean(a: Vec3, b: Vec3) -> Vec3 {
     root(a) * root(b)
 }
 
-fn is_textured(material: &Material) -> bool {
+/// Whether a material asks for what its entries state, and they may differ.
+fn entries_count(material: &Material) -> bool {
     let is_varied = |color: &ColorInput| color.texture.is_some() || color.vertex_color;
-    is_varied(&material.subsurface_color)
-        || is_varied(&material.subsurface_radius_scale)
-        || material.subsurface_radius.texture.is_some()
+    material.subsurface_texture_at != SubsurfaceTextureAt::Exit
+        && (is_varied(&material.subsurface_color)
+            || is_varied(&material.subsurface_radius_scale)
+            || material.subsurface_radius.texture.is_some())
 }
 
 /// The surface albedo up to `brightest` whose profile reaches furthest.

@@ -75,9 +75,9 @@ impl SubsurfaceKernel {
         !matches!(self.angular, Angular::Nothing)
     }
 
-    /// Whether the profile is 0 nowhere within its reach.
-    pub(crate) fn is_positive(&self) -> bool {
-        !self.is_from_file
+    /// Surface albedos of the profiles that a user has made, which may have any shape.
+    pub(crate) fn albedos_from_file(&self) -> Option<&[f64]> {
+        self.is_from_file.then(|| self.radial.surface_albedos())
     }
 
     /// The directional part of an exit point's parameters.

@@ -20,7 +20,7 @@ use crate::sampling::Sampler;
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::{CutProfile, Passage, SubsurfaceKernel};
-use crate::subsurface::pairing::Pairing;
+use crate::subsurface::pairing::{PairedExit, Pairing, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{PathState, World};
 pub(super) use disk::Disk;
@@ -132,7 +132,11 @@ impl Probes {
         sampler: &mut Sampler,
     ) -> Option<EntryHit> {
         if let Some(pairing) = &self.pairing {
-            return self.sample_pair(pairing, scratch, world, exit, importance, sampler);
+            let both = self.paired_strategy(pairing, exit, importance)?;
+            let (hit, weight) = scratch.find_pair((self, pairing, &both), world, exit, importance, sampler)?;
+            let entry = Stated::at(world, &world.surface_point(&hit));
+            let subsurface = pairing.pair(&self.kernel, &PairedExit::new(exit), &entry);
+            return Some(EntryHit { hit, weight: weight.value, subsurface });
         }
         let own = self.strategy(exit, importance)?;
         let disk = self.disk(exit);
@@ -160,17 +164,14 @@ impl Probes {
         self.is_disk.then(|| Disk::of(exit))
     }
 
-    /// Draws an entry point where its own parameters have a say: by the exit's profile and by the widest that there can
-    /// be, so that none is missed.
-    fn sample_pair(
+    /// The strategy of an exit where entries have a say: by its own profile and by the widest that there can be, so that
+    /// none is missed. `None` if no channel scatters.
+    pub(super) fn paired_strategy(
         &self,
         pairing: &Pairing,
-        scratch: &mut ProbeScratch,
-        world: &World,
         exit: &ExitPoint<'_>,
         importance: Vec3,
-        sampler: &mut Sampler,
-    ) -> Option<EntryHit> {
+    ) -> Option<ProbeStrategy<'_, 6>> {
         let Subsurface { surface_albedo, length } = exit.subsurface;
         let widest = pairing.widest(&self.kernel);
         let first = (0..3).find(|&c| length[c] > 0.0)?;
@@ -185,35 +186,28 @@ impl Probes {
             if length[c] > 0.0 { brightest[c] * importance[c] } else { 0.0 }
         };
         let profiles: [CutProfile<'_>; 6] = std::array::from_fn(proposal);
-        let both = ProbeStrategy::new(exit.point, self.axes, profiles, std::array::from_fn(share))?;
-        let pair = |hit: &Hit| pairing.pair(&self.kernel, world, exit, hit);
-        let (hit, weight) =
-            scratch.find(&both, world, exit, importance, sampler, |hit, offset, normal| {
-                let (density, distance) = both.density(offset, normal);
-                if density <= 0.0 {
-                    return HitWeight::default();
-                }
-                let pair = pair(hit);
-                let value = |c: usize| {
-                    if length[c] <= 0.0 || pair.length[c] <= 0.0 {
-                        return 0.0;
-                    }
-                    let profile = self.profile(pair.surface_albedo[c], pair.length[c]);
-                    if distance <= profile.longest() {
-                        pair.surface_albedo[c] * profile.pdf(distance)
-                    } else {
-                        0.0
-                    }
-                };
-                let value = Vec3::new(value(0), value(1), value(2)) / density;
-                HitWeight { value, inverse_density: 1.0 / density, distance }
-            })?;
-        Some(EntryHit { hit, weight: weight.value, subsurface: pair(&hit) })
+        ProbeStrategy::new(exit.point, self.axes, profiles, std::array::from_fn(share))
     }
 
     /// The profile of a channel.
-    fn profile(&self, surface_albedo: f32, length: f32) -> CutProfile<'_> {
+    pub(super) fn profile(&self, surface_albedo: f32, length: f32) -> CutProfile<'_> {
         CutProfile::new(self.kernel.radial(surface_albedo, length), self.tail)
+    }
+
+    /// 2πr R(r) at a distance.
+    pub(super) fn circular(&self, subsurface: &Subsurface, distance: f32) -> Vec3 {
+        let value = |c: usize| {
+            if subsurface.length[c] <= 0.0 {
+                return 0.0;
+            }
+            let profile = self.profile(subsurface.surface_albedo[c], subsurface.length[c]);
+            if distance <= profile.longest() {
+                subsurface.surface_albedo[c] * profile.pdf(distance)
+            } else {
+                0.0
+            }
+        };
+        Vec3::new(value(0), value(1), value(2))
     }
 }
 
@@ -234,6 +228,28 @@ impl ProbeScratch {
             HitWeight { value: weight.value * disk, ..weight }
         };
         self.find(own, world, exit, importance, sampler, weight)
+    }
+
+    /// Draws a hit of an exit where entries have a say.
+    pub(super) fn find_pair(
+        &mut self,
+        (probes, pairing, both): (&Probes, &Pairing, &ProbeStrategy<'_, 6>),
+        world: &World,
+        exit: &ExitPoint<'_>,
+        importance: Vec3,
+        sampler: &mut Sampler,
+    ) -> Option<(Hit, HitWeight)> {
+        let paired = PairedExit::new(exit);
+        self.find(both, world, exit, importance, sampler, |hit, offset, normal| {
+            let (density, distance) = both.density(offset, normal);
+            if density <= 0.0 {
+                return HitWeight::default();
+            }
+            let entry = Stated::at(world, &world.surface_point(hit));
+            let pair = pairing.pair(&probes.kernel, &paired, &entry);
+            let value = probes.circular(&pair, distance) / density;
+            HitWeight { value, inverse_density: 1.0 / density, distance }
+        })
     }
 
     /// Draws a hit of a strategy's probes. `weight` is that of a hit at an offset from the exit with a normal, both in

@@ -6,10 +6,11 @@ use glam::Vec3;
 
 use super::nearness::Nearness;
 use crate::subsurface::entry_point::Arrival;
-use crate::subsurface::kernel::{CutProfile, Directions, Passage, SubsurfaceKernel};
+use crate::subsurface::kernel::{CutProfile, DirectionalWeight, Directions, Passage};
+use crate::subsurface::pairing::{PairedExit, Pairing, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::subsurface::transport::gathering::{Account, COORDINATES, Evenness, ExitKind, Found, Receiver};
-use crate::subsurface::transport::probes::Disk;
+use crate::subsurface::transport::probes::{Disk, Probes};
 
 /// A point where light has entered.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +23,21 @@ pub(crate) struct EntryLight {
     pub(crate) own_weight: f32,
     /// From a sampled light and from a path.
     pub(crate) arrivals: [Arrival; 2],
+    /// What the material states there, where that counts.
+    pub(crate) stated: Option<Stated>,
+}
+
+impl EntryLight {
+    /// All light, weighted by its direction.
+    fn weighted(&self, directional: &DirectionalWeight<'_>) -> Vec3 {
+        let light = |arrival: &Arrival| {
+            if arrival.light == Vec3::ZERO {
+                return Vec3::ZERO;
+            }
+            arrival.light * directional.weight(arrival.direction)
+        };
+        self.arrivals.iter().map(light).sum()
+    }
 }
 
 impl Found for EntryLight {
@@ -62,9 +78,11 @@ pub(crate) struct WaitingExit<'a> {
     pub(crate) position: Vec3,
     /// Shading normal on the side that is seen.
     pub(crate) normal: Vec3,
-    pub(crate) kernel: &'a SubsurfaceKernel,
+    pub(crate) probes: &'a Probes,
     pub(crate) subsurface: Subsurface,
     pub(crate) profiles: [CutProfile<'a>; 3],
+    /// How its parameters go together with those of entries, where these have a say.
+    pub(crate) pairing: Option<(&'a Pairing, PairedExit)>,
     pub(crate) disk: Option<Disk>,
     pub(crate) nearness: Nearness,
     /// Mean radius of the widest profile in pixels.
@@ -92,29 +110,29 @@ impl<'a> Receiver for WaitingExit<'a> {
     }
 
     fn color(&self) -> Vec3 {
-        self.account.throughput * self.subsurface.scattering_albedo()
+        let albedo = self.subsurface.scattering_albedo();
+        self.account.throughput * self.pairing.map_or(albedo, |(pairing, _)| pairing.brightest(albedo))
     }
 
     /// Made when it is asked for: it is larger than all that waits.
     fn response(&self) -> Directions<'a> {
-        self.kernel.directions(&self.subsurface)
+        self.probes.kernel.directions(&self.subsurface)
     }
 
     fn light_from(&self, response: &Directions<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
         let offset = self.position - entry.position;
         let distance = self.nearness.distance(offset.length());
+        let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
+        // The brightest light is that of extreme scenes: what it is multiplied with is about 1
+        if let (Some((pairing, exit)), Some(stated)) = (&self.pairing, &entry.stated) {
+            let pair = pairing.pair(&self.probes.kernel, exit, stated);
+            let directions = self.probes.kernel.directions(&pair);
+            let reflectance = self.probes.circular(&pair, distance) / (TAU * distance);
+            return reflectance * factor * entry.weighted(&directions.along(passage));
+        }
         let on_disk = |disk: &Disk| disk.factor_in_world(&self.profiles, -offset, entry.geometric_normal);
         let reflectance = self.reflectance(distance) * self.disk.as_ref().map_or(1.0, on_disk);
-        let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
-        let directional = response.along(passage);
-        let light = |arrival: &Arrival| {
-            if arrival.light == Vec3::ZERO {
-                return Vec3::ZERO;
-            }
-            arrival.light * directional.weight(arrival.direction)
-        };
-        // The brightest light is that of extreme scenes: what it is multiplied with is about 1
-        reflectance * factor * entry.arrivals.iter().map(light).sum::<Vec3>()
+        reflectance * factor * entry.weighted(&response.along(passage))
     }
 
     fn alone(&self, kinds: [Evenness; 2], found: Option<&EntryLight>) -> [Option<Vec3>; 2] {

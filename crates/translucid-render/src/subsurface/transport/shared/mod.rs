@@ -17,10 +17,13 @@ use glam::Vec3;
 
 use super::Tracing;
 use super::gathering::{Account, ExitKind, Gathering};
-use super::probes::{EntryHit, Probes};
+use super::probes::{EntryHit, HitWeight, ProbeScratch, Probes};
+use crate::ray::Hit;
 use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
+use crate::subsurface::kernel::CutProfile;
+use crate::subsurface::pairing::{PairedExit, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{BLOCK_SIZE, Layer, PathState, World};
 use entries::{EntryLight, WaitingExit};
@@ -43,6 +46,66 @@ const LEAST_PIXELS: f32 = 1.5;
 /// high as steps elsewhere in place of 1.06 times, without any 1.36 times; with 1 the noise there is 1.3 times as great.
 const SPREAD: f32 = 0.25;
 
+/// Least part of a stand-in that a profile from a file may be within its reach: what is hardly found by one exit and weighs
+/// much for another would be a speck.
+const LEAST_OF_STAND_IN: f32 = 0.02;
+
+/// Radii at which a profile from a file is compared with its stand-in.
+const RADII: u16 = 1024;
+
+impl Probes {
+    /// Whether the light of exits may be shared: entries have to be found wherever the stand-in for the profile is.
+    pub(crate) fn can_share(&self) -> bool {
+        self.kernel.albedos_from_file().is_none_or(|albedos| {
+            albedos.iter().all(|&albedo| {
+                let profile = self.profile(albedo as f32, 1.0);
+                let reach = profile.longest();
+                let nearness = Nearness::new([1.0, 0.0, 0.0], [reach, 0.0, 0.0], self.tail);
+                let mut radii = (1..RADII).map(|i| reach * (f32::from(i) / f32::from(RADII)).powi(2));
+                radii.all(|r| profile.pdf(r) > LEAST_OF_STAND_IN * 3.0 * r * nearness.at(r * r))
+            })
+        })
+    }
+}
+
+/// What the probes of an exit have found, and what it takes to share it.
+struct Find<'a> {
+    hit: Option<(Hit, HitWeight)>,
+    profiles: [CutProfile<'a>; 3],
+    nearness: Nearness,
+}
+
+impl<'a> Find<'a> {
+    /// `None` where no channel scatters.
+    fn new(
+        probes: &'a Probes,
+        scratch: &mut ProbeScratch,
+        world: &World,
+        (exit, importance): (&ExitPoint<'_>, Vec3),
+        sampler: &mut Sampler,
+    ) -> Option<Self> {
+        let Some(pairing) = &probes.pairing else {
+            let own = probes.strategy(exit, importance)?;
+            let disk = probes.disk(exit);
+            let reaches = own.profiles.map(|profile| profile.longest());
+            return Some(Self {
+                hit: scratch.find_own((&own, disk.as_ref()), world, exit, importance, sampler),
+                profiles: own.profiles,
+                nearness: Nearness::new(own.shares, reaches, probes.tail),
+            });
+        };
+        let both = probes.paired_strategy(pairing, exit, importance)?;
+        let [a, b, c, ..] = both.profiles;
+        let [share_a, share_b, share_c, ..] = both.shares;
+        let profiles = [a, b, c];
+        let nearness =
+            Nearness::new([share_a, share_b, share_c], profiles.map(|profile| profile.longest()), probes.tail);
+        let longest = both.profiles.iter().map(CutProfile::longest).fold(0.0, f32::max);
+        let hit = scratch.find_pair((probes, pairing, &both), world, exit, importance, sampler);
+        Some(Self { hit, profiles, nearness: nearness.ending_at(longest) })
+    }
+}
+
 /// Leaves a surface through the medium below: the light of a path in a block is left to the block, any other finds an entry
 /// point for itself. False where the path is over.
 pub(super) fn scatter<'a, T: Tracing<'a>>(
@@ -56,16 +119,17 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let Some(place) = path.in_block.take().filter(|_| can_share(&exit.subsurface, path.throughput)) else {
         return probes.scatter(tracer, world, path, exit, sampler);
     };
-    let Some(own) = probes.strategy(exit, path.throughput) else { return false };
-    let disk = probes.disk(exit);
-    let found =
-        tracer.scratch().probes.find_own((&own, disk.as_ref()), world, exit, path.throughput, sampler);
-    let reaches = own.profiles.map(|profile| profile.longest());
-    let nearness = Nearness::new(own.shares, reaches, probes.tail);
+    let scratch = &mut tracer.scratch().probes;
+    let Some(found) = Find::new(probes, scratch, world, (exit, path.throughput), sampler) else { return false };
+    let Find { hit: found, profiles, nearness } = found;
+    let pairing = probes.pairing.as_ref().map(|pairing| (pairing, PairedExit::new(exit)));
     let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
     if mean_radius < LEAST_PIXELS {
         let Some((hit, weight)) = found else { return false };
-        let found = EntryHit { hit, weight: weight.value, subsurface: exit.subsurface };
+        let subsurface = pairing.map_or(exit.subsurface, |(pairing, paired)| {
+            pairing.pair(&probes.kernel, &paired, &Stated::at(world, &world.surface_point(&hit)))
+        });
+        let found = EntryHit { hit, weight: weight.value, subsurface };
         return probes.leave(&found, tracer, world, path, exit, sampler);
     }
     let bits = sampler.fork();
@@ -85,6 +149,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
             geometric_normal: entry.point.geometric_normal,
             own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
             arrivals,
+            stated: Stated::if_paired(world, &entry.point),
         }
     });
     let waiting = WaitingExit {
@@ -97,10 +162,11 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         },
         position: exit.point.position,
         normal: exit.normal * exit.side,
-        kernel: &probes.kernel,
+        probes,
         subsurface: exit.subsurface,
-        profiles: own.profiles,
-        disk,
+        profiles,
+        pairing,
+        disk: probes.disk(exit),
         nearness,
         mean_radius,
     };

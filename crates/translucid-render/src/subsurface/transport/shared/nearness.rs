@@ -37,6 +37,11 @@ impl Nearness {
         new
     }
 
+    /// The same stand-in, ending at a radius \[L\].
+    pub(crate) fn ending_at(self, longest: f32) -> Self {
+        Self { longest, ..self }
+    }
+
     /// Mean radius of the widest channel's stand-in: 5/12 a, as of normalized diffusion \[L\].
     pub(crate) fn mean_radius(&self) -> f32 {
         let least = (0..3).filter(|&c| self.share[c] > 0.0).map(|c| self.inverse_scale[c]);
@@ -53,7 +58,7 @@ impl Nearness {
     ///
     /// Without fused operations, so that every processor has the same bits.
     #[inline(always)]
-    pub(super) fn at(&self, squared: f32) -> f32 {
+    pub(crate) fn at(&self, squared: f32) -> f32 {
         let [a, b, c] = self.inverse_scale;
         let [sa, sb, sc] = self.share;
         // Infinity is beyond, however long it is
