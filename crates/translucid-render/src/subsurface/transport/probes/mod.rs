@@ -133,7 +133,8 @@ impl Probes {
     ) -> Option<EntryHit> {
         if let Some(pairing) = &self.pairing {
             let both = self.paired_strategy(pairing, exit, importance)?;
-            let (hit, weight) = scratch.find_pair((self, pairing, &both), world, exit, importance, sampler)?;
+            let (hit, weight) =
+                scratch.find_pair((self, pairing, &both), world, exit, importance, sampler)?;
             let entry = Stated::at(world, &world.surface_point(&hit));
             let subsurface = pairing.pair(&self.kernel, &PairedExit::new(exit), &entry);
             return Some(EntryHit { hit, weight: weight.value, subsurface });

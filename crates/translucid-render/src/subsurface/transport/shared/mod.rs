@@ -98,8 +98,11 @@ impl<'a> Find<'a> {
         let [a, b, c, ..] = both.profiles;
         let [share_a, share_b, share_c, ..] = both.shares;
         let profiles = [a, b, c];
-        let nearness =
-            Nearness::new([share_a, share_b, share_c], profiles.map(|profile| profile.longest()), probes.tail);
+        let nearness = Nearness::new(
+            [share_a, share_b, share_c],
+            profiles.map(|profile| profile.longest()),
+            probes.tail,
+        );
         let longest = both.profiles.iter().map(CutProfile::longest).fold(0.0, f32::max);
         let hit = scratch.find_pair((probes, pairing, &both), world, exit, importance, sampler);
         Some(Self { hit, profiles, nearness: nearness.ending_at(longest) })
@@ -120,7 +123,9 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         return probes.scatter(tracer, world, path, exit, sampler);
     };
     let scratch = &mut tracer.scratch().probes;
-    let Some(found) = Find::new(probes, scratch, world, (exit, path.throughput), sampler) else { return false };
+    let Some(found) = Find::new(probes, scratch, world, (exit, path.throughput), sampler) else {
+        return false;
+    };
     let Find { hit: found, profiles, nearness } = found;
     let pairing = probes.pairing.as_ref().map(|pairing| (pairing, PairedExit::new(exit)));
     let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
