@@ -1,0 +1,56 @@
+//! Named materials.
+
+use std::ffi::c_char;
+
+use translucid_scene::presets;
+
+use crate::door::enter;
+use crate::names::{self, Names};
+use crate::status::{Failure, TranslucidStatus};
+
+/// A named translucent material, its numbers for red, green and blue.
+#[repr(C)]
+#[derive(Clone, Copy)]
+pub struct TranslucidPreset {
+    /// Surface albedo, in [0, 1].
+    pub surface_albedo: [f64; 3],
+    /// Mean free path in millimeters.
+    pub mfp: [f64; 3],
+    /// Index of refraction of the surface.
+    pub eta: f64,
+    /// Perceptual roughness of the surface, by eye.
+    pub roughness: f64,
+}
+
+/// Name of a preset by its index: NULL behind the last.
+///
+/// The text lasts as long as the program.
+#[unsafe(no_mangle)]
+pub extern "C" fn translucid_preset_name(index: usize) -> *const c_char {
+    static NAMES: Names = Names::new();
+    names::name_of(&NAMES, index, || presets().iter().map(|preset| preset.name).collect())
+}
+
+/// Gives the preset of a name; case, spaces and hyphens do not matter.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn translucid_preset(
+    name: *const c_char,
+    preset: *mut TranslucidPreset,
+) -> TranslucidStatus {
+    enter!(|caller| {
+        let slot = caller.slot("preset", preset)?;
+        let found = translucid_scene::preset(caller.text("name", name)?).map_err(Failure::argument)?;
+        slot.put(TranslucidPreset {
+            surface_albedo: found.surface_albedo().to_array(),
+            mfp: found.mfp_in_millimeters().to_array(),
+            eta: decimal(found.eta),
+            roughness: decimal(found.roughness),
+        });
+        Ok(())
+    })
+}
+
+/// The number that is written like one in single precision.
+fn decimal(x: f32) -> f64 {
+    x.to_string().parse().unwrap_or_else(|_| f64::from(x))
+}
