@@ -345,3 +345,183 @@ impl Progress<'_> {
         self.function.is_none_or(|function| unsafe { function(done, total, self.user) } == 0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::CString;
+    use std::ptr::{null, null_mut, without_provenance};
+
+    use super::*;
+    use crate::status::translucid_last_error;
+
+    struct Sheep;
+    struct Goat;
+
+    impl Kind for Sheep {
+        type Value = String;
+        const TAG: [u8; 8] = *b"tl-sheep";
+        const NAME: &'static str = "Sheep";
+    }
+
+    impl Kind for Goat {
+        type Value = u8;
+        const TAG: [u8; 8] = *b"tl--goat";
+        const NAME: &'static str = "Goat";
+    }
+
+    const CALLER: Caller = Caller(());
+    const ANY: Rule = Rule { name: "x", allowed: "at least 0", least: 0.0, most: f64::INFINITY };
+
+    fn last_error() -> String {
+        // SAFETY: the library's own text, on this thread.
+        unsafe { CStr::from_ptr(translucid_last_error()) }.to_str().unwrap().to_owned()
+    }
+
+    fn status<T>(result: Result<T, Failure>) -> TranslucidStatus {
+        result.err().unwrap().status
+    }
+
+    fn sheep() -> *mut Sheep {
+        let mut sheep = null_mut();
+        CALLER.slot("sheep", &mut sheep).unwrap().put_handle(String::from("wool"));
+        sheep
+    }
+
+    #[test]
+    fn panics_become_messages() {
+        for (work, message) in [
+            ((|_| panic!("two {}", "words")) as fn(&Caller) -> Result<(), Failure>, "two words"),
+            (|_| panic!("plain"), "plain"),
+            (|_| std::panic::resume_unwind(Box::new(7)), "a panic"),
+        ] {
+            assert_eq!(enter!(|caller| work(caller)), TranslucidStatus::InternalError);
+            assert!(last_error().ends_with(message), "{}", last_error());
+        }
+    }
+
+    #[test]
+    fn handles_are_told_apart() {
+        let mut sheep = sheep();
+        assert_eq!(CALLER.handle("sheep", sheep).unwrap(), "wool");
+        let mistaken = CALLER.handle("goat", sheep.cast::<Goat>());
+        assert_eq!(mistaken.err().unwrap().message, "goat is no Goat");
+        assert_eq!(status(CALLER.free("goat", sheep.cast::<Goat>())), TranslucidStatus::WrongHandle);
+        let other = [0_u64; 4];
+        assert_eq!(
+            status(CALLER.handle("sheep", other.as_ptr().cast::<Sheep>())),
+            TranslucidStatus::WrongHandle
+        );
+        let askew = other.as_ptr().cast::<u8>().wrapping_add(1).cast::<Sheep>();
+        assert_eq!(status(CALLER.handle("sheep", askew)), TranslucidStatus::WrongHandle);
+        assert_eq!(status(CALLER.handle("sheep", null::<Sheep>())), TranslucidStatus::NullPointer);
+        CALLER.free("sheep", sheep).unwrap();
+        sheep = null_mut();
+        CALLER.free("sheep", sheep).unwrap();
+    }
+
+    #[test]
+    fn arrays_may_lie_anywhere_and_be_written_in_place() {
+        const COUNT: usize = 2 * CHUNK + 7;
+        let numbers: Vec<f64> = (0..COUNT).map(|i| i as f64).collect();
+        for shift in [0, 1, 3] {
+            let mut bytes = vec![0_u8; 8 * COUNT + 8];
+            let start: *mut f64 = bytes.as_mut_ptr().wrapping_add(shift).cast();
+            CALLER.output("x", start, COUNT).unwrap().write(0, &numbers);
+            let (x, out) =
+                (CALLER.input("x", start, COUNT).unwrap(), CALLER.output("x", start, COUNT).unwrap());
+            x.require(&ANY).unwrap();
+            x.map(&out, |place, from, to| {
+                assert_eq!(from[0], place as f64);
+                to.iter_mut().zip(from).for_each(|(to, from)| *to = from + 1.0);
+            });
+            let expected: Vec<f64> = numbers.iter().map(|x| x + 1.0).collect();
+            assert_eq!(x.to_vec().unwrap(), expected);
+            out.write(COUNT - 1, &[-2.0]);
+            let message = format!("x[{}] is -2, but must be at least 0", COUNT - 1);
+            assert_eq!(x.require(&ANY).err().unwrap().message, message);
+        }
+    }
+
+    #[test]
+    fn arrays_that_cannot_be_are_refused() {
+        let number = 1.0_f64;
+        let refused = |start, count| status(CALLER.input("x", start, count));
+        assert_eq!(refused(null(), 1), TranslucidStatus::NullPointer);
+        for count in [usize::MAX, usize::MAX / 8 + 1, isize::MAX as usize / 8 + 1] {
+            assert_eq!(refused(&raw const number, count), TranslucidStatus::InvalidArgument);
+            assert_eq!(refused(null(), count), TranslucidStatus::InvalidArgument);
+        }
+        // Up to the end of memory, and past it
+        assert_eq!(refused(without_provenance(usize::MAX - 15), 2), TranslucidStatus::InvalidArgument);
+        assert!(CALLER.input("x", null(), 0).unwrap().to_vec().unwrap().is_empty());
+        assert!(
+            room::<f64>(isize::MAX as usize / 8).is_err_and(|f| f.status == TranslucidStatus::OutOfResources)
+        );
+        // None wanted: nothing is written
+        CALLER.optional_output("x", null_mut(), 5).unwrap().write(0, &[1.0]);
+    }
+
+    #[test]
+    fn structures_may_lie_askew() {
+        let bytes = [1_u8, 2, 0, 3, 0, 4];
+        let start = bytes.as_ptr().wrapping_add(1).cast::<[u8; 2]>();
+        assert_eq!(CALLER.structures("all", start, 2).unwrap(), [[2, 0], [3, 0]]);
+        assert_eq!(CALLER.structure("one", start).unwrap(), [2, 0]);
+        assert_eq!(status(CALLER.structure("one", null::<u8>())), TranslucidStatus::NullPointer);
+        assert_eq!(status(CALLER.structures("all", start, usize::MAX)), TranslucidStatus::InvalidArgument);
+    }
+
+    #[test]
+    fn texts_are_utf8() {
+        let (good, bad) = (CString::new("é").unwrap(), CString::new(*b"a\xff").unwrap());
+        assert_eq!(CALLER.text("name", good.as_ptr()).unwrap(), "é");
+        assert_eq!(status(CALLER.text("name", bad.as_ptr())), TranslucidStatus::InvalidArgument);
+        assert_eq!(status(CALLER.text("name", null())), TranslucidStatus::NullPointer);
+        assert_eq!(CALLER.text_or("name", null(), "default").unwrap(), "default");
+    }
+
+    #[test]
+    fn progress_gets_the_callers_own() {
+        unsafe extern "C" fn count(done: u64, _: u64, user: *mut c_void) -> c_int {
+            // SAFETY: it is the number below.
+            unsafe { *user.cast::<u64>() += done };
+            c_int::from(done == 2)
+        }
+        let mut sum = 0_u64;
+        let progress = CALLER.progress(Some(count), (&raw mut sum).cast());
+        assert!(progress.report(1, 3) && !progress.report(2, 3));
+        assert!(CALLER.progress(None, null_mut()).report(1, 2));
+        assert_eq!(sum, 3);
+    }
+
+    #[test]
+    fn messages_belong_to_their_threads() {
+        let fail = |message: &str| {
+            let message = message.to_owned();
+            enter!(|_caller| Err(Failure::argument(message)))
+        };
+        fail("mine\0and more");
+        let other = std::thread::spawn(move || {
+            let before = last_error();
+            fail("other");
+            (before, last_error())
+        });
+        assert_eq!(other.join().unwrap(), (String::new(), String::from("other")));
+        assert_eq!(last_error(), "mine\u{fffd}and more");
+    }
+
+    #[test]
+    fn handles_are_shared_by_threads() {
+        let shared = sheep();
+        let address = shared.expose_provenance();
+        std::thread::scope(|scope| {
+            for _ in 0..3 {
+                scope.spawn(|| {
+                    let handle = std::ptr::with_exposed_provenance::<Sheep>(address);
+                    assert_eq!(CALLER.handle("sheep", handle).unwrap(), "wool");
+                });
+            }
+        });
+        CALLER.free("sheep", shared).unwrap();
+    }
+}

@@ -22,6 +22,8 @@
 
 pub mod conversion;
 mod door;
+#[cfg(test)]
+mod entries;
 pub mod exact;
 mod names;
 pub mod preset;
