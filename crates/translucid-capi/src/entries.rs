@@ -59,15 +59,16 @@ fn profile(model: &str, appearance: &TranslucidAppearance) -> *mut TranslucidPro
     made
 }
 
+type Entry = unsafe extern "C" fn(*const TranslucidProfile, *const f64, usize, *mut f64) -> TranslucidStatus;
+type Method = fn(&NormalizedDiffusion, f64) -> f64;
+
 #[test]
 fn profiles_are_those_of_the_library() {
     let expected = NormalizedDiffusion::new(0.6, 1.5, Parameterization::Mfp, Configuration::Diffuse).unwrap();
     let made = profile("normalized-diffusion", &JADE);
     let r = [0.0, 0.1, 1.0, 30.0];
     let mut out = [0.0; 4];
-    type Entry =
-        unsafe extern "C" fn(*const TranslucidProfile, *const f64, usize, *mut f64) -> TranslucidStatus;
-    let pairs: [(Entry, fn(&NormalizedDiffusion, f64) -> f64); 6] = [
+    let pairs: [(Entry, Method); 6] = [
         (translucid_profile_eval, |p, r| p.eval(r)),
         (translucid_profile_pdf, |p, r| p.pdf(r)),
         (translucid_profile_pdf_area, |p, r| p.pdf_area(r)),
