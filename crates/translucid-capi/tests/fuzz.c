@@ -346,7 +346,9 @@ static TranslucidStatus white_merge(void) {
     return translucid_white_table_merge(table, handle(WHITE));
 }
 static TranslucidStatus white_save(void) {
-    return translucid_white_table_save(handle(WHITE), rarely(4) ? "/nowhere/at/all.npz" : file(1));
+    /* Not what may be a file's name: it would be written */
+    const char *target = rarely(4) ? "/nowhere/at/all.npz" : rarely(10) ? "\xff" : rarely(20) ? NULL : path[1];
+    return translucid_white_table_save(handle(WHITE), target);
 }
 static TranslucidStatus white_load(void) {
     return keep(WHITE, translucid_white_table_load(file(rarely(3) ? 0 : 1), (TranslucidWhiteTable **)room_for_handle()));
