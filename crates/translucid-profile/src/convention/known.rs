@@ -319,8 +319,9 @@ const KNOWN: &[System] = &[
         "1.x",
         &[distance("subsurface_radius"), length("subsurface_radius_scale")],
         Rule::Mfp(Factor::One),
-        "mfp = length",
-        document("AcademySoftwareFoundation/OpenPBR@0042276 index.html, Subsurface: mu_t = 1/r"),
+        "mfp = length, in units of the scene",
+        document("AcademySoftwareFoundation/OpenPBR@0042276 and 1.1.1 index.html, Subsurface: mu_t = 1/r; Metadata: lengths are in \
+             units of world space"),
     )
     .albedo("subsurface_color"),
     system(

@@ -68,7 +68,7 @@ pub(super) fn load_materialx(
 /// let text = br#"<materialx version="1.39">
 ///   <open_pbr_surface name="soap" type="surfaceshader">
 ///     <input name="subsurface_weight" type="float" value="1"/>
-///     <input name="subsurface_radius" type="float" value="0.4" unit="centimeter"/>
+///     <input name="subsurface_radius" type="float" value="0.4" unittype="distance" unit="centimeter"/>
 ///   </open_pbr_surface>
 /// </materialx>"#;
 /// let (soap, _) = parse_materialx(text, Path::new("soap.mtlx"), None, Unit::Millimeter, &mut Vec::new())?;

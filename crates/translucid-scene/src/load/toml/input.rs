@@ -1,5 +1,6 @@
 //! Colors and scalars that are constants or images.
 
+use std::collections::HashSet;
 use std::path::PathBuf;
 
 use ::toml::de::DeValue;
@@ -43,8 +44,8 @@ pub(super) struct FileList {
     pub(super) images: Vec<FileRequest<ColorSpace>>,
     pub(super) tables: Vec<FileRequest<()>>,
     pub(super) documents: Documents,
-    /// Whether a material names one.
-    pub(super) has_documents: bool,
+    /// Documents that materials name, each with the material in it: what is found in one is told once.
+    pub(super) named_documents: HashSet<(PathBuf, Option<String>)>,
     /// Number of images and of tables that the scene has: the index of a request is its index there.
     before: [usize; 2],
 }

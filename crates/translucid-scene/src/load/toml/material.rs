@@ -147,7 +147,7 @@ fn read_document(
     if let Some(preset) = table.get("preset") {
         return Err(preset.error("preset and file both give all other keys, but one of them must"));
     }
-    files.has_documents = true;
+    let is_new = files.named_documents.insert((path.clone(), name.clone()));
     let warnings = match &mut files.documents {
         Documents::Refused => {
             let error = item.error("this scene takes no further materials from files");
@@ -158,7 +158,8 @@ fn read_document(
     };
     check_present(&path, &item.place())?;
     let choice = MaterialChoice { name: name.as_deref(), length_unit, unit };
-    let (mut material, images) = load_materialx(&path, choice, warnings)?;
+    let mut known = Vec::new();
+    let (mut material, images) = load_materialx(&path, choice, if is_new { warnings } else { &mut known })?;
     let numbers: Vec<usize> = images.into_iter().map(|image| files.image_of_document(image)).collect();
     material.for_each_texture(|texture| texture.image = numbers[texture.image]);
     Ok(Some(material))

@@ -134,7 +134,8 @@ impl SceneFile {
             findings.into_iter().for_each(|warnings| files.take_findings(warnings));
             read?;
         }
-        let has_documents = files.has_documents && matches!(files.documents, Documents::Later);
+        let is_later = matches!(files.documents, Documents::Later);
+        let has_documents = is_later && !files.named_documents.is_empty();
         scene.environment = read_environment(&root, is_extending, scene.environment, &mut files)?;
         let cameras = root.read("camera", Vec::new(), camera::read_cameras)?;
         if root.get("light").is_some() {

@@ -70,6 +70,15 @@ fn a_document_gives_the_defaults_of_a_material_and_keys_beside_it_change_them() 
 }
 
 #[test]
+fn a_document_that_several_materials_name_is_told_of_once() {
+    let shop = Shop::new("../maps/bark.hdr");
+    let (scene, warnings) = shop.load(&format!("{FILE}\n[[material]]\nname = \"other\"\n{FILE}"));
+    let scene = scene.unwrap();
+    assert_eq!(scene.materials[0].base_color.texture, scene.materials[1].base_color.texture);
+    assert_eq!((scene.images.len(), warnings.len()), (1, 1), "{warnings:?}");
+}
+
+#[test]
 fn images_of_documents_may_lie_anywhere() {
     let shop = Shop::new("../maps/bark.hdr");
     let absolute = shop.path().join("maps/bark.hdr");
