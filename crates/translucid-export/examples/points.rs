@@ -13,11 +13,15 @@ use std::f64::consts::TAU;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use translucid_export::{Export, Function, Language, Sizes, Subject, Target, entry_points};
+use translucid_export::{
+    Export, Function, Language, Material, Sizes, Subject, Target, entry_points, exponentials,
+};
+use translucid_fit::{Exponential, Mixture};
 use translucid_profile::{
-    AlbedoInversion, Configuration, Model, NormalizedDiffusion, ObliqueDiffusion, Parameterization,
-    RefinedDiffusion, fresnel_from_inside, fresnel_from_outside, scaling_from_dmfp_searchlight,
-    scaling_from_mfp_diffuse, scaling_from_mfp_searchlight, schlick_from_outside,
+    AlbedoInversion, Appearance, Configuration, Model, NormalizedDiffusion, ObliqueDiffusion,
+    Parameterization, Profile, RefinedDiffusion, SumOfGaussians, fresnel_from_inside, fresnel_from_outside,
+    scaling_from_dmfp_searchlight, scaling_from_mfp_diffuse, scaling_from_mfp_searchlight,
+    schlick_from_outside,
 };
 
 /// Points for each function.
@@ -31,6 +35,12 @@ const BIT: f64 = 1e-6;
 /// Phase function and boundary of the inversion.
 const G: f64 = 0.5;
 const ETA: f64 = 1.3;
+/// Material of the sums.
+const MATERIAL: Material = Material {
+    surface_albedo: [0.95, 0.6, 0.05],
+    length: [2.0, 0.3, 1e-3],
+    parameterization: Parameterization::Mfp,
+};
 /// Largest error of the inversion's polynomial, of the surface albedo.
 const INVERSION: f64 = 4e-4;
 /// Greatest random number below 1.
@@ -57,8 +67,10 @@ fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn E
             Model::NormalizedDiffusion,
             Model::NormalizedDiffusionRefined,
             Model::NormalizedDiffusionOblique,
+            Model::Gaussians,
+            Model::Exact,
         ],
-        material: None,
+        material: Some(MATERIAL),
         configuration,
         g: G,
         eta: ETA,
@@ -76,8 +88,35 @@ fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn E
     let functions = export(Target::Spirv).functions()?;
     let entries: Vec<String> = functions.iter().map(json).collect();
     fs::write(directory.join("functions.json"), format!("[{}]\n", entries.join(",\n")))?;
-    let inversion = AlbedoInversion::new(G, ETA, configuration)?;
-    functions.iter().try_for_each(|function| write_points(directory, function, configuration, &inversion))
+    let doubles = Doubles::new(configuration)?;
+    functions.iter().try_for_each(|function| write_points(directory, function, &doubles))
+}
+
+/// What the functions of a configuration are in double precision, where it is not made of arguments alone.
+struct Doubles {
+    configuration: Configuration,
+    inversion: AlbedoInversion,
+    exponentials: [Mixture<Exponential>; 3],
+    gaussians: [SumOfGaussians; 3],
+}
+
+impl Doubles {
+    fn new(configuration: Configuration) -> Result<Self, Box<dyn Error>> {
+        let Material { surface_albedo, length, parameterization } = MATERIAL;
+        let fitted = |c: usize| {
+            let (surface_albedo, length) = (surface_albedo[c], length[c]);
+            let appearance = Appearance { surface_albedo, length, parameterization, g: 0.0 };
+            exponentials(&*Model::Exact.profile(&appearance, configuration, 1.0)?)
+        };
+        let gaussians =
+            |c: usize| SumOfGaussians::new(surface_albedo[c], length[c], parameterization, configuration, 6);
+        Ok(Self {
+            configuration,
+            inversion: AlbedoInversion::new(G, ETA, configuration)?,
+            exponentials: [fitted(0)?, fitted(1)?, fitted(2)?],
+            gaussians: [gaussians(0)?, gaussians(1)?, gaussians(2)?],
+        })
+    }
 }
 
 /// An entry of `functions.json`.
@@ -100,19 +139,14 @@ fn json(function: &Function) -> String {
     )
 }
 
-fn write_points(
-    directory: &Path,
-    function: &Function,
-    configuration: Configuration,
-    inversion: &AlbedoInversion,
-) -> Result<(), Box<dyn Error>> {
+fn write_points(directory: &Path, function: &Function, doubles: &Doubles) -> Result<(), Box<dyn Error>> {
     let (mut arguments, mut least, mut greatest, mut floor) =
         (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for i in 0..COUNT {
         let point = Point::number(i);
         let row: Vec<f32> = function.arguments.iter().map(|name| point.argument(name) as f32).collect();
         let wide: Vec<f64> = row.iter().map(|x| f64::from(*x)).collect();
-        for truth in truths(function, &wide, configuration, inversion)? {
+        for truth in truths(function, &wide, doubles)? {
             least.extend(truth.least.min(MOST).to_le_bytes());
             greatest.extend(truth.greatest.min(MOST).to_le_bytes());
             floor.extend(truth.floor.min(MOST).to_le_bytes());
@@ -147,6 +181,7 @@ impl Point {
         let offset = || self.radius() * self.probed();
         match name {
             "surface_albedo" => self.albedo(),
+            "channel" => (self.i % 3) as f64,
             "length" | "d" => self.length(),
             "d_red" => self.probed(),
             "d_green" => self.probed() * (0.2 + self.spread[4]),
@@ -285,12 +320,8 @@ fn farthest_at_end(weights: [f64; 4], rates: [f64; 4], u: f64) -> Option<f64> {
     ends.iter().any(|end| (u - end).abs() <= BIT).then(|| -(1.0 - LAST).ln() / slowest)
 }
 
-fn truths(
-    function: &Function,
-    x: &[f64],
-    configuration: Configuration,
-    inversion: &AlbedoInversion,
-) -> Result<Vec<Truth>, Box<dyn Error>> {
+fn truths(function: &Function, x: &[f64], doubles: &Doubles) -> Result<Vec<Truth>, Box<dyn Error>> {
+    let (configuration, inversion) = (doubles.configuration, &doubles.inversion);
     let one = |truth: Truth| Ok(vec![truth]);
     let burley = |a, d| NormalizedDiffusion::from_d(a, d);
     let refined = || RefinedDiffusion::new(x[0], x[1], Parameterization::Mfp, configuration);
@@ -339,6 +370,18 @@ fn truths(
             let farthest = farthest_at_end(p.weights(), p.rates(), x[2]).into_iter().flat_map(|r| [0.0, r]);
             one(among(near(x[2]).map(|u| p.sample(u)).into_iter().chain(farthest), LEAST * x[1]))
         }
+        name if name.starts_with("exponentials_") => {
+            let sum = &doubles.exponentials[x[0] as usize];
+            let rates: Vec<f64> = sum.scales().iter().map(|scale| 1.0 / scale).collect();
+            one(of_sum(name, x[1], sum, sum.weights(), |k, [above, below]| neg_log(above, below) / rates[k]))
+        }
+        name if name.starts_with("gaussians_") => {
+            let sum = &doubles.gaussians[x[0] as usize];
+            let deviations = sum.standard_deviations();
+            let radius =
+                |k: usize, [above, below]: [f64; 2]| deviations[k] * (2.0 * neg_log(above, below)).sqrt();
+            one(of_sum(name, x[1], sum, sum.weights(), radius))
+        }
         "oblique_pdf_area" | "oblique_eval" => {
             let p = oblique()?;
             let (r, phi) = (x[3].hypot(x[4]).max(LEAST), x[4].atan2(x[3]));
@@ -381,6 +424,54 @@ fn truths(
             one(among([x[0], x[0] - INVERSION, x[0] + INVERSION].map(inverse), LEAST))
         }
         other => Err(format!("no truth for {other}").into()),
+    }
+}
+
+/// −ln(x) for x given beside 1 − x, with the digits of both.
+fn neg_log(x: f64, complement: f64) -> f64 {
+    if complement < 0.5 { -(-complement).ln_1p() } else { -x.ln() }
+}
+
+/// A function of a sum of weighted terms at a radius or random number; `radius` is that of a term for a random number,
+/// which comes as its complement and itself.
+fn of_sum(
+    name: &str,
+    x: f64,
+    sum: &dyn Profile,
+    weights: &[f64],
+    radius: impl Fn(usize, [f64; 2]) -> f64,
+) -> Truth {
+    let (r, scale) = (x.max(LEAST), sum.scale());
+    let total = sum.surface_albedo();
+    // Exponentials are over r, Gaussians are not
+    let least = 1e-9 * scale;
+    let without_decay = sum.pdf_area(least) * if name.starts_with("exp") { least / r } else { 1.0 };
+    match name.split_once('_').map_or("", |parts| parts.1) {
+        "pdf" => exactly(sum.pdf(x), sum.pdf(least).max(16.0 * sum.pdf(scale))),
+        "pdf_area" => exactly(sum.pdf_area(r), without_decay),
+        "eval" => exactly((total * sum.pdf_area(r)).min(MOST), without_decay),
+        "cdf" => exactly(sum.enclosed(x) / total, 1.0),
+        "complementary_cdf" => exactly(sum.beyond(x) / total, 1.0),
+        _ => {
+            let farthest = |k: usize| radius(k, [1.0 - LAST, LAST]);
+            let mut radii = Vec::new();
+            for u in near(x) {
+                let mut start = 0.0;
+                for (k, weight) in weights.iter().enumerate() {
+                    let end = start + weight;
+                    if (start..end).contains(&u) {
+                        let share = ((u - start) / weight).clamp(0.0, 1.0);
+                        radii.push(radius(k, [((end - u) / weight).max(1.0 - LAST), share.min(LAST)]));
+                    }
+                    // At the end of a term the radius leaps from its farthest to the next one's nearest
+                    if (u - end).abs() <= BIT {
+                        radii.extend([0.0, farthest(k)]);
+                    }
+                    start = end;
+                }
+            }
+            among(radii, LEAST * scale)
+        }
     }
 }
 

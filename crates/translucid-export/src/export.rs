@@ -3,8 +3,8 @@
 use std::ops::RangeInclusive;
 
 use translucid_profile::{
-    Appearance, Configuration, Model, NormalizedDiffusion, Parameterization, Profile, TabulatedProfile,
-    require,
+    Appearance, Configuration, Model, NormalizedDiffusion, Parameterization, Profile, SumOfGaussians,
+    TabulatedProfile, require,
 };
 
 use crate::curvature_table::CurvatureTable;
@@ -21,6 +21,7 @@ use crate::materialx;
 use crate::number::literal;
 use crate::spirv;
 use crate::subject::Subject;
+use crate::sum::Sum;
 use crate::target::Target;
 
 /// Parameters of a material for red, green, blue.
@@ -84,7 +85,7 @@ pub struct Export<'a> {
 /// Relative indices that the Fresnel reflectance is written for.
 const ETA: RangeInclusive<f64> = 0.05..=20.0;
 
-/// Models that are closed forms.
+/// Models that are closed forms of their parameters; of the others those of a material are sums.
 const MODELS: [Model; 3] =
     [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined, Model::NormalizedDiffusionOblique];
 
@@ -97,11 +98,10 @@ impl Export<'_> {
         self.check()?;
         let functions = self.functions()?;
         let roots: Vec<&str> = functions.iter().flat_map(Function::called).collect();
-        let made = if self.subjects.contains(&Subject::Inversion) {
-            Inversion::new(self.g, self.eta, self.configuration)?.wgsl()
-        } else {
-            String::new()
-        };
+        let mut made = self.sums()?;
+        if self.subjects.contains(&Subject::Inversion) {
+            made += &Inversion::new(self.g, self.eta, self.configuration)?.wgsl();
+        }
         let formulas = formulas(&roots, self.configuration, &made) + &self.constants()?;
         match self.target {
             Target::Spirv => spirv::compile(&(formulas + &spirv::entry_points(&functions))),
@@ -149,8 +149,18 @@ impl Export<'_> {
         if matches!(self.target, Target::Image(_)) && self.subjects.len() != 1 {
             return Err(ExportError::new("what", "several", "lut alone for an image"));
         }
+        let mut fitted = self.summed().filter(|model| *model != Model::Gaussians);
+        if let (Some(model), None) = (self.summed().next(), self.material) {
+            let allowed = MODELS.map(Model::name).join(", ");
+            let allowed = format!("a closed form: {allowed}; with a material any, as a sum");
+            return Err(ExportError::new("model", model.name(), allowed));
+        }
+        if let (Some(_), Some(model)) = (fitted.next(), fitted.next()) {
+            return Err(ExportError::new("model", model.name(), "alone, as it is fitted by exponentials"));
+        }
         let has = |subject| self.subjects.contains(&subject);
-        if self.target == Target::MaterialX && self.material.is_some() && !has(Subject::Material) {
+        let is_needed = has(Subject::Material) || self.summed().next().is_some();
+        if self.target == Target::MaterialX && self.material.is_some() && !is_needed {
             return Err(ExportError::new(
                 "what",
                 "functions",
@@ -183,14 +193,7 @@ impl Export<'_> {
         let mut all: Vec<Function> = Vec::new();
         let subjects = self.subjects.iter().copied().filter(|subject| !subject.is_table());
         let subjects: Vec<Subject> = subjects.collect();
-        let is_closed =
-            self.subjects.iter().any(|subject| matches!(subject, Subject::Profile | Subject::Sampler));
         for &model in self.models {
-            if is_closed && !MODELS.contains(&model) {
-                let allowed = MODELS.map(Model::name).join(", ");
-                let allowed = format!("a closed form: {allowed}");
-                return Err(ExportError::new("model", model.name(), allowed));
-            }
             for &subject in &subjects {
                 for function in functions(subject, model) {
                     if !all.contains(&function) {
@@ -200,6 +203,33 @@ impl Export<'_> {
             }
         }
         Ok(all)
+    }
+
+    /// Models whose profiles are written as sums for a material.
+    fn summed(&self) -> impl Iterator<Item = Model> + '_ {
+        let is_closed =
+            self.subjects.iter().any(|subject| matches!(subject, Subject::Profile | Subject::Sampler));
+        self.models.iter().copied().filter(move |model| is_closed && !MODELS.contains(model))
+    }
+
+    /// Functions that return the terms of sums, in WGSL.
+    fn sums(&self) -> Result<String, ExportError> {
+        let mut text = String::new();
+        for model in self.summed() {
+            let sum = match (model, self.material) {
+                (Model::Gaussians, Some(Material { surface_albedo, length, parameterization })) => {
+                    let terms = SumOfGaussians::DEFAULT_TERMS;
+                    let sum = |c: usize| {
+                        let (albedo, length) = (surface_albedo[c], length[c]);
+                        SumOfGaussians::new(albedo, length, parameterization, self.configuration, terms)
+                    };
+                    Sum::of_gaussians([sum(0)?, sum(1)?, sum(2)?])
+                }
+                _ => Sum::of_exponentials(model, &self.profiles(model)?)?,
+            };
+            text += &sum.wgsl();
+        }
+        Ok(text)
     }
 
     /// Constants of the material.
@@ -233,8 +263,8 @@ impl Export<'_> {
     fn tables(&self, language: Language) -> Result<String, ExportError> {
         let Sizes { taps, .. } = self.sizes;
         let table = |subject: &Subject| match subject {
-            Subject::Disk => Ok(Disk::new(&self.profiles()?, taps).text(language)),
-            Subject::Kernel => Ok(Kernel::new(&self.profiles()?, taps | 1).text(language)),
+            Subject::Disk => Ok(Disk::new(&self.profiles(self.models[0])?, taps).text(language)),
+            Subject::Kernel => Ok(Kernel::new(&self.profiles(self.models[0])?, taps | 1).text(language)),
             Subject::Lut => Ok(self.curvature_table()?.text(language)),
             _ => Ok(String::new()),
         };
@@ -244,18 +274,18 @@ impl Export<'_> {
     fn curvature_table(&self) -> Result<CurvatureTable, ExportError> {
         let Sizes { lut, most_curvature, .. } = self.sizes;
         let longest = self.material.map_or(1.0, |material| material.length.into_iter().fold(0.0, f64::max));
-        Ok(CurvatureTable::new(&self.profiles()?, lut, most_curvature.unwrap_or(1.0 / longest)))
+        Ok(CurvatureTable::new(&self.profiles(self.models[0])?, lut, most_curvature.unwrap_or(1.0 / longest)))
     }
 
     /// Profiles of red, green, blue.
-    fn profiles(&self) -> Result<[Box<dyn Profile>; 3], ExportError> {
+    fn profiles(&self, model: Model) -> Result<[Box<dyn Profile>; 3], ExportError> {
         let Some(Material { surface_albedo, length, parameterization }) = self.material else {
             return Err(ExportError::new("what", "a table", "of a material"));
         };
         let profile = |c: usize| {
             let appearance =
                 Appearance { surface_albedo: surface_albedo[c], length: length[c], parameterization, g: 0.0 };
-            let profile = self.models[0].profile(&appearance, self.configuration, 1.0)?;
+            let profile = model.profile(&appearance, self.configuration, 1.0)?;
             // Many models take microseconds a quantile
             let is_fast = profile.samples_directly();
             let profile: Box<dyn Profile> =
@@ -276,7 +306,9 @@ impl Export<'_> {
             .map(String::from)
             .collect();
         if !self.subjects.iter().all(needs_no_model) {
-            paragraphs.extend(self.models.iter().map(|model| header::of_model(*model, self.configuration)));
+            paragraphs.extend(self.models.iter().map(|model| {
+                header::of_model(*model, self.configuration, self.summed().any(|summed| summed == *model))
+            }));
             paragraphs.push(String::from(header::UNITS));
         }
         if !functions.is_empty() {

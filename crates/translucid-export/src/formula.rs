@@ -9,12 +9,16 @@ use translucid_profile::{Configuration, Parameterization, coefficients};
 use crate::number::{about_one, horner, literal};
 use crate::token::{Token, tokens};
 
+/// Four exponentials, refined diffusion's, which under another name are those of any fit.
+const REFINED: &str = include_str!("formulas/refined.wgsl");
+
 /// All formulas, from those that others call to those that call them.
-const FORMULAS: [&str; 6] = [
+const FORMULAS: [&str; 7] = [
     include_str!("formulas/elementary.wgsl"),
     include_str!("formulas/burley.wgsl"),
-    include_str!("formulas/refined.wgsl"),
+    REFINED,
     include_str!("formulas/oblique.wgsl"),
+    include_str!("formulas/gaussians.wgsl"),
     include_str!("formulas/fresnel.wgsl"),
     include_str!("formulas/probe.wgsl"),
 ];
@@ -22,7 +26,9 @@ const FORMULAS: [&str; 6] = [
 /// Functions of given names with all that they call, in WGSL, with the coefficients of a configuration; some of them
 /// made for the occasion.
 pub(crate) fn formulas(roots: &[&str], configuration: Configuration, made: &str) -> String {
-    let source = with_constants(&FORMULAS.join("\n"), &constants(configuration)) + "\n" + made;
+    let exponentials = REFINED.replace("refined_", "exponentials_").replace("Refined", "Exponentials");
+    let source = FORMULAS.join("\n") + "\n" + &exponentials.replace("${exponentials_", "${refined_");
+    let source = with_constants(&source, &constants(configuration)) + "\n" + made;
     let items: Vec<Item<'_>> = items(&source);
     let by_name: BTreeMap<&str, usize> = items.iter().enumerate().map(|(i, item)| (item.name, i)).collect();
     let mut wanted = BTreeSet::new();

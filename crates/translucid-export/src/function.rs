@@ -174,6 +174,79 @@ const OBLIQUE_SAMPLE: Function = Function {
     error: 3e-5,
 };
 
+const CHANNEL_ARGUMENTS: &[&str] = &["channel", "r"];
+
+const EXPONENTIALS_DENSITIES: [Function; 2] = [
+    function(
+        "exponentials_pdf",
+        CHANNEL_ARGUMENTS,
+        "exponentials_pdf(exponentials_of_channel(channel), r)",
+        1e-5,
+    ),
+    function(
+        "exponentials_pdf_area",
+        CHANNEL_ARGUMENTS,
+        "exponentials_pdf_area(exponentials_of_channel(channel), r)",
+        1e-5,
+    ),
+];
+
+const EXPONENTIALS_PROFILE: [Function; 3] = [
+    function(
+        "exponentials_eval",
+        CHANNEL_ARGUMENTS,
+        "exponentials_eval(exponentials_of_channel(channel), r)",
+        1e-5,
+    ),
+    function(
+        "exponentials_cdf",
+        CHANNEL_ARGUMENTS,
+        "exponentials_cdf(exponentials_of_channel(channel), r)",
+        1e-6,
+    ),
+    function(
+        "exponentials_complementary_cdf",
+        CHANNEL_ARGUMENTS,
+        "exponentials_complementary_cdf(exponentials_of_channel(channel), r)",
+        1e-5,
+    ),
+];
+
+const EXPONENTIALS_SAMPLE: Function = function(
+    "exponentials_sample",
+    &["channel", "u"],
+    "exponentials_sample(exponentials_of_channel(channel), u)",
+    5e-6,
+);
+
+const GAUSSIANS_DENSITIES: [Function; 2] = [
+    function("gaussians_pdf", CHANNEL_ARGUMENTS, "gaussians_pdf(gaussians_of_channel(channel), r)", 2e-5),
+    function(
+        "gaussians_pdf_area",
+        CHANNEL_ARGUMENTS,
+        "gaussians_pdf_area(gaussians_of_channel(channel), r)",
+        2e-5,
+    ),
+];
+
+const GAUSSIANS_PROFILE: [Function; 3] = [
+    function("gaussians_eval", CHANNEL_ARGUMENTS, "gaussians_eval(gaussians_of_channel(channel), r)", 2e-5),
+    function("gaussians_cdf", CHANNEL_ARGUMENTS, "gaussians_cdf(gaussians_of_channel(channel), r)", 1e-6),
+    function(
+        "gaussians_complementary_cdf",
+        CHANNEL_ARGUMENTS,
+        "gaussians_complementary_cdf(gaussians_of_channel(channel), r)",
+        2e-5,
+    ),
+];
+
+const GAUSSIANS_SAMPLE: Function = function(
+    "gaussians_sample",
+    &["channel", "u"],
+    "gaussians_sample(gaussians_of_channel(channel), u)",
+    5e-6,
+);
+
 const FRESNEL: [Function; 3] = [
     function("fresnel_from_outside", &["cos_theta", "eta"], "fresnel_from_outside(cos_theta, eta)", 1e-5),
     function("fresnel_from_inside", &["cos_theta", "eta"], "fresnel_from_inside(cos_theta, eta)", 1e-5),
@@ -240,7 +313,7 @@ const INVERSION: [Function; 3] = [
     function("inversion_absorption", &["surface_albedo"], "inversion_absorption(surface_albedo)", 1e-5),
 ];
 
-/// The functions of a subject for a model; none where there is no such text.
+/// The functions of a subject for a model; none for tables and materials.
 pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
     match (subject, model) {
         (Subject::Profile, Model::NormalizedDiffusion) => {
@@ -257,9 +330,13 @@ pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
         }
         (Subject::Profile, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_EVAL, OBLIQUE_PDF_AREA],
         (Subject::Sampler, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_PDF_AREA, OBLIQUE_SAMPLE],
+        (Subject::Profile, Model::Gaussians) => [&GAUSSIANS_PROFILE[..], &GAUSSIANS_DENSITIES].concat(),
+        (Subject::Sampler, Model::Gaussians) => [&GAUSSIANS_DENSITIES[..], &[GAUSSIANS_SAMPLE]].concat(),
         (Subject::Fresnel, _) => FRESNEL.to_vec(),
         (Subject::Probe, _) => PROBE.to_vec(),
         (Subject::Inversion, _) => INVERSION.to_vec(),
-        _ => Vec::new(),
+        (Subject::Profile, _) => [&EXPONENTIALS_PROFILE[..], &EXPONENTIALS_DENSITIES].concat(),
+        (Subject::Sampler, _) => [&EXPONENTIALS_DENSITIES[..], &[EXPONENTIALS_SAMPLE]].concat(),
+        (Subject::Disk | Subject::Lut | Subject::Kernel | Subject::Material, _) => Vec::new(),
     }
 }

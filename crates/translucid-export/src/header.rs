@@ -15,8 +15,8 @@ use crate::number::literal;
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
 
-/// What a model is: its formula and where it comes from.
-pub(crate) fn of_model(model: Model, configuration: Configuration) -> String {
+/// What a model is: its formula, as a sum if it is written as one, and where it comes from.
+pub(crate) fn of_model(model: Model, configuration: Configuration, is_summed: bool) -> String {
     let light = match configuration {
         Configuration::Searchlight => "a pencil beam that enters perpendicularly",
         Configuration::Diffuse => "light that enters with a cosine distribution",
@@ -46,7 +46,25 @@ phi = 0 is where the beam is tilted to. w_k, mfp rate_k and the angle k are poly
 
 A and cos theta are in [0, 1], mean free paths in [1e-18, 1e18]."
         ),
-        _ => String::from(
+        Model::Gaussians if is_summed => format!(
+            "{}: the reflectance profile of a material, by six Gaussians a channel.
+
+  R(r) = A/(2 pi) sum_k w_k e^(-r^2/2v_k) / v_k
+
+w_k and v_k are those of translucid's fit to the exact half space of isotropic scatterers (G. B. Rybicki 1971) for
+{light}; mean error 4.6 % (pencil beam) or 4.2 % (cosine distribution). R is finite at
+r = 0, where that of a medium grows like 1/r. gaussians_pdf counts as 0 below 4e-37 of itself at the mean radius.",
+            model.description()
+        ),
+        _ if is_summed => format!(
+            "{}: the reflectance profile of a material, by four exponentials a channel.
+
+  R(r) = A/(2 pi r) sum_k w_k rate_k e^(-rate_k r)
+
+w_k and rate_k are fitted to the model's profile by least squares; how far they are from it stands at their function.",
+            model.description()
+        ),
+        Model::NormalizedDiffusion => String::from(
             "Normalized diffusion: the reflectance profile of a translucent surface.
 
   R(r) = A (e^(-r/d) + e^(-r/3d)) / (8 pi d r),    d = length / s(A)
@@ -57,6 +75,7 @@ Memo 15-04, 2015, equations 3, 5, 6, 8. US patent 9,659,404 B2 is about it.
 
 The surface albedo A is in [0, 1], the width d in [1e-18, 1e18].",
         ),
+        _ => format!("{}, for {light}.", model.description()),
     }
 }
 

@@ -32,6 +32,24 @@ fn a_material_becomes_constants() {
 }
 
 #[test]
+fn models_without_a_closed_form_are_sums_of_a_material() {
+    let text = stdout(&here(), "export --to hlsl --what sampler --model gaussians --preset skin1");
+    assert!(text.contains("Gaussians GaussiansOfChannel(float channel) {"), "{text}");
+    assert!(text.contains("float GaussiansSample(Gaussians terms, float u) {"), "{text}");
+    let words = "export --to c --what profile --model dipole --surface-albedo 0.8,0.5,0.5 --mfp 1";
+    let text = stdout(&here(), words);
+    assert!(text.contains("the least squares fit to dipole."), "{text}");
+    assert!(text.contains("TranslucidExponentials translucid_exponentials_of_channel(float channel) {"));
+    // Refined diffusion has its own, and both go into one text
+    let words = "export --to wgsl --what profile --model exact,gaussians,normalized-diffusion-refined \
+                 --surface-albedo 0,0.5,1 --mfp 1";
+    let text = stdout(&here(), words);
+    for name in ["fn exponentials_eval", "fn gaussians_eval", "fn refined_eval"] {
+        assert_eq!(text.matches(name).count(), 1, "{text}");
+    }
+}
+
+#[test]
 fn tables_are_of_a_material() {
     let text = stdout(&here(), "export --to hlsl --what disk,kernel --preset skin1 --taps 9");
     for part in ["static const float2 DISK_OFFSETS[9] = {", "static const float4 KERNEL[9] = {"] {
@@ -73,6 +91,14 @@ fn wrong_input_is_told_what_is_allowed() {
         (
             "--to c --what profile --model dipole",
             "--model is dipole, but must be a closed form: normalized-diff",
+        ),
+        (
+            "--to c --what profile --model dipole,exact --preset skin1",
+            "--model is exact, but must be alone, as it is fitted by exponentials",
+        ),
+        (
+            "--to c --what profile --model gaussians --surface-albedo 1 --dmfp 1",
+            "--surface-albedo is 1, but must be less than 1 with a dmfp",
         ),
         ("--to c --what profile --g 0.5", "--g is 0.5, but must be 0 without inversion"),
         ("--to c --what inversion --g 0.99", "--g is 0.99, but must be in [-0.95, 0.95]"),

@@ -1,4 +1,4 @@
-// Four exponentials of a surface albedo and a mean free path: weights of sum 1, and rates [1/length].
+// Four exponentials: a surface albedo, weights of sum 1, and rates [1/length].
 struct Refined {
     surface_albedo: f32,
     weight_a: f32,

@@ -126,7 +126,7 @@ def render(squares, source, function, directory, names, socket_of):
 
 
 # What does not depend on the configuration runs once: a picture takes a second
-DEPENDING = ("refined", "oblique", "inversion")
+DEPENDING = ("refined", "oblique", "inversion", "exponentials", "gaussians")
 
 
 def to_run(configuration):
