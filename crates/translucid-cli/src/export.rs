@@ -19,7 +19,8 @@ use crate::table::{print, printed};
 
 const EXAMPLES: &str = "\
 The text stands alone. Its head says formula, source, units, ranges, largest errors, and its licence: MIT-0, so it may
-be pasted anywhere. Without a material functions take their parameters; with one its numbers are constants too.
+be pasted anywhere. Without a material functions take their parameters; with one its numbers are constants too, and
+models without a closed form become sums of exponentials or Gaussians.
 One file has several subjects and models at once: what they share is in it once.
 
 Examples:
@@ -28,6 +29,7 @@ Examples:
   translucid export --to hlsl --what profile --preset skin1 --unit cm
   translucid export --to wgsl --what profile --surface-albedo 0.8,0.5,0.4 --mfp 1.3,0.9,0.7
   translucid export --to spirv --what sampler -o burley.spv
+  translucid export --to glsl --what sampler --model gaussians --preset skin1
   translucid export --to cpp --what probe,fresnel -o probe.hpp
   translucid export --to osl --what inversion --g 0.8 --eta 1.4
   translucid export --to hlsl --what disk,kernel --preset skin1 --taps 17 -o skin.hlsl

@@ -443,11 +443,19 @@ fn of_sum(
 ) -> Truth {
     let (r, scale) = (x.max(LEAST), sum.scale());
     let total = sum.surface_albedo();
-    // Exponentials are over r, Gaussians are not
     let least = 1e-9 * scale;
-    let without_decay = sum.pdf_area(least) * if name.starts_with("exp") { least / r } else { 1.0 };
+    let without_decay = match name {
+        // Where the decay of a Gaussian ends, at fifteen deviations
+        "gaussians_pdf" => {
+            let spread = |k: usize| radius(k, [(-0.5_f64).exp(), -(-0.5_f64).exp_m1()]);
+            weights.iter().enumerate().map(|(k, weight)| 15.0 * weight / spread(k)).sum()
+        }
+        "exponentials_pdf" => sum.pdf(least),
+        _ if name.starts_with("exponentials") => sum.pdf_area(least) * (least / r),
+        _ => sum.pdf_area(least),
+    };
     match name.split_once('_').map_or("", |parts| parts.1) {
-        "pdf" => exactly(sum.pdf(x), sum.pdf(least).max(16.0 * sum.pdf(scale))),
+        "pdf" => exactly(sum.pdf(x), without_decay),
         "pdf_area" => exactly(sum.pdf_area(r), without_decay),
         "eval" => exactly((total * sum.pdf_area(r)).min(MOST), without_decay),
         "cdf" => exactly(sum.enclosed(x) / total, 1.0),

@@ -53,7 +53,8 @@ A and cos theta are in [0, 1], mean free paths in [1e-18, 1e18]."
 
 w_k and v_k are those of translucid's fit to the exact half space of isotropic scatterers (G. B. Rybicki 1971) for
 {light}; mean error 4.6 % (pencil beam) or 4.2 % (cosine distribution). R is finite at
-r = 0, where that of a medium grows like 1/r. gaussians_pdf counts as 0 below 4e-37 of itself at the mean radius.",
+r = 0, where that of a medium grows like 1/r. gaussians_pdf counts as 0 below 4e-37 of sum_k w_k/sqrt(v_k).
+Errors below are those of a material of the tests.",
             model.description()
         ),
         _ if is_summed => format!(
@@ -61,7 +62,8 @@ r = 0, where that of a medium grows like 1/r. gaussians_pdf counts as 0 below 4e
 
   R(r) = A/(2 pi r) sum_k w_k rate_k e^(-rate_k r)
 
-w_k and rate_k are fitted to the model's profile by least squares; how far they are from it stands at their function.",
+w_k and rate_k are fitted to the model's profile by least squares; how far they are from it stands at their function.
+Errors below are those of a material of the tests.",
             model.description()
         ),
         Model::NormalizedDiffusion => String::from(
