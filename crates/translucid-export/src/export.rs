@@ -21,7 +21,7 @@ use crate::materialx;
 use crate::number::literal;
 use crate::spirv;
 use crate::subject::Subject;
-use crate::sum::Sum;
+use crate::sum::{Sum, Terms};
 use crate::target::Target;
 
 /// Parameters of a material for red, green, blue.
@@ -149,14 +149,16 @@ impl Export<'_> {
         if matches!(self.target, Target::Image(_)) && self.subjects.len() != 1 {
             return Err(ExportError::new("what", "several", "lut alone for an image"));
         }
-        let mut fitted = self.summed().filter(|model| *model != Model::Gaussians);
         if let (Some(model), None) = (self.summed().next(), self.material) {
             let allowed = MODELS.map(Model::name).join(", ");
             let allowed = format!("a closed form: {allowed}; with a material any, as a sum");
             return Err(ExportError::new("model", model.name(), allowed));
         }
-        if let (Some(_), Some(model)) = (fitted.next(), fitted.next()) {
-            return Err(ExportError::new("model", model.name(), "alone, as it is fitted by exponentials"));
+        for terms in [Terms::Exponentials, Terms::Gaussians] {
+            if let Some(model) = self.summed().filter(|model| Terms::of(*model) == terms).nth(1) {
+                let allowed = format!("in a text of its own: the sum of another is of {terms:?}, too");
+                return Err(ExportError::new("model", model.name(), allowed));
+            }
         }
         let has = |subject| self.subjects.contains(&subject);
         let is_needed = has(Subject::Material) || self.summed().next().is_some();
@@ -225,7 +227,7 @@ impl Export<'_> {
                     };
                     Sum::of_gaussians([sum(0)?, sum(1)?, sum(2)?])
                 }
-                _ => Sum::of_exponentials(model, &self.profiles(model)?)?,
+                _ => Sum::of_fits(model, &self.profiles(model)?)?,
             };
             text += &sum.wgsl();
         }

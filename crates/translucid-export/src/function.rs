@@ -4,6 +4,7 @@ use translucid_profile::Model;
 
 use crate::language::Language;
 use crate::subject::Subject;
+use crate::sum::Terms;
 use crate::token::{Token, tokens};
 
 /// A function of a text, as those who test it or feed it from buffers call it: numbers in, numbers out.
@@ -330,13 +331,17 @@ pub fn functions(subject: Subject, model: Model) -> Vec<Function> {
         }
         (Subject::Profile, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_EVAL, OBLIQUE_PDF_AREA],
         (Subject::Sampler, Model::NormalizedDiffusionOblique) => vec![OBLIQUE_PDF_AREA, OBLIQUE_SAMPLE],
-        (Subject::Profile, Model::Gaussians) => [&GAUSSIANS_PROFILE[..], &GAUSSIANS_DENSITIES].concat(),
-        (Subject::Sampler, Model::Gaussians) => [&GAUSSIANS_DENSITIES[..], &[GAUSSIANS_SAMPLE]].concat(),
         (Subject::Fresnel, _) => FRESNEL.to_vec(),
         (Subject::Probe, _) => PROBE.to_vec(),
         (Subject::Inversion, _) => INVERSION.to_vec(),
-        (Subject::Profile, _) => [&EXPONENTIALS_PROFILE[..], &EXPONENTIALS_DENSITIES].concat(),
-        (Subject::Sampler, _) => [&EXPONENTIALS_DENSITIES[..], &[EXPONENTIALS_SAMPLE]].concat(),
+        (Subject::Profile, _) => match Terms::of(model) {
+            Terms::Exponentials => [&EXPONENTIALS_PROFILE[..], &EXPONENTIALS_DENSITIES].concat(),
+            Terms::Gaussians => [&GAUSSIANS_PROFILE[..], &GAUSSIANS_DENSITIES].concat(),
+        },
+        (Subject::Sampler, _) => match Terms::of(model) {
+            Terms::Exponentials => [&EXPONENTIALS_DENSITIES[..], &[EXPONENTIALS_SAMPLE]].concat(),
+            Terms::Gaussians => [&GAUSSIANS_DENSITIES[..], &[GAUSSIANS_SAMPLE]].concat(),
+        },
         (Subject::Disk | Subject::Lut | Subject::Kernel | Subject::Material, _) => Vec::new(),
     }
 }

@@ -11,6 +11,7 @@ use crate::Subject;
 use crate::function::Function;
 use crate::language::Language;
 use crate::number::literal;
+use crate::sum::Terms;
 
 /// Licence of what is exported; translucid's own is another.
 pub(crate) const LICENSE: &str = "MIT-0";
@@ -46,26 +47,36 @@ phi = 0 is where the beam is tilted to. w_k, mfp rate_k and the angle k are poly
 
 A and cos theta are in [0, 1], mean free paths in [1e-18, 1e18]."
         ),
-        Model::Gaussians if is_summed => format!(
-            "{}: the reflectance profile of a material, by six Gaussians a channel.
+        _ if is_summed => {
+            let (terms, formula) = match Terms::of(model) {
+                Terms::Exponentials => {
+                    ("four exponentials", "A/(2 pi r) sum_k w_k rate_k e^(-rate_k r)")
+                }
+                Terms::Gaussians => ("six Gaussians", "A/(2 pi) sum_k w_k e^(-r^2/2v_k) / v_k"),
+            };
+            let source = match model {
+                Model::Gaussians => format!(
+                    "They are translucid's fit to the exact half space of isotropic scatterers (G. B. Rybicki 1971) for
+{light}; mean error 4.6 % (pencil beam) or 4.2 % (cosine distribution)."
+                ),
+                _ => String::from(
+                    "They are fitted to the model's profile by least squares; how far they are from it stands at their function.",
+                ),
+            };
+            let zero = match Terms::of(model) {
+                Terms::Exponentials => "",
+                Terms::Gaussians => "\ngaussians_pdf counts as 0 below 4e-37 of sum_k w_k/sqrt(v_k).",
+            };
+            format!(
+                "{}: the reflectance profile of a material, by {terms} a channel.
 
-  R(r) = A/(2 pi) sum_k w_k e^(-r^2/2v_k) / v_k
+  R(r) = {formula}
 
-w_k and v_k are those of translucid's fit to the exact half space of isotropic scatterers (G. B. Rybicki 1971) for
-{light}; mean error 4.6 % (pencil beam) or 4.2 % (cosine distribution). R is finite at
-r = 0, where that of a medium grows like 1/r. gaussians_pdf counts as 0 below 4e-37 of sum_k w_k/sqrt(v_k).
-Errors below are those of a material of the tests.",
-            model.description()
-        ),
-        _ if is_summed => format!(
-            "{}: the reflectance profile of a material, by four exponentials a channel.
-
-  R(r) = A/(2 pi r) sum_k w_k rate_k e^(-rate_k r)
-
-w_k and rate_k are fitted to the model's profile by least squares; how far they are from it stands at their function.
-Errors below are those of a material of the tests.",
-            model.description()
-        ),
+{source}
+Errors below are those of a material of the tests.{zero}",
+                model.description()
+            )
+        }
         Model::NormalizedDiffusion => String::from(
             "Normalized diffusion: the reflectance profile of a translucent surface.
 

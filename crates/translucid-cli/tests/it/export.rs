@@ -39,7 +39,7 @@ fn models_without_a_closed_form_are_sums_of_a_material() {
     let words = "export --to c --what profile --model dipole --surface-albedo 0.8,0.5,0.5 --mfp 1";
     let text = stdout(&here(), words);
     assert!(text.contains("the least squares fit to dipole."), "{text}");
-    assert!(text.contains("TranslucidExponentials translucid_exponentials_of_channel(float channel) {"));
+    assert!(text.contains("TranslucidGaussians translucid_gaussians_of_channel(float channel) {"));
     // Refined diffusion has its own, and both go into one text
     let words = "export --to wgsl --what profile --model exact,gaussians,normalized-diffusion-refined \
                  --surface-albedo 0,0.5,1 --mfp 1";
@@ -93,8 +93,8 @@ fn wrong_input_is_told_what_is_allowed() {
             "--model is dipole, but must be a closed form: normalized-diff",
         ),
         (
-            "--to c --what profile --model dipole,exact --preset skin1",
-            "--model is exact, but must be alone, as it is fitted by exponentials",
+            "--to c --what profile --model dipole,exact,gaussians --preset skin1",
+            "--model is gaussians, but must be in a text of its own: the sum of another is of Gaussians, too",
         ),
         (
             "--to c --what profile --model gaussians --surface-albedo 1 --dmfp 1",
