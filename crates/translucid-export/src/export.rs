@@ -172,8 +172,14 @@ impl Export<'_> {
         if self.g != 0.0 && !has(Subject::Inversion) {
             return Err(ExportError::new("g", self.g.to_string(), "0 without inversion"));
         }
-        if self.eta != 1.0 && !has(Subject::Inversion) && !has(Subject::Fresnel) {
-            return Err(ExportError::new("eta", self.eta.to_string(), "1 without inversion or fresnel"));
+        // Moments are constants, which MaterialX has none of
+        let has_moments = has(Subject::Fresnel) && self.target != Target::MaterialX;
+        if self.eta != 1.0 && !has(Subject::Inversion) && !has_moments {
+            return Err(ExportError::new(
+                "eta",
+                self.eta.to_string(),
+                "1 without inversion or moments of fresnel",
+            ));
         }
         require(ETA.contains(&self.eta), "eta", self.eta, "in [0.05, 20]")?;
         let Sizes { taps, lut, most_curvature } = self.sizes;
