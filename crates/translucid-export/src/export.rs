@@ -17,23 +17,13 @@ use crate::image;
 use crate::inversion::Inversion;
 use crate::kernel::Kernel;
 use crate::language::Language;
+use crate::material::Material;
 use crate::materialx;
 use crate::number::literal;
 use crate::spirv;
 use crate::subject::Subject;
 use crate::sum::{Sum, Terms};
 use crate::target::Target;
-
-/// Parameters of a material for red, green, blue.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Material {
-    /// Surface albedos A, in [0, 1].
-    pub surface_albedo: [f64; 3],
-    /// Mean free paths or diffuse ones \[L\].
-    pub length: [f64; 3],
-    /// Which of the two they are.
-    pub parameterization: Parameterization,
-}
 
 /// Sizes of tables.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,9 @@ use naga::Module;
 use translucid_profile::{Configuration, RefinedDiffusion};
 
 use crate::error::ExportError;
-use crate::export::Material;
+
 use crate::function::Function;
+use crate::material::Material;
 use crate::node_graph::{NodeGraph, Operand};
 use crate::number::literal;
 use crate::spirv;
