@@ -144,6 +144,7 @@ fn appearances_are_refused_in_words() {
 }
 
 #[test]
+#[cfg_attr(miri, ignore = "takes minutes")]
 fn media_samples_and_tables_become_profiles() {
     let medium = TranslucidMedium { sigma_a: 0.0021, sigma_s: 2.19, g: 0.0, eta: 0.0, configuration: null() };
     let (mut made, mut tabulated, mut total) = (null_mut(), null_mut(), 0.0);
