@@ -134,13 +134,13 @@ void shade_lambert(int side, const float light[3], float *picture) {
 """
 
 
-def shaders(folder):
+def shaders(folder, taps):
     """The shaders, compiled with the exported text."""
-    words = ["--surface-albedo", SURFACE_ALBEDO, "--mfp", MEAN_FREE_PATH, "--taps", str(TAPS)]
+    words = ["--surface-albedo", SURFACE_ALBEDO, "--mfp", MEAN_FREE_PATH, "--taps", str(taps)]
     words += ["--size", f"{COLUMNS}x{ROWS}", "--most-curvature", str(MOST_CURVATURE), "-o", folder / "export.h"]
     subprocess.run([PROGRAM, "export", "--to", "c", "--what", "disk,lut", *words], check=True)
-    constants = [f"-D{name}={globals()[name]}" for name in ("TAPS", "COLUMNS", "ROWS")]
-    constants += [f"-D{name}={globals()[name]}f" for name in ("WIDTH", "MOST_CURVATURE")]
+    constants = [f"-D{name}={globals()[name]}" for name in ("COLUMNS", "ROWS")]
+    constants += [f"-DTAPS={taps}"] + [f"-D{name}={globals()[name]}f" for name in ("WIDTH", "MOST_CURVATURE")]
     source, library = folder / "shaders.c", folder / "shaders.so"
     source.write_text(SHADERS)
     flags = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-shared", "-fPIC"]
@@ -167,12 +167,12 @@ def path_traced(folder, size, samples):
     return rgba[..., :3], rgba[..., 3]
 
 
-def compared(size, samples):
+def compared(size, samples, taps=TAPS):
     """Pictures by name, the part of each pixel that the sphere covers, and relMSE of each picture."""
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         truth, coverage = path_traced(folder, size, samples)
-        library = shaders(folder)
+        library = shaders(folder, taps)
     pictures = {name: shaded(library, name, size) for name in ("lut", "disk", "lambert")}
     errors = {name: ((p - truth) ** 2 / (truth**2 + 0.01))[coverage > 0.0] for name, p in pictures.items()}
     return {"path tracer": truth, **pictures}, coverage, errors
@@ -196,7 +196,7 @@ def codes(linear, coverage):
 
 NAMES = {
     "lut": f"pre-integrated table, {COLUMNS} × {ROWS}",
-    "disk": f"disk of {TAPS} taps in screen space",
+    "disk": "disk of {} taps in screen space",
     "lambert": "no scattering",
 }
 
@@ -205,13 +205,14 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--size", type=int, default=240)
     parser.add_argument("--samples", type=int, default=1024)
+    parser.add_argument("--taps", type=int, default=TAPS)
     parser.add_argument("--write", action="store_true", help="make the picture and the table of the page")
     arguments = parser.parse_args()
-    pictures, coverage, errors = compared(arguments.size, arguments.samples)
+    pictures, coverage, errors = compared(arguments.size, arguments.samples, arguments.taps)
     lines = ["| shaded by | relMSE | red | green | blue |", "|---|---|---|---|---|"]
     for name, error in errors.items():
         numbers = [error.mean(), *error.mean(axis=0)]
-        lines.append(f"| {NAMES[name]} | {' | '.join(f'{number:.5f}' for number in numbers)} |")
+        lines.append(f"| {NAMES[name].format(arguments.taps)} | {' | '.join(f'{number:.5f}' for number in numbers)} |")
     table = "\n".join(lines)
     print(table)
     if arguments.write:
