@@ -273,13 +273,7 @@ fn apply(
     let rule = if matches!(quantity, Quantity::Quantile | Quantity::Sample) { SHARES } else { RADII };
     let (x, out) = (caller.input(rule.name, x, count)?, caller.output("out", out, count)?);
     x.require(&rule)?;
-    x.map(&out, |_, from, to| {
-        profile.apply(quantity, from, to);
-        if quantity == Quantity::Cdf {
-            // Sums of terms round up past 1, and quantile would refuse that
-            to.iter_mut().for_each(|share| *share = share.min(1.0));
-        }
-    });
+    x.map(&out, |_, from, to| profile.apply(quantity, from, to));
     Ok(())
 }
 

@@ -275,7 +275,7 @@ impl<T: Precision> ProfileView<'_, T> {
     #[inline]
     pub fn cdf(self, r: T) -> T {
         let [a, b] = self.shares_within(r);
-        a + b
+        (a + b).min(T::ONE)
     }
 
     /// Share of the energy that leaves beyond r, with the digits of a large r.
@@ -283,7 +283,7 @@ impl<T: Precision> ProfileView<'_, T> {
     pub fn complementary_cdf(self, r: T) -> T {
         let r = r.max(T::ZERO);
         let row = |i: usize| self.shares[i] * self.rows[i].beyond(r * self.scales[i]);
-        if self.shares[1] == T::ZERO { row(0) } else { row(0) + row(1) }
+        if self.shares[1] == T::ZERO { row(0) } else { (row(0) + row(1)).min(T::ONE) }
     }
 
     /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\]: chooses a row by u and takes its

@@ -173,13 +173,13 @@ impl TabulatedProfile {
     /// Share of the energy that leaves within r, with the digits of a small r.
     #[inline]
     pub fn cdf(&self, r: f64) -> f64 {
-        self.table.within(r * self.inverse_length)
+        self.table.within(r * self.inverse_length).min(1.0)
     }
 
     /// Share of the energy that leaves beyond r, with the digits of a large r.
     #[inline]
     pub fn complementary_cdf(&self, r: f64) -> f64 {
-        self.table.beyond(r * self.inverse_length)
+        self.table.beyond(r * self.inverse_length).min(1.0)
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr' = A cdf(r).

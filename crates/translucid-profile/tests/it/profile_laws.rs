@@ -348,6 +348,20 @@ fn shares_are_energies_over_the_surface_albedo() {
     }
 }
 
+/// Not above 1 by rounding: a quantile of it is asked for next.
+#[test]
+fn shares_are_at_most_one() {
+    for case in cases() {
+        let p = &case.profile;
+        for i in 0..600 {
+            let r = p.scale() * 10.0_f64.powf(f64::from(i) / 100.0 - 3.0);
+            for share in [p.cdf(r), p.complementary_cdf(r)] {
+                assert!((0.0..=1.0).contains(&share), "{} at {r}: {share:e}", case.label);
+            }
+        }
+    }
+}
+
 #[test]
 fn quantile_inverts_cdf() {
     for case in cases() {

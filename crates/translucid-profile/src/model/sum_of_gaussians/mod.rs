@@ -146,15 +146,16 @@ impl SumOfGaussians {
 
     /// Share of the energy that leaves within r: Σ w_k (1 − e^{−r²/2v_k}), exact for small r too.
     pub fn cdf(&self, r: f64) -> f64 {
-        self.sum(|deviation| {
+        let share = self.sum(|deviation| {
             let x = ratio(r, deviation);
             -libm::expm1(-0.5 * x * x)
-        })
+        });
+        share.min(1.0)
     }
 
     /// Share of the energy that leaves beyond r: Σ w_k e^{−r²/2v_k}, exact for large r too.
     pub fn complementary_cdf(&self, r: f64) -> f64 {
-        self.sum(|deviation| gaussian(ratio(r, deviation)))
+        self.sum(|deviation| gaussian(ratio(r, deviation))).min(1.0)
     }
 
     /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\].
