@@ -139,7 +139,7 @@ typedef struct {
   double value;
   // Unit of the value; empty for numbers without one.
   const char *unit;
-  // What is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp".
+  // Quantity that is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp".
   const char *equal;
   // The code or the document that the rule was read in.
   const char *source;
@@ -413,7 +413,7 @@ const char *translucid_last_error(void);
 
 // Makes the table of a model, which is as in translucid_profile_new.
 //
-// Of the appearance all counts but the surface albedo and the length: where mfp is not 0, lengths of the table's
+// The appearance counts but for its surface albedo and the length: where mfp is not 0, lengths of the table's
 // profiles are mean free paths, and where dmfp is not 0 diffuse ones. Between albedos the cdf is off by less than
 // 3e-4; the most that the model reaches stands in for albedos above it.
 TranslucidStatus translucid_table_new(const char *model,

@@ -67,7 +67,7 @@ pub struct TranslucidConvertedNumber {
     pub value: f64,
     /// Unit of the value; empty for numbers without one.
     pub unit: *const c_char,
-    /// What is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp".
+    /// Quantity that is the same on both sides: "surface_albedo", "d", the profile's width, or "mfp".
     pub equal: *const c_char,
     /// The code or the document that the rule was read in.
     pub source: *const c_char,
@@ -80,7 +80,7 @@ pub struct TranslucidConverted {
     _opaque: [u8; 0],
 }
 
-/// What a handle holds.
+/// The value behind a `TranslucidConverted`.
 pub(crate) struct Converted {
     numbers: Vec<(f64, [CString; 6])>,
     notes: Vec<CString>,

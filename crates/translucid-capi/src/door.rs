@@ -49,7 +49,7 @@ pub(crate) trait Kind {
     const NAME: &'static str;
 }
 
-/// What a handle points at.
+/// A value, and the tag of its type: handles point at one.
 #[repr(C)]
 struct Tagged<V> {
     tag: [u8; 8],

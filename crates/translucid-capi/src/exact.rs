@@ -19,7 +19,7 @@ pub struct TranslucidExact {
     _opaque: [u8; 0],
 }
 
-/// What a handle holds.
+/// The value behind a `TranslucidExact`.
 pub(crate) struct Exact {
     solution: Solution,
     mfp: f64,
@@ -28,7 +28,7 @@ pub(crate) struct Exact {
 
 enum Solution {
     Radial(Box<HalfSpace>),
-    /// Of a tilted beam.
+    /// The solution of a tilted beam.
     Oblique(Box<ObliqueHalfSpace>),
 }
 

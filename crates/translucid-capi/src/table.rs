@@ -29,7 +29,7 @@ const LENGTHS: Rule = Rule { name: "lengths", allowed: "in [1e-150, 1e150]", lea
 
 /// Makes the table of a model, which is as in translucid_profile_new.
 ///
-/// Of the appearance all counts but the surface albedo and the length: where mfp is not 0, lengths of the table's
+/// The appearance counts but for its surface albedo and the length: where mfp is not 0, lengths of the table's
 /// profiles are mean free paths, and where dmfp is not 0 diffuse ones. Between albedos the cdf is off by less than
 /// 3e-4; the most that the model reaches stands in for albedos above it.
 #[unsafe(no_mangle)]

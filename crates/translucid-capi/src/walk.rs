@@ -29,7 +29,7 @@ pub struct TranslucidWhiteTable {
     _opaque: [u8; 0],
 }
 
-/// What a handle holds.
+/// The value behind a `TranslucidWhiteTable`.
 pub(crate) struct Shared {
     table: Mutex<Arc<WhiteTable>>,
     /// Held while the table is about to change.
