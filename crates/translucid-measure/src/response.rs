@@ -1,0 +1,144 @@
+//! How a half space answers light that varies across its surface.
+
+use std::f64::consts::LN_10;
+
+use translucid_profile::{ParameterError, require};
+use translucid_reference::Incidence;
+use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
+
+/// Modulation transfer function of half spaces of isotropic scatterers: how much of a stripe pattern's contrast is left in
+/// the light that leaves.
+///
+/// ```text
+/// T(κ; A) = R̂(κ/ℓ) / A,     R̂(k) = ∫ R(r) J₀(kr) 2πr dr
+/// ```
+///
+/// κ = kℓ is the wave number of the stripes in reciprocal mean free paths.
+/// It is tabulated as ln(1/T − 1), which is a straight line in ln κ where κ is small and where it is large, and smooth in
+/// √(1 − A).
+///
+/// ```
+/// use translucid_measure::Response;
+/// use translucid_reference::{Incidence, exact::HalfSpace};
+///
+/// # fn main() -> Result<(), translucid_profile::ParameterError> {
+/// let response = Response::new(1.0, Incidence::Cosine)?;
+/// let exact = HalfSpace::from_surface_albedo(0.77, Incidence::Cosine)?.hankel(0.6).value / 0.77;
+/// assert!((response.at(0.77, 0.6) - exact).abs() < 2e-6);
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Response {
+    /// ln(1/T − 1), by √(1 − A) and ln κ.
+    rows: Vec<Vec<f64>>,
+}
+
+/// Greatest surface albedo of a row, and the least: its square root of 1 − A is that of the last row.
+const ALBEDOS: [f64; 2] = [0.9999, 0.005];
+/// Rows of a table.
+const ROWS: usize = 40;
+/// Decimal logarithm of the least wave number, and of the greatest.
+const DECADES: [f64; 2] = [-3.5, 3.0];
+/// Wave numbers of each decade.
+const PER_DECADE: usize = 12;
+
+impl Response {
+    /// Tabulates half spaces of a relative refractive index η under light of an incidence: 0.5 s without a boundary
+    /// (η = 1), half a minute with one.
+    ///
+    /// # Errors
+    /// η is not in \[0.5, 3\], or a beam's cosine not in (0, 1].
+    pub fn new(eta: f64, incidence: Incidence) -> Result<Self, ParameterError> {
+        let row = |i: usize| {
+            let root = root_of(ALBEDOS[0]) + step() * i as f64;
+            let surface_albedo = 1.0 - root * root;
+            let alpha = single_scattering_albedo(surface_albedo, eta, incidence)?;
+            let half_space = HalfSpace::with_boundary(alpha, eta, incidence)?;
+            let total = half_space.hankel(0.0).value;
+            let entry = |j: usize| {
+                let kappa = libm::exp(LN_10 * (DECADES[0] + j as f64 / PER_DECADE as f64));
+                let transfer = half_space.hankel(kappa).value / total;
+                libm::log(1.0 / transfer - 1.0)
+            };
+            let columns = ((DECADES[1] - DECADES[0]) * PER_DECADE as f64) as usize + 1;
+            let values: Vec<f64> = (0..columns).map(entry).collect();
+            require(values.iter().all(|value| value.is_finite()), "eta", eta, "one that has a solution")?;
+            Ok(values)
+        };
+        Ok(Self { rows: (0..ROWS).map(row).collect::<Result<_, ParameterError>>()? })
+    }
+
+    /// T of a surface albedo, clamped to \[0.005, 0.9999\], and a wave number κ = kℓ ≥ 0, in \[0, 1\].
+    pub fn at(&self, surface_albedo: f64, kappa: f64) -> f64 {
+        if !(kappa > 0.0) {
+            return 1.0;
+        }
+        let albedo = surface_albedo.max(ALBEDOS[1]).min(ALBEDOS[0]);
+        let row = (root_of(albedo) - root_of(ALBEDOS[0])) / step();
+        let column = (libm::log10(kappa) - DECADES[0]) * PER_DECADE as f64;
+        let value = cubic(self.rows.len(), row, |i| {
+            let row = &self.rows[i];
+            cubic(row.len(), column, |j| row[j])
+        });
+        1.0 / (1.0 + libm::exp(value))
+    }
+}
+
+fn root_of(surface_albedo: f64) -> f64 {
+    (1.0 - surface_albedo).sqrt()
+}
+
+fn step() -> f64 {
+    (root_of(ALBEDOS[1]) - root_of(ALBEDOS[0])) / (ROWS - 1) as f64
+}
+
+/// Cubic through the four of `count` values around a place; a straight line beyond the ends.
+fn cubic(count: usize, place: f64, value: impl Fn(usize) -> f64) -> f64 {
+    let last = (count - 1) as f64;
+    if place <= 0.0 {
+        return value(0) + place * (value(1) - value(0));
+    }
+    if place >= last {
+        return value(count - 1) + (place - last) * (value(count - 1) - value(count - 2));
+    }
+    // The interval's neighbors, one further inside at the ends
+    let first = (place.floor() as usize).saturating_sub(1).min(count - 4);
+    let t = place - first as f64;
+    let [a, b, c, d] = [0, 1, 2, 3].map(|i| value(first + i));
+    let (t1, t2, t3) = (t - 1.0, t - 2.0, t - 3.0);
+    -a * t1 * t2 * t3 / 6.0 + b * t * t2 * t3 / 2.0 - c * t * t1 * t3 / 2.0 + d * t * t1 * t2 / 6.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_is_the_exact_solution() {
+        for incidence in [Incidence::Cosine, Incidence::NORMAL] {
+            let response = Response::new(1.0, incidence).unwrap();
+            let mut worst = 0.0_f64;
+            for surface_albedo in [0.01, 0.123, 0.5, 0.831, 0.97, 0.995] {
+                let exact = HalfSpace::from_surface_albedo(surface_albedo, incidence).unwrap();
+                for i in 0..60 {
+                    let kappa = 1e-4 * libm::exp(0.3 * f64::from(i));
+                    let error = response.at(surface_albedo, kappa) - exact.hankel(kappa).value / surface_albedo;
+                    worst = worst.max(error.abs());
+                }
+            }
+            assert!(worst < 1e-5, "{incidence:?}: {worst}");
+        }
+    }
+
+    #[test]
+    fn any_number_gives_a_transfer() {
+        let response = Response::new(1.0, Incidence::Cosine).unwrap();
+        for albedo in [f64::NAN, -1.0, 0.0, 0.5, 1.0, 2.0] {
+            for kappa in [f64::NAN, -1.0, 0.0, 1e-300, 1e-3, 1.0, 1e3, 1e9, 1e300, f64::INFINITY] {
+                let transfer = response.at(albedo, kappa);
+                assert!((0.0..=1.0).contains(&transfer), "{albedo} {kappa}: {transfer}");
+            }
+        }
+    }
+}
