@@ -1,15 +1,24 @@
 //! Surface albedo and mean free path of a material, from a photograph of light that creeps below its surface.
 //!
 //! ```text
+//! photo.rs          linear pixels
+//! edge_line.rs      where the card ends, and the light across that line
 //! response.rs       how a half space answers stripes of light: its modulation transfer function
 //! edge.rs           what a camera sees beside an opaque card: the forward model
+//! edge_fit.rs       mean free paths and albedos that explain what a camera has seen
 //! least_squares.rs  robust weighted least squares
 //! ```
 
 mod edge;
+mod edge_fit;
+mod edge_line;
 mod least_squares;
+mod photo;
 mod response;
 
 pub use edge::{Edge, EdgeModel};
+pub use edge_fit::{ChannelFit, EdgeFit, EdgeSamples, Interval, Scale};
+pub use edge_line::{EdgeLine, NoEdge};
 pub use least_squares::{Minimum, minimize};
+pub use photo::Photo;
 pub use response::Response;

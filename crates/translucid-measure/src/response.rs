@@ -37,11 +37,11 @@ pub struct Response {
 /// Greatest surface albedo of a row, and the least: its square root of 1 − A is that of the last row.
 const ALBEDOS: [f64; 2] = [0.9999, 0.005];
 /// Rows of a table.
-const ROWS: usize = 40;
+const ROWS: usize = 72;
 /// Decimal logarithm of the least wave number, and of the greatest.
 const DECADES: [f64; 2] = [-3.5, 3.0];
 /// Wave numbers of each decade.
-const PER_DECADE: usize = 12;
+const PER_DECADE: usize = 16;
 
 impl Response {
     /// Tabulates half spaces of a relative refractive index η under light of an incidence: 0.5 s without a boundary
@@ -76,7 +76,7 @@ impl Response {
         }
         let albedo = surface_albedo.max(ALBEDOS[1]).min(ALBEDOS[0]);
         let row = (root_of(albedo) - root_of(ALBEDOS[0])) / step();
-        let column = (libm::log10(kappa) - DECADES[0]) * PER_DECADE as f64;
+        let column = (libm::log10(kappa.min(1e30)) - DECADES[0]) * PER_DECADE as f64;
         let value = cubic(self.rows.len(), row, |i| {
             let row = &self.rows[i];
             cubic(row.len(), column, |j| row[j])
