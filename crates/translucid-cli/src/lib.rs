@@ -14,6 +14,7 @@ mod files;
 mod fit;
 mod interrupt;
 mod machine;
+mod measure;
 mod merge;
 mod messages;
 mod model;
@@ -66,6 +67,7 @@ enum Verb {
     Compare(compare::CompareArguments),
     Convert(convert::ConvertArguments),
     Export(export::ExportArguments),
+    Measure(measure::MeasureArguments),
     View(view::ViewArguments),
     /// Lists the models of subsurface scattering, a line each
     Models,
@@ -86,6 +88,7 @@ Examples:
   translucid compare -o comparison --surface-albedo 0.2,0.5,0.8
   translucid convert --from renderman:dmfp=2 --surface-albedo 0.8 --format text
   translucid export --to glsl --what sampler
+  translucid measure soap.exr --mm-per-pixel 0.04 --white 100,80,400,260
   translucid help render
 
 Exit codes: 0 done, 2 the input is wrong, 130 stopped by Ctrl-C, 143 by SIGTERM, 129 by SIGHUP, 1 anything else.";
@@ -187,6 +190,7 @@ fn run_verb(cli: Cli) -> Result<(), Failure> {
         Verb::Compare(arguments) => compare::run(&arguments),
         Verb::Convert(arguments) => convert::run(&arguments),
         Verb::Export(arguments) => export::run(&arguments),
+        Verb::Measure(arguments) => measure::run(&arguments),
         Verb::View(arguments) => view::run(&arguments),
         Verb::Models => models::run(),
         Verb::Completions(arguments) => completions::run(&arguments, Cli::command()),
