@@ -8,10 +8,10 @@ use translucid_image::check_writable;
 use translucid_laboratory::Cell;
 use translucid_measure::{EdgeFit, EdgeLine, Interval, NoEdge, Photo, Response, Scale};
 use translucid_reference::Incidence;
-use translucid_scene::{ColorSpace, Pixels, load_image};
+use translucid_scene::{ColorSpace, Pixels, Place, load_image};
 
 use crate::failure::Failure;
-use crate::files::{refusal, write_file};
+use crate::files::write_file;
 use crate::messages;
 use crate::model::ConfigurationName;
 use crate::table::{TableFormat, exact, print};
@@ -173,7 +173,9 @@ fn three(option: &str, values: &[f64], most: f64) -> Result<[f64; 3], Failure> {
     match *values {
         [one] => Ok([one; 3]),
         [r, g, b] => Ok([r, g, b]),
-        _ => Err(Failure::input(format!("{option} has {} numbers, but must have one or three", values.len()))),
+        _ => {
+            Err(Failure::input(format!("{option} has {} numbers, but must have one or three", values.len())))
+        }
     }
 }
 
@@ -228,8 +230,10 @@ fn subtract(photo: &mut Photo, dark: &Photo) -> Result<(), String> {
 fn part(photo: &Photo, path: &Path, option: &str, rectangle: [usize; 4]) -> Result<Photo, Failure> {
     let [_, _, x1, y1] = rectangle;
     if x1 > photo.width || y1 > photo.height {
-        let message =
-            format!("{option} ends at {x1},{y1}, but the photograph is {}×{} pixels", photo.width, photo.height);
+        let message = format!(
+            "{option} ends at {x1},{y1}, but the photograph is {}×{} pixels",
+            photo.width, photo.height
+        );
         return Err(refusal(path, message));
     }
     Ok(photo.part(rectangle))
@@ -241,9 +245,9 @@ fn no_edge(path: &Path, fault: NoEdge) -> Failure {
         NoEdge::NoContrast(contrast) => format!(
             "no edge of light: the brightest tenth is {contrast:.2} times as bright as the darkest, and must be 1.5 times"
         ),
-        NoEdge::NotStraight(distance) if distance.is_finite() => format!(
-            "no straight edge: where light is half as bright is {distance:.0} pixels off a line"
-        ),
+        NoEdge::NotStraight(distance) if distance.is_finite() => {
+            format!("no straight edge: where light is half as bright is {distance:.0} pixels off a line")
+        }
         NoEdge::NotStraight(_) => String::from("no edge that goes through the picture from side to side"),
     };
     refusal(path, message).with_help("show the edge alone by --region, or where it is by --edge")
@@ -337,7 +341,9 @@ fn material(fit: &EdgeFit, scale: Scale, photo: &Path) -> String {
     let list = |values: [f64; 3]| values.map(three_digits).join(", ");
     let albedos = match scale {
         Scale::Relative(albedos) => albedos,
-        Scale::Reflectance => fit.channels.map(|channel| channel.surface_albedo.map_or(0.0, |a| a.value.min(1.0))),
+        Scale::Reflectance => {
+            fit.channels.map(|channel| channel.surface_albedo.map_or(0.0, |a| a.value.min(1.0)))
+        }
     };
     let name = photo.file_stem().unwrap_or_default().to_string_lossy().replace(['"', '\\'], "_");
     format!(
@@ -346,6 +352,11 @@ fn material(fit: &EdgeFit, scale: Scale, photo: &Path) -> String {
         list(albedos),
         list(fit.channels.map(|channel| channel.mfp.value))
     )
+}
+
+/// A fault of a photograph.
+fn refusal(path: &Path, message: impl Into<String>) -> Failure {
+    Failure { place: Some(Place::file(path)), ..Failure::input(message) }
 }
 
 /// A number with three significant digits.
@@ -362,7 +373,9 @@ fn parse_rectangle(text: &str) -> Result<[usize; 4], String> {
     let numbers: Option<Vec<usize>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
     match numbers.as_deref() {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
-        _ => Err(String::from("a rectangle is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200")),
+        _ => Err(String::from(
+            "a rectangle is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200",
+        )),
     }
 }
 

@@ -42,7 +42,8 @@ const PERIODS: f64 = 8.0;
 impl EdgeModel {
     /// For places that are averages over pixels of such a width \[L\].
     pub fn new(places: &[f64], pixel_width: f64) -> Self {
-        let (low, high) = places.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
+        let (low, high) =
+            places.iter().fold((f64::MAX, f64::MIN), |(low, high), x| (low.min(*x), high.max(*x)));
         let period = PERIODS * (high - low).max(4.0 * pixel_width);
         // Finer than a pixel there is hardly anything: its width and the blur are in the way
         let count = (period / pixel_width) as usize;
@@ -69,13 +70,13 @@ impl EdgeModel {
         let amplitude = |(k, height): (&f64, &f64)| {
             let blurred = height * libm::exp(-0.5 * (blur * k).powi(2));
             // Of what is below rounding nothing is left
-            let strength = if blurred.abs() > 1e-9 { blurred * response.at(surface_albedo, k * mfp) } else { 0.0 };
+            let strength =
+                if blurred.abs() > 1e-9 { blurred * response.at(surface_albedo, k * mfp) } else { 0.0 };
             // sin k(x − x₀)
             let (sin, cos) = libm::sincos(k * position);
             [strength * cos, -strength * sin]
         };
-        let amplitudes: Vec<[f64; 2]> =
-            self.wave_numbers.iter().zip(&self.heights).map(amplitude).collect();
+        let amplitudes: Vec<[f64; 2]> = self.wave_numbers.iter().zip(&self.heights).map(amplitude).collect();
         let at = |waves: &Vec<[f64; 2]>| {
             let terms = waves.iter().zip(&amplitudes).map(|([sin, cos], [a, b])| sin * a + cos * b);
             0.5 + terms.sum::<f64>()

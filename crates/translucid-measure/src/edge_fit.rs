@@ -129,7 +129,7 @@ impl EdgeFit {
         Some(Self {
             channels: [channel(0), channel(1), channel(2)],
             position: p[0],
-            blur: libm::exp(p[1]),
+            blur: p[1].abs(),
             misfit: square / (residuals.len() - COUNT) as f64,
             residuals: (0..samples.places.len()).map(plain).collect(),
         })
@@ -188,7 +188,7 @@ impl<'a> Problem<'a> {
         // Where the first channel is half as bright, and a tenth of the extent
         let half = 0.5 * (self.level(0, true) + self.level(0, false));
         let middle = (0..places.len()).find(|i| self.means[3 * i] > half).unwrap_or(places.len() / 2);
-        let mut start = vec![places[middle], libm::log(self.samples.pixel_width)];
+        let mut start = vec![places[middle], self.samples.pixel_width];
         for c in 0..3 {
             let (lit, dark) = (self.level(c, true), self.level(c, false));
             start.extend([libm::log(0.05 * self.extent()), lit - dark, dark, 0.0]);
@@ -198,7 +198,7 @@ impl<'a> Problem<'a> {
 
     /// Sizes of steps that change something.
     fn scales(&self) -> Vec<f64> {
-        let mut scales = vec![self.samples.pixel_width, 0.3];
+        let mut scales = vec![self.samples.pixel_width; SHARED];
         for c in 0..3 {
             let lit = self.level(c, true);
             scales.extend([0.3, 0.1 * lit, 0.1 * lit, 0.1 / self.extent()]);
@@ -214,8 +214,7 @@ impl<'a> Problem<'a> {
                 Scale::Reflectance => gain,
                 Scale::Relative(albedos) => albedos[c],
             };
-            let edge =
-                Edge { surface_albedo, mfp: libm::exp(log_mfp), position: p[0], blur: libm::exp(p[1]) };
+            let edge = Edge { surface_albedo, mfp: libm::exp(log_mfp), position: p[0], blur: p[1] };
             self.model.eval(self.response, &edge)
         };
         let curves = [curve(0), curve(1), curve(2)];
@@ -243,7 +242,10 @@ impl<'a> Problem<'a> {
         };
         let jacobian = DMatrix::from_columns(&(0..COUNT).map(column).collect::<Vec<_>>());
         let weighted = DMatrix::from_fn(jacobian.nrows(), COUNT, |row, i| jacobian[(row, i)] * weights[row]);
-        let bread = (jacobian.transpose() * &weighted).try_inverse()?;
+        // A picture without blur says nothing of it: only its size counts
+        let step = DMatrix::from_diagonal(&DVector::from_row_slice(steps));
+        let normal = &step * (jacobian.transpose() * &weighted) * &step;
+        let bread = &step * normal.clone().pseudo_inverse(1e-12 * normal.amax()).ok()? * &step;
         let count = self.samples.blocks.len() as f64;
         let mut meat = DMatrix::<f64>::zeros(COUNT, COUNT);
         for block in &self.samples.blocks {
@@ -330,7 +332,8 @@ mod tests {
     }
 
     fn normal(random: &mut SplitMix) -> f64 {
-        (-2.0 * libm::log(1.0 - random.uniform())).sqrt() * libm::cos(std::f64::consts::TAU * random.uniform())
+        (-2.0 * libm::log(1.0 - random.uniform())).sqrt()
+            * libm::cos(std::f64::consts::TAU * random.uniform())
     }
 
     const ALBEDOS: [f64; 3] = [0.85, 0.6, 0.35];
@@ -340,8 +343,7 @@ mod tests {
     fn photographed(truths: &[Truth; 3], noise: f64, random: &mut SplitMix) -> EdgeSamples {
         let places: Vec<f64> = (-60..60).map(|i| 0.1 * f64::from(i) + 0.05).collect();
         let light = |x: f64, c: usize| (1.0 + 0.01 * x) * truths[c].blurred(x - 0.23, 0.12) + 0.01;
-        let clean: Vec<[f64; 3]> =
-            places.iter().map(|x| std::array::from_fn(|c| light(*x, c))).collect();
+        let clean: Vec<[f64; 3]> = places.iter().map(|x| std::array::from_fn(|c| light(*x, c))).collect();
         let blocks = (0..16).map(|_| {
             let mut drift = 0.0;
             let noisy = |pixel: &[f64; 3]| {

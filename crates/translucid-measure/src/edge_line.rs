@@ -42,8 +42,7 @@ impl EdgeLine {
         if width < 16 || height < 16 {
             return Err(NoEdge::TooSmall);
         }
-        let mut sorted: Vec<f64> =
-            (0..width * height).map(|i| photo.gray(i % width, i / width)).collect();
+        let mut sorted: Vec<f64> = (0..width * height).map(|i| photo.gray(i % width, i / width)).collect();
         sorted.sort_by(f64::total_cmp);
         let tenth = sorted.len() / 10;
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
@@ -133,9 +132,8 @@ impl EdgeLine {
         // A line that is not upright leaves corners that a rectangle does not hold
         let lengths = (2..=10).map(|i| 0.1 * f64::from(i));
         let all = lengths.map(|part| (part, self.samples_of(photo, pixel_width, part)));
-        let best = all.max_by(|(a, x), (b, y)| {
-            (a * x.places.len() as f64).total_cmp(&(b * y.places.len() as f64))
-        });
+        let best =
+            all.max_by(|(a, x), (b, y)| (a * x.places.len() as f64).total_cmp(&(b * y.places.len() as f64)));
         best.map_or_else(|| self.samples_of(photo, pixel_width, 1.0), |(_, samples)| samples)
     }
 
@@ -165,7 +163,8 @@ impl EdgeLine {
             }
             let block = ((along(x, y) - first) / (last - first + 1e-9) * BLOCKS as f64) as usize;
             let bin = (self.distance(x, y) - low) as usize;
-            let (sum, count): &mut ([f64; 3], f64) = &mut sums[block.min(BLOCKS - 1) * bins + bin.min(bins - 1)];
+            let (sum, count): &mut ([f64; 3], f64) =
+                &mut sums[block.min(BLOCKS - 1) * bins + bin.min(bins - 1)];
             for (sum, value) in sum.iter_mut().zip(photo.at(x, y)) {
                 *sum += f64::from(value);
             }

@@ -123,7 +123,8 @@ mod tests {
                 let exact = HalfSpace::from_surface_albedo(surface_albedo, incidence).unwrap();
                 for i in 0..60 {
                     let kappa = 1e-4 * libm::exp(0.3 * f64::from(i));
-                    let error = response.at(surface_albedo, kappa) - exact.hankel(kappa).value / surface_albedo;
+                    let error =
+                        response.at(surface_albedo, kappa) - exact.hankel(kappa).value / surface_albedo;
                     worst = worst.max(error.abs());
                 }
             }
