@@ -142,6 +142,13 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     let fit = EdgeFit::new(&samples, &response, scale).ok_or_else(|| {
         refusal(path, "nothing gets brighter across the edge, or it has fewer than 16 pixels on a side")
     })?;
+    if fit.channels.iter().all(|channel| !channel.is_seen) {
+        let message = format!(
+            "no scattering is seen: the edge is as sharp as a blur of {} mm makes it",
+            three_digits(fit.blur)
+        );
+        return Err(refusal(path, message).with_help("come closer, so that light creeps over several pixels"));
+    }
     remarks(&fit, &samples.places, scale);
     let text = match arguments.format {
         MeasureFormat::Text => paragraphs(&fit),
@@ -255,7 +262,7 @@ fn no_edge(path: &Path, fault: NoEdge) -> Failure {
 
 /// What limits the measurement, in plain sentences.
 fn remarks(fit: &EdgeFit, places: &[f64], scale: Scale) {
-    if let (Scale::Relative(albedos), true) = (scale, true) {
+    if let Scale::Relative(albedos) = scale {
         let shown = albedos.map(|a| a.to_string()).join(", ");
         messages::print_note(&format!(
             "without a white card only lengths are measured, for surface albedos of {shown}"
@@ -264,7 +271,12 @@ fn remarks(fit: &EdgeFit, places: &[f64], scale: Scale) {
     let extent = places.last().zip(places.first()).map_or(0.0, |(last, first)| last - first);
     for (name, channel) in CHANNELS.iter().zip(&fit.channels) {
         let [low, high] = channel.mfp.sure;
-        if high > 2.0 * low {
+        if !channel.is_seen {
+            messages::print_warning(&format!(
+                "{name}: no scattering is seen: the edge is as sharp as a blur of {} mm makes it: come closer",
+                three_digits(fit.blur)
+            ));
+        } else if high > 2.0 * low {
             messages::print_note(&format!(
                 "{name}: the edge does not tell the mean free path: it may be {} to {} mm",
                 three_digits(low),
@@ -309,7 +321,8 @@ fn rows(fit: &EdgeFit) -> Vec<Vec<Cell>> {
     };
     let of_channel = |(name, channel): (&&str, &translucid_measure::ChannelFit)| {
         let albedo = channel.surface_albedo.map(|albedo| row(name, "surface_albedo", albedo, ""));
-        [Some(row(name, "mfp", channel.mfp, "mm")), albedo].into_iter().flatten().collect::<Vec<_>>()
+        let mfp = channel.is_seen.then(|| row(name, "mfp", channel.mfp, "mm"));
+        [mfp, albedo].into_iter().flatten().collect::<Vec<_>>()
     };
     CHANNELS.iter().zip(&fit.channels).flat_map(of_channel).collect()
 }
@@ -321,7 +334,11 @@ fn paragraphs(fit: &EdgeFit) -> String {
             let [low, high] = interval.sure.map(three_digits);
             format!("{} ({low} to {high})", three_digits(interval.value))
         };
-        let _ = write!(text, "{name:<6} mean free path {} mm", shown(channel.mfp));
+        if channel.is_seen {
+            let _ = write!(text, "{name:<6} mean free path {} mm", shown(channel.mfp));
+        } else {
+            let _ = write!(text, "{name:<6} mean free path not seen");
+        }
         if let Some(albedo) = channel.surface_albedo {
             let _ = write!(text, ", surface albedo {}", shown(albedo));
             let _ = write!(text, ", correlation {:+.2}", channel.correlation);
@@ -350,7 +367,8 @@ fn material(fit: &EdgeFit, scale: Scale, photo: &Path) -> String {
         "unit = \"mm\"\n\n[[material]]\nname = \"{name}\"\nsubsurface_weight = 1\nsubsurface_color = [{}]\n\
          subsurface_radius = 1\nsubsurface_radius_scale = [{}]\n",
         list(albedos),
-        list(fit.channels.map(|channel| channel.mfp.value))
+        // A surface whose scattering is not seen is Lambertian
+        list(fit.channels.map(|channel| if channel.is_seen { channel.mfp.value } else { 0.0 }))
     )
 }
 

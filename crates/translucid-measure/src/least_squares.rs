@@ -23,6 +23,9 @@ const HUBER: f64 = 1.345;
 /// Rounds of weighing.
 const ROUNDS: usize = 8;
 
+/// A parameter whose step changes the residuals by less than this squared hardly moves.
+const UNFELT: f64 = 1e-9;
+
 /// Steps of a round.
 const STEPS: usize = 60;
 
@@ -69,7 +72,7 @@ fn descend(
         while damping < 1e12 {
             let mut damped = normal.clone();
             for i in 0..parameters.len() {
-                damped[(i, i)] += damping * normal[(i, i)].max(f64::MIN_POSITIVE);
+                damped[(i, i)] += damping * normal[(i, i)].max(UNFELT / scales[i].powi(2));
             }
             let Some(step) = damped.cholesky().map(|factor| factor.solve(&gradient)) else {
                 damping *= 10.0;

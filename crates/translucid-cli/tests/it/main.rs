@@ -12,6 +12,7 @@ mod gallery;
 mod killed;
 mod look;
 mod markdown;
+mod measure;
 mod pages;
 mod points;
 mod reference;
