@@ -109,7 +109,7 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     if let Some(white) = arguments.white {
         let reflectances = three("--white-reflectance", &arguments.white_reflectance, 1.0)?;
         let card = part(&photo, path, "--white", white)?.mean();
-        if let Some(c) = (0..3).find(|&c| !(card[c] > 0.0)) {
+        if let Some(c) = (0..3).find(|&c| card[c] <= 0.0) {
             return Err(refusal(path, format!("--white: {} is {} there", CHANNELS[c], card[c])));
         }
         let gains: [f64; 3] = std::array::from_fn(|c| reflectances[c] / card[c]);

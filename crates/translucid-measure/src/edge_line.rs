@@ -48,7 +48,7 @@ impl EdgeLine {
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
         let (dark, lit) = (mean(&sorted[..tenth]), mean(&sorted[sorted.len() - tenth..]));
         let contrast = lit / dark.max(1e-6 * lit);
-        if !(contrast >= LEAST_CONTRAST) {
+        if !contrast.is_finite() || contrast < LEAST_CONTRAST {
             return Err(NoEdge::NoContrast(if contrast.is_finite() { contrast } else { 1.0 }));
         }
 

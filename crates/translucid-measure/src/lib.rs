@@ -9,6 +9,11 @@
 //! least_squares.rs  robust weighted least squares
 //! ```
 
+#![allow(
+    clippy::manual_clamp,
+    reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as the fits need it"
+)]
+
 mod edge;
 mod edge_fit;
 mod edge_line;

@@ -71,7 +71,7 @@ impl Response {
 
     /// T of a surface albedo, clamped to \[0.005, 0.9999\], and a wave number κ = kℓ ≥ 0, in \[0, 1\].
     pub fn at(&self, surface_albedo: f64, kappa: f64) -> f64 {
-        if !(kappa > 0.0) {
+        if kappa.is_nan() || kappa <= 0.0 {
             return 1.0;
         }
         let albedo = surface_albedo.max(ALBEDOS[1]).min(ALBEDOS[0]);
