@@ -5,7 +5,12 @@
 //! ```
 //!
 //! for a channel c with the gain g, stray light b and the slope m of uneven light; where the card ends and the camera's blur
-//! are the same for all channels. Where v is reflectance, g is the surface albedo itself.
+//! are the same for all channels. Where v is reflectance, g is the surface albedo itself, less what a boundary reflects.
+//! Where the camera sees the card instead of what is below it, the lit side alone tells:
+//!
+//! ```text
+//! v_c(x) = G_σ * [ x > x₀ : g_c (1 + m_c x) E(x; A_c, ℓ_c, x₀, 0),  else b_c ]
+//! ```
 //!
 //! Neighboring pixels are not independent, and the noise of a photograph is not known.
 //! So the picture is cut along the edge into blocks, whose differences tell how far to trust their mean: covariances are
@@ -13,6 +18,7 @@
 
 use std::cell::RefCell;
 use std::collections::VecDeque;
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::ops::RangeInclusive;
 use std::rc::Rc;
 
@@ -42,6 +48,15 @@ pub enum Scale {
     Relative([f64; 3]),
 }
 
+/// What hides the light from the dark side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Card {
+    /// Nothing that the camera sees: the dark side shows the piece, as in the shadow that a projector throws.
+    Hidden,
+    /// A card on the piece: the dark side shows the card.
+    Visible,
+}
+
 /// A value, and where the truth is with so much confidence.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interval {
@@ -64,7 +79,7 @@ pub struct ChannelFit {
     pub surface_albedo: Option<Interval>,
     /// Correlation of the two errors, where both are measured.
     pub correlation: f64,
-    /// Stray light over the lit side's.
+    /// Stray light over the lit side's; the card's own where it is visible.
     pub stray: f64,
     /// Uneven light: by how much it changes over the places, over its mean.
     pub unevenness: f64,
@@ -75,6 +90,8 @@ pub struct ChannelFit {
 pub struct EdgeFit {
     /// Red, green and blue.
     pub channels: [ChannelFit; 3],
+    /// What the dark side shows.
+    pub card: Card,
     /// Where the card ends \[L\].
     pub position: f64,
     /// Standard deviation of the camera's blur \[L\].
@@ -90,6 +107,9 @@ const SHARED: usize = 2;
 const OF_CHANNEL: usize = 4;
 const COUNT: usize = SHARED + 3 * OF_CHANNEL;
 
+/// Mean square of residuals over the noise up to which a hidden card explains the light.
+const EXPLAINED: f64 = 1.5;
+
 /// Standard error of ln ℓ from which on nothing is known of a mean free path.
 const UNSEEN: f64 = 1.0;
 
@@ -97,10 +117,20 @@ const UNSEEN: f64 = 1.0;
 const FEWEST_BLOCKS: usize = 6;
 
 impl EdgeFit {
-    /// Fits the edge. `None` where there are fewer than six blocks or 16 places, numbers that are not finite, or nothing
-    /// that gets brighter.
+    /// Fits the edge, of a card that is hidden where that explains the light, and else of the one that explains it better.
+    /// `None` where there are fewer than six blocks or 16 places, numbers that are not finite, or nothing that gets brighter.
     pub fn new(samples: &EdgeSamples, response: &Response, scale: Scale) -> Option<Self> {
-        let problem = Problem::new(samples, response, scale)?;
+        let hidden = Self::with_card(samples, response, scale, Card::Hidden);
+        if hidden.as_ref().is_some_and(|fit| fit.misfit < EXPLAINED) {
+            return hidden;
+        }
+        let visible = Self::with_card(samples, response, scale, Card::Visible);
+        [hidden, visible].into_iter().flatten().min_by(|a, b| a.misfit.total_cmp(&b.misfit))
+    }
+
+    /// Fits the edge of a card that is hidden or visible; `None` as for [`new`](Self::new).
+    pub fn with_card(samples: &EdgeSamples, response: &Response, scale: Scale, card: Card) -> Option<Self> {
+        let problem = Problem::new(samples, response, scale, card)?;
         let mut steps = problem.scales();
         let residuals = |p: &[f64]| problem.residuals(p, &problem.means);
         let square = |p: &[f64]| residuals(p).iter().map(|r| r * r).sum::<f64>();
@@ -129,7 +159,11 @@ impl EdgeFit {
             let is_measured = scale == Scale::Reflectance;
             ChannelFit {
                 mfp: interval(p[first], error(0), libm::exp),
-                surface_albedo: is_measured.then(|| interval(p[first + 1], error(1), |a| a)),
+                surface_albedo: is_measured.then(|| {
+                    // Of the light that the boundary lets in
+                    let entering = response.entering();
+                    interval(p[first + 1] / entering, error(1) / entering, |a| a)
+                }),
                 is_seen: error(0) > 0.0 && error(0) < UNSEEN && problem.log_mfps(p[1]).contains(&p[first]),
                 correlation: if error(0) * error(1) > 0.0 {
                     (covariance[(first, first + 1)] / error(0) / error(1)).clamp(-1.0, 1.0)
@@ -149,6 +183,7 @@ impl EdgeFit {
         };
         Some(Self {
             channels: [channel(0), channel(1), channel(2)],
+            card,
             position: p[0],
             blur: p[1].abs(),
             misfit: square(p) / (residuals.len() - COUNT) as f64,
@@ -162,6 +197,7 @@ struct Problem<'a> {
     samples: &'a EdgeSamples,
     response: &'a Response,
     scale: Scale,
+    card: Card,
     model: EdgeModel,
     /// Means over blocks, channel by channel at each place.
     means: Vec<f64>,
@@ -175,7 +211,7 @@ struct Problem<'a> {
 const KEPT: usize = 8;
 
 impl<'a> Problem<'a> {
-    fn new(samples: &'a EdgeSamples, response: &'a Response, scale: Scale) -> Option<Self> {
+    fn new(samples: &'a EdgeSamples, response: &'a Response, scale: Scale, card: Card) -> Option<Self> {
         let EdgeSamples { places, pixel_width, blocks } = samples;
         let n = places.len();
         let is_usable = blocks.len() >= FEWEST_BLOCKS
@@ -194,7 +230,7 @@ impl<'a> Problem<'a> {
         let inverse_errors = noise_model(&means, &variances)?;
         let model = EdgeModel::new(places, *pixel_width);
         let curves = RefCell::default();
-        let problem = Self { samples, response, scale, model, means, inverse_errors, curves };
+        let problem = Self { samples, response, scale, card, model, means, inverse_errors, curves };
         (0..3).all(|c| problem.level(c, true) > problem.level(c, false)).then_some(problem)
     }
 
@@ -218,9 +254,17 @@ impl<'a> Problem<'a> {
 
     fn start(&self, mfp: f64) -> Vec<f64> {
         let places = &self.samples.places;
-        // Where the first channel is half as bright, and a tenth of the extent
-        let half = 0.5 * (self.level(0, true) + self.level(0, false));
-        let middle = (0..places.len()).find(|i| self.means[3 * i] > half).unwrap_or(places.len() / 2);
+        // The mean of the channels is half as bright at the shadow's end, and rises most where the card ends
+        let mean = |i: usize| self.means[3 * i..3 * i + 3].iter().sum::<f64>();
+        let [lit, dark] = [true, false].map(|is_lit| (0..3).map(|c| self.level(c, is_lit)).sum::<f64>());
+        let middle = match self.card {
+            Card::Hidden => (0..places.len()).find(|i| mean(*i) > 0.5 * (lit + dark)),
+            Card::Visible => {
+                let rise = |i: &usize| mean(i + 1) - mean(i - 1);
+                (1..places.len() - 1).max_by(|i, j| rise(i).total_cmp(&rise(j)))
+            }
+        };
+        let middle = middle.unwrap_or(places.len() / 2);
         let mut start = vec![places[middle], self.samples.pixel_width];
         for c in 0..3 {
             let (lit, dark) = (self.level(c, true), self.level(c, false));
@@ -253,27 +297,42 @@ impl<'a> Problem<'a> {
         Rc::clone(&curves[0].1)
     }
 
+    /// The model's values of a channel.
+    fn light(&self, p: &[f64], c: usize) -> Vec<f64> {
+        let [position, blur] = [p[0], p[1]];
+        let [log_mfp, gain, stray, slope]: [f64; OF_CHANNEL] =
+            std::array::from_fn(|i| p[SHARED + c * OF_CHANNEL + i]);
+        let surface_albedo = match self.scale {
+            Scale::Reflectance => gain / self.response.entering(),
+            Scale::Relative(albedos) => albedos[c],
+        };
+        let mfp = libm::exp(log_mfp).max(1e-3 * self.samples.pixel_width).min(30.0 * self.extent());
+        let places = &self.samples.places;
+        let lit = |curve: &[f64]| -> Vec<f64> {
+            let lit = |(x, light): (&f64, &f64)| gain * (1.0 + slope * (x - position)) * light;
+            places.iter().zip(curve).map(lit).collect()
+        };
+        match self.card {
+            Card::Hidden => {
+                let curve = self.curve(&Edge { surface_albedo, mfp, position, blur });
+                lit(&curve).into_iter().map(|light| stray + light).collect()
+            }
+            Card::Visible => {
+                let curve = self.curve(&Edge { surface_albedo, mfp, position, blur: 0.0 });
+                let beside_card = |(x, light): (&f64, f64)| {
+                    let covered = (0.5 - (x - position) / self.samples.pixel_width).max(0.0).min(1.0);
+                    covered * stray + (1.0 - covered) * light
+                };
+                let sharp: Vec<f64> = places.iter().zip(lit(&curve)).map(beside_card).collect();
+                blurred(&sharp, blur.abs() / self.samples.pixel_width)
+            }
+        }
+    }
+
     /// Values less the model's over their errors, channel by channel at each place.
     fn residuals(&self, p: &[f64], values: &[f64]) -> Vec<f64> {
-        let curve = |c: usize| {
-            let [log_mfp, gain, _, _] = std::array::from_fn(|i| p[SHARED + c * OF_CHANNEL + i]);
-            let surface_albedo = match self.scale {
-                Scale::Reflectance => gain,
-                Scale::Relative(albedos) => albedos[c],
-            };
-            let mfp = libm::exp(log_mfp).max(1e-3 * self.samples.pixel_width).min(30.0 * self.extent());
-            let edge = Edge { surface_albedo, mfp, position: p[0], blur: p[1] };
-            self.curve(&edge)
-        };
-        let curves = [curve(0), curve(1), curve(2)];
-        let residual = |i: usize| {
-            let (place, c) = (i / 3, i % 3);
-            let [_, gain, stray, slope]: [f64; OF_CHANNEL] =
-                std::array::from_fn(|k| p[SHARED + c * OF_CHANNEL + k]);
-            let uneven = 1.0 + slope * (self.samples.places[place] - p[0]);
-            let model = stray + gain * uneven * curves[c][place];
-            (values[i] - model) * self.inverse_errors[i]
-        };
+        let curves = [0, 1, 2].map(|c| self.light(p, c));
+        let residual = |i: usize| (values[i] - curves[i % 3][i / 3]) * self.inverse_errors[i];
         (0..values.len()).map(residual).collect()
     }
 
@@ -306,6 +365,24 @@ impl<'a> Problem<'a> {
         }
         Some(&bread * meat * &bread * (count / (count - 1.0)))
     }
+}
+
+/// Means over pixels under a Gaussian blur, whose standard deviation is in pixels; the ends go on.
+fn blurred(values: &[f64], blur: f64) -> Vec<f64> {
+    let blur = blur.min(values.len() as f64);
+    let reach = (4.0 * blur).ceil() as usize + 1;
+    let below =
+        |x: f64| if blur > 1e-6 { 0.5 * libm::erfc(-x / blur * FRAC_1_SQRT_2) } else { f64::from(x > 0.0) };
+    let weights: Vec<f64> = (0..2 * reach + 1)
+        .map(|i| i as f64 - reach as f64)
+        .map(|x| below(x + 0.5) - below(x - 0.5))
+        .collect();
+    let last = values.len() - 1;
+    let at = |i: usize| {
+        let value = |(j, weight): (usize, &f64)| weight * values[(i + j).saturating_sub(reach).min(last)];
+        weights.iter().enumerate().map(value).sum::<f64>()
+    };
+    (0..values.len()).map(at).collect()
 }
 
 /// 1 over the standard errors of means, by a straight line through their variances: reading noise and that of photons.
@@ -435,6 +512,39 @@ mod tests {
             );
         }
         assert!(worst < 0.1, "{worst}");
+    }
+
+    /// A card of reflectance 0.03 that the camera sees; what is below it tells nothing.
+    #[test]
+    fn visible_card_is_recognized_and_tells_by_the_lit_side() {
+        let response = Response::new(1.0, Incidence::Cosine).unwrap();
+        let truths = [0, 1, 2].map(|c| Truth::new(ALBEDOS[c], MFPS[c]));
+        let mut random = SplitMix(23);
+        let places: Vec<f64> = (-40..140).map(|i| 0.1 * f64::from(i) + 0.05).collect();
+        // Gaussian blur of the sharp picture by fine steps
+        let sharp = |x: f64, c: usize| if x < 0.23 { 0.03 } else { truths[c].sharp(x - 0.23) };
+        let light = |x: f64, c: usize| {
+            let nodes = (-60..=60).map(|i| f64::from(i) / 15.0);
+            let weight = |t: f64| libm::exp(-0.5 * t * t);
+            let sum: f64 = nodes.clone().map(weight).sum();
+            nodes.map(|t| weight(t) * sharp(x + 0.12 * t, c)).sum::<f64>() / sum
+        };
+        let clean: Vec<[f64; 3]> = places.iter().map(|x| std::array::from_fn(|c| light(*x, c))).collect();
+        let noisy = |pixel: &[f64; 3], random: &mut SplitMix| pixel.map(|v| v + 0.004 * normal(random));
+        let blocks = (0..16).map(|_| clean.iter().map(|pixel| noisy(pixel, &mut random)).collect()).collect();
+        let samples = EdgeSamples { pixel_width: 0.1, blocks, places };
+        let fit = EdgeFit::new(&samples, &response, Scale::Reflectance).unwrap();
+        assert_eq!(fit.card, Card::Visible);
+        assert!(fit.misfit < 1.5, "{}", fit.misfit);
+        for (c, channel) in fit.channels.iter().enumerate() {
+            let albedo = channel.surface_albedo.unwrap();
+            for (found, truth, part) in [(channel.mfp, MFPS[c], 0.1), (albedo, ALBEDOS[c], 0.01)] {
+                assert!((found.value / truth - 1.0).abs() < part, "{c}: {found:?} is not {truth}");
+                let half = 0.5 * (found.sure[1] - found.sure[0]);
+                assert!((found.value - truth).abs() < 2.0 * half, "{c}: {found:?} is not {truth}");
+            }
+            assert!((channel.stray * albedo.value - 0.03).abs() < 0.003, "{channel:?}");
+        }
     }
 
     /// An opaque surface, whose edge only the camera blurs.

@@ -22,7 +22,7 @@ mod photo;
 mod response;
 
 pub use edge::{Edge, EdgeModel};
-pub use edge_fit::{ChannelFit, EdgeFit, EdgeSamples, Interval, Scale};
+pub use edge_fit::{Card, ChannelFit, EdgeFit, EdgeSamples, Interval, Scale};
 pub use edge_line::{EdgeLine, NoEdge};
 pub use least_squares::{Minimum, minimize};
 pub use photo::Photo;

@@ -1,10 +1,11 @@
 //! How a half space answers light that varies across its surface.
 
 use std::f64::consts::LN_10;
+use std::sync::OnceLock;
 
-use translucid_profile::{ParameterError, require};
-use translucid_reference::Incidence;
+use translucid_profile::ParameterError;
 use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
+use translucid_reference::{Incidence, specular_reflectance};
 
 /// Modulation transfer function of half spaces of isotropic scatterers: how much of a stripe pattern's contrast is left in
 /// the light that leaves.
@@ -30,8 +31,10 @@ use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Response {
-    /// ln(1/T − 1), by √(1 − A) and ln κ.
-    rows: Vec<Vec<f64>>,
+    eta: f64,
+    incidence: Incidence,
+    /// ln(1/T − 1), by √(1 − A) and ln κ; a row is solved when it is asked for.
+    rows: Vec<OnceLock<Vec<f64>>>,
 }
 
 /// Greatest surface albedo of a row, and the least: its square root of 1 − A is that of the last row.
@@ -44,29 +47,42 @@ const DECADES: [f64; 2] = [-3.5, 3.0];
 const PER_DECADE: usize = 16;
 
 impl Response {
-    /// Tabulates half spaces of a relative refractive index η under light of an incidence: 0.5 s without a boundary
-    /// (η = 1), half a minute with one.
+    /// Half spaces of a relative refractive index η under light of an incidence, solved as far as they are asked for: the
+    /// whole table is 0.5 s without a boundary (η = 1) and half a minute with one, of which a fit needs a part.
     ///
     /// # Errors
     /// η is not in \[0.5, 3\], or a beam's cosine not in (0, 1].
     pub fn new(eta: f64, incidence: Incidence) -> Result<Self, ParameterError> {
-        let row = |i: usize| {
-            let root = root_of(ALBEDOS[0]) + step() * i as f64;
-            let surface_albedo = 1.0 - root * root;
-            let alpha = single_scattering_albedo(surface_albedo, eta, incidence)?;
-            let half_space = HalfSpace::with_boundary(alpha, eta, incidence)?;
-            let total = half_space.hankel(0.0).value;
-            let entry = |j: usize| {
-                let kappa = libm::exp(LN_10 * (DECADES[0] + j as f64 / PER_DECADE as f64));
-                let transfer = half_space.hankel(kappa).value / total;
-                libm::log(1.0 / transfer - 1.0)
-            };
-            let columns = ((DECADES[1] - DECADES[0]) * PER_DECADE as f64) as usize + 1;
-            let values: Vec<f64> = (0..columns).map(entry).collect();
-            require(values.iter().all(|value| value.is_finite()), "eta", eta, "one that has a solution")?;
-            Ok(values)
+        let rows = (0..ROWS).map(|_| OnceLock::new()).collect();
+        let response = Self { eta, incidence, rows };
+        // What is refused is so for every surface albedo
+        response.solve(ROWS / 2)?;
+        Ok(response)
+    }
+
+    /// Part of the incident light that the boundary lets in, in (0, 1].
+    pub fn entering(&self) -> f64 {
+        1.0 - specular_reflectance(self.incidence, self.eta)
+    }
+
+    fn row(&self, i: usize) -> &[f64] {
+        // An empty row is none that a response has
+        self.rows[i].get_or_init(|| self.solve(i).unwrap_or_default())
+    }
+
+    fn solve(&self, i: usize) -> Result<Vec<f64>, ParameterError> {
+        let root = root_of(ALBEDOS[0]) + step() * i as f64;
+        let surface_albedo = 1.0 - root * root;
+        let alpha = single_scattering_albedo(surface_albedo, self.eta, self.incidence)?;
+        let half_space = HalfSpace::with_boundary(alpha, self.eta, self.incidence)?;
+        let total = half_space.hankel(0.0).value;
+        let entry = |j: usize| {
+            let kappa = libm::exp(LN_10 * (DECADES[0] + j as f64 / PER_DECADE as f64));
+            // Where hardly any contrast is lost, rounding may leave less than none
+            libm::log((total / half_space.hankel(kappa).value - 1.0).max(1e-12))
         };
-        Ok(Self { rows: (0..ROWS).map(row).collect::<Result<_, ParameterError>>()? })
+        let columns = ((DECADES[1] - DECADES[0]) * PER_DECADE as f64) as usize + 1;
+        Ok((0..columns).map(entry).collect())
     }
 
     /// T of a surface albedo, clamped to \[0.005, 0.9999\], and a wave number κ = kℓ ≥ 0, in \[0, 1\].
@@ -78,7 +94,7 @@ impl Response {
         let row = (root_of(albedo) - root_of(ALBEDOS[0])) / step();
         let column = (libm::log10(kappa.min(1e30)) - DECADES[0]) * PER_DECADE as f64;
         let value = cubic(self.rows.len(), row, |i| {
-            let row = &self.rows[i];
+            let row = self.row(i);
             cubic(row.len(), column, |j| row[j])
         });
         1.0 / (1.0 + libm::exp(value))
@@ -130,6 +146,23 @@ mod tests {
             }
             assert!(worst < 1e-5, "{incidence:?}: {worst}");
         }
+    }
+
+    /// Below a smooth boundary of η = 1.4 two albedos, between the table's rows.
+    #[test]
+    fn table_below_a_boundary_is_the_exact_solution() {
+        let response = Response::new(1.4, Incidence::Cosine).unwrap();
+        assert!((response.entering() - (1.0 - specular_reflectance(Incidence::Cosine, 1.4))).abs() < 1e-15);
+        for surface_albedo in [0.4, 0.87] {
+            let alpha = single_scattering_albedo(surface_albedo, 1.4, Incidence::Cosine).unwrap();
+            let exact = HalfSpace::with_boundary(alpha, 1.4, Incidence::Cosine).unwrap();
+            for kappa in [1e-3, 0.05, 0.3, 2.0, 30.0] {
+                let error = response.at(surface_albedo, kappa) - exact.hankel(kappa).value / surface_albedo;
+                assert!(error.abs() < 1e-5, "{surface_albedo} {kappa}: {error}");
+            }
+        }
+        assert!(Response::new(0.1, Incidence::Cosine).is_err());
+        assert!(Response::new(f64::NAN, Incidence::Cosine).is_err());
     }
 
     #[test]
