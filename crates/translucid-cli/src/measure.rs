@@ -1,13 +1,17 @@
 //! `translucid measure`: a material's numbers from a photograph.
 
+mod page;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use translucid_image::check_writable;
-use translucid_laboratory::Cell;
-use translucid_measure::{EdgeFit, EdgeLine, Interval, NoEdge, Photo, Response, Scale};
+use translucid_laboratory::{Cell, DataTable};
+use translucid_measure::{Card, EdgeFit, EdgeLine, Interval, NoEdge, Photo, Response, Scale};
+use translucid_profile::Medium;
 use translucid_reference::Incidence;
+use translucid_reference::exact::single_scattering_albedo;
 use translucid_scene::{ColorSpace, Pixels, Place, load_image};
 
 use crate::failure::Failure;
@@ -36,8 +40,11 @@ pub(crate) struct MeasureArguments {
     #[arg(value_name = "PHOTO")]
     photo: PathBuf,
     /// Width of a pixel on the piece \[mm\]
-    #[arg(long, value_name = "MM", value_parser = parse_positive)]
-    mm_per_pixel: f64,
+    #[arg(long, value_name = "MM", value_parser = parse_positive, required_unless_present = "ruler")]
+    mm_per_pixel: Option<f64>,
+    /// In its place two points of the photograph and the distance between them \[mm\]
+    #[arg(long, value_name = "X0,Y0,X1,Y1,MM", value_parser = parse_ruler, conflicts_with = "mm_per_pixel")]
+    ruler: Option<[f64; 5]>,
     /// White card in the photograph, in the same light [default: none, and no surface albedo is measured]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_rectangle)]
     white: Option<[usize; 4]>,
@@ -53,6 +60,12 @@ pub(crate) struct MeasureArguments {
     /// Two points of the card's edge [default: found]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_points)]
     edge: Option<[f64; 4]>,
+    /// What the dark side shows: the piece (hidden, as in a projector's shadow) or the card (visible) [default: found]
+    #[arg(long, value_enum)]
+    card: Option<CardName>,
+    /// Another exposure of the same view, to be merged; may be repeated
+    #[arg(long, value_name = "PHOTO", conflicts_with = "dark")]
+    exposure: Vec<PathBuf>,
     /// Photograph with the light off and the same exposure, which is subtracted
     #[arg(long, value_name = "PHOTO")]
     dark: Option<PathBuf>,
@@ -62,6 +75,15 @@ pub(crate) struct MeasureArguments {
     /// How light falls: from all around (diffuse), or along the surface's normal (searchlight)
     #[arg(long, value_enum, default_value = "diffuse")]
     configuration: ConfigurationName,
+    /// Relative refractive index of a piece that is smooth, in \[0.5, 3\]; 1 is none
+    #[arg(long, value_name = "ETA", default_value_t = 1.0)]
+    eta: f64,
+    /// Mean cosine of scattering, in (-1, 1): the mean free path is that of the similar medium
+    #[arg(long, value_name = "G", default_value_t = 0.0, allow_negative_numbers = true)]
+    g: f64,
+    /// Directory for a page: the fit, what it leaves over, where in the photograph it was made
+    #[arg(long, value_name = "DIR")]
+    page: Option<PathBuf>,
     /// File to write instead of stdout
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -83,6 +105,15 @@ enum MeasureFormat {
     Toml,
 }
 
+/// What the dark side of an edge shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum CardName {
+    /// The piece, in shadow
+    Hidden,
+    /// A card that lies on it
+    Visible,
+}
+
 /// Names of the channels.
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
@@ -91,6 +122,12 @@ const USUAL_ALBEDO: f64 = 0.7;
 
 /// Share of pixels at the end of their range from which on a photograph counts as clipped.
 const CLIPPED: f64 = 1e-3;
+
+/// Share from which on nothing is measured.
+const TOO_MUCH_CLIPPED: f64 = 0.05;
+
+/// Change of the light across the picture, over its mean, from which on it is called uneven.
+const UNEVEN: f64 = 0.5;
 
 /// Mean square of residuals over the noise from which on the model does not explain the light.
 const MISFIT: f64 = 2.0;
@@ -101,8 +138,31 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         check_writable(path)?;
     }
     let scale = scale(arguments)?;
+    let medium_of = MediumOf::new(arguments)?;
+    let mm_per_pixel = match (arguments.mm_per_pixel, arguments.ruler) {
+        (Some(width), _) => width,
+        (None, Some([x0, y0, x1, y1, distance])) => distance / (x1 - x0).hypot(y1 - y0),
+        (None, None) => return Err(Failure::input("--mm-per-pixel is missing: how wide is a pixel?")),
+    };
     let path = &arguments.photo;
     let mut photo = load(path, arguments)?;
+    if !arguments.exposure.is_empty() {
+        let mut exposures = vec![photo];
+        for path in &arguments.exposure {
+            exposures.push(load(path, arguments)?);
+        }
+        photo = Photo::merged(&exposures).ok_or_else(|| {
+            Failure::input(
+                "--exposure: the photographs have other sizes or nothing in common that none of them clips",
+            )
+        })?;
+    }
+    let region = arguments.region.unwrap_or([0, 0, photo.width, photo.height]);
+    for (option, rectangle) in [("--region", Some(region)), ("--white", arguments.white)] {
+        if let Some(rectangle) = rectangle {
+            check_clipping(&part(&photo, path, option, rectangle)?, path)?;
+        }
+    }
     if let Some(dark) = &arguments.dark {
         subtract(&mut photo, &load(dark, arguments)?).map_err(|message| refusal(dark, message))?;
     }
@@ -119,8 +179,6 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
             }
         }
     }
-    let whole = [0, 0, photo.width, photo.height];
-    let region = arguments.region.unwrap_or(whole);
     let piece = part(&photo, path, "--region", region)?;
     let line = match arguments.edge {
         Some([x0, y0, x1, y1]) => {
@@ -136,25 +194,42 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         line.point[0] + region[0] as f64,
         line.point[1] + region[1] as f64
     ));
-    let samples = line.samples(&piece, arguments.mm_per_pixel);
-    let incidence = Incidence::from(translucid_profile::Configuration::from(arguments.configuration));
-    let response = Response::new(1.0, incidence).map_err(|error| Failure::work(error.to_string()))?;
-    let fit = EdgeFit::new(&samples, &response, scale).ok_or_else(|| {
+    let samples = line.samples(&piece, mm_per_pixel);
+    let response = &medium_of.response;
+    let fit = match arguments.card {
+        None => EdgeFit::new(&samples, response, scale),
+        Some(CardName::Hidden) => EdgeFit::with_card(&samples, response, scale, Card::Hidden),
+        Some(CardName::Visible) => EdgeFit::with_card(&samples, response, scale, Card::Visible),
+    };
+    let mut fit = fit.ok_or_else(|| {
         refusal(path, "nothing gets brighter across the edge, or it has fewer than 16 pixels on a side")
     })?;
     if fit.channels.iter().all(|channel| !channel.is_seen) {
+        if fit.misfit > MISFIT {
+            return Err(refusal(path, unlike(&fit)));
+        }
         let message = format!(
             "no scattering is seen: the edge is as sharp as a blur of {} mm makes it",
             three_digits(fit.blur)
         );
         return Err(refusal(path, message).with_help("come closer, so that light creeps over several pixels"));
     }
-    remarks(&fit, &samples.places, scale);
+    messages::line(match fit.card {
+        Card::Hidden => "the dark side shows light that creeps into a shadow (--card hidden)",
+        Card::Visible => "the dark side shows the card: the lit side is measured (--card visible)",
+    });
+    let limits = remarks(&fit, &samples.places, scale);
+    medium_of.scale(&mut fit, scale)?;
+    if let Some(directory) = &arguments.page {
+        let shown =
+            page::Shown { photo: &photo, region, line: &line, samples: &samples, fit: &fit, limits: &limits };
+        page::write(directory, path, &shown, DataTable { rows: rows(&fit), ..table() })?;
+    }
     let text = match arguments.format {
-        MeasureFormat::Text => paragraphs(&fit),
+        MeasureFormat::Text => paragraphs(&fit) + &conversion(&fit, scale),
         MeasureFormat::Csv => TableFormat::Csv.text(&COLUMNS, &rows(&fit)),
         MeasureFormat::Json => TableFormat::Json.text(&COLUMNS, &rows(&fit)),
-        MeasureFormat::Toml => material(&fit, scale, path),
+        MeasureFormat::Toml => material(&fit, scale, arguments),
     };
     match &arguments.output {
         Some(path) => write_file(path, text.as_bytes()),
@@ -192,32 +267,34 @@ fn load(path: &Path, arguments: &MeasureArguments) -> Result<Photo, Failure> {
     let mut warnings = Vec::new();
     let image = load_image(path, color_space, &mut warnings)?;
     messages::print_warnings(&warnings);
-    if let Pixels::Byte(pixels) = &image.pixels {
-        let ends = pixels.iter().flat_map(|p| &p[..3]).filter(|v| **v == u8::MAX).count();
-        let share = ends as f64 / (3 * pixels.len()) as f64;
-        if share > CLIPPED {
-            let message = format!(
-                "{}: {:.1} % of the values are at the end of their range, where light is lost: \
-                 expose less, or leave them out by --region",
-                path.display(),
-                100.0 * share
-            );
-            messages::print_warning(&message);
-        }
-        if color_space == ColorSpace::Srgb {
-            let message = format!(
-                "{}: 8-bit values are taken as sRGB; cameras bend them at will, so lengths may be off by tens of \
+    if matches!(image.pixels, Pixels::Byte(_)) && color_space == ColorSpace::Srgb {
+        let message = format!(
+            "{}: 8-bit values are taken as sRGB; cameras bend them at will, so lengths may be off by tens of \
                  percent: better develop the raw file to linear OpenEXR",
-                path.display()
-            );
-            messages::print_warning(&message);
-        }
+            path.display()
+        );
+        messages::print_warning(&message);
     }
     let pixel = |x: usize, y: usize| {
         let [r, g, b, _] = image.texel(x as u32, y as u32);
         [r, g, b]
     };
     Ok(Photo::from_fn(image.width as usize, image.height as usize, pixel))
+}
+
+/// Warns of light that is cut off, and refuses where that is much of it.
+fn check_clipping(part: &Photo, path: &Path) -> Result<(), Failure> {
+    let share = part.clipped();
+    let message =
+        format!("{:.1} % of the values are at the end of their range, where light is lost", 100.0 * share);
+    let help = "expose less, add a shorter --exposure, or leave highlights out by --region";
+    if share > TOO_MUCH_CLIPPED {
+        return Err(refusal(path, message).with_help(help));
+    }
+    if share > CLIPPED {
+        messages::print_warning(&format!("{}: {message}: {help}", path.display()));
+    }
+    Ok(())
 }
 
 fn subtract(photo: &mut Photo, dark: &Photo) -> Result<(), String> {
@@ -260,57 +337,111 @@ fn no_edge(path: &Path, fault: NoEdge) -> Failure {
     refusal(path, message).with_help("show the edge alone by --region, or where it is by --edge")
 }
 
-/// What limits the measurement, in plain sentences.
-fn remarks(fit: &EdgeFit, places: &[f64], scale: Scale) {
+/// Says what limits the measurement, and returns it in plain sentences.
+fn remarks(fit: &EdgeFit, places: &[f64], scale: Scale) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut warnings = Vec::new();
     if let Scale::Relative(albedos) = scale {
         let shown = albedos.map(|a| a.to_string()).join(", ");
-        messages::print_note(&format!(
-            "without a white card only lengths are measured, for surface albedos of {shown}"
-        ));
+        notes.push(format!("without a white card only lengths are measured, for surface albedos of {shown}"));
     }
     let extent = places.last().zip(places.first()).map_or(0.0, |(last, first)| last - first);
     for (name, channel) in CHANNELS.iter().zip(&fit.channels) {
         let [low, high] = channel.mfp.sure;
+        let [value, blur] = [channel.mfp.value, fit.blur].map(three_digits);
         if !channel.is_seen {
-            messages::print_warning(&format!(
-                "{name}: no scattering is seen: the edge is as sharp as a blur of {} mm makes it: come closer",
-                three_digits(fit.blur)
+            warnings.push(format!(
+                "{name}: no scattering is seen: the edge is as sharp as a blur of {blur} mm makes it: come closer"
             ));
         } else if high > 2.0 * low {
-            messages::print_note(&format!(
-                "{name}: the edge does not tell the mean free path: it may be {} to {} mm",
-                three_digits(low),
-                three_digits(high)
+            let [low, high] = [low, high].map(three_digits);
+            notes.push(format!(
+                "{name}: the edge does not tell the mean free path: it may be {low} to {high} mm"
             ));
         } else if channel.mfp.value > extent / 15.0 {
-            messages::print_warning(&format!(
-                "{name}: light creeps {} mm and more, farther than the {extent:.0} mm that are seen show: step back",
-                three_digits(channel.mfp.value)
+            warnings.push(format!(
+                "{name}: light creeps {value} mm and more, farther than the {extent:.0} mm that are seen show: step back"
             ));
         } else if channel.mfp.value < fit.blur {
-            messages::print_warning(&format!(
-                "{name}: the picture's blur of {} mm hides a mean free path of {} mm: come closer",
-                three_digits(fit.blur),
-                three_digits(channel.mfp.value)
+            warnings.push(format!(
+                "{name}: the picture's blur of {blur} mm hides a mean free path of {value} mm: come closer"
             ));
         }
         if channel.surface_albedo.is_some_and(|albedo| albedo.value >= 1.0) {
-            messages::print_warning(&format!(
+            warnings.push(format!(
                 "{name}: brighter than any surface in the light of the white card: is a highlight in the way, or \
                  --white-reflectance too high?"
             ));
         }
+        if channel.unevenness.abs() > UNEVEN {
+            warnings.push(format!(
+                "{name}: the light changes by {:.0} % across the picture: is the piece tilted, or the lamp close?",
+                100.0 * channel.unevenness.abs()
+            ));
+        }
     }
     if fit.misfit > MISFIT {
-        messages::print_warning(&format!(
-            "the light is not that of an even, thick, isotropic piece: what is left is {:.1} times the noise (layers, \
-             strong forward scattering, a rough or bent surface, a second light?)",
-            fit.misfit.sqrt()
-        ));
+        warnings.push(unlike(fit));
+    }
+    notes.iter().for_each(|note| messages::print_note(note));
+    warnings.iter().for_each(|warning| messages::print_warning(warning));
+    notes.into_iter().chain(warnings).collect()
+}
+
+/// That no half space explains the light.
+fn unlike(fit: &EdgeFit) -> String {
+    format!(
+        "the light is not that of an even, thick, isotropic piece: what is left is {:.1} times the noise (layers, strong \
+         forward scattering, a rough, bent or patterned surface, moiré, a second light?)",
+        fit.misfit.sqrt()
+    )
+}
+
+/// What mean free paths of isotropic scatterers below a boundary are to the medium that is asked for.
+struct MediumOf {
+    eta: f64,
+    g: f64,
+    incidence: Incidence,
+    response: Response,
+}
+
+impl MediumOf {
+    fn new(arguments: &MeasureArguments) -> Result<Self, Failure> {
+        let MeasureArguments { eta, g, .. } = *arguments;
+        let incidence = Incidence::from(translucid_profile::Configuration::from(arguments.configuration));
+        let response =
+            Response::new(eta, incidence).map_err(|error| Failure::input(format!("--eta: {error}")))?;
+        Medium::new(1.0, 1.0, g).map_err(|error| Failure::input(format!("--g: {error}")))?;
+        Ok(Self { eta, g, incidence, response })
+    }
+
+    /// Turns the mean free paths of isotropic scatterers into those of the similar medium: σ_a and (1 − g) σ_s are the same.
+    fn scale(&self, fit: &mut EdgeFit, scale: Scale) -> Result<(), Failure> {
+        for (c, channel) in fit.channels.iter_mut().enumerate() {
+            let albedo = match (scale, channel.surface_albedo) {
+                (Scale::Relative(albedos), _) => albedos[c],
+                (Scale::Reflectance, albedo) => albedo.map_or(0.0, |albedo| albedo.value.clamp(1e-3, 0.9999)),
+            };
+            let similar = |error: translucid_profile::ParameterError| Failure::work(error.to_string());
+            let alpha = single_scattering_albedo(albedo, self.eta, self.incidence).map_err(similar)?;
+            let medium = Medium::from_reduced(1.0 - alpha, alpha, self.g).map_err(similar)?;
+            let factor = medium.mfp();
+            let Interval { value, likely, sure } = channel.mfp;
+            channel.mfp = Interval {
+                value: factor * value,
+                likely: likely.map(|l| factor * l),
+                sure: sure.map(|l| factor * l),
+            };
+        }
+        Ok(())
     }
 }
 
 const COLUMNS: [&str; 8] = ["channel", "quantity", "value", "from_68", "to_68", "from_95", "to_95", "unit"];
+
+fn table() -> DataTable {
+    DataTable::new("measured", "What is measured, with intervals of 68 and of 95 % confidence.", &COLUMNS)
+}
 
 fn rows(fit: &EdgeFit) -> Vec<Vec<Cell>> {
     let row = |channel: &str, quantity: &str, interval: Interval, unit: &str| {
@@ -354,18 +485,41 @@ fn paragraphs(fit: &EdgeFit) -> String {
     text
 }
 
-fn material(fit: &EdgeFit, scale: Scale, photo: &Path) -> String {
-    let list = |values: [f64; 3]| values.map(three_digits).join(", ");
-    let albedos = match scale {
+/// The command that says the same in other renderers' numbers.
+fn conversion(fit: &EdgeFit, scale: Scale) -> String {
+    let list = |values: [f64; 3]| values.map(three_digits).join(",");
+    let mfps = list(fit.channels.map(|channel| if channel.is_seen { channel.mfp.value } else { 0.0 }));
+    let albedos = list(surface_albedos(fit, scale));
+    format!(
+        "In other renderers: translucid convert --from translucid:mfp={mfps} --surface-albedo {albedos} --format text\n"
+    )
+}
+
+/// Surface albedos that a material has, measured or given.
+fn surface_albedos(fit: &EdgeFit, scale: Scale) -> [f64; 3] {
+    match scale {
         Scale::Relative(albedos) => albedos,
         Scale::Reflectance => {
-            fit.channels.map(|channel| channel.surface_albedo.map_or(0.0, |a| a.value.min(1.0)))
+            fit.channels.map(|channel| channel.surface_albedo.map_or(0.0, |a| a.value.clamp(0.0, 1.0)))
         }
-    };
+    }
+}
+
+fn material(fit: &EdgeFit, scale: Scale, arguments: &MeasureArguments) -> String {
+    let MeasureArguments { photo, eta, g, .. } = arguments;
+    let list = |values: [f64; 3]| values.map(three_digits).join(", ");
+    let albedos = surface_albedos(fit, scale);
+    let mut rest = String::new();
+    if *g != 0.0 {
+        let _ = writeln!(rest, "subsurface_scatter_anisotropy = {g}");
+    }
+    if *eta != 1.0 {
+        let _ = writeln!(rest, "specular_ior = {eta}");
+    }
     let name = photo.file_stem().unwrap_or_default().to_string_lossy().replace(['"', '\\'], "_");
     format!(
         "unit = \"mm\"\n\n[[material]]\nname = \"{name}\"\nsubsurface_weight = 1\nsubsurface_color = [{}]\n\
-         subsurface_radius = 1\nsubsurface_radius_scale = [{}]\n",
+         subsurface_radius = 1\nsubsurface_radius_scale = [{}]\n{rest}",
         list(albedos),
         // A surface whose scattering is not seen is Lambertian
         list(fit.channels.map(|channel| if channel.is_seen { channel.mfp.value } else { 0.0 }))
@@ -393,6 +547,21 @@ fn parse_rectangle(text: &str) -> Result<[usize; 4], String> {
         Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
         _ => Err(String::from(
             "a rectangle is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200",
+        )),
+    }
+}
+
+fn parse_ruler(text: &str) -> Result<[f64; 5], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x0, y0, x1, y1, mm])
+            if [x0, y0, x1, y1, mm].iter().all(|v| v.abs() < 1e6) && (x0, y0) != (x1, y1) && mm > 0.0 =>
+        {
+            Ok([x0, y0, x1, y1, mm])
+        }
+        _ => Err(String::from(
+            "a ruler is X0,Y0,X1,Y1,MM: two points in pixels that are apart, and their distance in mm, like \
+             100,50,1100,55,30",
         )),
     }
 }

@@ -39,6 +39,15 @@ pub struct EdgeSamples {
     pub blocks: Vec<Vec<[f64; 3]>>,
 }
 
+impl EdgeSamples {
+    /// Means of the blocks, by place.
+    pub fn means(&self) -> Vec<[f64; 3]> {
+        let count = self.blocks.len().max(1) as f64;
+        let mean = |i: usize, c: usize| self.blocks.iter().map(|block| block[i][c]).sum::<f64>() / count;
+        (0..self.places.len()).map(|i| std::array::from_fn(|c| mean(i, c))).collect()
+    }
+}
+
 /// What the values are.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
@@ -98,8 +107,8 @@ pub struct EdgeFit {
     pub blur: f64,
     /// Mean square of the means' residuals over what the blocks' differences lead to expect: 1 where the model is right.
     pub misfit: f64,
-    /// Values less the model's, over the lit side's, by place.
-    pub residuals: Vec<[f64; 3]>,
+    /// The model's values, by place.
+    pub light: Vec<[f64; 3]>,
 }
 
 /// Parameters that all channels share, and those of each.
@@ -174,20 +183,14 @@ impl EdgeFit {
                 unevenness: p[first + 3] * extent,
             }
         };
-        let residuals = residuals(p);
-        let plain = |i: usize| {
-            std::array::from_fn(|c| {
-                let r = residuals[3 * i + c] / problem.inverse_errors[3 * i + c];
-                r / p[SHARED + c * OF_CHANNEL + 1]
-            })
-        };
+        let curves = [0, 1, 2].map(|c| problem.light(p, c));
         Some(Self {
             channels: [channel(0), channel(1), channel(2)],
             card,
             position: p[0],
             blur: p[1].abs(),
-            misfit: square(p) / (residuals.len() - COUNT) as f64,
-            residuals: (0..samples.places.len()).map(plain).collect(),
+            misfit: square(p) / (problem.means.len() - COUNT) as f64,
+            light: (0..samples.places.len()).map(|i| std::array::from_fn(|c| curves[c][i])).collect(),
         })
     }
 }

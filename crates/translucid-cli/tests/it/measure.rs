@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
-use crate::common::{run, stderr, stdout};
+use crate::common::{files, run, stderr, stdout};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 use translucid_testing::SplitMix;
@@ -55,33 +55,37 @@ fn normal(random: &mut SplitMix) -> f64 {
     (-2.0 * (1.0 - random.uniform()).ln()).sqrt() * (TAU * random.uniform()).cos()
 }
 
-/// A photograph of an edge that is 7° off upright through the middle, with noise, as an OpenEXR file. A white card of
-/// reflectance 0.9 is in the rectangle 0,0,20,10.
-fn photograph(path: &Path) {
-    let edges = ALBEDOS.map(Edge::new);
+/// A linear OpenEXR file of values by the distance from an edge \[mm\] that is 7° off upright through the middle, by the
+/// distance along it, and by channel: means over the width of a pixel, with noise.
+fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
     let mut random = SplitMix(1);
     let [width, height] = SIZE;
     let (sin, cos) = (7.0 * PI / 180.0).sin_cos();
     let pixels: Vec<[f32; 3]> = (0..width * height)
         .map(|i| {
-            let (x, y) = (i % width, i / width);
-            if x < 20 && y < 10 {
-                return [0.45; 3];
-            }
-            // The mean over a pixel's width
-            let at = |part: f64| (x as f64 + part - 75.0) * cos + (y as f64 + 0.5 - 45.0) * sin;
+            let offset = |part: f64| [(i % width) as f64 + part - 75.0, (i / width) as f64 + 0.5 - 45.0];
             std::array::from_fn(|c| {
-                let parts = [0.1, 0.3, 0.5, 0.7, 0.9].map(|part| edges[c].at(at(part) * PIXEL / MFPS[c]));
-                let light = 0.5 * ALBEDOS[c] * parts.iter().sum::<f64>() / 5.0;
-                (light + 0.004 * normal(&mut random)) as f32
+                let value = |part: f64| {
+                    let [x, y] = offset(part);
+                    light(PIXEL * (x * cos + y * sin), PIXEL * (y * cos - x * sin), c)
+                };
+                let mean = [0.1, 0.3, 0.5, 0.7, 0.9].map(value).iter().sum::<f64>() / 5.0;
+                (mean + 0.004 * normal(&mut random)) as f32
             })
         })
         .collect();
     let pixel = |x: usize, y: usize| {
-        let [r, g, b] = pixels[y * width + x];
+        // A white card of reflectance 0.9 in the light that makes 0.5 of white
+        let [r, g, b] = if x < 20 && y < 10 { [0.45; 3] } else { pixels[y * width + x] };
         (r, g, b)
     };
     exr::prelude::write_rgb_file(path, width, height, pixel).unwrap();
+}
+
+/// A photograph of an edge. A white card of reflectance 0.9 is in the rectangle 0,0,20,10.
+fn photograph(path: &Path) {
+    let edges = ALBEDOS.map(Edge::new);
+    save(path, |x, _, c| 0.5 * ALBEDOS[c] * edges[c].at(x / MFPS[c]));
 }
 
 /// Channel, quantity, and value, from and to of 95 %.
@@ -112,6 +116,34 @@ fn edge_gives_back_its_material() {
         assert!((value - truth).abs() < 2.0 * half, "{channel} {quantity}: {value} is not {truth} ± {half}");
         assert!(half < 0.1 * truth, "{channel} {quantity}: {low} to {high}");
     }
+
+    // Two points 70 pixels apart on a ruler, and forward scattering: (1 − g) σ_s is the same
+    let other = words.replace("--mm-per-pixel 0.1", "--ruler 30,20,72,76,7 --g 0.8 --card hidden");
+    let forward = self::rows(&stdout(directory.path(), &format!("{other} --format csv")));
+    for ((_, quantity, [value, _, _]), (_, _, [of_g, _, _])) in rows.iter().zip(forward) {
+        if quantity == "surface_albedo" {
+            assert_eq!(*value, of_g);
+        } else {
+            // Of 1/ℓ* = σ_a + 0.2 σ_s the medium has σ_a + σ_s, nearly 5 times as much where little is absorbed
+            assert!((0.2..0.35).contains(&(of_g / value)), "{of_g} {value}");
+        }
+    }
+
+    // What says the same in other renderers' numbers runs
+    let text = stdout(directory.path(), &words);
+    let command = text.lines().find_map(|line| line.strip_prefix("In other renderers: translucid ")).unwrap();
+    assert!(stdout(directory.path(), command).contains("renderman"), "{command}");
+
+    // A page, which may be made anew, but not over somebody's own
+    for _ in 0..2 {
+        stdout(directory.path(), &format!("{words} --page page"));
+    }
+    let names = files(&directory.path().join("page"));
+    assert_eq!(names.len(), 9, "{names:?}");
+    let page = std::fs::read_to_string(directory.path().join("page/index.html")).unwrap();
+    assert!(page.contains("<svg") && page.contains("What limits the accuracy"));
+    std::fs::write(directory.path().join("page/index.html"), "mine").unwrap();
+    assert_eq!(run(directory.path(), &format!("{words} --page page")).status.code(), Some(2));
 
     // The material is one that a scene takes
     let material = stdout(directory.path(), &format!("{words} --format toml -o soap.toml"));
@@ -145,9 +177,26 @@ fn wrong_input_is_told_what_is_allowed() {
     };
     save("even.exr", &|_, _| 0.5);
     save("black.exr", &|_, _| 0.0);
-    save("spot.exr", &|x, y| if (x as f32 - 30.0).hypot(y as f32 - 30.0) < 12.0 { 1.0 } else { 0.1 });
+    save("spot.exr", &|x, y| if (x as f32 - 30.0).hypot(y as f32 - 30.0) < 12.0 { 0.9 } else { 0.1 });
     save("sharp.exr", &|x, y| if x > 30 { 0.5 } else { 0.01 } + 1e-3 * ((x * 7 + y * 13) % 5) as f32);
     save("small.exr", &|x, _| if x > 30 { 0.5 } else { 0.01 });
+    save("clipped.exr", &|x, y| (0.1 * x as f32 / (1.0 + 0.1 * (y % 3) as f32)).min(1.0));
+    // Two eyes, a nose, ears, fur
+    let fur = |x: usize, y: usize| 0.1 * ((x * 31 + y * 17) % 11) as f32 / 11.0;
+    let disk = |x: usize, y: usize, [cx, cy, r]: [f32; 3]| (x as f32 - cx).hypot(y as f32 - cy) < r;
+    let eyes = [[20.0, 25.0, 5.0], [40.0, 25.0, 5.0], [30.0, 38.0, 3.0]];
+    save("cat.exr", &|x, y| {
+        let head = disk(x, y, [30.0, 30.0, 22.0]) || (y < 14 && (x % 40).abs_diff(12) < y);
+        let is_dark = eyes.iter().any(|eye| disk(x, y, *eye));
+        fur(x, y)
+            + if is_dark {
+                0.05
+            } else if head {
+                0.5
+            } else {
+                0.25
+            }
+    });
     std::fs::write(directory.path().join("text.png"), "no picture").unwrap();
     for (words, says) in [
         ("even.exr --mm-per-pixel 0.1", "no edge of light"),
@@ -155,7 +204,15 @@ fn wrong_input_is_told_what_is_allowed() {
         ("spot.exr --mm-per-pixel 0.1", "no edge that goes through the picture"),
         ("sharp.exr --mm-per-pixel 0.1", "no scattering is seen"),
         ("small.exr --mm-per-pixel 0.1 --region 25,0,35,60", "fewer than 16 pixels"),
+        ("cat.exr --mm-per-pixel 0.1", "no"),
+        ("clipped.exr --mm-per-pixel 0.1", "at the end of their range, where light is lost"),
         ("small.exr", "--mm-per-pixel"),
+        ("small.exr --ruler 1,1,1,1,5", "two points in pixels that are apart"),
+        ("small.exr --ruler 1,1,1,9", "a ruler is"),
+        ("small.exr --mm-per-pixel 0.1 --eta 5", "--eta"),
+        ("small.exr --mm-per-pixel 0.1 --g 1", "--g"),
+        ("small.exr --mm-per-pixel 0.1 --exposure black.exr", "nothing in common"),
+        ("small.exr --mm-per-pixel 0.1 --exposure text.png", "not an image of a known format"),
         ("small.exr --mm-per-pixel 0", "(0, 1e6]"),
         ("small.exr --mm-per-pixel 0.1 --region 0,0,70,60", "the photograph is 60×60 pixels"),
         ("small.exr --mm-per-pixel 0.1 --region 9,0,9,60", "X0 < X1"),
@@ -172,4 +229,36 @@ fn wrong_input_is_told_what_is_allowed() {
         assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
         assert!(stderr(&output).contains(says), "{words}: {}", stderr(&output));
     }
+}
+
+/// What a photograph of an edge may suffer from, and what is said of it. The medium is A = 0.6, ℓ = 0.6 mm.
+#[test]
+fn what_limits_a_measurement_is_said() {
+    let edge = Edge::new(0.6);
+    let edge = |x: f64| 0.3 * edge.at(x / 0.6);
+    let says = |name: &str, words: &str, light: &dyn Fn(f64, f64) -> f64| {
+        let directory = tempfile::tempdir().unwrap();
+        save(&directory.path().join("edge.exr"), |x, y, _| light(x, y));
+        let output = run(directory.path(), &format!("{WORDS} --white 2,2,18,8 {words}"));
+        // Two lights may look like a blurred edge without scattering
+        let is_right = output.status.success() || (name == "two lights" && output.status.code() == Some(2));
+        assert!(is_right, "{name}: {}", stderr(&output));
+        stderr(&output)
+    };
+    let good = says("good", "", &|x, _| edge(x));
+    assert!(!good.contains("warning") && good.contains("--card hidden"), "{good}");
+
+    let covered = says("card", "", &|x, _| if x < 0.0 { 0.01 } else { edge(x) });
+    assert!(!covered.contains("warning") && covered.contains("--card visible"), "{covered}");
+
+    let not_a_half_space = "the light is not that of an even, thick, isotropic piece";
+    let lights = says("two lights", "", &|x, _| 0.6 * edge(x) + 0.4 * edge(x + 2.5));
+    assert!(lights.contains(not_a_half_space), "{lights}");
+    let moire = says("moiré", "", &|x, y| edge(x) * (1.0 + 0.1 * (4.0 * x + 0.3 * y).sin()));
+    assert!(moire.contains(not_a_half_space), "{moire}");
+
+    let tilted = says("tilted", "", &|x, _| edge(x) * (1.0 + 0.08 * x));
+    assert!(tilted.contains("is the piece tilted"), "{tilted}");
+    let bright = says("a wrong card", "--white-reflectance 1", &|x, _| 2.0 * edge(x));
+    assert!(bright.contains("brighter than any surface"), "{bright}");
 }

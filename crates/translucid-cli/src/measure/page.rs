@@ -1,0 +1,150 @@
+//! The page of a measurement: the fit, what it leaves over, where in the photograph it was made.
+
+use std::path::Path;
+
+use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
+use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
+use translucid_measure::{EdgeFit, EdgeLine, EdgeSamples, Photo};
+
+use super::{CHANNELS, three_digits};
+use crate::failure::Failure;
+use crate::files::{Directory, NamedFile, is_own_page, refusal};
+
+/// The file that shows the others.
+const PAGE: &str = "index.html";
+/// Title of a measurement's page.
+const TITLE: &str = "Measured from a photograph";
+/// The picture of the photograph.
+const PICTURE: &str = "photograph.png";
+/// Widest picture of a photograph.
+const WIDEST: usize = 900;
+
+/// What the page is about.
+pub(super) struct Shown<'a> {
+    pub(super) photo: &'a Photo,
+    pub(super) region: [usize; 4],
+    /// In the region.
+    pub(super) line: &'a EdgeLine,
+    pub(super) samples: &'a EdgeSamples,
+    pub(super) fit: &'a EdgeFit,
+    pub(super) limits: &'a [String],
+}
+
+/// Writes the page and its files into a directory.
+pub(super) fn write(
+    directory: &Path,
+    photo: &Path,
+    shown: &Shown<'_>,
+    table: DataTable,
+) -> Result<(), Failure> {
+    Directory::fill(directory, |directory| {
+        let page = directory.file(PAGE);
+        if page.exists() && !is_own_page(&page, TITLE) {
+            return Err(refusal(&page, "is there already, and translucid has not made it"));
+        }
+        directory.write(&files(photo, shown, table)?)
+    })
+}
+
+fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedFile>, Failure> {
+    let drawing = |error: std::io::Error| Failure::work(format!("cannot draw a picture: {error}"));
+    let plate = plate(shown).map_err(drawing)?;
+    let mut files = vec![(String::from(PICTURE), plate.png.clone())];
+    let mut limits = Section::new("What limits the accuracy");
+    limits.blocks.extend(shown.limits.iter().cloned().map(Block::Text));
+    let noise = format!(
+        "What the fit leaves over is {:.2} times the noise, which the differences of 24 blocks along the edge tell. \
+         The camera's blur is {} mm.",
+        shown.fit.misfit.sqrt(),
+        three_digits(shown.fit.blur)
+    );
+    limits.blocks.push(Block::Text(noise));
+    let section = |title: &str, blocks: Vec<Block>| Section { title: title.to_owned(), blocks };
+    let page = Page {
+        title: format!("{TITLE}: {}", photo.file_name().unwrap_or_default().to_string_lossy()),
+        introduction: vec![String::from(
+            "Light across an edge of light, the half space that explains it, and what remains between the two.",
+        )],
+        sections: vec![
+            section("Material", vec![Block::Table(table)]),
+            section("Fit", vec![Block::Chart(light(shown)), Block::Chart(residuals(shown))]),
+            section("Photograph", vec![Block::Plates(vec![plate])]),
+            limits,
+        ],
+    };
+    for chart in page.charts() {
+        let png = chart.png().map_err(|error| Failure::work(error.to_string()))?;
+        files.push((format!("{}.svg", chart.name), chart.svg().into_bytes()));
+        files.push((format!("{}.png", chart.name), png));
+        files.push((format!("{}.csv", chart.name), chart.table().csv().into_bytes()));
+    }
+    files.extend(page.tables().map(|table| (format!("{}.csv", table.name), table.csv().into_bytes())));
+    // First the page: it says whose the others are
+    files.insert(0, (String::from(PAGE), page.html().into_bytes()));
+    Ok(files)
+}
+
+fn points(shown: &Shown<'_>, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
+    let place = |(i, x): (usize, &f64)| [x - shown.fit.position, value(i)];
+    shown.samples.places.iter().enumerate().map(place).collect()
+}
+
+fn light(shown: &Shown<'_>) -> Chart {
+    let means = shown.samples.means();
+    let axes = [Axis::linear("distance from the edge", "mm"), Axis::linear("light", "")];
+    let [x, y] = axes;
+    let mut chart = Chart::new("fit", "Light across the edge", x, y)
+        .with_caption("Points: the photograph. Lines: the half space that explains it best.");
+    for (c, name) in CHANNELS.iter().enumerate() {
+        let seen = points(shown, |i| means[i][c]);
+        let model = points(shown, |i| shown.fit.light[i][c]);
+        chart.series.push(Series::new(name, Ink::Numbered(c), Mark::Points, seen));
+        chart.series.push(Series::new(&format!("{name}, fit"), Ink::Numbered(c), Mark::Line, model));
+    }
+    chart
+}
+
+fn residuals(shown: &Shown<'_>) -> Chart {
+    let means = shown.samples.means();
+    let axes = [Axis::linear("distance from the edge", "mm"), Axis::linear("photograph less fit", "%")];
+    let [x, y] = axes;
+    let mut chart = Chart::new("residuals", "What the fit leaves over", x, y).with_caption(
+        "In percent of the brightest light of the fit. Where the model is right there is noise only.",
+    );
+    for (c, name) in CHANNELS.iter().enumerate() {
+        let most = shown.fit.light.iter().map(|light| light[c]).fold(f64::MIN_POSITIVE, f64::max);
+        let left = points(shown, |i| 100.0 * (means[i][c] - shown.fit.light[i][c]) / most);
+        chart.series.push(Series::new(name, Ink::Numbered(c), Mark::Line, left));
+    }
+    chart
+}
+
+/// The photograph, dark but for the region, with the edge as a line.
+fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
+    let Shown { photo, region: [x0, y0, x1, y1], line, .. } = shown;
+    let step = photo.width.max(photo.height).div_ceil(WIDEST).max(1);
+    let size = [photo.width.div_ceil(step), photo.height.div_ceil(step)];
+    let lit = shown.fit.light.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) as f32;
+    let mut codes = Vec::with_capacity(3 * size[0] * size[1]);
+    for i in 0..size[0] * size[1] {
+        let (x, y) = (step * (i % size[0]), step * (i / size[0]));
+        let is_inside = (*x0..*x1).contains(&x) && (*y0..*y1).contains(&y);
+        let offset =
+            [x as f64 + 0.5 - *x0 as f64 - line.point[0], y as f64 + 0.5 - *y0 as f64 - line.point[1]];
+        let distance = (offset[0] * line.across[0] + offset[1] * line.across[1]).abs();
+        if is_inside && distance <= 0.75 * step as f64 {
+            codes.extend([255, 60, 40]);
+            continue;
+        }
+        let part = if is_inside { 0.9 } else { 0.3 };
+        let display = display_from_linear(ToneMapping::Srgb, photo.at(x, y).map(|v| part * v / lit));
+        codes.extend(display.map(|v| (255.0 * v).round() as u8));
+    }
+    Ok(Plate {
+        file: String::from(PICTURE),
+        alternative: String::from("The photograph with the region that was measured and the edge in it"),
+        caption: String::from("The region that was measured, the rest darkened, and the edge in red."),
+        size,
+        png: CodedPicture::rgb(size, &codes).encode()?,
+    })
+}
