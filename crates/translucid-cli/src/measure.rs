@@ -205,7 +205,8 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         refusal(path, "nothing gets brighter across the edge, or it has fewer than 16 pixels on a side")
     })?;
     if fit.channels.iter().all(|channel| !channel.is_seen) {
-        if fit.misfit > MISFIT {
+        // What a camera in focus does not blur either
+        if fit.misfit > MISFIT && fit.blur > 3.0 * mm_per_pixel {
             return Err(refusal(path, unlike(&fit)));
         }
         let message = format!(
@@ -269,8 +270,8 @@ fn load(path: &Path, arguments: &MeasureArguments) -> Result<Photo, Failure> {
     messages::print_warnings(&warnings);
     if matches!(image.pixels, Pixels::Byte(_)) && color_space == ColorSpace::Srgb {
         let message = format!(
-            "{}: 8-bit values are taken as sRGB; cameras bend them at will, so lengths may be off by tens of \
-                 percent: better develop the raw file to linear OpenEXR",
+            "{}: 8-bit values are taken as sRGB; cameras bend them at will, and lengths with them: better \
+                 develop the raw file to linear OpenEXR",
             path.display()
         );
         messages::print_warning(&message);

@@ -16,6 +16,8 @@ const PAGE: &str = "index.html";
 const TITLE: &str = "Measured from a photograph";
 /// The picture of the photograph.
 const PICTURE: &str = "photograph.png";
+/// Inks of the channels: those of [`Ink::Numbered`] that look red, green and blue.
+const INKS: [Ink; 3] = [Ink::Numbered(0), Ink::Numbered(2), Ink::Numbered(1)];
 /// Widest picture of a photograph.
 const WIDEST: usize = 900;
 
@@ -98,8 +100,8 @@ fn light(shown: &Shown<'_>) -> Chart {
     for (c, name) in CHANNELS.iter().enumerate() {
         let seen = points(shown, |i| means[i][c]);
         let model = points(shown, |i| shown.fit.light[i][c]);
-        chart.series.push(Series::new(name, Ink::Numbered(c), Mark::Points, seen));
-        chart.series.push(Series::new(&format!("{name}, fit"), Ink::Numbered(c), Mark::Line, model));
+        chart.series.push(Series::new(name, INKS[c], Mark::Points, seen));
+        chart.series.push(Series::new(&format!("{name}, fit"), INKS[c], Mark::Line, model));
     }
     chart
 }
@@ -114,7 +116,7 @@ fn residuals(shown: &Shown<'_>) -> Chart {
     for (c, name) in CHANNELS.iter().enumerate() {
         let most = shown.fit.light.iter().map(|light| light[c]).fold(f64::MIN_POSITIVE, f64::max);
         let left = points(shown, |i| 100.0 * (means[i][c] - shown.fit.light[i][c]) / most);
-        chart.series.push(Series::new(name, Ink::Numbered(c), Mark::Line, left));
+        chart.series.push(Series::new(name, INKS[c], Mark::Line, left));
     }
     chart
 }

@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 
 use crate::common::{files, run, stderr, stdout};
+use crate::markdown::{Page, root};
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
 use translucid_testing::SplitMix;
@@ -261,4 +262,27 @@ fn what_limits_a_measurement_is_said() {
     assert!(tilted.contains("is the piece tilted"), "{tilted}");
     let bright = says("a wrong card", "--white-reflectance 1", &|x, _| 2.0 * edge(x));
     assert!(bright.contains("brighter than any surface"), "{bright}");
+}
+
+/// The guide's example prints what stands there, and draws the chart that is shown there.
+#[test]
+fn documentation_prints_and_draws_what_it_shows() {
+    let directory = tempfile::tempdir().unwrap();
+    std::fs::create_dir(directory.path().join("scenes")).unwrap();
+    std::fs::copy(root().join("scenes/edge.toml"), directory.path().join("scenes/edge.toml")).unwrap();
+    let page = Page::read(&root().join("docs/guide/measure.md"));
+    let (mut printed, mut shown) = (String::new(), String::new());
+    for block in page.code().iter().filter(|block| block.language == "console") {
+        for line in &block.lines {
+            match line.strip_prefix("$ translucid ") {
+                Some(words) => printed += &stdout(directory.path(), words),
+                None => shown += &format!("{line}\n"),
+            }
+        }
+    }
+    assert!(shown.lines().count() > 4);
+    assert_eq!(printed, shown);
+    let [drawn, image] = [directory.path().join("page/fit.svg"), root().join("docs/images/measure-fit.svg")]
+        .map(|path| std::fs::read_to_string(path).unwrap());
+    assert!(drawn == image, "docs/images/measure-fit.svg is another chart than page/fit.svg of the example");
 }
