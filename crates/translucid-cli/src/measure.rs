@@ -123,6 +123,9 @@ const USUAL_ALBEDO: f64 = 0.7;
 /// Share of pixels at the end of their range from which on a photograph counts as clipped.
 const CLIPPED: f64 = 1e-3;
 
+/// Difference of χ² from which on one model is better than another: of Gaussian noise exp(-10) as likely.
+const DECIDED: f64 = 20.0;
+
 /// Share from which on nothing is measured.
 const TOO_MUCH_CLIPPED: f64 = 0.05;
 
@@ -219,7 +222,19 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         Card::Hidden => "the dark side shows light that creeps into a shadow (--card hidden)",
         Card::Visible => "the dark side shows the card: the lit side is measured (--card visible)",
     });
-    let limits = remarks(&fit, &samples.places, scale);
+    // Without a table to solve it is a matter of a moment
+    let normalized_diffusion =
+        EdgeFit::with_card(&samples, &Response::normalized_diffusion(), scale, fit.card);
+    let rival = normalized_diffusion.map_or(f64::INFINITY, |fit| fit.misfit);
+    let mut limits = remarks(&fit, &samples.places, scale);
+    if (fit.misfit - rival) * 3.0 * samples.places.len() as f64 > DECIDED * rival.max(1.0) {
+        let warning = String::from(
+            "normalized diffusion, no solution of the equation of transfer, explains the light better than a half space of \
+             isotropic scatterers: the piece is not one, or the light is not as --configuration says",
+        );
+        messages::print_warning(&warning);
+        limits.push(warning);
+    }
     medium_of.scale(&mut fit, scale)?;
     if let Some(directory) = &arguments.page {
         let shown =
@@ -227,7 +242,7 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
         page::write(directory, path, &shown, DataTable { rows: rows(&fit), ..table() })?;
     }
     let text = match arguments.format {
-        MeasureFormat::Text => paragraphs(&fit) + &conversion(&fit, scale),
+        MeasureFormat::Text => paragraphs(&fit, rival) + &conversion(&fit, scale),
         MeasureFormat::Csv => TableFormat::Csv.text(&COLUMNS, &rows(&fit)),
         MeasureFormat::Json => TableFormat::Json.text(&COLUMNS, &rows(&fit)),
         MeasureFormat::Toml => material(&fit, scale, arguments),
@@ -459,7 +474,7 @@ fn rows(fit: &EdgeFit) -> Vec<Vec<Cell>> {
     CHANNELS.iter().zip(&fit.channels).flat_map(of_channel).collect()
 }
 
-fn paragraphs(fit: &EdgeFit) -> String {
+fn paragraphs(fit: &EdgeFit, rival: f64) -> String {
     let mut text = String::new();
     for (name, channel) in CHANNELS.iter().zip(&fit.channels) {
         let shown = |interval: Interval| {
@@ -479,9 +494,11 @@ fn paragraphs(fit: &EdgeFit) -> String {
     }
     let _ = writeln!(
         text,
-        "\nIn parentheses the 95 % confidence interval. Blur {} mm; residuals {:.2} times the noise.",
+        "\nIn parentheses the 95 % confidence interval. Blur {} mm; residuals {:.2} times the noise, of normalized diffusion \
+         {:.2}.",
         three_digits(fit.blur),
-        fit.misfit.sqrt()
+        fit.misfit.sqrt(),
+        rival.sqrt()
     );
     text
 }

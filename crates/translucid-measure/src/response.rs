@@ -30,7 +30,16 @@ use translucid_reference::{Incidence, specular_reflectance};
 /// # }
 /// ```
 #[derive(Clone, Debug)]
-pub struct Response {
+pub struct Response(Transfer);
+
+#[derive(Clone, Debug)]
+enum Transfer {
+    HalfSpaces(HalfSpaces),
+    NormalizedDiffusion,
+}
+
+#[derive(Clone, Debug)]
+struct HalfSpaces {
     eta: f64,
     incidence: Incidence,
     /// ln(1/T − 1), by √(1 − A) and ln κ; a row is solved when it is asked for.
@@ -54,17 +63,47 @@ impl Response {
     /// η is not in \[0.5, 3\], or a beam's cosine not in (0, 1].
     pub fn new(eta: f64, incidence: Incidence) -> Result<Self, ParameterError> {
         let rows = (0..ROWS).map(|_| OnceLock::new()).collect();
-        let response = Self { eta, incidence, rows };
+        let half_spaces = HalfSpaces { eta, incidence, rows };
         // What is refused is so for every surface albedo
-        response.solve(ROWS / 2)?;
-        Ok(response)
+        half_spaces.solve(ROWS / 2)?;
+        Ok(Self(Transfer::HalfSpaces(half_spaces)))
+    }
+
+    /// Normalized diffusion of the width d in place of the mean free path \[Christensen and Burley 2015\], to see whether a
+    /// half space explains light better:
+    ///
+    /// ```text
+    /// T = ¼/√(1 + κ²) + ¾/√(1 + 9κ²),     κ = kd
+    /// ```
+    pub fn normalized_diffusion() -> Self {
+        Self(Transfer::NormalizedDiffusion)
     }
 
     /// Part of the incident light that the boundary lets in, in (0, 1].
     pub fn entering(&self) -> f64 {
-        1.0 - specular_reflectance(self.incidence, self.eta)
+        match &self.0 {
+            Transfer::HalfSpaces(HalfSpaces { eta, incidence, .. }) => {
+                1.0 - specular_reflectance(*incidence, *eta)
+            }
+            Transfer::NormalizedDiffusion => 1.0,
+        }
     }
 
+    /// T of a surface albedo, clamped to \[0.005, 0.9999\], and a wave number κ = kℓ ≥ 0, in \[0, 1\].
+    pub fn at(&self, surface_albedo: f64, kappa: f64) -> f64 {
+        if kappa.is_nan() || kappa <= 0.0 {
+            return 1.0;
+        }
+        match &self.0 {
+            Transfer::HalfSpaces(half_spaces) => half_spaces.at(surface_albedo, kappa),
+            Transfer::NormalizedDiffusion => {
+                0.25 / (1.0 + kappa * kappa).sqrt() + 0.75 / (1.0 + 9.0 * kappa * kappa).sqrt()
+            }
+        }
+    }
+}
+
+impl HalfSpaces {
     fn row(&self, i: usize) -> &[f64] {
         // An empty row is none that a response has
         self.rows[i].get_or_init(|| self.solve(i).unwrap_or_default())
@@ -85,11 +124,7 @@ impl Response {
         Ok((0..columns).map(entry).collect())
     }
 
-    /// T of a surface albedo, clamped to \[0.005, 0.9999\], and a wave number κ = kℓ ≥ 0, in \[0, 1\].
-    pub fn at(&self, surface_albedo: f64, kappa: f64) -> f64 {
-        if kappa.is_nan() || kappa <= 0.0 {
-            return 1.0;
-        }
+    fn at(&self, surface_albedo: f64, kappa: f64) -> f64 {
         let albedo = surface_albedo.max(ALBEDOS[1]).min(ALBEDOS[0]);
         let row = (root_of(albedo) - root_of(ALBEDOS[0])) / step();
         let column = (libm::log10(kappa.min(1e30)) - DECADES[0]) * PER_DECADE as f64;
@@ -128,6 +163,8 @@ fn cubic(count: usize, place: f64, value: impl Fn(usize) -> f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use translucid_profile::NormalizedDiffusion;
+
     use super::*;
 
     #[test]
@@ -145,6 +182,23 @@ mod tests {
                 }
             }
             assert!(worst < 1e-5, "{incidence:?}: {worst}");
+        }
+    }
+
+    #[test]
+    fn normalized_diffusion_is_its_own_transform() {
+        let response = Response::normalized_diffusion();
+        let profile = NormalizedDiffusion::from_d(1.0, 1.0).unwrap();
+        for kappa in [0.1, 0.7, 3.0] {
+            // ∫ R J₀(κr) 2πr dr by Simpson's rule
+            let (n, h) = (40_000, 60.0 / 40_000.0);
+            let at = |i: i32| {
+                let r = (h * f64::from(i)).max(1e-12);
+                profile.eval(r) * libm::j0(kappa * r) * std::f64::consts::TAU * r
+            };
+            let sum: f64 = (1..n).map(|i| if i % 2 == 1 { 4.0 * at(i) } else { 2.0 * at(i) }).sum();
+            let transform = (at(0) + sum + at(n)) * h / 3.0;
+            assert!((response.at(0.5, kappa) - transform).abs() < 1e-6, "{kappa}: {transform}");
         }
     }
 
