@@ -13,7 +13,7 @@ use super::facets::Facets;
 use super::groups::{CELLS, Groups};
 use super::hit::{Hit, offset_at};
 use super::instances::{Alone, InstanceBlock, Instances, NONE, Sharing};
-use super::primitive::{Primitive, PrimitiveSource};
+use super::primitive::{Needs, Primitive, PrimitiveSource};
 use super::triangle::TriangleBlock;
 use super::wide_tree::WideTree;
 use crate::ray::Ray;
@@ -179,10 +179,7 @@ impl Geometry {
     pub fn object(&self, hit: &Hit) -> u32 {
         match self.instances_of(hit) {
             Some(instances) => instances.block(hit.instance).object(),
-            None => {
-                let (block, lane) = self.tree.leaf(hit.leaf);
-                block.object(lane)
-            }
+            None => self.tree.leaf(hit.leaf).0.object(),
         }
     }
 
@@ -223,8 +220,7 @@ impl Geometry {
     /// Calls `found` for every hit of a segment with a subsurface group, in the tree's order.
     pub fn all_in_group(&self, ray: &Ray, group: u32, mut found: impl FnMut(Hit)) {
         self.tree.all(ray, |hit, leaf| {
-            let (block, lane) = self.tree.leaf(leaf);
-            if block.group(lane) == group {
+            if self.tree.leaf(leaf).0.group() == group {
                 found(Hit::alone((hit, leaf)));
             }
         });
@@ -236,10 +232,7 @@ impl Geometry {
     fn triangle(&self, hit: &Hit) -> Primitive {
         match self.instances_of(hit) {
             Some(instances) => instances.triangle(hit),
-            None => {
-                let (block, lane) = self.tree.leaf(hit.leaf);
-                block.get(lane)
-            }
+            None => self.tree.triangle(hit.leaf),
         }
     }
 
@@ -300,8 +293,13 @@ impl Place<'_> {
 impl PrimitiveSource for Place<'_> {
     type Block = TriangleBlock;
 
-    fn put(&self, block: &mut TriangleBlock, lane: usize) {
+    fn needs(&self) -> Option<Needs> {
+        Some(Needs::triangle(self.index, self.object.corners(self.triangle as usize)))
+    }
+
+    fn put(&self, block: &mut TriangleBlock, lane: usize) -> u32 {
         block.set(lane, &self.primitive());
+        self.triangle
     }
 }
 

@@ -21,9 +21,10 @@ use rayon::prelude::*;
 use translucid_scene::{Mesh, Object};
 
 use super::clearance::Clearance;
+use super::eight::Vectors;
 use super::facets::{Beyond, Crossing, Facet, Facets, Query};
 use super::hit::{Hit, offset_at};
-use super::primitive::{Block, Primitive, PrimitiveSource};
+use super::primitive::{Block, Needs, Primitive, PrimitiveSource};
 use super::triangle::{BlockRay, Ray, TriangleBlock, TriangleHit};
 use super::wide_tree::{Visitor, WideTree};
 
@@ -169,8 +170,13 @@ impl Boundable for Local<'_> {
 impl PrimitiveSource for Local<'_> {
     type Block = TriangleBlock;
 
-    fn put(&self, block: &mut TriangleBlock, lane: usize) {
+    fn needs(&self) -> Option<Needs> {
+        Some(Needs::triangle(0, self.mesh.triangles[self.triangle as usize]))
+    }
+
+    fn put(&self, block: &mut TriangleBlock, lane: usize) -> u32 {
         block.set(lane, &self.primitive());
+        self.triangle
     }
 }
 
@@ -215,8 +221,13 @@ impl Boundable for Placed<'_> {
 impl PrimitiveSource for Placed<'_> {
     type Block = InstanceBlock;
 
-    fn put(&self, block: &mut InstanceBlock, _: usize) {
+    fn needs(&self) -> Option<Needs> {
+        None
+    }
+
+    fn put(&self, block: &mut InstanceBlock, _: usize) -> u32 {
         *block = InstanceBlock::new(self.object, self.number, self.mesh, self.is_alone);
+        self.number
     }
 }
 
@@ -342,8 +353,7 @@ impl Instances {
     /// The triangle of a hit, in its place.
     pub(super) fn triangle(&self, hit: &Hit) -> Primitive {
         let block = self.block(hit.instance);
-        let (triangles, lane) = self.meshes[block.mesh as usize].tree.leaf(hit.leaf);
-        block.placed(&triangles.get(lane))
+        block.placed(&self.meshes[block.mesh as usize].tree.triangle(hit.leaf))
     }
 
     /// The nearest hit before the one that is known, of a group if one is asked for.
@@ -457,7 +467,7 @@ impl Visitor<InstanceBlock> for Nearest<'_> {
     const IS_ORDERED: bool = true;
 
     #[inline(always)]
-    fn visit(&mut self, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
+    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
         if self.group.is_some_and(|group| group != block.group) {
             return false;
         }
@@ -480,7 +490,7 @@ impl Visitor<InstanceBlock> for Any<'_> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, ray: &mut BlockRay, block: &InstanceBlock, _: u32) -> bool {
+    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, _: u32) -> bool {
         self.instances.meshes[block.mesh as usize].tree.occluded(&block.local_ray(self.ray, ray.t_max))
     }
 }
@@ -497,7 +507,7 @@ impl<F: FnMut(Hit)> Visitor<InstanceBlock> for Every<'_, F> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
+    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
         if block.group == self.group {
             let shared = &self.instances.meshes[block.mesh as usize];
             shared.tree.all(&block.local_ray(self.ray, ray.t_max), |hit, leaf| {

@@ -2,6 +2,7 @@
 
 mod body;
 mod clearance;
+mod eight;
 mod facets;
 mod geometry;
 mod groups;

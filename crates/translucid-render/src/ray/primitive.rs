@@ -5,19 +5,66 @@ use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
+use super::triangle::CORNERS;
+
 /// What a leaf of a tree holds: as long as some cache lines.
-pub(crate) trait Block: Pod + Default {
+pub(crate) trait Block: Pod + Default + Send + Sync {
     /// Things that there is room for.
     const LANES: usize;
+
+    /// Sets where the numbers of its things begin among those of the tree.
+    fn set_first(&mut self, _first: u32) {}
 }
 
 /// Where what is in a tree comes from.
-pub(crate) trait PrimitiveSource: Boundable {
+pub(crate) trait PrimitiveSource: Boundable + Sync {
     /// What holds it in the tree.
     type Block: Block;
 
-    /// Puts it into a lane.
-    fn put(&self, block: &mut Self::Block, lane: usize);
+    /// What it needs of a block; all of it if none.
+    fn needs(&self) -> Option<Needs>;
+
+    /// Puts it into a lane, those below have things already, and returns its number.
+    fn put(&self, block: &mut Self::Block, lane: usize) -> u32;
+}
+
+/// What things need of a block that they are in together.
+#[derive(Clone, Copy)]
+pub(crate) struct Needs {
+    object: u32,
+    things: usize,
+    corner_count: usize,
+    corners: [u32; CORNERS],
+}
+
+impl Needs {
+    /// Of a triangle with corners of an object.
+    pub(crate) fn triangle(object: u32, corners: [u32; 3]) -> Self {
+        let mut needs = Self { object, things: 1, corner_count: 0, corners: [0; CORNERS] };
+        corners.into_iter().for_each(|corner| needs.add(corner));
+        needs
+    }
+
+    /// The needs of both, if a block with so many lanes has room for them.
+    pub(super) fn with(mut self, other: &Self, lanes: usize) -> Option<Self> {
+        self.things += other.things;
+        if self.object != other.object || self.things > lanes {
+            return None;
+        }
+        other.corners[..other.corner_count].iter().for_each(|&corner| self.add(corner));
+        (self.corner_count <= CORNERS).then_some(self)
+    }
+
+    /// Adds a corner that is not yet there; beyond the room it is only counted.
+    fn add(&mut self, corner: u32) {
+        let count = self.corner_count.min(CORNERS);
+        if !self.corners[..count].contains(&corner) {
+            if let Some(place) = self.corners.get_mut(count) {
+                *place = corner;
+            }
+            self.corner_count += 1;
+        }
+    }
 }
 
 /// A triangle to be sorted into the tree.

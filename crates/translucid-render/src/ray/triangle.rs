@@ -1,8 +1,9 @@
 //! Triangles as the traversal sees them, with a watertight intersection.
 
 use bytemuck::{Pod, Zeroable};
-use glam::{Vec3, Vec4};
+use glam::Vec3;
 
+use super::eight::{Eight, LANES, Vectors};
 use super::primitive::{Block, Primitive};
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
@@ -63,12 +64,12 @@ impl Ray {
     }
 }
 
-/// A ray as blocks of triangles want it: each number four times, in the order of the sheared axes.
+/// A ray as blocks of triangles want it: in the order of the sheared axes.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockRay {
     axes: [usize; 3],
-    origin: [Vec4; 3],
-    factors: [Vec4; 3],
+    origin: [f32; 3],
+    factors: [f32; 3],
     /// Beyond this there is nothing to be found.
     pub(crate) t_max: f32,
 }
@@ -77,9 +78,8 @@ impl BlockRay {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
         let Shear { axes, factors } = ray.shear;
-        let origin = axes.map(|axis| Vec4::splat(ray.origin[axis]));
-        let factors = factors.to_array().map(Vec4::splat);
-        Self { axes, origin, factors, t_max: ray.t_max }
+        let origin = axes.map(|axis| ray.origin[axis]);
+        Self { axes, origin, factors: factors.to_array(), t_max: ray.t_max }
     }
 }
 
@@ -91,96 +91,115 @@ pub(crate) struct TriangleHit {
     pub(crate) b2: f32,
 }
 
-/// Triangles that are tested together.
-pub(crate) const LANES: usize = 4;
+/// Corners that a block has room for.
+pub(crate) const CORNERS: usize = LANES;
 
-/// Four triangles side by side: a vertex coordinate of all four is one vector.
+/// Up to eight triangles of one object that share their corners: two cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(crate) struct TriangleBlock {
-    /// By vertex, axis, lane. Empty lanes are NaN: no ray meets them.
-    vertices: [[Vec4; 3]; 3],
+    /// Corners by their axis.
+    corners: [[f32; CORNERS]; 3],
+    /// By vertex the corner of each lane, three bits each; lanes without a triangle repeat the first.
+    vertices: [u32; 3],
+    /// A bit for each lane with a triangle.
+    lanes: u32,
+    corner_count: u32,
+    /// Where the numbers of the triangles begin among those of the tree.
+    first: u32,
     /// Index into the scene's objects.
-    objects: [u32; LANES],
-    /// Index into the object's triangles.
-    triangles: [u32; LANES],
-    /// The objects' subsurface groups.
-    groups: [u32; LANES],
+    object: u32,
+    /// The object's subsurface group.
+    group: u32,
 }
 
 impl Default for TriangleBlock {
     fn default() -> Self {
-        Self { vertices: [[Vec4::NAN; 3]; 3], objects: [0; LANES], triangles: [0; LANES], groups: [0; LANES] }
+        Self::zeroed()
     }
 }
 
 impl Block for TriangleBlock {
     const LANES: usize = LANES;
+
+    fn set_first(&mut self, first: u32) {
+        self.first = first;
+    }
 }
 
 impl TriangleBlock {
-    /// Puts a triangle into a lane.
+    /// Puts a triangle into a lane, the first before the others.
     pub(crate) fn set(&mut self, lane: usize, primitive: &Primitive) {
-        for (corner, vertex) in primitive.vertices.iter().enumerate() {
-            for axis in 0..3 {
-                self.vertices[corner][axis][lane] = vertex[axis];
+        for (vertex, position) in primitive.vertices.iter().enumerate() {
+            let corner = self.corner(*position);
+            if lane == 0 {
+                self.vertices[vertex] = (0..LANES).fold(0, |lanes, lane| lanes | corner << (3 * lane));
+            } else {
+                let shift = 3 * lane;
+                self.vertices[vertex] = self.vertices[vertex] & !(0b111 << shift) | corner << shift;
             }
         }
-        self.objects[lane] = primitive.object;
-        self.triangles[lane] = primitive.triangle;
-        self.groups[lane] = primitive.group;
+        self.lanes |= 1 << lane;
+        self.object = primitive.object;
+        self.group = primitive.group;
     }
 
-    /// The triangle in a lane.
-    pub(crate) fn get(&self, lane: usize) -> Primitive {
-        let vertices = self.vertices.map(|v| Vec3::new(v[0][lane], v[1][lane], v[2][lane]));
-        Primitive {
-            vertices,
-            object: self.objects[lane],
-            triangle: self.triangles[lane],
-            group: self.groups[lane],
+    /// The number of a corner, which it gets if it has none.
+    fn corner(&mut self, position: Vec3) -> u32 {
+        let at = |corner: usize| self.corners.map(|axis| axis[corner].to_bits());
+        let known = (0..self.corner_count as usize)
+            .find(|&corner| at(corner) == position.to_array().map(f32::to_bits));
+        if let Some(corner) = known {
+            return corner as u32;
         }
+        let new = self.corner_count;
+        for axis in 0..3 {
+            self.corners[axis][new as usize] = position[axis];
+        }
+        self.corner_count += 1;
+        new
     }
 
-    /// The object of a lane.
-    pub(crate) fn object(&self, lane: usize) -> u32 {
-        self.objects[lane]
+    /// The triangle in a lane, by the numbers of the tree's triangles.
+    pub(crate) fn get(&self, lane: usize, numbers: &[u32]) -> Primitive {
+        let vertices = self.vertices.map(|lanes| {
+            let corner = (lanes >> (3 * lane)) as usize % CORNERS;
+            Vec3::from(self.corners.map(|axis| axis[corner]))
+        });
+        let triangle = numbers[self.first as usize + lane];
+        Primitive { vertices, object: self.object, triangle, group: self.group }
     }
 
-    /// The subsurface group of a lane.
-    pub(crate) fn group(&self, lane: usize) -> u32 {
-        self.groups[lane]
+    pub(crate) fn object(&self) -> u32 {
+        self.object
+    }
+
+    /// The subsurface group.
+    pub(crate) fn group(&self) -> u32 {
+        self.group
     }
 
     /// The nearest hit and its lane; of equal distances the first.
     #[inline(always)]
-    pub(crate) fn closest(&self, ray: &BlockRay) -> Option<(TriangleHit, usize)> {
-        self.intersect(ray)?.nearest(u32::MAX)
-    }
-
-    /// The nearest hit of a subsurface group and its lane; of equal distances the first.
-    #[inline(always)]
-    pub(crate) fn closest_in_group(&self, ray: &BlockRay, group: u32) -> Option<(TriangleHit, usize)> {
-        let mut lanes = 0;
-        for (lane, &own) in self.groups.iter().enumerate() {
-            lanes |= u32::from(own == group) << lane;
-        }
-        if lanes == 0 {
-            return None;
-        }
-        self.intersect(ray)?.nearest(lanes)
+    pub(crate) fn closest(&self, vectors: impl Vectors, ray: &BlockRay) -> Option<(TriangleHit, usize)> {
+        self.intersect(vectors, ray)?.nearest()
     }
 
     /// Whether there is a hit.
     #[inline(always)]
-    pub(crate) fn is_hit(&self, ray: &BlockRay) -> bool {
-        self.intersect(ray).is_some()
+    pub(crate) fn is_hit(&self, vectors: impl Vectors, ray: &BlockRay) -> bool {
+        self.intersect(vectors, ray).is_some()
     }
 
     /// All hits with their lanes.
     #[inline(always)]
-    pub(crate) fn all(&self, ray: &BlockRay, mut found: impl FnMut(TriangleHit, usize)) {
-        let Some(hits) = self.intersect(ray) else { return };
+    pub(crate) fn all(
+        &self,
+        vectors: impl Vectors,
+        ray: &BlockRay,
+        mut found: impl FnMut(TriangleHit, usize),
+    ) {
+        let Some(hits) = self.intersect(vectors, ray) else { return };
         let mut mask = hits.mask;
         while mask != 0 {
             let lane = mask.trailing_zeros() as usize % LANES;
@@ -198,41 +217,46 @@ impl TriangleBlock {
     /// shared edge or vertex. Zeros are decided so that one triangle of an edge has the ray and the other
     /// has not: a probe counts all its hits.
     #[inline(always)]
-    fn intersect(&self, ray: &BlockRay) -> Option<BlockHits> {
-        let BlockRay { axes: [x, y, z], origin, factors, .. } = ray;
-        let sheared = |vertex: &[Vec4; 3]| {
-            let depth = vertex[*z] - origin[2];
-            [
-                (vertex[*x] - origin[0]) - factors[0] * depth,
-                (vertex[*y] - origin[1]) - factors[1] * depth,
-                factors[2] * depth,
-            ]
-        };
-        let [a, b, c] = [sheared(&self.vertices[0]), sheared(&self.vertices[1]), sheared(&self.vertices[2])];
+    fn intersect<V: Vectors>(&self, vectors: V, ray: &BlockRay) -> Option<BlockHits> {
+        let BlockRay { axes: [x, y, z], .. } = *ray;
+        let [ox, oy, oz] = ray.origin.map(|number| vectors.splat(number));
+        let [fx, fy, fz] = ray.factors.map(|number| vectors.splat(number));
+        let depth = vectors.load(&self.corners[z]) - oz;
+        let sheared_x = (vectors.load(&self.corners[x]) - ox) - fx * depth;
+        let sheared_y = (vectors.load(&self.corners[y]) - oy) - fy * depth;
+        let [a, b, c] =
+            self.vertices.map(|lanes| [vectors.pick(sheared_x, lanes), vectors.pick(sheared_y, lanes)]);
         let mut edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
-        let is_zero = |edge: Vec4| edge.cmpeq(Vec4::ZERO);
-        if (is_zero(edges[0]) | is_zero(edges[1]) | is_zero(edges[2])).any() {
-            edges = decide_zeros(&[a, b, c], edges);
-        }
-        let [u, v, w] = edges;
-        let is_left = u.cmpgt(Vec4::ZERO) & v.cmpgt(Vec4::ZERO) & w.cmpgt(Vec4::ZERO);
-        let is_right = u.cmplt(Vec4::ZERO) & v.cmplt(Vec4::ZERO) & w.cmplt(Vec4::ZERO);
-        let inside = is_left | is_right;
-        // Most rays that meet a block's box meet no triangle.
-        if !inside.any() {
+        let zero = vectors.splat(0.0);
+        // Of a hit all are positive or all negative, and zeros may become either. Most rays that meet a block's box meet no
+        // triangle.
+        let range = |[u, v, w]: [V::Eight; 3]| (u.lesser(v).lesser(w), u.greater(v).greater(w));
+        let (least, greatest) = range(edges);
+        let maybe = zero.is_at_most(least) | greatest.is_at_most(zero);
+        if maybe & self.lanes == 0 {
             return None;
         }
+        let mut inside = zero.is_below(least) | greatest.is_below(zero);
+        if (maybe & !inside) & self.lanes != 0 {
+            let decided =
+                decide_zeros(&[a, b, c].map(|p| p.map(V::Eight::to_array)), edges.map(V::Eight::to_array));
+            edges = [0, 1, 2].map(|edge| vectors.load(&decided[edge]));
+            let (least, greatest) = range(edges);
+            inside = zero.is_below(least) | greatest.is_below(zero);
+        }
+        let [u, v, w] = edges;
+        let sheared_z = fz * depth;
+        let [a, b, c] = self.vertices.map(|lanes| vectors.pick(sheared_z, lanes));
         let determinant = u + v + w;
-        let inverse = determinant.recip();
-        let t = (u * a[2] + v * b[2] + w * c[2]) * inverse;
-        // Comparisons with NaN are false: empty lanes and degenerate triangles miss.
-        let hit =
-            inside & determinant.cmpne(Vec4::ZERO) & t.cmpgt(Vec4::ZERO) & t.cmplt(Vec4::splat(ray.t_max));
-        let mask = hit.bitmask();
+        let inverse = vectors.splat(1.0) / determinant;
+        let t = (u * a + v * b + w * c) * inverse;
+        // Comparisons with NaN are false: what has no area is missed.
+        let before_end = zero.is_below(t) & t.is_below(vectors.splat(ray.t_max));
+        let mask = inside & before_end & self.lanes;
         if mask == 0 {
             return None;
         }
-        let [t, b1, b2] = [t, v * inverse, w * inverse].map(|lanes| lanes.to_array());
+        let [t, b1, b2] = [t, v * inverse, w * inverse].map(V::Eight::to_array);
         Some(BlockHits { mask, t, b1, b2 })
     }
 }
@@ -244,7 +268,7 @@ impl TriangleBlock {
 /// runs the other way.
 #[cold]
 #[inline(never)]
-fn decide_zeros(p: &[[Vec4; 3]; 3], mut edges: [Vec4; 3]) -> [Vec4; 3] {
+fn decide_zeros(p: &[[[f32; LANES]; 2]; 3], mut edges: [[f32; LANES]; 3]) -> [[f32; LANES]; 3] {
     let [a, b, c] = p;
     for (edge, (from, to)) in edges.iter_mut().zip([(c, b), (a, c), (b, a)]) {
         for lane in 0..LANES {
@@ -276,10 +300,10 @@ impl BlockHits {
         TriangleHit { t: self.t[lane], b1: self.b1[lane], b2: self.b2[lane] }
     }
 
-    /// The nearest hit among some lanes; of equal distances the first.
+    /// The nearest hit; of equal distances the first.
     #[inline(always)]
-    fn nearest(&self, lanes: u32) -> Option<(TriangleHit, usize)> {
-        let mut mask = self.mask & lanes;
+    fn nearest(&self) -> Option<(TriangleHit, usize)> {
+        let mut mask = self.mask;
         let mut best = None;
         let mut nearest = f32::INFINITY;
         while mask != 0 {
@@ -297,11 +321,12 @@ impl BlockHits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ray::eight::Loops;
 
-    /// A block with the triangle in its third lane.
+    /// A block with the triangle.
     fn leaf(vertices: [Vec3; 3]) -> TriangleBlock {
         let mut block = TriangleBlock::default();
-        block.set(2, &Primitive { vertices, object: 0, triangle: 0, group: 0 });
+        block.set(0, &Primitive { vertices, object: 0, triangle: 0, group: 0 });
         block
     }
 
@@ -313,8 +338,10 @@ mod tests {
             let point = a * (1.0 - b1 - b2) + b * b1 + c * b2;
             let origin = Vec3::new(0.4, -3.0, -7.0);
             let ray = Ray::new(origin, (point - origin).normalize());
-            let hit =
-                triangle.closest(&BlockRay::new(&ray)).expect("the ray aims at a point of the triangle").0;
+            let hit = triangle
+                .closest(Loops, &BlockRay::new(&ray))
+                .expect("the ray aims at a point of the triangle")
+                .0;
             assert!((hit.t - (point - origin).length()).abs() < 1e-5, "{hit:?}");
             assert!((hit.b1 - b1).abs() < 1e-5 && (hit.b2 - b2).abs() < 1e-5, "{hit:?} {b1} {b2}");
         }
@@ -338,7 +365,10 @@ mod tests {
             let target = center.lerp(ring[k as usize % 7], s);
             let origin = Vec3::new(random(1) * 20.0 - 10.0, random(2) * 20.0 - 10.0, -4.0 - random(3) * 30.0);
             let ray = Ray::new(origin, (target - origin).normalize());
-            assert!(fan.iter().any(|t| t.closest(&BlockRay::new(&ray)).is_some()), "ray {k} slips through");
+            assert!(
+                fan.iter().any(|t| t.closest(Loops, &BlockRay::new(&ray)).is_some()),
+                "ray {k} slips through"
+            );
         }
     }
 
@@ -355,7 +385,8 @@ mod tests {
             let origin = Vec3::new(along + random(0), along + random(1), 1.0);
             for direction in [Vec3::NEG_Z, Vec3::new(0.3, 0.3, -0.9).normalize()] {
                 let ray = Ray::new(origin, direction);
-                let hits = halves.iter().filter(|half| half.closest(&BlockRay::new(&ray)).is_some()).count();
+                let hits =
+                    halves.iter().filter(|half| half.closest(Loops, &BlockRay::new(&ray)).is_some()).count();
                 assert_eq!(hits, 1, "ray {k} from {origin}");
             }
         }
@@ -369,7 +400,7 @@ mod tests {
         for triangle in [point, line, huge] {
             for direction in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE.normalize()] {
                 let ray = Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction);
-                if let Some((hit, _)) = triangle.closest(&BlockRay::new(&ray)) {
+                if let Some((hit, _)) = triangle.closest(Loops, &BlockRay::new(&ray)) {
                     assert!(hit.t.is_finite() && hit.b1.is_finite() && hit.b2.is_finite());
                 }
             }

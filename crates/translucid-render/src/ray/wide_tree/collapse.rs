@@ -5,7 +5,7 @@
 //! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3]:
 //!
 //! ```text
-//! C(n, i) = area(n) c_block                              n has few enough triangles for a block
+//! C(n, i) = area(n) c_block                              what is below n fits into a block
 //! C(n, 1) = area(n) + S(n, 8)                            a node of its own
 //! C(n, i) = min { S(n, i), C(n, i − 1) }                 i > 1
 //! S(n, i) = min { C(left, k) + C(right, i − k) : 0 < k < i }
@@ -13,9 +13,11 @@
 //!
 //! On the dragon of 870,026 triangles nodes have 5.8 children each, and 4.4 where the largest box is divided again and again.
 
+use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::node::WIDTH;
+use crate::ray::primitive::Needs;
 
 /// Cost of a block in units of a node.
 const BLOCK_COST: f32 = 1.0;
@@ -33,27 +35,31 @@ pub(super) struct Costs<'a> {
 }
 
 impl<'a> Costs<'a> {
-    /// Of a tree whose blocks hold so many things.
-    pub(super) fn new(binary: &'a [Bvh2Node], lanes: usize) -> Self {
-        let mut this = Self { binary, places: vec![BLOCK; binary.len()], costs: Vec::new() };
-        let mut counts = vec![0_u32; binary.len()];
+    /// Of a tree over things with such needs (none: a whole block), whose blocks have so many lanes.
+    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lanes: usize) -> Self {
+        let nodes = &*binary.nodes;
+        let mut this = Self { binary: nodes, places: vec![BLOCK; nodes.len()], costs: Vec::new() };
+        // The needs of what is done, as far as they fit into a block.
+        let mut done: Vec<Option<Needs>> = Vec::new();
         // Children before parents, with a list instead of recursion: degenerate trees are deep.
         let mut open = vec![(0_u32, false)];
         while let Some((index, is_below_done)) = open.pop() {
-            let node = &binary[index as usize];
+            let node = &nodes[index as usize];
             if node.is_leaf() {
-                counts[index as usize] = node.prim_count;
-                continue;
-            }
-            let [left, right] = this.below(index);
-            if !is_below_done {
+                debug_assert_eq!(node.prim_count, 1);
+                done.push(needs(binary.primitive_indices[node.first_index as usize]));
+            } else if !is_below_done {
+                let [left, right] = this.below(index);
                 open.extend([(index, true), (left, false), (right, false)]);
-                continue;
-            }
-            let count = counts[left as usize] + counts[right as usize];
-            counts[index as usize] = count;
-            if count > lanes as u32 {
-                this.add(index);
+            } else {
+                let sum = match (done.pop().flatten(), done.pop().flatten()) {
+                    (Some(left), Some(right)) => left.with(&right, lanes),
+                    _ => None,
+                };
+                done.push(sum);
+                if sum.is_none() {
+                    this.add(index);
+                }
             }
         }
         this

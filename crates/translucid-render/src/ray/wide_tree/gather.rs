@@ -1,33 +1,35 @@
-//! From a binary tree to wide nodes and blocks.
+//! From a binary tree to wide nodes and what they lead to.
 
 use obvhs::bvh2::Bvh2;
 
 use super::Block;
 use super::collapse::Costs;
 use super::lines::Lines;
-use super::node::{LEAF, Node};
-use crate::ray::primitive::PrimitiveSource;
+use super::node::Node;
+use crate::ray::primitive::Needs;
 
-/// Turns the binary tree into wide nodes and blocks.
-pub(super) struct Gather<'a, T: PrimitiveSource> {
+/// Turns a binary tree into wide nodes.
+pub(super) struct Gather<'a, B> {
     binary: &'a Bvh2,
-    primitives: &'a [T],
     costs: Costs<'a>,
-    pub(super) lines: Lines<T::Block>,
+    pub(super) lines: Lines<B>,
     /// Most children that a ray has yet to visit at any time.
     pub(super) most_waiting: usize,
 }
 
-impl<'a, T: PrimitiveSource> Gather<'a, T> {
-    pub(super) fn new(binary: &'a Bvh2, primitives: &'a [T]) -> Self {
-        let costs = Costs::new(&binary.nodes, T::Block::LANES);
-        Self { binary, primitives, costs, lines: Lines::default(), most_waiting: 0 }
+impl<'a, B: Block> Gather<'a, B> {
+    /// Of a tree over things with such needs (none: a whole block).
+    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>) -> Self {
+        let costs = Costs::new(binary, needs, B::LANES);
+        Self { binary, costs, lines: Lines::default(), most_waiting: 0 }
     }
 
-    /// Lays out each node, its blocks, and then what is below each of its other children, one after the other.
+    /// Lays out each node, by its line and the things in each of its blocks what `add` makes of them, which returns the
+    /// child, and then what is below each of its other children, one after the other.
     ///
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
-    pub(super) fn run(&mut self) {
+    pub(super) fn run(&mut self, mut add: impl FnMut(&mut Lines<B>, u32, &[u32]) -> u32) {
+        let mut things = Vec::new();
         let mut open = vec![Open { source: 0, parent: None, waiting: 0 }];
         while let Some(Open { source, parent, waiting }) = open.pop() {
             let mut node = Node::EMPTY;
@@ -43,12 +45,13 @@ impl<'a, T: PrimitiveSource> Gather<'a, T> {
                     node.bounds[axis + 3][lane] = bounds.max[axis];
                 }
                 if self.costs.is_block(child) {
-                    node.children[lane] = LEAF | self.add_block(child);
+                    self.collect(child, &mut things);
+                    node.children[lane] = add(&mut self.lines, line, &things);
                 }
             }
             *self.lines.node_mut(line) = node;
             if let Some((parent, lane)) = parent {
-                self.lines.node_mut(parent).children[lane] = line;
+                self.lines.node_mut(parent).children[lane] = line - parent;
             }
             for (lane, &child) in children.iter().enumerate().rev() {
                 if !self.costs.is_block(child) {
@@ -59,23 +62,18 @@ impl<'a, T: PrimitiveSource> Gather<'a, T> {
     }
 
     /// Collects what is below a node.
-    fn add_block(&mut self, root: u32) -> u32 {
-        let mut block = T::Block::default();
-        let mut lane = 0;
+    fn collect(&self, root: u32, things: &mut Vec<u32>) {
+        things.clear();
         let mut open = vec![root];
         while let Some(index) = open.pop() {
             let node = &self.binary.nodes[index as usize];
             if node.is_leaf() {
-                for slot in node.first_index..node.first_index + node.prim_count {
-                    let primitive = self.binary.primitive_indices[slot as usize];
-                    self.primitives[primitive as usize].put(&mut block, lane);
-                    lane += 1;
-                }
+                let slots = node.first_index..node.first_index + node.prim_count;
+                things.extend(slots.map(|slot| self.binary.primitive_indices[slot as usize]));
             } else {
                 open.extend(self.costs.below(index));
             }
         }
-        self.lines.push_block(&block)
     }
 }
 

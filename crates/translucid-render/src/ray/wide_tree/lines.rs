@@ -18,7 +18,7 @@ const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
 
 /// Nodes and blocks by the number of the line at which they start.
 ///
-/// Numbers have 30 bits: 64 GiB, or 700 million triangles.
+/// Numbers have 28 bits: 16 GiB, or 400 million triangles.
 #[derive(Debug, PartialEq)]
 pub(super) struct Lines<B>(Vec<Line>, PhantomData<B>);
 
@@ -30,6 +30,21 @@ impl<B> Default for Lines<B> {
 
 impl<B: Block> Lines<B> {
     const BLOCK_LINES: usize = size_of::<B>() / size_of::<Line>();
+
+    /// With room for so many.
+    pub(super) fn with_capacity(lines: u32) -> Self {
+        Self(Vec::with_capacity(lines as usize), PhantomData)
+    }
+
+    /// The number of the line after the last.
+    pub(super) fn end(&self) -> u32 {
+        self.0.len() as u32
+    }
+
+    /// Puts other lines after these.
+    pub(super) fn append(&mut self, other: &Self) {
+        self.0.extend_from_slice(&other.0);
+    }
 
     pub(super) fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -58,19 +73,24 @@ impl<B: Block> Lines<B> {
         self.0.as_ptr().wrapping_add(line as usize).cast()
     }
 
+    /// Calls `found` for every node where there are only nodes.
+    pub(super) fn for_each_node(&mut self, mut found: impl FnMut(u32, &mut Node)) {
+        (0..self.end()).step_by(NODE_LINES).for_each(|line| found(line, self.node_mut(line)));
+    }
+
     pub(super) fn node_mut(&mut self, line: u32) -> &mut Node {
         let lines: &mut [Line] = &mut self.0[line as usize..][..NODE_LINES];
         &mut bytemuck::cast_slice_mut(lines)[0]
     }
 
     pub(super) fn push_node(&mut self, node: &Node) -> u32 {
-        let line = self.0.len() as u32;
+        let line = self.end();
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(node)));
         line
     }
 
     pub(super) fn push_block(&mut self, block: &B) -> u32 {
-        let line = self.0.len() as u32;
+        let line = self.end();
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(block)));
         line
     }

@@ -11,6 +11,9 @@
 
 use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
 use super::{Block, WideTree};
+#[cfg(target_arch = "x86_64")]
+use crate::ray::eight::Avx2;
+use crate::ray::eight::{Loops, Vectors};
 use crate::ray::triangle::{BlockRay, Ray};
 
 /// A question about a ray's way.
@@ -20,7 +23,7 @@ pub(in crate::ray) trait Visitor<B> {
     const IS_ORDERED: bool;
 
     /// Looks at a block whose first lane has the number `first`; true ends the way.
-    fn visit(&mut self, ray: &mut BlockRay, block: &B, first: u32) -> bool;
+    fn visit(&mut self, vectors: impl Vectors, ray: &mut BlockRay, block: &B, first: u32) -> bool;
 }
 
 /// Children yet to visit for which there is room without asking for memory: scanned meshes have up to 70.
@@ -34,8 +37,8 @@ struct Visit(u64);
 
 impl Visit {
     #[inline(always)]
-    fn new(node: &Node, met: &Met, lane: usize) -> Self {
-        Self(u64::from(met.near[lane].to_bits()) << 32 | u64::from(node.children[lane]))
+    fn new(distance: f32, child: u32) -> Self {
+        Self(u64::from(distance.to_bits()) << 32 | u64::from(child))
     }
 
     #[inline(always)]
@@ -70,23 +73,23 @@ impl<B: Block> WideTree<B> {
             // SAFETY: `avx2` is true only if the processor was found to have AVX2.
             return unsafe { self.traverse_avx2(ray, visitor, stack) };
         }
-        self.traverse_with(ray, visitor, stack, SlabRay::meet)
+        self.traverse_with(Loops, ray, visitor, stack)
     }
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
     fn traverse_avx2<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut [Visit]) -> bool {
         // SAFETY: this function has AVX2.
-        self.traverse_with(ray, visitor, stack, |ray, node, t_max| unsafe { ray.meet_avx2(node, t_max) })
+        self.traverse_with(unsafe { Avx2::new() }, ray, visitor, stack)
     }
 
     #[inline(always)]
     fn traverse_with<V: Visitor<B>>(
         &self,
+        vectors: impl Vectors,
         ray: &Ray,
         visitor: &mut V,
         stack: &mut [Visit],
-        meet: impl Fn(&SlabRay, &Node, f32) -> Met,
     ) -> bool {
         let slab_ray = SlabRay::new(ray);
         let mut block_ray = BlockRay::new(ray);
@@ -97,16 +100,16 @@ impl<B: Block> WideTree<B> {
             let mut is_met = true;
             while current.child() & LEAF == 0 {
                 let node = self.lines.node(current.child());
-                let met = meet(&slab_ray, node, block_ray.t_max);
+                let met = slab_ray.meet(vectors, node, block_ray.t_max);
                 if met.mask == 0 {
                     is_met = false;
                     break;
                 }
-                current = self.choose::<V>(node, &met, stack, &mut used);
+                current = self.choose::<V>((current.child(), node), &met, stack, &mut used);
             }
             if is_met {
                 let line = current.child() & !LEAF;
-                if visitor.visit(&mut block_ray, self.lines.block(line), line * B::LANES as u32) {
+                if visitor.visit(vectors, &mut block_ray, self.lines.block(line), line * B::LANES as u32) {
                     return true;
                 }
             }
@@ -127,12 +130,18 @@ impl<B: Block> WideTree<B> {
     /// Takes the nearest of the children that a ray meets, of which there are any; the others go onto the stack so that the
     /// nearest of them is on top.
     #[inline(always)]
-    fn choose<V: Visitor<B>>(&self, node: &Node, met: &Met, stack: &mut [Visit], used: &mut usize) -> Visit {
+    fn choose<V: Visitor<B>>(
+        &self,
+        (line, node): (u32, &Node),
+        met: &Met,
+        stack: &mut [Visit],
+        used: &mut usize,
+    ) -> Visit {
         let next = |mask: u32| {
             let lane = mask.trailing_zeros() as usize % WIDTH;
-            let visit = Visit::new(node, met, lane);
-            self.prefetch(visit.child());
-            visit
+            let child = line + node.children[lane];
+            self.prefetch(child);
+            Visit::new(met.near[lane], child)
         };
         let mut nearest = next(met.mask);
         let mut mask = met.mask & (met.mask - 1);
@@ -165,9 +174,8 @@ impl<B: Block> WideTree<B> {
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             let start = self.lines.address(child & !LEAF);
-            // Bounds and children of a node lie in four cache lines, a block in three.
-            let last = if child & LEAF == 0 { 192 } else { 128 };
-            for offset in [0, 64, 128, last] {
+            // A node lies in four cache lines, a block in two: the others are those of another block.
+            for offset in [0, 64, 128, 192] {
                 // SAFETY: a prefetch reads nothing that the program can see, and faults at no address.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
             }
