@@ -118,7 +118,7 @@ mod avx2 {
     use std::arch::x86_64::{
         __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_max_ps,
         _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32,
-        _mm256_set1_ps, _mm256_setr_epi32, _mm256_srlv_epi32, _mm256_sub_ps,
+        _mm256_set1_ps, _mm256_srlv_epi32, _mm256_sub_ps,
     };
 
     use super::{Add, Div, Eight, LANES, Mul, Sub, Vectors};
@@ -156,9 +156,9 @@ mod avx2 {
 
         #[inline(always)]
         fn pick(self, from: Avx2Eight, lanes: u32) -> Avx2Eight {
+            let shifts = bytemuck::cast([0_i32, 3, 6, 9, 12, 15, 18, 21]);
             // SAFETY: as in `splat`; of each index the instruction takes the lowest three bits.
             Avx2Eight(unsafe {
-                let shifts = _mm256_setr_epi32(0, 3, 6, 9, 12, 15, 18, 21);
                 let indices = _mm256_srlv_epi32(_mm256_set1_epi32(lanes as i32), shifts);
                 _mm256_permutevar8x32_ps(from.0, indices)
             })

@@ -218,46 +218,49 @@ impl TriangleBlock {
     /// has not: a probe counts all its hits.
     #[inline(always)]
     fn intersect<V: Vectors>(&self, vectors: V, ray: &BlockRay) -> Option<BlockHits> {
-        let BlockRay { axes: [x, y, z], .. } = *ray;
-        let [ox, oy, oz] = ray.origin.map(|number| vectors.splat(number));
-        let [fx, fy, fz] = ray.factors.map(|number| vectors.splat(number));
-        let depth = vectors.load(&self.corners[z]) - oz;
-        let sheared_x = (vectors.load(&self.corners[x]) - ox) - fx * depth;
-        let sheared_y = (vectors.load(&self.corners[y]) - oy) - fy * depth;
-        let [a, b, c] =
-            self.vertices.map(|lanes| [vectors.pick(sheared_x, lanes), vectors.pick(sheared_y, lanes)]);
-        let mut edges = [c[0] * b[1] - c[1] * b[0], a[0] * c[1] - a[1] * c[0], b[0] * a[1] - b[1] * a[0]];
-        let zero = vectors.splat(0.0);
+        // Without closures: the compiler would not make vector instructions part of them.
+        let BlockRay { axes: [x, y, z], origin: [ox, oy, oz], factors: [fx, fy, fz], .. } = *ray;
+        let depth = vectors.load(&self.corners[z]) - vectors.splat(oz);
+        let sheared_x = (vectors.load(&self.corners[x]) - vectors.splat(ox)) - vectors.splat(fx) * depth;
+        let sheared_y = (vectors.load(&self.corners[y]) - vectors.splat(oy)) - vectors.splat(fy) * depth;
+        let [a, b, c] = self.vertices;
+        let (ax, ay) = (vectors.pick(sheared_x, a), vectors.pick(sheared_y, a));
+        let (bx, by) = (vectors.pick(sheared_x, b), vectors.pick(sheared_y, b));
+        let (cx, cy) = (vectors.pick(sheared_x, c), vectors.pick(sheared_y, c));
+        let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
         // Of a hit all are positive or all negative, and zeros may become either. Most rays that meet a block's box meet no
         // triangle.
-        let range = |[u, v, w]: [V::Eight; 3]| (u.lesser(v).lesser(w), u.greater(v).greater(w));
-        let (least, greatest) = range(edges);
-        let maybe = zero.is_at_most(least) | greatest.is_at_most(zero);
-        if maybe & self.lanes == 0 {
+        let zero = vectors.splat(0.0);
+        let (least, greatest) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
+        let maybe = (zero.is_at_most(least) | greatest.is_at_most(zero)) & self.lanes;
+        if maybe == 0 {
             return None;
         }
         let mut inside = zero.is_below(least) | greatest.is_below(zero);
-        if (maybe & !inside) & self.lanes != 0 {
-            let decided =
-                decide_zeros(&[a, b, c].map(|p| p.map(V::Eight::to_array)), edges.map(V::Eight::to_array));
-            edges = [0, 1, 2].map(|edge| vectors.load(&decided[edge]));
-            let (least, greatest) = range(edges);
+        if maybe & !inside != 0 {
+            let corners = [
+                [ax.to_array(), ay.to_array()],
+                [bx.to_array(), by.to_array()],
+                [cx.to_array(), cy.to_array()],
+            ];
+            let edges = decide_zeros(&corners, [u.to_array(), v.to_array(), w.to_array()]);
+            (u, v, w) = (vectors.load(&edges[0]), vectors.load(&edges[1]), vectors.load(&edges[2]));
+            let (least, greatest) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
             inside = zero.is_below(least) | greatest.is_below(zero);
         }
-        let [u, v, w] = edges;
-        let sheared_z = fz * depth;
-        let [a, b, c] = self.vertices.map(|lanes| vectors.pick(sheared_z, lanes));
-        let determinant = u + v + w;
-        let inverse = vectors.splat(1.0) / determinant;
-        let t = (u * a + v * b + w * c) * inverse;
+        let sheared_z = vectors.splat(fz) * depth;
+        let (az, bz, cz) =
+            (vectors.pick(sheared_z, a), vectors.pick(sheared_z, b), vectors.pick(sheared_z, c));
+        let inverse = vectors.splat(1.0) / (u + v + w);
+        let t = (u * az + v * bz + w * cz) * inverse;
         // Comparisons with NaN are false: what has no area is missed.
         let before_end = zero.is_below(t) & t.is_below(vectors.splat(ray.t_max));
         let mask = inside & before_end & self.lanes;
         if mask == 0 {
             return None;
         }
-        let [t, b1, b2] = [t, v * inverse, w * inverse].map(V::Eight::to_array);
-        Some(BlockHits { mask, t, b1, b2 })
+        let (b1, b2) = (v * inverse, w * inverse);
+        Some(BlockHits { mask, t: t.to_array(), b1: b1.to_array(), b2: b2.to_array() })
     }
 }
 

@@ -84,13 +84,18 @@ impl SlabRay {
     /// Tests the ray against eight boxes.
     #[inline(always)]
     pub(super) fn meet<V: Vectors>(&self, vectors: V, node: &Node, t_max: f32) -> Met {
-        let [ox, oy, oz] = self.origin.to_array().map(|number| vectors.splat(number));
-        let [ix, iy, iz] = self.inverse.to_array().map(|number| vectors.splat(number));
-        let plane = |plane: usize| vectors.load(&node.bounds[plane]);
+        // Without closures: the compiler would not make vector instructions part of them.
+        let (ox, ix) = (vectors.splat(self.origin.x), vectors.splat(self.inverse.x));
+        let (oy, iy) = (vectors.splat(self.origin.y), vectors.splat(self.inverse.y));
+        let (oz, iz) = (vectors.splat(self.origin.z), vectors.splat(self.inverse.z));
         let [x, y, z] = self.near;
-        let (ax, ay, az) = ((plane(x) - ox) * ix, (plane(y) - oy) * iy, (plane(z) - oz) * iz);
+        let ax = (vectors.load(&node.bounds[x]) - ox) * ix;
+        let ay = (vectors.load(&node.bounds[y]) - oy) * iy;
+        let az = (vectors.load(&node.bounds[z]) - oz) * iz;
         let [x, y, z] = self.far();
-        let (bx, by, bz) = ((plane(x) - ox) * ix, (plane(y) - oy) * iy, (plane(z) - oz) * iz);
+        let bx = (vectors.load(&node.bounds[x]) - ox) * ix;
+        let by = (vectors.load(&node.bounds[y]) - oy) * iy;
+        let bz = (vectors.load(&node.bounds[z]) - oz) * iz;
         let near = ax.greater(ay).greater(az.greater(vectors.splat(0.0)));
         let far = (bx.lesser(by).lesser(bz) * vectors.splat(WIDEN)).lesser(vectors.splat(t_max));
         Met { mask: near.is_at_most(far), near: near.to_array() }
