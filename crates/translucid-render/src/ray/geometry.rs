@@ -297,6 +297,10 @@ impl PrimitiveSource for Place<'_> {
         Some(Needs::triangle(self.index, self.object.corners(self.triangle as usize)))
     }
 
+    fn place(&self) -> Vec3 {
+        self.object.position(self.object.corners(self.triangle as usize)[0])
+    }
+
     fn put(&self, block: &mut TriangleBlock, lane: usize) -> u32 {
         block.set(lane, &self.primitive());
         self.triangle

@@ -174,6 +174,10 @@ impl PrimitiveSource for Local<'_> {
         Some(Needs::triangle(0, self.mesh.triangles[self.triangle as usize]))
     }
 
+    fn place(&self) -> Vec3 {
+        self.mesh.positions[self.mesh.triangles[self.triangle as usize][0] as usize]
+    }
+
     fn put(&self, block: &mut TriangleBlock, lane: usize) -> u32 {
         block.set(lane, &self.primitive());
         self.triangle
@@ -223,6 +227,10 @@ impl PrimitiveSource for Placed<'_> {
 
     fn needs(&self) -> Option<Needs> {
         None
+    }
+
+    fn place(&self) -> Vec3 {
+        self.low
     }
 
     fn put(&self, block: &mut InstanceBlock, _: usize) -> u32 {

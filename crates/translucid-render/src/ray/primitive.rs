@@ -24,6 +24,9 @@ pub(crate) trait PrimitiveSource: Boundable + Sync {
     /// What it needs of a block; all of it if none.
     fn needs(&self) -> Option<Needs>;
 
+    /// A point of it.
+    fn place(&self) -> Vec3;
+
     /// Puts it into a lane, those below have things already, and returns its number.
     fn put(&self, block: &mut Self::Block, lane: usize) -> u32;
 }

@@ -13,36 +13,41 @@ pub(super) const MOST: usize = 1 << 18;
 /// Bits of a cell's coordinate on one axis.
 const BITS: u32 = 6;
 
+const CELLS: usize = 1 << (3 * BITS);
+
+/// Of so many things one says where the grid lies.
+const SAMPLED: usize = 61;
+
 /// Numbers of things, by chunks: a grid's cells in Morton order, halved until few enough things lie in each part.
-pub(super) fn chunks(things: Vec<u32>, center: &impl Fn(u32) -> Vec3) -> Vec<Vec<u32>> {
+pub(super) fn chunks(things: Vec<u32>, place: &impl Fn(u32) -> Vec3) -> Vec<Vec<u32>> {
     if things.len() <= MOST {
         return vec![things];
     }
     let (low, high) = things
         .iter()
-        .map(|&thing| center(thing))
+        .step_by(SAMPLED)
+        .map(|&thing| place(thing))
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     let per_length = (1 << BITS) as f32 / (high - low).max_element();
-    let cell = |thing: u32| morton(((center(thing) - low) * per_length).as_uvec3().to_array());
-    let mut starts = vec![0_usize; (1 << (3 * BITS)) + 1];
-    things.iter().for_each(|&thing| starts[cell(thing) + 1] += 1);
-    for i in 1..starts.len() {
-        starts[i] += starts[i - 1];
+    // What lies beyond the grid counts for the cells at its end.
+    let cell = |&thing: &u32| morton(((place(thing) - low) * per_length).as_uvec3().to_array());
+    let cells: Vec<u32> = things.iter().map(cell).collect();
+    let mut starts = vec![0_usize; CELLS + 1];
+    cells.iter().for_each(|&cell| starts[cell as usize + 1] += 1);
+    for i in 0..CELLS {
+        starts[i + 1] += starts[i];
     }
     let mut parts = Vec::new();
-    halve(0..starts.len() - 1, &starts, &mut parts);
-    let mut part_of_cell = vec![0_u32; starts.len() - 1];
-    let mut lists = Vec::new();
+    halve(0..CELLS, &starts, &mut parts);
+    let mut part_of_cell = vec![0; CELLS];
     for (number, cells) in parts.iter().enumerate() {
-        lists.push(Vec::with_capacity(starts[cells.end] - starts[cells.start]));
-        part_of_cell[cells.clone()].fill(number as u32);
+        part_of_cell[cells.clone()].fill(number);
     }
-    let count = things.len();
-    for thing in things {
-        lists[part_of_cell[cell(thing)] as usize].push(thing);
-    }
+    let room = |cells: &Range<usize>| Vec::with_capacity(starts[cells.end] - starts[cells.start]);
+    let mut lists: Vec<Vec<u32>> = parts.iter().map(room).collect();
+    things.iter().zip(&cells).for_each(|(&thing, &cell)| lists[part_of_cell[cell as usize]].push(thing));
     // Where one cell has too many, its own grid parts them, unless all lie in one place.
-    let part = |list: Vec<u32>| if list.len() < count { chunks(list, center) } else { vec![list] };
+    let part = |list: Vec<u32>| if list.len() < things.len() { chunks(list, place) } else { vec![list] };
     lists.into_iter().flat_map(part).collect()
 }
 
@@ -60,9 +65,23 @@ fn halve(cells: Range<usize>, starts: &[usize], parts: &mut Vec<Range<usize>>) {
     halve(middle..cells.end, starts, parts);
 }
 
-/// Number of a cell in Morton order; what lies beyond the grid counts for its last cells.
-fn morton(cell: [u32; 3]) -> usize {
-    let cell = cell.map(|at| at.min((1 << BITS) - 1));
-    let spread = |at: u32| (0..BITS).fold(0, |spread, bit| spread | (at >> bit & 1) << (3 * bit));
-    (spread(cell[0]) | spread(cell[1]) << 1 | spread(cell[2]) << 2) as usize
+/// Number of a cell in Morton order.
+fn morton(cell: [u32; 3]) -> u32 {
+    let [x, y, z] = cell.map(|at| SPREAD[at.min((1 << BITS) - 1) as usize]);
+    x | y << 1 | z << 2
 }
+
+/// Coordinates of cells with two zeros after each bit.
+const SPREAD: [u32; 1 << BITS] = {
+    let mut spread = [0; 1 << BITS];
+    let mut i = 0;
+    while i < spread.len() {
+        let mut bit = 0;
+        while bit < BITS {
+            spread[i] |= (i as u32 >> bit & 1) << (3 * bit);
+            bit += 1;
+        }
+        i += 1;
+    }
+    spread
+};

@@ -29,7 +29,7 @@ impl<'a, B: Block> Gather<'a, B> {
     ///
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
     pub(super) fn run(&mut self, mut add: impl FnMut(&mut Lines<B>, u32, &[u32]) -> u32) {
-        let mut things = Vec::new();
+        let (mut things, mut below) = (Vec::new(), Vec::new());
         let mut open = vec![Open { source: 0, parent: None, waiting: 0 }];
         while let Some(Open { source, parent, waiting }) = open.pop() {
             let mut node = Node::EMPTY;
@@ -45,7 +45,7 @@ impl<'a, B: Block> Gather<'a, B> {
                     node.bounds[axis + 3][lane] = bounds.max[axis];
                 }
                 if self.costs.is_block(child) {
-                    self.collect(child, &mut things);
+                    self.collect(child, &mut things, &mut below);
                     node.children[lane] = add(&mut self.lines, line, &things);
                 }
             }
@@ -61,10 +61,10 @@ impl<'a, B: Block> Gather<'a, B> {
         }
     }
 
-    /// Collects what is below a node.
-    fn collect(&self, root: u32, things: &mut Vec<u32>) {
+    /// Collects what is below a node; `open` is empty before and after.
+    fn collect(&self, root: u32, things: &mut Vec<u32>, open: &mut Vec<u32>) {
         things.clear();
-        let mut open = vec![root];
+        open.push(root);
         while let Some(index) = open.pop() {
             let node = &self.binary.nodes[index as usize];
             if node.is_leaf() {

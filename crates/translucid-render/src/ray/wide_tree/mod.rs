@@ -51,9 +51,9 @@ impl<B: Block> WideTree<B> {
             let bounds = (Vec3::ZERO, Vec3::ZERO);
             return Self { lines: Lines::default(), numbers: Vec::new(), most_waiting: 0, bounds, avx2 };
         }
-        let center = |thing: u32| primitives[thing as usize].aabb().center().into();
+        let place = |thing: u32| primitives[thing as usize].place();
         let mut first = 0;
-        let chunks: Vec<_> = chunks((0..primitives.len() as u32).collect(), &center)
+        let chunks: Vec<_> = chunks((0..primitives.len() as u32).collect(), &place)
             .into_iter()
             .map(|chunk| {
                 first += chunk.len() as u32;
@@ -311,6 +311,10 @@ mod tests {
                 |sum: u32, (x, factor): (f32, u32)| sum.rotate_left(7) ^ x.to_bits().wrapping_mul(factor);
             let corner = |vertex: Vec3| vertex.to_array().into_iter().zip(factors).fold(0, mix);
             Some(Needs::triangle(self.object, self.vertices.map(corner)))
+        }
+
+        fn place(&self) -> Vec3 {
+            self.vertices[0]
         }
 
         fn put(&self, block: &mut TriangleBlock, lane: usize) -> u32 {
