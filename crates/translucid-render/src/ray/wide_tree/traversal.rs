@@ -9,6 +9,8 @@
 //!
 //! Everything below is compiled twice, plainly and for AVX2, which is chosen at run time; both find the same.
 
+use std::mem::MaybeUninit;
+
 use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
 use super::{Block, WideTree};
 #[cfg(target_arch = "x86_64")]
@@ -28,6 +30,9 @@ pub(in crate::ray) trait Visitor<B> {
 
 /// Children yet to visit for which there is room without asking for memory: scanned meshes have up to 70.
 pub(super) const STACK: usize = 96;
+
+/// Children yet to visit: making room for them costs nothing as long as it is not written.
+type Stack = [MaybeUninit<Visit>];
 
 /// A child yet to visit: above the bits of the distance at which the ray enters its box, below its number.
 ///
@@ -59,13 +64,13 @@ impl<B: Block> WideTree<B> {
         if self.lines.is_empty() {
             return false;
         }
-        let mut array = [Visit(0); STACK];
+        let mut array = [const { MaybeUninit::uninit() }; STACK];
         // Degenerate trees are deep.
         let mut deep;
         let stack = if self.most_waiting <= STACK {
             &mut array[..]
         } else {
-            deep = vec![Visit(0); self.most_waiting];
+            deep = vec![MaybeUninit::uninit(); self.most_waiting];
             &mut deep[..]
         };
         #[cfg(target_arch = "x86_64")]
@@ -78,7 +83,7 @@ impl<B: Block> WideTree<B> {
 
     #[cfg(target_arch = "x86_64")]
     #[target_feature(enable = "avx2")]
-    fn traverse_avx2<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut [Visit]) -> bool {
+    fn traverse_avx2<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut Stack) -> bool {
         // SAFETY: this function has AVX2.
         self.traverse_with(unsafe { Avx2::new() }, ray, visitor, stack)
     }
@@ -89,7 +94,7 @@ impl<B: Block> WideTree<B> {
         vectors: impl Vectors,
         ray: &Ray,
         visitor: &mut V,
-        stack: &mut [Visit],
+        stack: &mut Stack,
     ) -> bool {
         let slab_ray = SlabRay::new(ray);
         let mut block_ray = BlockRay::new(ray);
@@ -119,7 +124,8 @@ impl<B: Block> WideTree<B> {
                     return false;
                 }
                 used -= 1;
-                current = stack[used];
+                // SAFETY: what lies below `used` has been written.
+                current = unsafe { stack[used].assume_init() };
                 if !V::IS_ORDERED || current.distance() <= block_ray.t_max {
                     break;
                 }
@@ -134,7 +140,7 @@ impl<B: Block> WideTree<B> {
         &self,
         (line, node): (u32, &Node),
         met: &Met,
-        stack: &mut [Visit],
+        stack: &mut Stack,
         used: &mut usize,
     ) -> Visit {
         let next = |mask: u32| {
@@ -150,18 +156,19 @@ impl<B: Block> WideTree<B> {
             let visit = next(mask);
             mask &= mask - 1;
             if !V::IS_ORDERED {
-                stack[*used] = visit;
+                stack[*used].write(visit);
                 *used += 1;
                 continue;
             }
             let (near, far) = if visit.0 < nearest.0 { (visit, nearest) } else { (nearest, visit) };
             nearest = near;
             let mut place = *used;
-            while place > base && stack[place - 1].0 < far.0 {
+            // SAFETY: what lies below `used` has been written.
+            while place > base && unsafe { stack[place - 1].assume_init() }.0 < far.0 {
                 stack[place] = stack[place - 1];
                 place -= 1;
             }
-            stack[place] = far;
+            stack[place].write(far);
             *used += 1;
         }
         nearest
@@ -174,8 +181,9 @@ impl<B: Block> WideTree<B> {
         {
             use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
             let start = self.lines.address(child & !LEAF);
-            // A node lies in four cache lines, a block in two: the others are those of another block.
-            for offset in [0, 64, 128, 192] {
+            // A node lies in four cache lines, a block in two.
+            let rest = if child & LEAF == 0 { 128 } else { 0 };
+            for offset in [0, 64, rest, rest + 64] {
                 // SAFETY: a prefetch reads nothing that the program can see, and faults at no address.
                 unsafe { _mm_prefetch::<_MM_HINT_T0>(start.wrapping_add(offset)) };
             }
