@@ -27,14 +27,10 @@ struct Shear {
 impl Shear {
     fn new(direction: Vec3) -> Self {
         let size = direction.abs();
-        let z = if size.x > size.y && size.x > size.z {
-            0
-        } else if size.y > size.z {
-            1
-        } else {
-            2
-        };
-        let (x, y) = ((z + 1) % 3, (z + 2) % 3);
+        // Without branches: which axis it is changes from ray to ray.
+        let is_x = (size.x > size.y) & (size.x > size.z);
+        let z = usize::from(!is_x) * (2 - usize::from(size.y > size.z));
+        let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
         let inverse = 1.0 / direction[z];
         Self { axes: [x, y, z], factors: Vec3::new(direction[x] * inverse, direction[y] * inverse, inverse) }
     }
