@@ -18,3 +18,4 @@ pub use geometry::Geometry;
 pub(crate) use geometry::SurfacePoint;
 pub use hit::Hit;
 pub use triangle::Ray;
+pub(crate) use wide_tree::AT_ONCE as TRIANGLES_AT_ONCE;

@@ -9,11 +9,15 @@ use translucid_image::PixelRect;
 use translucid_scene::{Mesh, Scene, SceneError};
 
 use super::Session;
+use crate::ray::TRIANGLES_AT_ONCE;
 use crate::world::{PixelSample, layer};
 
-/// Memory that each triangle takes while the tree over them is built, besides its mesh: 231 bytes of 255 that a mesh of
-/// one or of two million triangles took in all.
-const BYTES_PER_TRIANGLE: u64 = 232;
+/// Memory that each triangle takes besides its mesh while the tree over all is built: 110 bytes of ten million triangles on
+/// two threads, with what those take that are in work.
+const BYTES_PER_TRIANGLE: u64 = 116;
+/// Memory that each triangle takes besides as long as its part of the tree is in work: 281 bytes in all of a million
+/// triangles, all of them in work on eight threads.
+const BYTES_IN_WORK: u64 = 180;
 /// Memory that each object takes, however many share its mesh.
 const BYTES_PER_OBJECT: u64 = 512;
 /// Address space that the C library sets aside for each thread that takes memory.
@@ -93,7 +97,10 @@ impl Session {
         let triangles: usize =
             uses.values().map(|&(mesh, uses)| mesh.triangles.len() * copies(mesh, uses)).sum();
         let triangles = triangles as u64;
-        let of_scene = triangles * BYTES_PER_TRIANGLE + scene.objects.len() as u64 * BYTES_PER_OBJECT;
+        let in_work = triangles.min(rayon::current_num_threads() as u64 * TRIANGLES_AT_ONCE as u64);
+        let of_scene = triangles * BYTES_PER_TRIANGLE
+            + in_work * BYTES_IN_WORK
+            + scene.objects.len() as u64 * BYTES_PER_OBJECT;
         let of_pixels = pixels.area().saturating_mul(bytes_per_pixel);
         let needed = of_scene.saturating_add(of_pixels);
         let has_room = |bytes: &u64| {

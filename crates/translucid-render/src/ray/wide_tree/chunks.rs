@@ -8,7 +8,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 /// Things of a chunk at most, unless they lie in one place.
-pub(super) const MOST: usize = 1 << 18;
+pub(crate) const MOST: usize = 1 << 18;
 
 /// Bits of a cell's coordinate on one axis.
 const BITS: u32 = 6;
@@ -85,3 +85,44 @@ const SPREAD: [u32; 1 << BITS] = {
     }
     spread
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Sorted numbers of all chunks, none of which is empty, and the size of the largest.
+    fn all(chunks: &[Vec<u32>]) -> (Vec<u32>, usize) {
+        assert!(chunks.iter().all(|chunk| !chunk.is_empty()));
+        let mut all = chunks.concat();
+        all.sort_unstable();
+        (all, chunks.iter().map(Vec::len).max().unwrap_or(0))
+    }
+
+    #[test]
+    fn chunks_have_everything_once_and_not_too_much() {
+        let count = 5 * MOST as u32;
+        // Half of them in a corner that is much smaller than a cell, and some far off
+        let place = |thing: u32| {
+            let random = |salt: u32| sobol_burley::sample(thing, salt, 3);
+            let scale = if thing % 1000 == 7 {
+                1e6
+            } else if thing.is_multiple_of(2) {
+                1e-3
+            } else {
+                1.0
+            };
+            Vec3::new(random(0), random(1), random(2)) * scale
+        };
+        let (all, largest) = all(&chunks((0..count).collect(), &place));
+        assert!(all.into_iter().eq(0..count) && largest <= MOST, "{largest}");
+    }
+
+    #[test]
+    fn what_lies_in_one_place_is_one_chunk() {
+        let count = 2 * MOST as u32;
+        for place in [Vec3::ONE, Vec3::NAN, Vec3::MAX] {
+            let (all, largest) = all(&chunks((0..count).collect(), &|_| place));
+            assert!(all.into_iter().eq(0..count) && largest == count as usize);
+        }
+    }
+}

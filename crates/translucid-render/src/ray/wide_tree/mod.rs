@@ -15,6 +15,7 @@ mod traversal;
 
 use std::mem::take;
 
+pub(crate) use chunks::MOST as AT_ONCE;
 use chunks::chunks;
 use gather::Gather;
 use glam::Vec3;
@@ -394,7 +395,7 @@ mod tests {
 
     /// A mesh as a scanner makes them, at a tenth of the largest that the bench `huge_mesh` renders.
     #[test]
-    fn large_meshes_take_less_than_sixty_bytes_a_triangle() {
+    fn large_meshes_take_less_than_sixty_bytes_a_triangle_and_keep_all() {
         let side = 710_u32;
         let vertex = |x: u32, y: u32| {
             let (u, v) = (x as f32 / side as f32, y as f32 / side as f32);
@@ -413,5 +414,14 @@ mod tests {
         let bytes = tree.memory() as f64 / primitives.len() as f64;
         assert!(bytes < 60.0, "{bytes} bytes a triangle");
         assert!(tree.most_waiting <= traversal::STACK, "{} children wait", tree.most_waiting);
+        let mut numbers = tree.numbers.clone();
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..primitives.len() as u32), "each triangle is there once");
+        for i in 0..2000 {
+            let [u, v] = [0, 1].map(|salt| sobol_burley::sample(i, salt, 5));
+            let mut hits = 0;
+            tree.all(&Ray::new(Vec3::new(u, v, 1.0), Vec3::NEG_Z), |_, _| hits += 1);
+            assert_eq!(hits, 1, "from above {u} {v}");
+        }
     }
 }
