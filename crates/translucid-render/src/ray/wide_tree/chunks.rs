@@ -103,7 +103,7 @@ mod tests {
         let count = 5 * MOST as u32;
         // Half of them in a corner that is much smaller than a cell, and some far off
         let place = |thing: u32| {
-            let random = |salt: u32| sobol_burley::sample(thing, salt, 3);
+            let random = |salt: u32| sobol_burley::sample(thing & 0xffff, salt, thing >> 16);
             let scale = if thing % 1000 == 7 {
                 1e6
             } else if thing.is_multiple_of(2) {
