@@ -12,7 +12,7 @@ mod primitive;
 
 pub use parameters::{ShapeParameter, ShapeParameterKind, ShapeParameters};
 
-use model::{bust, candle, fruit, furniture, grapes, tableware, toy};
+use model::{bust, candle, carving, ear, fruit, furniture, grapes, tableware, toy};
 use parameters::Values;
 use primitive::basic;
 
@@ -38,6 +38,8 @@ const SHAPES: &[Shape] = &[
     Shape { name: "cone", parameters: basic::CONE, build: basic::cone },
     Shape { name: "torus", parameters: basic::TORUS, build: basic::torus },
     Shape { name: "bust", parameters: bust::BUST, build: bust::bust },
+    Shape { name: "carving", parameters: carving::CARVING, build: carving::carving },
+    Shape { name: "ear", parameters: ear::EAR, build: ear::ear },
     Shape { name: "apple", parameters: fruit::APPLE, build: fruit::apple },
     Shape { name: "pear", parameters: fruit::PEAR, build: fruit::pear },
     Shape { name: "orange", parameters: fruit::ORANGE, build: fruit::orange },

@@ -178,7 +178,7 @@ fn figure(p: Vec3) -> f32 {
 const MARBLE: Vec3 = Vec3::new(0.931, 0.913, 0.894);
 
 /// Grey veins where folded noise passes through zero, on a faintly clouded ground.
-fn marble(p: Vec3, seed: u32, strength: f32) -> Vec3 {
+pub(super) fn marble(p: Vec3, seed: u32, strength: f32) -> Vec3 {
     let warp = Vec3::new(noise(0.25 * p, seed), noise(0.25 * p, seed + 1), noise(0.25 * p, seed + 2));
     let q = p + 2.4 * warp;
     let vein = |scale: f32, width: f32, seed: u32| {

@@ -2,6 +2,8 @@
 
 pub(super) mod bust;
 pub(super) mod candle;
+pub(super) mod carving;
+pub(super) mod ear;
 pub(super) mod fruit;
 pub(super) mod furniture;
 pub(super) mod grapes;
