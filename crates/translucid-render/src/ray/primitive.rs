@@ -5,7 +5,7 @@ use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-use super::triangle::CORNERS;
+use super::eight::LANES;
 
 /// What a leaf of a tree holds: as long as some cache lines.
 pub(crate) trait Block: Pod + Default + Send + Sync {
@@ -30,6 +30,9 @@ pub(crate) trait PrimitiveSource: Boundable + Sync {
     /// Puts it into a lane, those below have things already, and returns its number.
     fn put(&self, block: &mut Self::Block, lane: usize) -> u32;
 }
+
+/// Corners that a block has room for.
+pub(crate) const CORNERS: usize = LANES;
 
 /// What things need of a block that they are in together.
 #[derive(Clone, Copy)]

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use super::eight::{Eight, LANES, Vectors};
-use super::primitive::{Block, Primitive};
+use super::primitive::{Block, CORNERS, Primitive};
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -86,9 +86,6 @@ pub(crate) struct TriangleHit {
     pub(crate) b1: f32,
     pub(crate) b2: f32,
 }
-
-/// Corners that a block has room for.
-pub(crate) const CORNERS: usize = LANES;
 
 /// Up to eight triangles of one object that share their corners: two cache lines.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
