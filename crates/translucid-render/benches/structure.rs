@@ -1,7 +1,7 @@
 //! How the noise of shared light looks: steps at the borders of blocks, correlation, and the means of regions.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench structure [-- CASE…] [--samples N] [--write]
+//! cargo bench -p translucid-render --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/noise.md`, which says what its columns are; `--write` puts it there.
@@ -30,7 +30,8 @@ const REGION: u32 = 16;
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
-    let samples: Option<u32> = value("--samples").map(|n| n.parse().expect("a number of samples"));
+    let number = |option: &str| value(option).map(|n| n.parse::<u32>().expect("a number"));
+    let (samples, pictures) = (number("--samples"), number("--pictures"));
     let is_word = |a: &&String| !a.starts_with("--") && a.parse::<u32>().is_err();
     let words: Vec<&String> = arguments.iter().filter(is_word).collect();
     let mut table = String::from(
@@ -41,12 +42,12 @@ fn main() {
             continue;
         }
         for count in samples.map_or(vec![1, 16], |count| vec![count]) {
-            // 24, 6 and 3 for 1, 16 and 64
-            let seeds = (24.0 / f64::from(count).sqrt()).max(3.0) as u64;
-            let [shared, alone] = [true, false].map(|shares| Noise::of(&scene, shares, count, seeds));
+            // 96, 24 and 12 for 1, 16 and 64
+            let pictures = pictures.unwrap_or((96.0 / f64::from(count).sqrt()) as u32).max(3);
+            let [shared, alone] = [true, false].map(|shares| Noise::of(&scene, shares, count, pictures));
             let _ = writeln!(
                 table,
-                "| {name} | {count} | {:.2} | {:.2} | {:.2} | {:.2}, {:.2}, {:.2} | {:.2} | {:.2} | {:.2} |",
+                "| {name} | {count} | {:.2} | {:.2} | {:.2} | {:.2}, {:.2}, {:.2} | {:.2} | {:.2} | {:.2} ± {:.2} |",
                 shared.pixel / alone.pixel,
                 shared.step,
                 alone.step,
@@ -56,6 +57,7 @@ fn main() {
                 shared.region / shared.pixel * f64::from(REGION),
                 alone.region / alone.pixel * f64::from(REGION),
                 shared.region / alone.region,
+                shared.region / alone.region * shared.region_error.hypot(alone.region_error),
             );
         }
     }
@@ -93,11 +95,13 @@ struct Noise {
     correlation: [f64; 3],
     /// Root mean square of the mean of a region.
     region: f64,
+    /// Standard error of [`region`](Self::region) relative to it, from the differences between pictures.
+    region_error: f64,
 }
 
 impl Noise {
-    fn of(scene: &Scene, shares: bool, samples: u32, seeds: u64) -> Self {
-        let films: Vec<FilmSums> = (0..seeds)
+    fn of(scene: &Scene, shares: bool, samples: u32, pictures: u32) -> Self {
+        let films: Vec<FilmSums> = (0..u64::from(pictures))
             .map(|seed| {
                 let mut scene = scene.clone();
                 scene.integrator.seed = seed;
@@ -108,10 +112,10 @@ impl Noise {
                 film
             })
             .collect();
-        let errors: Vec<Errors> = (0..3).flat_map(|channel| Errors::of(&films, channel)).collect();
-        let mean = |of: &dyn Fn(&Errors, u32, u32) -> Option<f64>| {
+        let channels: [Vec<Errors>; 3] = [0, 1, 2].map(|channel| Errors::of(&films, channel));
+        let mean_of = |pictures: std::ops::Range<usize>, of: &dyn Fn(&Errors, u32, u32) -> Option<f64>| {
             let (mut sum, mut count) = (0.0, 0.0);
-            for errors in &errors {
+            for errors in channels.iter().flat_map(|errors| &errors[pictures.clone()]) {
                 for (x, y) in (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE)) {
                     if let Some(value) = of(errors, x, y) {
                         sum += value;
@@ -121,6 +125,7 @@ impl Noise {
             }
             sum / count
         };
+        let mean = |of: &dyn Fn(&Errors, u32, u32) -> Option<f64>| mean_of(0..films.len(), of);
         let square = mean(&|e, x, y| e.at(x, y).map(|v| v * v));
         let step = |at_border: bool| {
             let along = |horizontal: bool| {
@@ -141,7 +146,7 @@ impl Noise {
             let columns = mean(&|e, x, y| Some(e.at(x, y)? * e.at(x, y + lag)?));
             (rows + columns) / (2.0 * square)
         });
-        let region = mean(&|e, x, y| {
+        let of_region = |e: &Errors, x: u32, y: u32| {
             if x % REGION != REGION / 2 || y % REGION != REGION / 2 {
                 return None;
             }
@@ -150,8 +155,18 @@ impl Noise {
                 sum += e.at(x + i % REGION, y + i / REGION)?;
             }
             Some((sum / f64::from(REGION * REGION)).powi(2))
-        });
-        Self { pixel: square.sqrt(), step: step(true) / step(false), correlation, region: region.sqrt() }
+        };
+        let region = mean(&of_region);
+        let n = films.len() as f64;
+        let deviations = (0..films.len()).map(|i| (mean_of(i..i + 1, &of_region) / region - 1.0).powi(2));
+        Self {
+            pixel: square.sqrt(),
+            step: step(true) / step(false),
+            correlation,
+            region: region.sqrt(),
+            // Half of the relative error of the square
+            region_error: (deviations.sum::<f64>() / (n * (n - 1.0))).sqrt() / 2.0,
+        }
     }
 }
 
