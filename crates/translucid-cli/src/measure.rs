@@ -1,5 +1,6 @@
 //! `translucid measure`: a material's numbers from a photograph.
 
+mod known_shape;
 mod page;
 
 use std::fmt::Write as _;
@@ -24,13 +25,15 @@ const EXAMPLES: &str = "\
 The photograph shows a flat piece, half of it under an opaque card, in light that falls on all of it evenly:
 how far light creeps below the card is the mean free path. A white card of known reflectance beside it
 makes the brightness of the lit half a surface albedo. How to set it up: docs/guide/measure.md.
+With --scene it shows a thing of any shape, and the renderer finds the parameters with which it is that picture.
 
 Columns: channel, quantity, value, from and to of 68 % and of 95 % confidence, unit.
 
 Examples:
   translucid measure soap.png --mm-per-pixel 0.042 --white 100,80,400,260 --white-reflectance 0.9
   translucid measure soap.exr --mm-per-pixel 0.042 --surface-albedo 0.8 --region 900,400,2100,1600
-  translucid measure soap.png --mm-per-pixel 0.042 --white 100,80,400,260 --format toml";
+  translucid measure soap.png --mm-per-pixel 0.042 --white 100,80,400,260 --format toml
+  translucid measure ball.exr --scene ball.toml --fit material.surface_albedo,material.mfp";
 
 /// Measures surface albedo and mean free path in a photograph of an edge of light
 #[derive(Args, Debug)]
@@ -40,7 +43,7 @@ pub(crate) struct MeasureArguments {
     #[arg(value_name = "PHOTO")]
     photo: PathBuf,
     /// Width of a pixel on the piece \[mm\]
-    #[arg(long, value_name = "MM", value_parser = parse_positive, required_unless_present = "ruler")]
+    #[arg(long, value_name = "MM", value_parser = parse_positive, required_unless_present_any = ["ruler", "scene"])]
     mm_per_pixel: Option<f64>,
     /// In its place two points of the photograph and the distance between them \[mm\]
     #[arg(long, value_name = "X0,Y0,X1,Y1,MM", value_parser = parse_ruler, conflicts_with = "mm_per_pixel")]
@@ -90,6 +93,8 @@ pub(crate) struct MeasureArguments {
     /// How to print
     #[arg(long, value_enum, default_value = "text")]
     format: MeasureFormat,
+    #[command(flatten, next_help_heading = "Known shape")]
+    shape: known_shape::SceneArguments,
 }
 
 /// How a measurement is printed.
@@ -139,6 +144,9 @@ const MISFIT: f64 = 2.0;
 pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     if let Some(path) = &arguments.output {
         check_writable(path)?;
+    }
+    if let Some(scene) = &arguments.shape.scene {
+        return known_shape::run(arguments, scene);
     }
     let scale = scale(arguments)?;
     let medium_of = MediumOf::new(arguments)?;
@@ -459,13 +467,14 @@ fn table() -> DataTable {
     DataTable::new("measured", "What is measured, with intervals of 68 and of 95 % confidence.", &COLUMNS)
 }
 
+fn row(channel: &str, quantity: &str, interval: Interval, unit: &str) -> Vec<Cell> {
+    let Interval { value, likely, sure } = interval;
+    let numbers = [value, likely[0], likely[1], sure[0], sure[1]].map(Cell::from);
+    let words = [Cell::from(channel), Cell::from(quantity)];
+    words.into_iter().chain(numbers).chain([Cell::from(unit)]).collect()
+}
+
 fn rows(fit: &EdgeFit) -> Vec<Vec<Cell>> {
-    let row = |channel: &str, quantity: &str, interval: Interval, unit: &str| {
-        let Interval { value, likely, sure } = interval;
-        let numbers = [value, likely[0], likely[1], sure[0], sure[1]].map(Cell::from);
-        let words = [Cell::from(channel), Cell::from(quantity)];
-        words.into_iter().chain(numbers).chain([Cell::from(unit)]).collect()
-    };
     let of_channel = |(name, channel): (&&str, &translucid_measure::ChannelFit)| {
         let albedo = channel.surface_albedo.map(|albedo| row(name, "surface_albedo", albedo, ""));
         let mfp = channel.is_seen.then(|| row(name, "mfp", channel.mfp, "mm"));

@@ -7,6 +7,7 @@
 //! edge.rs           what a camera sees beside an opaque card: the forward model
 //! edge_fit.rs       mean free paths and albedos that explain what a camera has seen
 //! least_squares.rs  robust weighted least squares
+//! known_shape.rs    a material that explains a picture of a known scene
 //! ```
 
 #![allow(
@@ -17,6 +18,7 @@
 mod edge;
 mod edge_fit;
 mod edge_line;
+mod known_shape;
 mod least_squares;
 mod photo;
 mod response;
@@ -24,6 +26,7 @@ mod response;
 pub use edge::{Edge, EdgeModel};
 pub use edge_fit::{Card, ChannelFit, EdgeFit, EdgeSamples, Interval, Scale};
 pub use edge_line::{EdgeLine, NoEdge};
+pub use known_shape::{Estimate, Guess, KnownShape, Progress, Request, SEEDS, Unknown};
 pub use least_squares::{Minimum, minimize};
 pub use photo::Photo;
 pub use response::Response;

@@ -10,6 +10,7 @@ mod export;
 mod fit;
 mod gallery;
 mod killed;
+mod known_shape;
 mod look;
 mod markdown;
 mod measure;

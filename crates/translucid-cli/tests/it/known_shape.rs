@@ -1,0 +1,164 @@
+//! `translucid measure PHOTO --scene SCENE`: a material from a picture of a known scene.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+
+use crate::common::{files, run, stderr, stdout, translucid};
+
+/// A ball of wax in the light of a lamp and a faint sky.
+fn scene(surface_albedo: &str, mfp: &str) -> String {
+    format!(
+        "\
+unit = \"mm\"
+[film]
+size = [48, 36]
+filter = \"box\"
+filter_radius = 0.5
+[integrator]
+samples_per_pixel = 16
+[[material]]
+name = \"wax\"
+specular_weight = 0
+subsurface_weight = 1.0
+subsurface_color = {surface_albedo}
+subsurface_radius = 1
+subsurface_radius_scale = {mfp}
+[[object]]
+name = \"ball\"
+shape = \"sphere\"
+material = \"wax\"
+[[light]]
+type = \"rectangle\"
+center = [-4, 4, 2]
+target = [0, 0, 0]
+size = [1, 1]
+radiance = [30, 30, 30]
+visible = false
+[environment]
+radiance = [0.05, 0.05, 0.05]
+visible = false
+"
+    )
+}
+
+const TRUTH: [(&str, [f64; 3]); 2] = [("surface_albedo", [0.8, 0.5, 0.3]), ("mfp", [0.3, 0.2, 0.1])];
+
+const FIT: &str = "measure photo.exr --scene start.toml --fit material.surface_albedo,material.mfp";
+
+/// A directory with the scene, its picture by a walk, and the scene with other numbers, where a fit starts.
+fn directory_with_photo() -> tempfile::TempDir {
+    let directory = tempfile::tempdir().unwrap();
+    let path = directory.path();
+    fs::write(path.join("truth.toml"), scene("[0.8, 0.5, 0.3]", "[0.3, 0.2, 0.1]")).unwrap();
+    fs::write(path.join("start.toml"), scene("[0.6, 0.6, 0.6]", "[0.15, 0.15, 0.15]")).unwrap();
+    stdout(path, "render truth.toml -q --subsurface random-walk --spp 256 --seed 7 -o photo.exr");
+    directory
+}
+
+/// A row of the answer.
+fn row<'a>(rows: &'a Value, channel: &str, quantity: &str) -> &'a Value {
+    let is_it = |row: &&Value| row["channel"] == channel && row["quantity"] == quantity;
+    rows.as_array().unwrap().iter().find(is_it).unwrap_or_else(|| panic!("{channel} {quantity}: {rows}"))
+}
+
+/// Seeds are fixed. Six intervals of 95 % all hold the truth for about three of four seeds.
+#[test]
+fn ball_tells_its_material() {
+    let directory = directory_with_photo();
+    let rows: Value =
+        serde_json::from_str(&stdout(directory.path(), &format!("{FIT} --spp 64 --format json -q"))).unwrap();
+    for (quantity, truth) in TRUTH {
+        for (channel, truth) in ["red", "green", "blue"].iter().zip(truth) {
+            let row = row(&rows, channel, quantity);
+            let number = |key: &str| row[key].as_f64().unwrap();
+            assert!((number("value") / truth - 1.0).abs() < 0.05, "{row}, {truth}");
+            assert!(number("from_95") < truth && truth < number("to_95"), "{row}, {truth}");
+            // An interval that says nothing would hold the truth, too
+            assert!(number("to_95") - number("from_95") < 0.2 * truth, "{row}");
+        }
+    }
+    assert_eq!(files(directory.path()), ["photo.exr", "photo.png", "start.toml", "truth.toml"]);
+}
+
+#[test]
+fn fit_that_was_interrupted_goes_on_to_the_same_numbers() {
+    let directory = directory_with_photo();
+    let path = directory.path();
+    let words = format!("{FIT} --spp 48 --threads 1 --format json");
+    let whole = stdout(path, &words);
+    let child = translucid(path)
+        .args(words.split_whitespace())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let start = Instant::now();
+    while !path.join(".photo.exr.fit.lock").exists() {
+        assert!(start.elapsed().as_secs() < 60);
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    std::thread::sleep(Duration::from_millis(800));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
+    assert!(path.join("photo.exr.fit").exists());
+
+    // Of another fit it is refused
+    let output = run(path, &format!("{words} --resume --seed 5"));
+    assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+    assert!(stderr(&output).contains("of another scene or other settings"), "{}", stderr(&output));
+
+    assert_eq!(stdout(path, &format!("{words} --resume")), whole);
+    assert!(!path.join("photo.exr.fit").exists());
+}
+
+#[test]
+fn wrong_input_is_refused_with_its_reason() {
+    let directory = directory_with_photo();
+    let path = directory.path();
+    let with = |name: &str, from: &str, to: &str| {
+        let text = fs::read_to_string(path.join("start.toml")).unwrap();
+        assert!(text.contains(from));
+        fs::write(path.join(name), text.replace(from, to)).unwrap();
+    };
+    with("small.toml", "[48, 36]", "[32, 24]");
+    with("opaque.toml", "subsurface_weight = 1.0", "subsurface_weight = 0");
+    with("dmfp.toml", "subsurface_radius = 1", "subsurface_radius = 1\nsubsurface_parameter = \"dmfp\"");
+    fs::write(path.join("photo.exr.fit"), "somebody's letter").unwrap();
+    let fit = "--fit material.mfp --checkpoint a.fit";
+    for (words, found) in [
+        (
+            format!("measure photo.exr --scene start.toml {fit} --material soap"),
+            "the scene has 0 of that name",
+        ),
+        (
+            format!("measure photo.exr --scene small.toml {fit}"),
+            "48×36 pixels, but the scene's film has 32×24",
+        ),
+        (format!("measure photo.exr --scene opaque.toml {fit}"), "no material of the scene"),
+        (format!("measure photo.exr --scene dmfp.toml {fit}"), "subsurface_parameter is dmfp"),
+        (format!("measure photo.exr --scene none.toml {fit}"), "none.toml"),
+        (format!("measure none.exr --scene start.toml {fit}"), "none.exr"),
+        (format!("measure photo.exr --scene start.toml {fit} --region 0,0,49,36"), "--region ends at 49,36"),
+        (
+            String::from("measure photo.exr --scene start.toml --fit mfp"),
+            "the parameters are material.surface_albedo",
+        ),
+        (String::from("measure photo.exr --scene start.toml --fit material.mfp,material.mfp"), "twice"),
+        (String::from("measure photo.exr --scene start.toml"), "--fit"),
+        (format!("{FIT} --mm-per-pixel 0.1"), "cannot be used with"),
+        (String::from(FIT), "is no unfinished fit"),
+        (format!("{FIT} --checkpoint start.toml"), "is a file that is read"),
+    ] {
+        let output = run(path, &words);
+        assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
+        assert!(stderr(&output).contains(found), "{words}: {}", stderr(&output));
+    }
+    assert_eq!(fs::read(path.join("photo.exr.fit")).unwrap(), b"somebody's letter");
+    assert!(!Path::new(&path.join("a.fit")).exists());
+}
