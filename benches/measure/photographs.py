@@ -156,7 +156,7 @@ def photograph(media, setup, collisions, generator):
     channels, lengths, mm = [], [], None
     for medium in media:
         picture, pixel, _ = rendering(medium, collisions)
-        mm = mm or mfp / 1.0 * pixel
+        mm = mm or mfp * pixel
         lengths.append(mm / pixel)
         own = picture[part * rows:(part + 1) * rows].reshape(rows // 4, 4, COLUMNS).mean(1)
         # The lens blurs the light, not the noise of its simulation, which stands for that of the camera
@@ -188,10 +188,11 @@ def measure(photo, kind, mm, program, directory, *more):
         mi.Bitmap(np.round(255 * coded).astype(np.uint8)).write(str(path), quality=92)
     height = photo.shape[0]
     words = [program, "measure", path, "--mm-per-pixel", f"{mm:.6g}", "--white", f"4,3,{COLUMNS - 4},21", "--region",
-             f"0,24,{COLUMNS},{height}", "--format", "json", *more]
+             f"0,24,{COLUMNS},{height}", "--edge", f"{COLUMNS // 2},24,{COLUMNS // 2},{height}", "--card", "hidden",
+             "--format", "json", *more]
     ran = subprocess.run([str(word) for word in words], capture_output=True, text=True)
     if ran.returncode != 0:
-        print(f"refused: {ran.stderr.strip().splitlines()[0]}")
+        print(f"refused: {ran.stderr.strip().splitlines()[-1]}")
         return {}
     return {(row["channel"], row["quantity"]): row for row in json.loads(ran.stdout)}
 
@@ -222,7 +223,7 @@ def main():
     parser.add_argument("--write", action="store_true", help=f"into {PAGE.relative_to(ROOT)}")
     arguments = parser.parse_args()
     generator = np.random.default_rng(1)
-    found, cases = {}, []
+    found = {}
     with tempfile.TemporaryDirectory() as directory:
         for kind, media in MEDIA.items():
             for group in range(0, len(media), 3):
@@ -230,7 +231,7 @@ def main():
                     three = media[group:group + 3]
                     photo, mm, lengths = photograph(three, setup, arguments.collisions, generator)
                     for coding in ("16 bits, linear", "JPEG"):
-                        for light in ("searchlight", "diffuse"):
+                        for light in ("searchlight", "diffuse") if coding != "JPEG" else ("searchlight",):
                             rows = measure(photo, coding, mm, arguments.program, Path(directory), "--configuration", light)
                             for name, medium, length in zip(("red", "green", "blue"), three, lengths):
                                 if (name, "mfp") in rows:
