@@ -230,9 +230,9 @@ impl KnownShape {
     }
 
     /// Goes on from where an earlier fit of the same photograph and parameters was.
-    pub fn resume(&mut self, progress: Progress) {
-        let pictures = progress.pictures.clone();
-        self.progress = Progress { pictures: Vec::new(), ..progress };
+    pub fn resume(&mut self, mut progress: Progress) {
+        let pictures = std::mem::take(&mut progress.pictures);
+        self.progress = progress;
         pictures.into_iter().for_each(|picture| self.take(picture));
     }
 
