@@ -564,7 +564,7 @@ mod tests {
     use super::*;
 
     /// A stand-in for a renderer: stripes that are the brighter the higher A is, with edges that are the softer the longer ℓ
-    /// is, and a third of their brightness as noise, other noise for each guess and seed.
+    /// is, and noise in proportion, other noise for each guess and seed.
     fn picture(guess: &Guess, noise: f64, random: &mut SplitMix) -> Photo {
         let mut pixel = |x: usize, _: usize| {
             let place = (x % 16) as f64 - 8.0;
@@ -580,12 +580,12 @@ mod tests {
     }
 
     const TRUTH: Guess =
-        Guess { surface_albedo: [0.8, 0.5, 0.2], mfp: [0.3, 0.2, 0.15], g: 0.0, radiance: [1.0; 3] };
+        Guess { surface_albedo: [0.8, 0.5, 0.2], mfp: [0.4, 0.3, 0.3], g: 0.0, radiance: [1.0; 3] };
 
     fn fitted(photo: Photo, unknowns: &[Unknown], start: Guess, random: &mut SplitMix) -> KnownShape {
         let mut fit = KnownShape::new(photo, unknowns, start);
         while let Some(request) = fit.next() {
-            fit.take(picture(&Guess { radiance: [1.0; 3], ..request.guess }, 0.3, random));
+            fit.take(picture(&Guess { radiance: [1.0; 3], ..request.guess }, 0.2, random));
         }
         fit
     }
@@ -595,7 +595,7 @@ mod tests {
     #[test]
     fn noisy_pictures_give_unbiased_numbers_and_honest_intervals() {
         let mut random = SplitMix(1);
-        let start = Guess { surface_albedo: [0.6; 3], mfp: [0.2; 3], ..TRUTH };
+        let start = Guess { surface_albedo: [0.6; 3], mfp: [0.25; 3], ..TRUTH };
         let (mut count, mut held, mut away) = (0, 0, 0.0);
         for _ in 0..40 {
             let photo = picture(&TRUTH, 0.2, &mut random);
