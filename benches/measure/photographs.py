@@ -267,7 +267,7 @@ def main():
         for name, content in (("photographs", first), ("bias", second)):
             begin = f"<!-- photographs: {name} -->\n"
             start = text.index(begin) + len(begin)
-            text = text[:start] + "\n" + content + "\n\n" + text[text.index("<!-- end -->", start):]
+            text = text[:start] + "\n" + content + "\n\n" + text[text.index("<!-- end of photographs -->", start):]
         PAGE.write_text(text)
 
 
