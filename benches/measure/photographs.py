@@ -42,11 +42,10 @@ def enter_environment():
             subprocess.run([python, "-m", "pip", "install", "--quiet", *PACKAGES], check=True)
     except (OSError, subprocess.CalledProcessError) as error:
         skip(f"{PACKAGES[0]} can't be had here ({error})")
-    os.execv(python, [str(python), __file__, *sys.argv[1:]])
+    os.execv(python, [str(python), *sys.argv])
 
 
-if __name__ == "__main__":
-    enter_environment()
+enter_environment()
 
 import numpy as np  # noqa: E402
 
@@ -70,11 +69,11 @@ def searchlight_albedo(alpha):
     return 1 - math.exp(log_h) * math.sqrt(1 - alpha)
 
 
-def alpha_of(albedo):
+def alpha_of(albedo, albedo_of=searchlight_albedo):
     low, high = 0.0, 1 - 1e-9
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if searchlight_albedo(middle) < albedo else (low, middle)
+        low, high = (middle, high) if albedo_of(middle) < albedo else (low, middle)
     return (low + high) / 2
 
 
@@ -206,6 +205,14 @@ def table(heads, rows):
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
+def write(name, content):
+    """Puts a table between its marks on the page."""
+    text = PAGE.read_text()
+    begin = f"<!-- photographs: {name} -->\n"
+    start = text.index(begin) + len(begin)
+    PAGE.write_text(text[:start] + "\n" + content + "\n\n" + text[text.index("<!-- end of photographs -->", start):])
+
+
 def percent(value):
     return f"{100 * value:.1f} %" if math.isfinite(value) else "–"
 
@@ -263,12 +270,8 @@ def main():
     for text in (first, second):
         print(text + "\n")
     if arguments.write:
-        text = PAGE.read_text()
-        for name, content in (("photographs", first), ("bias", second)):
-            begin = f"<!-- photographs: {name} -->\n"
-            start = text.index(begin) + len(begin)
-            text = text[:start] + "\n" + content + "\n\n" + text[text.index("<!-- end of photographs -->", start):]
-        PAGE.write_text(text)
+        write("photographs", first)
+        write("bias", second)
 
 
 if __name__ == "__main__":
