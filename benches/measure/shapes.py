@@ -51,7 +51,7 @@ def diffuse_albedo(alpha):
 
 
 def rendering(name, mesh, channel):
-    """One channel of a shape's picture by a volumetric path tracer, and the CPU seconds that it took."""
+    """One channel of a shape's picture by a volumetric path tracer."""
     shape = SHAPES[name]
     camera, lamp, (width, height) = shape["camera"], shape["lamp"], shape["size"]
     albedo, mfp = shape["surface_albedo"][channel], shape["mfp"][channel]
@@ -153,7 +153,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "translucid")
     parser.add_argument("--assets", type=Path, default=ROOT.parent / "shared" / "assets", help="folder of the head's mesh")
-    parser.add_argument("--samples", type=int, default=64, help="per pixel of the fit's pictures [64]")
+    parser.add_argument("--samples", type=int, default=32, help="per pixel of the fit's pictures [32]")
     parser.add_argument("--shape", choices=SHAPES, help="this one alone")
     parser.add_argument("--write", action="store_true", help="into docs/accuracy/measure.md")
     arguments = parser.parse_args()
