@@ -221,6 +221,7 @@ impl<'a> Rays<'a> {
         let probes: Vec<Segment> = self.probes(&seen);
         let kind = |name, question, segments| Kind { name, question, segments };
         vec![
+            kind("null", Question::Nearest, camera.iter().map(|c| Segment { length: 1e-9, ..*c }).collect()),
             kind("camera", Question::Nearest, camera),
             kind("bounce", Question::Nearest, seen.iter().map(|start| self.bounce(start)).collect()),
             kind("scattered", Question::Nearest, anywhere.iter().map(|start| self.bounce(start)).collect()),

@@ -13,6 +13,13 @@ pub(super) trait Eight:
     fn lesser(self, other: Self) -> Self;
     /// The greater of each two numbers; the second if one of them is none.
     fn greater(self, other: Self) -> Self;
+    /// The lesser of each two by their bits as signed integers, which most processors find sooner: the right one, but of two
+    /// negative numbers either, as which −0 counts.
+    fn lesser_bits(self, other: Self) -> Self;
+    /// The greater of each two by their bits as signed integers: the right one, but of two negative numbers either.
+    fn greater_bits(self, other: Self) -> Self;
+    /// Whether the bits, as signed integers, are below the other's.
+    fn is_below_bits(self, other: Self) -> u32;
     fn is_below(self, other: Self) -> u32;
     fn is_at_most(self, other: Self) -> u32;
     fn to_array(self) -> [f32; LANES];
@@ -78,6 +85,21 @@ impl Eight for LoopEight {
     }
 
     #[inline(always)]
+    fn lesser_bits(self, other: Self) -> Self {
+        self.with(other, |a, b| if (a.to_bits() as i32) < b.to_bits() as i32 { a } else { b })
+    }
+
+    #[inline(always)]
+    fn greater_bits(self, other: Self) -> Self {
+        self.with(other, |a, b| if (a.to_bits() as i32) > b.to_bits() as i32 { a } else { b })
+    }
+
+    #[inline(always)]
+    fn is_below_bits(self, other: Self) -> u32 {
+        self.bits(other, |a, b| (a.to_bits() as i32) < b.to_bits() as i32)
+    }
+
+    #[inline(always)]
     fn is_below(self, other: Self) -> u32 {
         self.bits(other, |a, b| a < b)
     }
@@ -116,9 +138,10 @@ pub(super) use avx2::Avx2;
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use std::arch::x86_64::{
-        __m256, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_div_ps, _mm256_max_ps,
-        _mm256_min_ps, _mm256_movemask_ps, _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32,
-        _mm256_set1_ps, _mm256_srlv_epi32, _mm256_sub_ps,
+        __m256, __m256i, _CMP_LE_OQ, _CMP_LT_OQ, _mm256_add_ps, _mm256_cmp_ps, _mm256_cmpgt_epi32,
+        _mm256_div_ps, _mm256_max_epi32, _mm256_max_ps, _mm256_min_epi32, _mm256_min_ps, _mm256_movemask_ps,
+        _mm256_mul_ps, _mm256_permutevar8x32_ps, _mm256_set1_epi32, _mm256_set1_ps, _mm256_srlv_epi32,
+        _mm256_sub_ps,
     };
 
     use super::{Add, Div, Eight, LANES, Mul, Sub, Vectors};
@@ -139,6 +162,13 @@ mod avx2 {
     /// Only [`Avx2`] makes the first of them.
     #[derive(Clone, Copy)]
     pub(in crate::ray) struct Avx2Eight(__m256);
+
+    impl Avx2Eight {
+        #[inline(always)]
+        fn bits(self) -> __m256i {
+            bytemuck::cast(self.0)
+        }
+    }
 
     impl Vectors for Avx2 {
         type Eight = Avx2Eight;
@@ -176,6 +206,26 @@ mod avx2 {
         fn greater(self, other: Self) -> Self {
             // SAFETY: as in `lesser`.
             Self(unsafe { _mm256_max_ps(self.0, other.0) })
+        }
+
+        #[inline(always)]
+        fn lesser_bits(self, other: Self) -> Self {
+            // SAFETY: as in `lesser`.
+            Self(bytemuck::cast(unsafe { _mm256_min_epi32(self.bits(), other.bits()) }))
+        }
+
+        #[inline(always)]
+        fn greater_bits(self, other: Self) -> Self {
+            // SAFETY: as in `lesser`.
+            Self(bytemuck::cast(unsafe { _mm256_max_epi32(self.bits(), other.bits()) }))
+        }
+
+        #[inline(always)]
+        fn is_below_bits(self, other: Self) -> u32 {
+            // SAFETY: as in `lesser`.
+            unsafe {
+                _mm256_movemask_ps(bytemuck::cast(_mm256_cmpgt_epi32(other.bits(), self.bits()))) as u32
+            }
         }
 
         #[inline(always)]

@@ -1,7 +1,7 @@
 //! Triangles as the traversal sees them, with a watertight intersection.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 use super::eight::{Eight, LANES, Vectors};
 use super::primitive::{Block, CORNERS, Primitive};
@@ -13,38 +13,60 @@ pub struct Ray {
     /// Unit length, so that t is a distance; where a mesh's own space is traced it is not, and t is the distance in the world.
     pub(crate) direction: Vec3,
     pub(crate) t_max: f32,
-    shear: Shear,
+    way: Way,
 }
 
-/// The map that turns the ray's direction into (0, 0, 1): a permutation of axes and a shear.
+/// A ray as trees want it: vectors, since a processor that has written numbers one by one waits before it reads them as one.
 #[derive(Clone, Copy, Debug)]
-struct Shear {
-    /// Axis of the direction's largest component, and the two others.
-    axes: [usize; 3],
-    factors: Vec3,
+struct Way {
+    origin: Vec4,
+    /// One over the direction, with a finite stand-in for 1/0.
+    inverse: Vec4,
+    /// By the last axis' component of the direction the next axis' one, that of the axis after, and one.
+    shear: Vec4,
+    /// A bit for each axis along which the ray goes down; above these the axis of the direction's largest component.
+    axes: u32,
 }
 
-impl Shear {
-    fn new(direction: Vec3) -> Self {
-        let size = direction.abs();
+impl Way {
+    #[inline(always)]
+    fn new(origin: Vec3, direction: Vec3) -> Self {
+        let Vec3 { x, y, z } = direction;
+        let direction = direction.extend(1.0);
+        // Keeps 0·∞ out of the test of boxes.
+        let is_flat = direction.abs().cmplt(Vec4::splat(1e-18));
+        let inverse = Vec4::select(is_flat, Vec4::splat(1e18).copysign(direction), Vec4::ONE / direction);
         // Without branches: which axis it is changes from ray to ray.
-        let is_x = (size.x > size.y) & (size.x > size.z);
-        let z = usize::from(!is_x) * (2 - usize::from(size.y > size.z));
-        let [x, y] = [[1, 2], [2, 0], [0, 1]][z];
-        let inverse = 1.0 / direction[z];
-        Self { axes: [x, y, z], factors: Vec3::new(direction[x] * inverse, direction[y] * inverse, inverse) }
+        let (size_x, size_y, size_z) = (x.abs(), y.abs(), z.abs());
+        let is_x = (size_x > size_y) & (size_x > size_z);
+        let is_y = !is_x & (size_y > size_z);
+        let of_axes = |x: f32, y: f32, z: f32| {
+            if is_x {
+                x
+            } else if is_y {
+                y
+            } else {
+                z
+            }
+        };
+        let factor = 1.0 / of_axes(x, y, z);
+        let shear = Vec4::new(of_axes(y, z, x) * factor, of_axes(z, x, y) * factor, factor, 0.0);
+        let last = 2 - 2 * u32::from(is_x) - u32::from(is_y);
+        Self { origin: origin.extend(0.0), inverse, shear, axes: direction.is_negative_bitmask() | last << 4 }
     }
 }
 
 impl Ray {
     /// A ray without end; the direction has unit length.
+    #[inline]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self::segment(origin, direction, f32::INFINITY)
     }
 
     /// A ray that ends at distance `t_max` \[L\]; the direction has unit length.
+    #[inline]
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
-        Self { origin, direction, t_max, shear: Shear::new(direction) }
+        Self { origin, direction, t_max, way: Way::new(origin, direction) }
     }
 
     /// The same ray with another end.
@@ -58,12 +80,31 @@ impl Ray {
     pub(crate) fn at(&self, t: f32) -> Vec3 {
         self.origin + self.direction * t
     }
+
+    #[inline(always)]
+    pub(super) fn start(&self) -> Vec4 {
+        self.way.origin
+    }
+
+    /// One over the direction, with a finite stand-in for 1/0.
+    #[inline(always)]
+    pub(super) fn inverse(&self) -> Vec4 {
+        self.way.inverse
+    }
+
+    /// A bit for each axis along which the ray goes down.
+    #[inline(always)]
+    pub(super) fn down(&self) -> u32 {
+        self.way.axes & 0b111
+    }
 }
 
-/// A ray as blocks of triangles want it: in the order of the sheared axes.
+/// A ray as blocks of triangles want it: a permutation of axes and a shear turn its direction into (0, 0, 1).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct BlockRay {
+    /// The axis of the direction's largest component is the last.
     axes: [usize; 3],
+    /// In the order of these axes.
     origin: [f32; 3],
     factors: [f32; 3],
     /// Beyond this there is nothing to be found.
@@ -73,11 +114,20 @@ pub(crate) struct BlockRay {
 impl BlockRay {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
-        let Shear { axes, factors } = ray.shear;
-        let origin = axes.map(|axis| ray.origin[axis]);
-        Self { axes, origin, factors: factors.to_array(), t_max: ray.t_max }
+        let Way { origin, shear, axes, .. } = &ray.way;
+        let last = (axes >> 4) as usize;
+        let axes = [AXES[last + 1], AXES[last + 2], last];
+        Self {
+            axes,
+            origin: axes.map(|axis| origin[axis]),
+            factors: [shear.x, shear.y, shear.z],
+            t_max: ray.t_max,
+        }
     }
 }
+
+/// Numbers of axes, again and again.
+static AXES: [usize; 5] = [0, 1, 2, 0, 1];
 
 /// Where a ray meets a triangle: distance and barycentric coordinates of vertices 1 and 2.
 #[derive(Clone, Copy, Debug)]

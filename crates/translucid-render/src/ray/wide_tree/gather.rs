@@ -24,7 +24,7 @@ impl<'a, B: Block> Gather<'a, B> {
         Self { binary, costs, lines: Lines::default(), most_waiting: 0 }
     }
 
-    /// Lays out each node, by its line and the things in each of its blocks what `add` makes of them, which returns the
+    /// Lays out each node, by its word and the things in each of its blocks what `add` makes of them, which returns the
     /// child, and then what is below each of its other children, one after the other.
     ///
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
@@ -37,25 +37,25 @@ impl<'a, B: Block> Gather<'a, B> {
             // All but the one that is visited first.
             let waiting = waiting + children.len() - 1;
             self.most_waiting = self.most_waiting.max(waiting);
-            let line = self.lines.push_node(&node);
+            let word = self.lines.push_node(&node);
             for (lane, &child) in children.iter().enumerate() {
                 let bounds = self.binary.nodes[child as usize].aabb();
                 for axis in 0..3 {
-                    node.bounds[axis][lane] = bounds.min[axis];
-                    node.bounds[axis + 3][lane] = bounds.max[axis];
+                    node.bounds[2 * axis][lane] = bounds.min[axis];
+                    node.bounds[2 * axis + 1][lane] = bounds.max[axis];
                 }
                 if self.costs.is_block(child) {
                     self.collect(child, &mut things, &mut below);
-                    node.children[lane] = add(&mut self.lines, line, &things);
+                    node.children[lane] = add(&mut self.lines, word, &things);
                 }
             }
-            *self.lines.node_mut(line) = node;
+            *self.lines.node_mut(word) = node;
             if let Some((parent, lane)) = parent {
-                self.lines.node_mut(parent).children[lane] = line - parent;
+                self.lines.node_mut(parent).children[lane] = word - parent;
             }
             for (lane, &child) in children.iter().enumerate().rev() {
                 if !self.costs.is_block(child) {
-                    open.push(Open { source: child, parent: Some((line, lane)), waiting });
+                    open.push(Open { source: child, parent: Some((word, lane)), waiting });
                 }
             }
         }
@@ -80,7 +80,7 @@ impl<'a, B: Block> Gather<'a, B> {
 /// A binary node that has yet to become a wide one.
 struct Open {
     source: u32,
-    /// Line and lane of the node that it is a child of.
+    /// Word and lane of the node that it is a child of.
     parent: Option<(u32, usize)>,
     /// Children that wait where a ray comes to this one.
     waiting: usize,

@@ -3,6 +3,7 @@
 //! Cache lines of the tree: nodes that a ray visits together lie together, so that it touches few pages of memory.
 
 use std::marker::PhantomData;
+use std::mem::MaybeUninit;
 
 use bytemuck::{Pod, Zeroable};
 
@@ -14,11 +15,12 @@ use super::node::Node;
 #[repr(C, align(64))]
 struct Line([u32; 16]);
 
-const NODE_LINES: usize = size_of::<Node>() / size_of::<Line>();
+/// Words of eight bytes in a line.
+const WORDS: u32 = 8;
 
-/// Nodes and blocks by the number of the line at which they start.
+/// Nodes and blocks by the number of the word at which they start: words are what a processor finds by number at once.
 ///
-/// Numbers have 28 bits: 16 GiB, or 400 million triangles.
+/// Numbers have 31 bits: 16 GiB, or 400 million triangles.
 #[derive(Debug, PartialEq)]
 pub(super) struct Lines<B>(Vec<Line>, PhantomData<B>);
 
@@ -29,16 +31,28 @@ impl<B> Default for Lines<B> {
 }
 
 impl<B: Block> Lines<B> {
-    const BLOCK_LINES: usize = size_of::<B>() / size_of::<Line>();
-
-    /// With room for so many.
-    pub(super) fn with_capacity(lines: u32) -> Self {
-        Self(Vec::with_capacity(lines as usize), PhantomData)
+    /// With room for so many words.
+    pub(super) fn with_capacity(words: u32) -> Self {
+        let mut lines = Vec::with_capacity((words / WORDS) as usize);
+        ask_for_large_pages(lines.spare_capacity_mut());
+        Self(lines, PhantomData)
     }
 
-    /// The number of the line after the last.
+    /// The number of the word after the last.
     pub(super) fn end(&self) -> u32 {
-        self.0.len() as u32
+        WORDS * self.0.len() as u32
+    }
+
+    /// The number of the first lane of the block at a word.
+    #[inline(always)]
+    pub(super) fn lane(word: u32) -> u32 {
+        word / WORDS * B::LANES as u32
+    }
+
+    /// The block with a lane, and which of its lanes that is.
+    #[inline(always)]
+    pub(super) fn block_of(&self, lane: u32) -> (&B, usize) {
+        (self.block(lane / B::LANES as u32 * WORDS), lane as usize % B::LANES)
     }
 
     /// Puts other lines after these.
@@ -56,42 +70,64 @@ impl<B: Block> Lines<B> {
     }
 
     #[inline(always)]
-    pub(super) fn node(&self, line: u32) -> &Node {
-        let lines: &[Line] = &self.0[line as usize..][..NODE_LINES];
-        &bytemuck::cast_slice(lines)[0]
+    pub(super) fn node(&self, word: u32) -> &Node {
+        self.at(word)
     }
 
     #[inline(always)]
-    pub(super) fn block(&self, line: u32) -> &B {
-        let lines: &[Line] = &self.0[line as usize..][..Self::BLOCK_LINES];
-        &bytemuck::cast_slice(lines)[0]
+    pub(super) fn block(&self, word: u32) -> &B {
+        self.at(word)
     }
 
-    /// Address of a line, which need not be there.
     #[inline(always)]
-    pub(super) fn address(&self, line: u32) -> *const i8 {
-        self.0.as_ptr().wrapping_add(line as usize).cast()
+    fn at<T: Pod>(&self, word: u32) -> &T {
+        let words: &[u64] = bytemuck::cast_slice(&self.0);
+        &bytemuck::cast_slice(&words[word as usize..][..size_of::<T>() / size_of::<u64>()])[0]
+    }
+
+    /// Address of a word, which need not be there.
+    #[inline(always)]
+    pub(super) fn address(&self, word: u32) -> *const i8 {
+        self.0.as_ptr().cast::<u64>().wrapping_add(word as usize).cast()
     }
 
     /// Calls `found` for every node where there are only nodes.
     pub(super) fn for_each_node(&mut self, mut found: impl FnMut(u32, &mut Node)) {
-        (0..self.end()).step_by(NODE_LINES).for_each(|line| found(line, self.node_mut(line)));
+        let step = size_of::<Node>() / size_of::<u64>();
+        (0..self.end()).step_by(step).for_each(|word| found(word, self.node_mut(word)));
     }
 
-    pub(super) fn node_mut(&mut self, line: u32) -> &mut Node {
-        let lines: &mut [Line] = &mut self.0[line as usize..][..NODE_LINES];
+    pub(super) fn node_mut(&mut self, word: u32) -> &mut Node {
+        let lines: &mut [Line] =
+            &mut self.0[(word / WORDS) as usize..][..size_of::<Node>() / size_of::<Line>()];
         &mut bytemuck::cast_slice_mut(lines)[0]
     }
 
     pub(super) fn push_node(&mut self, node: &Node) -> u32 {
-        let line = self.end();
+        let word = self.end();
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(node)));
-        line
+        word
     }
 
     pub(super) fn push_block(&mut self, block: &B) -> u32 {
-        let line = self.end();
+        let word = self.end();
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(block)));
-        line
+        word
     }
+}
+
+/// Asks the system for large pages, before anything is written: rays wander over more small ones than a processor keeps
+/// addresses of.
+fn ask_for_large_pages(memory: &mut [MaybeUninit<Line>]) {
+    #[cfg(target_os = "linux")]
+    {
+        const PAGE: usize = 2 << 20;
+        let before = memory.as_ptr().align_offset(PAGE);
+        let Some(pages) = memory.get_mut(before..) else { return };
+        let size = size_of_val(pages) / PAGE * PAGE;
+        // SAFETY: whatever the size of pages, the program sees the same memory, and a refusal leaves it as it is.
+        unsafe { libc::madvise(pages.as_mut_ptr().cast(), size, libc::MADV_HUGEPAGE) };
+    }
+    #[cfg(not(target_os = "linux"))]
+    let _ = memory;
 }

@@ -83,19 +83,19 @@ impl<B: Block> WideTree<B> {
     /// The block that the number of a leaf belongs to, and its lane.
     #[inline]
     pub(crate) fn leaf(&self, leaf: u32) -> (&B, usize) {
-        (self.lines.block(leaf / B::LANES as u32), leaf as usize % B::LANES)
+        self.lines.block_of(leaf)
     }
 
     /// Calls `found` for every block, with the number of its first lane.
     pub(crate) fn for_each_block(&self, mut found: impl FnMut(u32, &B)) {
         let mut open = if self.lines.is_empty() { Vec::new() } else { vec![0] };
-        while let Some(line) = open.pop() {
-            for child in self.lines.node(line).children {
+        while let Some(word) = open.pop() {
+            for child in self.lines.node(word).children {
                 if child & LEAF == 0 {
-                    open.push(line + child);
+                    open.push(word + child);
                 } else if child != EMPTY {
-                    let line = line + (child & !LEAF);
-                    found(line * B::LANES as u32, self.lines.block(line));
+                    let word = word + (child & !LEAF);
+                    found(Lines::<B>::lane(word), self.lines.block(word));
                 }
             }
         }
@@ -165,12 +165,12 @@ impl<B: Block> Part<B> {
         drop(boxes);
         let mut numbers = Vec::with_capacity(chunk.len());
         let mut gather = Gather::new(&binary, |index| thing(index).needs());
-        gather.run(|lines, line, things| {
+        gather.run(|lines, word, things| {
             let mut block = B::default();
             block.set_first(first + numbers.len() as u32);
             let put = |(lane, &index): (usize, &u32)| thing(index).put(&mut block, lane);
             numbers.extend(things.iter().enumerate().map(put));
-            LEAF | (lines.push_block(&block) - line)
+            LEAF | (lines.push_block(&block) - word)
         });
         let (lines, most_waiting) = (gather.lines, gather.most_waiting);
         Self { lines, numbers, most_waiting, bounds: *binary.nodes[0].aabb() }
@@ -191,9 +191,9 @@ fn join<B: Block>(parts: &mut [Part<B>]) -> Part<B> {
         starts.push(end);
         end += part.lines.end();
     }
-    top.for_each_node(|line, node| {
+    top.for_each_node(|word, node| {
         for child in node.children.iter_mut().filter(|child| **child != EMPTY && **child & LEAF != 0) {
-            *child = starts[(*child & !LEAF) as usize] - line;
+            *child = starts[(*child & !LEAF) as usize] - word;
         }
     });
     let mut joined = Part {

@@ -1,7 +1,7 @@
 //! A node of the tree: eight boxes, tested together.
 
 use bytemuck::{Pod, Zeroable};
-use glam::Vec3;
+use glam::Vec4;
 
 use crate::ray::Ray;
 use crate::ray::eight::{Eight, Vectors};
@@ -19,9 +19,9 @@ pub(super) const EMPTY: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub(super) struct Node {
-    /// Lower x, y, z, then upper x, y, z.
+    /// Lower x, upper x, lower y, upper y, lower z, upper z.
     pub(super) bounds: [[f32; WIDTH]; 6],
-    /// By how many lines a child starts after this node, with `LEAF` if it is a block.
+    /// By how many words a child starts after this node, with `LEAF` if it is a block.
     pub(super) children: [u32; WIDTH],
     /// Fills the last cache line.
     pub(super) unused: [u32; WIDTH],
@@ -32,10 +32,10 @@ impl Node {
     pub(super) const EMPTY: Self = Self {
         bounds: [
             [f32::INFINITY; WIDTH],
-            [f32::INFINITY; WIDTH],
+            [f32::NEG_INFINITY; WIDTH],
             [f32::INFINITY; WIDTH],
             [f32::NEG_INFINITY; WIDTH],
-            [f32::NEG_INFINITY; WIDTH],
+            [f32::INFINITY; WIDTH],
             [f32::NEG_INFINITY; WIDTH],
         ],
         children: [EMPTY; WIDTH],
@@ -55,34 +55,24 @@ pub(super) struct Met {
 /// A ray as the box test wants it.
 #[derive(Clone, Copy)]
 pub(super) struct SlabRay {
-    origin: Vec3,
+    origin: Vec4,
     /// One over the direction, for distances at which the ray enters, and widened for those at which it leaves.
-    inverse: Vec3,
-    widened: Vec3,
-    /// Indices of each axis' near planes among a node's bounds.
+    inverse: Vec4,
+    widened: Vec4,
+    /// Index of each axis' near planes among a node's bounds.
     near: [usize; 3],
 }
 
 impl SlabRay {
     #[inline(always)]
     pub(super) fn new(ray: &Ray) -> Self {
-        // A finite stand-in for 1/0 keeps 0·∞ out of the test.
-        let inverse = |d: f32| if d.abs() < 1e-18 { 1e18_f32.copysign(d) } else { 1.0 / d };
-        let near = |d: f32, axis: usize| if d.is_sign_negative() { axis + 3 } else { axis };
-        let d = ray.direction;
-        let inverse = Vec3::new(inverse(d.x), inverse(d.y), inverse(d.z));
+        let down = ray.down() as usize;
         Self {
-            origin: ray.origin,
-            inverse,
-            widened: inverse * WIDEN,
-            near: [near(d.x, 0), near(d.y, 1), near(d.z, 2)],
+            origin: ray.start(),
+            inverse: ray.inverse(),
+            widened: ray.inverse() * WIDEN,
+            near: [down & 1, 2 + (down >> 1 & 1), 4 + (down >> 2 & 1)],
         }
-    }
-
-    /// Indices of each axis' far planes.
-    #[inline(always)]
-    fn far(&self) -> [usize; 3] {
-        [3 - self.near[0], 5 - self.near[1], 7 - self.near[2]]
     }
 
     /// Tests the ray against eight boxes.
@@ -96,15 +86,15 @@ impl SlabRay {
         let ax = (vectors.load(&node.bounds[x]) - ox) * ix;
         let ay = (vectors.load(&node.bounds[y]) - oy) * iy;
         let az = (vectors.load(&node.bounds[z]) - oz) * iz;
-        let [x, y, z] = self.far();
         let (wx, wy) = (vectors.splat(self.widened.x), vectors.splat(self.widened.y));
         let wz = vectors.splat(self.widened.z);
-        let bx = (vectors.load(&node.bounds[x]) - ox) * wx;
-        let by = (vectors.load(&node.bounds[y]) - oy) * wy;
-        let bz = (vectors.load(&node.bounds[z]) - oz) * wz;
-        let near = ax.greater(ay).greater(az.greater(vectors.splat(0.0)));
-        let far = bx.lesser(by).lesser(bz.lesser(vectors.splat(t_max)));
-        Met { mask: near.is_at_most(far), near: near.to_array() }
+        let bx = (vectors.load(&node.bounds[x ^ 1]) - ox) * wx;
+        let by = (vectors.load(&node.bounds[y ^ 1]) - oy) * wy;
+        let bz = (vectors.load(&node.bounds[z ^ 1]) - oz) * wz;
+        // Negative distances, which bits put into the wrong order, lie behind the ray all the same.
+        let near = ax.greater_bits(ay).greater_bits(az.greater_bits(vectors.splat(0.0)));
+        let far = bx.lesser_bits(by).lesser_bits(bz.lesser_bits(vectors.splat(t_max)));
+        Met { mask: near.is_below_bits(far), near: near.to_array() }
     }
 }
 

@@ -11,6 +11,7 @@
 
 use std::mem::MaybeUninit;
 
+use super::lines::Lines;
 use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
 use super::{Block, WideTree};
 #[cfg(target_arch = "x86_64")]
@@ -78,6 +79,11 @@ impl<B: Block> WideTree<B> {
             // SAFETY: `avx2` is true only if the processor was found to have AVX2.
             return unsafe { self.traverse_avx2(ray, visitor, stack) };
         }
+        self.traverse_portable(ray, visitor, stack)
+    }
+
+    #[inline(never)]
+    fn traverse_portable<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut Stack) -> bool {
         self.traverse_with(Loops, ray, visitor, stack)
     }
 
@@ -99,22 +105,28 @@ impl<B: Block> WideTree<B> {
         let slab_ray = SlabRay::new(ray);
         let mut block_ray = BlockRay::new(ray);
         let mut used = 0;
-        let mut current = Visit(0);
+        let mut child = 0;
         loop {
             // Go down to a block.
             let mut is_met = true;
-            while current.child() & LEAF == 0 {
-                let node = self.lines.node(current.child());
+            while child & LEAF == 0 {
+                let node = self.lines.node(child);
                 let met = slab_ray.meet(vectors, node, block_ray.t_max);
                 if met.mask == 0 {
                     is_met = false;
                     break;
                 }
-                current = self.choose::<V>((current.child(), node), &met, stack, &mut used);
+                let first = child + node.children[met.mask.trailing_zeros() as usize % WIDTH];
+                // Mostly there is one, and the next node's address has to wait for nothing else.
+                child = if met.mask & (met.mask - 1) == 0 {
+                    first
+                } else {
+                    self.choose::<V>((child, node), &met, stack, &mut used)
+                };
             }
             if is_met {
-                let line = current.child() & !LEAF;
-                if visitor.visit(vectors, &mut block_ray, self.lines.block(line), line * B::LANES as u32) {
+                let word = child & !LEAF;
+                if visitor.visit(vectors, &mut block_ray, self.lines.block(word), Lines::<B>::lane(word)) {
                     return true;
                 }
             }
@@ -125,8 +137,9 @@ impl<B: Block> WideTree<B> {
                 }
                 used -= 1;
                 // SAFETY: what lies below `used` has been written.
-                current = unsafe { stack[used].assume_init() };
-                if !V::IS_ORDERED || current.distance() <= block_ray.t_max {
+                let visit = unsafe { stack[used].assume_init() };
+                if !V::IS_ORDERED || visit.distance() <= block_ray.t_max {
+                    child = visit.child();
                     break;
                 }
             }
@@ -138,14 +151,14 @@ impl<B: Block> WideTree<B> {
     #[inline(always)]
     fn choose<V: Visitor<B>>(
         &self,
-        (line, node): (u32, &Node),
+        (word, node): (u32, &Node),
         met: &Met,
         stack: &mut Stack,
         used: &mut usize,
-    ) -> Visit {
+    ) -> u32 {
         let next = |mask: u32| {
             let lane = mask.trailing_zeros() as usize % WIDTH;
-            let child = line + node.children[lane];
+            let child = word + node.children[lane];
             self.prefetch(child);
             Visit::new(met.near[lane], child)
         };
@@ -171,7 +184,7 @@ impl<B: Block> WideTree<B> {
             stack[place].write(far);
             *used += 1;
         }
-        nearest
+        nearest.child()
     }
 
     /// Tells the processor what will be read soon: on large meshes most of the time would go into waiting for memory.
