@@ -2,6 +2,7 @@
 
 mod known_shape;
 mod page;
+mod resolution;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -43,7 +44,7 @@ pub(crate) struct MeasureArguments {
     #[arg(value_name = "PHOTO")]
     photo: PathBuf,
     /// Width of a pixel on the piece \[mm\]
-    #[arg(long, value_name = "MM", value_parser = parse_positive, required_unless_present_any = ["ruler", "scene"])]
+    #[arg(long, value_name = "MM", value_parser = parse_positive)]
     mm_per_pixel: Option<f64>,
     /// In its place two points of the photograph and the distance between them \[mm\]
     #[arg(long, value_name = "X0,Y0,X1,Y1,MM", value_parser = parse_ruler, conflicts_with = "mm_per_pixel")]
@@ -134,6 +135,9 @@ const DECIDED: f64 = 20.0;
 /// Share from which on nothing is measured.
 const TOO_MUCH_CLIPPED: f64 = 0.05;
 
+/// Part of the light by which the dark may be brighter because a file holds nothing below 0.
+const CUT_NOISE: f64 = 1e-3;
+
 /// Change of the light across the picture, over its mean, from which on it is called uneven.
 const UNEVEN: f64 = 0.5;
 
@@ -153,7 +157,13 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     let mm_per_pixel = match (arguments.mm_per_pixel, arguments.ruler) {
         (Some(width), _) => width,
         (None, Some([x0, y0, x1, y1, distance])) => distance / (x1 - x0).hypot(y1 - y0),
-        (None, None) => return Err(Failure::input("--mm-per-pixel is missing: how wide is a pixel?")),
+        (None, None) => {
+            let message = "the scale is missing: --mm-per-pixel, --ruler or --scene";
+            return Err(Failure::input(message).with_help(
+                "state a pixel's width by --mm-per-pixel 0.04, a distance by --ruler X0,Y0,X1,Y1,MM, or, of a known \
+                 shape, its scene by --scene and what to find by --fit",
+            ));
+        }
     };
     let path = &arguments.photo;
     let mut photo = load(path, arguments)?;
@@ -174,8 +184,10 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
             check_clipping(&part(&photo, path, option, rectangle)?, path)?;
         }
     }
-    if let Some(dark) = &arguments.dark {
-        subtract(&mut photo, &load(dark, arguments)?).map_err(|message| refusal(dark, message))?;
+    if let Some(path) = &arguments.dark {
+        let dark = load(path, arguments)?;
+        subtract(&mut photo, &dark).map_err(|message| refusal(path, message))?;
+        warn_of_cut_noise(&dark, path, &photo);
     }
     if let Some(white) = arguments.white {
         let reflectances = three("--white-reflectance", &arguments.white_reflectance, 1.0)?;
@@ -207,17 +219,17 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     ));
     let samples = line.samples(&piece, mm_per_pixel);
     let response = &medium_of.response;
-    let fit = match arguments.card {
-        None => EdgeFit::new(&samples, response, scale),
-        Some(CardName::Hidden) => EdgeFit::with_card(&samples, response, scale, Card::Hidden),
-        Some(CardName::Visible) => EdgeFit::with_card(&samples, response, scale, Card::Visible),
+    let fit = |samples: &_| match arguments.card {
+        None => EdgeFit::new(samples, response, scale),
+        Some(CardName::Hidden) => EdgeFit::with_card(samples, response, scale, Card::Hidden),
+        Some(CardName::Visible) => EdgeFit::with_card(samples, response, scale, Card::Visible),
     };
-    let mut fit = fit.ok_or_else(|| {
+    let (samples, mut fit) = resolution::fit(samples, fit).ok_or_else(|| {
         refusal(path, "nothing gets brighter across the edge, or it has fewer than 16 pixels on a side")
     })?;
     if fit.channels.iter().all(|channel| !channel.is_seen) {
         // What a camera in focus does not blur either
-        if fit.misfit > MISFIT && fit.blur > 3.0 * mm_per_pixel {
+        if fit.misfit > MISFIT && fit.blur > 3.0 * samples.pixel_width {
             return Err(refusal(path, unlike(&fit)));
         }
         let message = format!(
@@ -318,7 +330,22 @@ fn check_clipping(part: &Photo, path: &Path) -> Result<(), Failure> {
     if share > CLIPPED {
         messages::print_warning(&format!("{}: {message}: {help}", path.display()));
     }
+    warn_of_cut_noise(part, path, part);
     Ok(())
+}
+
+/// Warns of values below 0 that the file has as 0, which makes the dark brighter, where that counts beside the light.
+fn warn_of_cut_noise(part: &Photo, path: &Path, lit: &Photo) {
+    let light = lit.mean().into_iter().fold(f64::MIN_POSITIVE, f64::max);
+    let gained = part.cut_noise() / light;
+    if gained > CUT_NOISE {
+        messages::print_warning(&format!(
+            "{}: noise below 0 is cut off, which brightens the dark by up to {} % of the light: save as OpenEXR with \
+             negative values, or without the camera's black level subtracted, which --dark does better",
+            path.display(),
+            three_digits(100.0 * gained)
+        ));
+    }
 }
 
 fn subtract(photo: &mut Photo, dark: &Photo) -> Result<(), String> {

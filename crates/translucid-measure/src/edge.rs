@@ -77,12 +77,22 @@ impl EdgeModel {
             [strength * cos, -strength * sin]
         };
         let amplitudes: Vec<[f64; 2]> = self.wave_numbers.iter().zip(&self.heights).map(amplitude).collect();
-        let at = |waves: &Vec<[f64; 2]>| {
-            let terms = waves.iter().zip(&amplitudes).map(|([sin, cos], [a, b])| sin * a + cos * b);
-            0.5 + terms.sum::<f64>()
-        };
-        self.waves.iter().map(at).collect()
+        self.waves.iter().map(|waves| 0.5 + sum_of_products(waves, &amplitudes)).collect()
     }
+}
+
+/// Σ (sin a + cos b), in eight sums that do not wait for each other.
+fn sum_of_products(waves: &[[f64; 2]], amplitudes: &[[f64; 2]]) -> f64 {
+    let (waves, last_waves) = waves.as_flattened().as_chunks::<8>();
+    let (amplitudes, last_amplitudes) = amplitudes.as_flattened().as_chunks::<8>();
+    let mut sums = [0.0; 8];
+    for (wave, amplitude) in waves.iter().zip(amplitudes) {
+        for i in 0..8 {
+            sums[i] += wave[i] * amplitude[i];
+        }
+    }
+    let rest: f64 = last_waves.iter().zip(last_amplitudes).map(|(wave, amplitude)| wave * amplitude).sum();
+    rest + sums.iter().sum::<f64>()
 }
 
 /// Integral of a profile over a line at a distance from the entry is that of its transfer: the exact edge by an independent

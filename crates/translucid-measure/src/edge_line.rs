@@ -42,11 +42,12 @@ impl EdgeLine {
         if width < 16 || height < 16 {
             return Err(NoEdge::TooSmall);
         }
-        let mut sorted: Vec<f64> = (0..width * height).map(|i| photo.gray(i % width, i / width)).collect();
-        sorted.sort_by(f64::total_cmp);
-        let tenth = sorted.len() / 10;
+        let mut values: Vec<f64> = (0..width * height).map(|i| photo.gray(i % width, i / width)).collect();
+        let tenth = values.len() / 10;
         let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-        let (dark, lit) = (mean(&sorted[..tenth]), mean(&sorted[sorted.len() - tenth..]));
+        let dark = mean(values.select_nth_unstable_by(tenth, f64::total_cmp).0);
+        let last = values.len() - tenth - 1;
+        let lit = mean(values.select_nth_unstable_by(last, f64::total_cmp).2);
         let contrast = lit / dark.max(1e-6 * lit);
         if !contrast.is_finite() || contrast < LEAST_CONTRAST {
             return Err(NoEdge::NoContrast(if contrast.is_finite() { contrast } else { 1.0 }));
@@ -143,10 +144,10 @@ impl EdgeLine {
             let offset = [x as f64 + 0.5 - self.point[0], y as f64 + 0.5 - self.point[1]];
             offset[1] * self.across[0] - offset[0] * self.across[1]
         };
-        let places: Vec<(usize, usize)> =
-            (0..photo.width * photo.height).map(|i| (i % photo.width, i / photo.width)).collect();
+        let [right, bottom] = [photo.width.saturating_sub(1), photo.height.saturating_sub(1)];
+        let corners = [[0, 0], [right, 0], [0, bottom], [right, bottom]];
         let extent = |value: &dyn Fn(usize, usize) -> f64| {
-            places.iter().fold((f64::MAX, f64::MIN), |(low, high), &(x, y)| {
+            corners.iter().fold((f64::MAX, f64::MIN), |(low, high), &[x, y]| {
                 let v = value(x, y);
                 (low.min(v), high.max(v))
             })
@@ -157,7 +158,7 @@ impl EdgeLine {
         let (first, last) = (middle + part * (first - middle), middle + part * (last - middle));
         let (low, bins) = (near.floor(), (far.floor() - near.floor()) as usize + 1);
         let mut sums = vec![([0.0; 3], 0.0); BLOCKS * bins];
-        for &(x, y) in &places {
+        for (x, y) in (0..photo.width * photo.height).map(|i| (i % photo.width, i / photo.width)) {
             if !(first..=last).contains(&along(x, y)) {
                 continue;
             }

@@ -15,6 +15,7 @@ mod look;
 mod markdown;
 mod measure;
 mod pages;
+mod photographs;
 mod points;
 mod reference;
 mod render;

@@ -18,7 +18,7 @@ const SIZE: [usize; 2] = [150, 90];
 
 /// The light beyond an edge by the exact profile in space, over that far on the lit side: not the command's own road by
 /// its transform.
-struct Edge {
+pub(crate) struct Edge {
     /// At distances 0, h, 2h, … into the dark.
     beyond: Vec<f64>,
 }
@@ -26,7 +26,7 @@ struct Edge {
 impl Edge {
     const STEP: f64 = 0.05;
 
-    fn new(surface_albedo: f64) -> Self {
+    pub(crate) fn new(surface_albedo: f64) -> Self {
         let half_space = HalfSpace::from_surface_albedo(surface_albedo, Incidence::Cosine).unwrap();
         let n = 200;
         let beyond = |x: f64| {
@@ -44,7 +44,7 @@ impl Edge {
     }
 
     /// At a distance toward the light \[ℓ\].
-    fn at(&self, x: f64) -> f64 {
+    pub(crate) fn at(&self, x: f64) -> f64 {
         let place = (x.abs() / Self::STEP).min(298.0);
         let (i, t) = (place as usize, place.fract());
         let beyond = self.beyond[i] + t * (self.beyond[i + 1] - self.beyond[i]);
@@ -52,13 +52,13 @@ impl Edge {
     }
 }
 
-fn normal(random: &mut SplitMix) -> f64 {
+pub(crate) fn normal(random: &mut SplitMix) -> f64 {
     (-2.0 * (1.0 - random.uniform()).ln()).sqrt() * (TAU * random.uniform()).cos()
 }
 
 /// A linear OpenEXR file of values by the distance from an edge \[mm\] that is 7° off upright through the middle, by the
 /// distance along it, and by channel: means over the width of a pixel, with noise.
-fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
+pub(crate) fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
     let mut random = SplitMix(1);
     let [width, height] = SIZE;
     let (sin, cos) = (7.0 * PI / 180.0).sin_cos();
@@ -84,7 +84,7 @@ fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
 }
 
 /// The OpenEXR file as a PNG of sRGB codes, of 16 bits or 8.
-fn save_as_png(exr: &Path, png: &Path, depth: png::BitDepth) {
+pub(crate) fn save_as_png(exr: &Path, png: &Path, depth: png::BitDepth) {
     let image =
         translucid_scene::load_image(exr, translucid_scene::ColorSpace::Linear, &mut Vec::new()).unwrap();
     let encode = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
@@ -133,7 +133,7 @@ fn photograph(path: &Path) {
 }
 
 /// Channel, quantity, and value, from and to of 95 %.
-fn rows(csv: &str) -> Vec<(String, String, [f64; 3])> {
+pub(crate) fn rows(csv: &str) -> Vec<(String, String, [f64; 3])> {
     let row = |line: &str| {
         let fields: Vec<&str> = line.split(',').collect();
         let number = |i: usize| fields[i].parse().unwrap();
@@ -248,9 +248,9 @@ fn wrong_input_is_told_what_is_allowed() {
         ("spot.exr --mm-per-pixel 0.1", "no edge that goes through the picture"),
         ("sharp.exr --mm-per-pixel 0.1", "no scattering is seen"),
         ("small.exr --mm-per-pixel 0.1 --region 25,0,35,60", "fewer than 16 pixels"),
-        ("cat.exr --mm-per-pixel 0.1", "no"),
+        ("cat.exr --mm-per-pixel 0.1", "no edge that goes through the picture"),
         ("clipped.exr --mm-per-pixel 0.1", "at the end of their range, where light is lost"),
-        ("small.exr", "--mm-per-pixel"),
+        ("small.exr", "--mm-per-pixel, --ruler or --scene"),
         ("small.exr --ruler 1,1,1,1,5", "two points in pixels that are apart"),
         ("small.exr --ruler 1,1,1,9", "a ruler is"),
         ("small.exr --mm-per-pixel 0.1 --eta 5", "--eta"),

@@ -1,6 +1,7 @@
 //! PNG images.
 
 use std::io::Cursor;
+use std::sync::LazyLock;
 
 use png::{BitDepth, ColorType, Decoder, Limits, Transformations};
 
@@ -46,11 +47,16 @@ fn byte_pixel(pixel: &[u8]) -> [u8; 4] {
     }
 }
 
+/// Linear values of 16-bit sRGB codes: a photograph has a thousand times as many samples as there are codes.
+static LINEAR_FROM_SRGB_CODE: LazyLock<Vec<f32>> =
+    LazyLock::new(|| (0..=u16::MAX).map(|code| linear_from_srgb(f32::from(code) / 65535.0)).collect());
+
 /// As `byte_pixel`, of big-endian 16-bit samples, decoded.
 fn float_pixel(pixel: &[u8], color_type: ColorType, color_space: ColorSpace) -> [f32; 4] {
-    let sample = |i: usize| f32::from(u16::from_be_bytes([pixel[2 * i], pixel[2 * i + 1]])) / 65535.0;
+    let code = |i: usize| u16::from_be_bytes([pixel[2 * i], pixel[2 * i + 1]]);
+    let sample = |i: usize| f32::from(code(i)) / 65535.0;
     let color = |i: usize| match color_space {
-        ColorSpace::Srgb => linear_from_srgb(sample(i)),
+        ColorSpace::Srgb => LINEAR_FROM_SRGB_CODE[usize::from(code(i))],
         ColorSpace::Linear => sample(i),
     };
     match color_type {

@@ -1,0 +1,77 @@
+//! Samples that are as fine, and reach as far, as a fit needs.
+
+use crate::edge_fit::EdgeSamples;
+
+impl EdgeSamples {
+    /// Means over as many neighboring places as leave no more than `most`; a rest at the far end is left out.
+    pub fn coarse(&self, most: usize) -> Self {
+        let together = self.places.len().div_ceil(most.max(1)).max(1);
+        let groups: Vec<_> = (0..self.places.len() / together)
+            .map(|group| group * together..(group + 1) * together)
+            // Where places are missing, a mean is none of one wide pixel
+            .filter(|group| {
+                let width = self.places[group.end - 1] - self.places[group.start];
+                width < together as f64 * self.pixel_width
+            })
+            .collect();
+        let count = together as f64;
+        let mean = |block: &Vec<[f64; 3]>| {
+            let of = |group: &std::ops::Range<usize>| {
+                std::array::from_fn(|c| block[group.clone()].iter().map(|v| v[c]).sum::<f64>() / count)
+            };
+            groups.iter().map(of).collect()
+        };
+        Self {
+            places: groups.iter().map(|g| self.places[g.clone()].iter().sum::<f64>() / count).collect(),
+            pixel_width: count * self.pixel_width,
+            blocks: self.blocks.iter().map(mean).collect(),
+        }
+    }
+
+    /// The samples no farther than `reach` from a place.
+    pub fn within(&self, middle: f64, reach: f64) -> Self {
+        let first = self.places.partition_point(|x| *x < middle - reach);
+        let end = self.places.partition_point(|x| *x <= middle + reach);
+        Self {
+            places: self.places[first..end].to_vec(),
+            pixel_width: self.pixel_width,
+            blocks: self.blocks.iter().map(|block| block[first..end].to_vec()).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Values that are their place, in two blocks, with the places from 40 to 44 missing.
+    fn samples() -> EdgeSamples {
+        let places: Vec<f64> = (0..103).filter(|i| !(40..45).contains(i)).map(f64::from).collect();
+        let block = |offset: f64| places.iter().map(|x| [x + offset, 2.0 * x, 1.0]).collect();
+        EdgeSamples { blocks: vec![block(0.0), block(1.0)], pixel_width: 1.0, places }
+    }
+
+    #[test]
+    fn coarse_samples_are_means_of_whole_pixels() {
+        let coarse = samples().coarse(20);
+        assert_eq!(coarse.pixel_width, 5.0);
+        assert_eq!(&coarse.places[..2], &[2.0, 7.0]);
+        // 98 places: 19 groups of 5, none of which spans the gap
+        assert_eq!(coarse.places.len(), 19);
+        for (i, x) in coarse.places.iter().enumerate() {
+            assert_eq!(coarse.blocks[1][i], [x + 1.0, 2.0 * x, 1.0]);
+        }
+        let gap = samples().coarse(16);
+        assert_eq!((gap.pixel_width, gap.places.len()), (7.0, 13));
+        assert!(gap.places.iter().all(|x| (x - 3.0) % 7.0 == 0.0 || *x > 44.0), "{:?}", gap.places);
+        assert_eq!(samples().coarse(98).places, samples().places);
+    }
+
+    #[test]
+    fn samples_within_a_reach_are_those_around() {
+        let near = samples().within(50.0, 7.5);
+        assert_eq!((near.places[0], near.places[near.places.len() - 1]), (45.0, 57.0));
+        assert_eq!(near.blocks[0].len(), near.places.len());
+        assert!(samples().within(500.0, 1.0).places.is_empty());
+    }
+}
