@@ -248,7 +248,7 @@ fn wrong_input_is_told_what_is_allowed() {
         ("spot.exr --mm-per-pixel 0.1", "no edge that goes through the picture"),
         ("sharp.exr --mm-per-pixel 0.1", "no scattering is seen"),
         ("small.exr --mm-per-pixel 0.1 --region 25,0,35,60", "fewer than 16 pixels"),
-        ("cat.exr --mm-per-pixel 0.1", "no edge that goes through the picture"),
+        ("cat.exr --mm-per-pixel 0.1", "no straight edge"),
         ("clipped.exr --mm-per-pixel 0.1", "at the end of their range, where light is lost"),
         ("small.exr", "--mm-per-pixel, --ruler or --scene"),
         ("small.exr --ruler 1,1,1,1,5", "two points in pixels that are apart"),
