@@ -4,6 +4,7 @@ use std::f32::consts::{LN_2, LOG2_E, PI};
 
 use glam::Vec3;
 
+use super::tilt::Tilt;
 use crate::subsurface::transport::gathering::COORDINATES;
 
 /// Distances below this part of the shortest mean free path count as this.
@@ -24,27 +25,29 @@ pub(super) struct FlightKernel {
     sigma_t: [f32; 3],
     /// Shares of the channels in all flights, over 4π.
     shares: [f32; 3],
+    tilt: Tilt,
     least_squared: f32,
 }
 
 impl FlightKernel {
-    /// Flights from a point whose channels are chosen in proportion to a throughput, and that are such a `share` of all.
-    pub(super) fn new(from: Vec3, sigma_t: Vec3, throughput: Vec3, share: f32) -> Self {
+    /// Flights from a point whose channels are chosen in proportion to a throughput, whose directions are tilted, and that
+    /// are such a `share` of all.
+    pub(super) fn new(from: Vec3, sigma_t: Vec3, throughput: Vec3, tilt: Tilt, share: f32) -> Self {
         let least = LEAST_DISTANCE / sigma_t.max_element();
         let shares = (throughput * (share / (4.0 * PI * throughput.element_sum()))).to_array();
-        Self { from, sigma_t: sigma_t.to_array(), shares, least_squared: least * least }
+        Self { from, sigma_t: sigma_t.to_array(), shares, tilt, least_squared: least * least }
     }
 
-    /// Density of each channel's flights at a place, \[L⁻³\], or on a surface \[L⁻²\].
+    /// Density of each channel's isotropic flights at a place, \[L⁻³\], or on a surface \[L⁻²\].
     pub(super) fn by_channel(&self, place: &Place) -> Vec3 {
-        Vec3::from_array(self.densities(place.coordinates())) / (4.0 * PI)
+        Vec3::from_array(self.densities(place.coordinates()).0) / (4.0 * PI)
     }
 
-    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates.
+    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates, and the direction there.
     ///
     /// Without fused operations, so that every processor has the same bits.
     #[inline(always)]
-    fn densities(&self, [x, y, z, nx, ny, nz, is_inside]: [f32; COORDINATES]) -> [f32; 3] {
+    fn densities(&self, [x, y, z, nx, ny, nz, is_inside]: [f32; COORDINATES]) -> ([f32; 3], [f32; 3]) {
         let (dx, dy, dz) = (x - self.from.x, y - self.from.y, z - self.from.z);
         let squared = (dx * dx + dy * dy + dz * dz).max(self.least_squared);
         let d = squared.sqrt().min(f32::MAX);
@@ -52,18 +55,19 @@ impl FlightKernel {
         let factor = (cosine + is_inside).max(0.0) / squared;
         let [a, b, c] = self.sigma_t;
         let is_surface = 1.0 - is_inside;
-        [
+        let densities = [
             (is_inside * a + is_surface) * attenuation(a * d) * factor,
             (is_inside * b + is_surface) * attenuation(b * d) * factor,
             (is_inside * c + is_surface) * attenuation(c * d) * factor,
-        ]
+        ];
+        (densities, [dx / d, dy / d, dz / d])
     }
 
     /// Density of all flights at a place.
     #[inline(always)]
     fn density(&self, place: [f32; COORDINATES]) -> f32 {
-        let [a, b, c] = self.densities(place);
-        self.shares[0] * a + self.shares[1] * b + self.shares[2] * c
+        let ([a, b, c], direction) = self.densities(place);
+        (self.shares[0] * a + self.shares[1] * b + self.shares[2] * c) * self.tilt.factor(direction)
     }
 
     #[inline(always)]
@@ -127,7 +131,8 @@ mod tests {
     const SIGMA_T: Vec3 = Vec3::new(0.5, 2.0, 9.0);
 
     fn kernel(share: f32) -> FlightKernel {
-        FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), share)
+        let tilt = Tilt::toward(Vec3::X, 0.5);
+        FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), tilt, share)
     }
 
     #[test]
@@ -204,7 +209,7 @@ mod tests {
     #[test]
     fn extremes_stay_finite() {
         for sigma_t in [Vec3::splat(1e5), Vec3::splat(1e-5), Vec3::new(0.0, 1e-5, 1e5)] {
-            let kernel = FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, 1.0);
+            let kernel = FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, Tilt::toward(Vec3::X, 0.0), 1.0);
             for distance in [0.0, 1e-30, 1e-12, 1.0, 1e10, 1e18] {
                 for normal in [Vec3::ZERO, Vec3::X] {
                     let place = Place { position: Vec3::X * distance, normal };

@@ -30,6 +30,7 @@ mod random;
 mod refracted;
 mod shared;
 mod state;
+mod tilt;
 
 use std::sync::Arc;
 

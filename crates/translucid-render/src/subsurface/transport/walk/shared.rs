@@ -30,6 +30,7 @@ use glam::Vec3;
 
 use super::flight_kernel::{FlightKernel, Place};
 use super::state::Walk;
+use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::sampling::{Reserved, Sampler, split_mix};
 use crate::subsurface::entry_point::EntryPoint;
@@ -247,6 +248,8 @@ impl<'a> Walk<'a> {
         onward: &mut impl Onward<'a>,
     ) -> Option<Hit> {
         let part = 1.0 / FIRST as f32;
+        let alpha = (self.alpha * self.throughput).element_sum() / self.throughput.element_sum();
+        self.tilt = Tilt::toward(sharing.exit.point.geometric_normal * sharing.exit.side, alpha);
         let (mut collided, mut count) = ([*self; FIRST], 0);
         let mut end = None;
         let mut passed = Vec3::ZERO;
@@ -313,7 +316,7 @@ impl<'a> Walk<'a> {
         let part = sharing.sample / PART;
         let kind =
             (ExitKind::new(sharing.exit, path), bits(sigma_t), bits(self.alpha), sharing.is_matte(), part);
-        let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, share);
+        let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
         Collision { kind, account, body: self.body, at: self.at, kernel }
     }
 
@@ -392,11 +395,13 @@ impl<'a> Walk<'a> {
         if worth.max_element() <= LEAST_WORTH || self.body.is_lost(&at) {
             return None;
         }
-        let collided = Self { at, throughput: worth, events: self.events + 1, ..*self };
+        let next = generation + 1;
+        // The weights of more tilted flights would add up to noise where light comes from behind
+        let tilt = if next < W::GENERATIONS { self.tilt } else { Tilt::NONE };
+        let collided = Self { at, tilt, throughput: worth, events: self.events + 1, ..*self };
         let mut walk = collided;
         let mut branch = path.branch(worth);
         let flight = onward.turn(&mut walk, &mut branch, sampler);
-        let next = generation + 1;
         if next < W::GENERATIONS {
             let found = flight.map_or([None; 2], |flight| {
                 walk.find(tracer, &mut branch, sampler, sharing, (next, flight), onward)

@@ -4,6 +4,7 @@ use glam::Vec3;
 
 use super::flight::Flights;
 use super::phase_function::HenyeyGreenstein;
+use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::parameters::Subsurface;
@@ -21,6 +22,8 @@ pub(super) struct Walk<'a> {
     pub(super) side: f32,
     pub(super) flights: Flights,
     pub(super) phase: HenyeyGreenstein,
+    /// Of directions after collisions, where scattering is isotropic.
+    pub(super) tilt: Tilt,
     /// Single-scattering albedo per channel.
     pub(super) alpha: Vec3,
     /// Relative index of the boundary, 1 without one.
@@ -34,7 +37,7 @@ pub(super) struct Walk<'a> {
     pub(super) most_events: u32,
     /// Whether there was a collision.
     pub(super) has_scattered: bool,
-    /// Solid-angle density of the direction, infinite where it was not drawn at a collision.
+    /// Solid-angle density of the direction without its tilt, infinite where it was not drawn at a collision.
     pub(super) pdf: f32,
     /// Way from the surface to the point below it where the walk began \[L\], 0 after the first flight.
     pub(super) skipped: f32,
@@ -63,6 +66,7 @@ impl<'a> Walk<'a> {
             side,
             flights: Flights::new(sigma_t),
             phase: HenyeyGreenstein::new(medium.g),
+            tilt: Tilt::NONE,
             alpha: medium.single_scattering_albedo(surface_albedo),
             eta: medium.eta,
             at,
@@ -97,7 +101,13 @@ impl<'a> Walk<'a> {
 
     /// Draws the direction after a collision.
     pub(super) fn scatter(&mut self, u: [f32; 2]) {
-        let direction = self.phase.sample(self.direction, u);
+        let direction = if self.tilt == Tilt::NONE {
+            self.phase.sample(self.direction, u)
+        } else {
+            let direction = self.tilt.sample(u);
+            self.throughput /= self.tilt.factor(direction.to_array());
+            direction
+        };
         self.pdf = self.phase.pdf(self.direction.dot(direction));
         self.direction = direction;
     }
