@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::flight::STRETCH;
+use super::flight::{FIRST_STRETCH, STRETCH};
 use super::random::WalkRandom;
 use super::shared::{OfLight, Onward, Sharing};
 use super::state::Walk;
@@ -171,6 +171,27 @@ impl Walk<'_> {
         path.throughput != Vec3::ZERO
     }
 
+    /// Adds light from one sampled light, scattered at the first collision, whose depth is drawn for this light alone.
+    ///
+    /// The light has come as far again through the body, more or less: depths are drawn as both ways weaken it, and every
+    /// light is looked at.
+    pub(super) fn add_light_at_first_collision(&self, world: &World, path: &mut PathState, u: [f32; 4]) {
+        let drawn = self.flights.stretched(FIRST_STRETCH);
+        let length = drawn.sample(self.throughput, u[3]);
+        let FlightEnd::Inside(at) = self.body.fly(self.at, self.direction, (length - self.skipped).max(0.0))
+        else {
+            return;
+        };
+        let throughput = self.flights.collide_stretched(&drawn, self.throughput, length) * self.alpha;
+        let collided = Self { at, throughput, ..*self };
+        let Some(light) = world.lights.sample(at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
+            return;
+        };
+        collided.add_light(world, path, &light, f32::INFINITY, |distance| {
+            self.flights.transmit(throughput, distance)
+        });
+    }
+
     /// Adds light from one sampled light, scattered at a collision.
     ///
     /// Most collisions are so deep that this light, too, would be scattered again: a flight toward it is drawn as the
@@ -185,6 +206,21 @@ impl Walk<'_> {
         let Some(light) = world.lights.sample(self.at.position, Vec3::ZERO, u[0], [u[1], u[2]]) else {
             return;
         };
+        self.add_light(world, path, &light, length, |distance| {
+            self.flights.pass_stretched(&flights, self.throughput, distance)
+        });
+    }
+
+    /// Adds the light of a sample, scattered at a collision, if the body ends before such a `length` in its direction; its
+    /// `throughput` is that of a walk that has come to the end.
+    fn add_light(
+        &self,
+        world: &World,
+        path: &mut PathState,
+        light: &LightSample,
+        length: f32,
+        throughput: impl FnOnce(f32) -> Vec3,
+    ) {
         let end = self.body.fly(self.at, light.direction, length);
         let FlightEnd::Boundary { distance, hit } = end else { return };
         // What shines inside the body is no part of what the walk sees
@@ -195,8 +231,8 @@ impl Walk<'_> {
         let mis = if light.is_delta { 1.0 } else { power_heuristic(light.pdf, phase) };
         let point = world.surface_point(&hit);
         let weight = self.entering(world, &point, light.direction) * phase;
-        let throughput = self.flights.pass_stretched(&flights, self.throughput, distance) * weight;
-        let beyond = LightSample { distance: light.distance - distance, ..light };
+        let throughput = throughput(distance) * weight;
+        let beyond = LightSample { distance: light.distance - distance, ..*light };
         let medium = ShadowMedium { absorption: path.absorption, soft: !world.scene.integrator.caustics };
         let received = weighed(world.unoccluded(&point, &beyond, medium), mis / light.pdf);
         path.add_to(path.layer_after(Layer::Subsurface), received * throughput);

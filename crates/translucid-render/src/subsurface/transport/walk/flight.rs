@@ -21,6 +21,11 @@ use crate::sampling::choose;
 /// those without. Without end (every light is looked at, weighted by its transmittance) they are above 1.
 pub(super) const STRETCH: f32 = 2.0;
 
+/// Length of first flights for a sampled light over that of the walk's own: the light has as long a way again.
+///
+/// On head and dragon error times CPU time are 0.68 and 0.99 times those of light at the walk's own first collision.
+pub(super) const FIRST_STRETCH: f32 = 0.5;
+
 /// Extinction coefficients per channel \[L⁻¹\], 0 in channels whose throughput is.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Flights {
@@ -53,6 +58,21 @@ impl Flights {
     /// Throughput after a flight past a distance.
     pub(crate) fn pass(&self, throughput: Vec3, distance: f32) -> Vec3 {
         reweigh(throughput, self.attenuation(throughput, distance))
+    }
+
+    /// Throughput after a collision at the end of a flight that was drawn from stretched flights.
+    pub(crate) fn collide_stretched(&self, drawn: &Self, throughput: Vec3, length: f32) -> Vec3 {
+        let (depth, of_drawn) = (self.sigma_t * length, drawn.sigma_t * length);
+        let least = Vec3::select(throughput.cmpgt(Vec3::ZERO), of_drawn, Vec3::INFINITY).min_element();
+        let density = (throughput * (least - of_drawn).exp() * drawn.sigma_t).element_sum();
+        let collided =
+            throughput * (least - depth).exp() * self.sigma_t * (throughput.element_sum() / density);
+        if collided.is_finite() { collided } else { Vec3::ZERO }
+    }
+
+    /// Throughput of what flies past a distance.
+    pub(crate) fn transmit(&self, throughput: Vec3, distance: f32) -> Vec3 {
+        throughput * (-self.sigma_t * distance.min(f32::MAX)).exp()
     }
 
     /// Flights that are longer by a factor on average.
@@ -110,6 +130,24 @@ mod tests {
         assert!(close(collided, start - expected), "{collided}");
     }
 
+    /// Drawn shorter, collisions before a distance have the same mean throughput.
+    #[test]
+    fn collisions_of_stretched_flights_bring_the_same() {
+        let (sigma, start, distance) = (Vec3::new(0.5, 2.0, 9.0), Vec3::new(1.0, 0.3, 0.7), 0.4);
+        let flights = Flights::new(sigma);
+        let drawn = flights.stretched(0.5);
+        let mut collided = Vec3::ZERO;
+        let n = 1 << 16;
+        for i in 0..n {
+            let length = drawn.sample(start, sobol_burley::sample(i, 0, 5));
+            if length < distance {
+                collided += flights.collide_stretched(&drawn, start, length);
+            }
+        }
+        let expected = start * (1.0 - (-sigma * distance).exp());
+        assert!((collided / n as f32 - expected).abs().max_element() < 2e-3, "{collided} {expected}");
+    }
+
     /// Drawn longer, the mean throughput past a distance is the same, and what varies is less.
     #[test]
     fn stretched_flights_bring_the_same() {
@@ -140,6 +178,8 @@ mod tests {
                         flights.collide(throughput, length),
                         flights.pass(throughput, length),
                         flights.pass_stretched(&stretched, throughput, length),
+                        flights.collide_stretched(&flights.stretched(0.5), throughput, length),
+                        flights.transmit(throughput, length),
                     ];
                     assert!(
                         all.iter().all(|t| t.is_finite() && t.min_element() >= 0.0),

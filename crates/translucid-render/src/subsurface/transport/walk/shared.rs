@@ -22,7 +22,9 @@
 //! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
 //!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
-//! shared.
+//! shared. Light that is sampled at a first collision has a first flight of its own.
+//!
+//! All flights of these generations [lean](Tilt) back to the surface.
 
 use std::sync::atomic::AtomicBool;
 
@@ -250,6 +252,9 @@ impl<'a> Walk<'a> {
         let part = 1.0 / FIRST as f32;
         let alpha = (self.alpha * self.throughput).element_sum() / self.throughput.element_sum();
         self.tilt = Tilt::toward(sharing.exit.point.geometric_normal * sharing.exit.side, alpha);
+        if let OfLight::AtCollision(u) = sharing.of_light {
+            self.add_light_at_first_collision(sharing.world, path, u);
+        }
         let (mut collided, mut count) = ([*self; FIRST], 0);
         let mut end = None;
         let mut passed = Vec3::ZERO;
@@ -284,9 +289,6 @@ impl<'a> Walk<'a> {
         let count = collided.len() as f32;
         let mut walk = collided[((sharing.of_choice * count) as usize).min(collided.len() - 1)];
         walk.throughput *= count;
-        if let OfLight::AtCollision(u) = sharing.of_light {
-            walk.add_light_at_collision(sharing.world, path, u);
-        }
         let [a, b, of_flight, of_picks] = sharing.of_flight;
         walk.scatter([a, b]);
         let found = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);

@@ -16,8 +16,9 @@ use glam::Vec3;
 
 use crate::sampling::Frame;
 
-/// β. The error times CPU time with it over that with 0 is 0.88 on the head and 0.99 on the dragon, where 0.3 n and 0.5 n,
-/// whatever α is, give 1.11 and 1.31; √3 is that of the series.
+/// β, less than half of the √3 of the series.
+///
+/// Error times CPU time with it over those with 0: 0.86 on the head and 1.01 on the dragon, between matte surfaces.
 const STRENGTH: f32 = 0.8;
 
 /// A vector t, shorter than 1, of isotropic scattering's directions drawn with the density (1 + t·ω)/4π.
