@@ -49,24 +49,56 @@ enter_environment()
 
 import numpy as np  # noqa: E402
 
-# Media by albedo A of a pencil of light, mean cosine g and relative index; three channels of a photograph each
+# Media by albedo A of a pencil of light without a boundary, mean cosine g and relative index; three channels of a photograph each
 MEDIA = {
-    "isotropic, index-matched": [(0.1, 0.0, 1.0), (0.3, 0.0, 1.0), (0.5, 0.0, 1.0),
-                                 (0.7, 0.0, 1.0), (0.85, 0.0, 1.0), (0.95, 0.0, 1.0)],
-    "dielectric, η = 1.4": [(0.3, 0.0, 1.4), (0.6, 0.0, 1.4), (0.8, 0.0, 1.4)],
-    "forward scattering, g = 0.8": [(0.3, 0.8, 1.0), (0.5, 0.8, 1.0), (0.7, 0.8, 1.0)],
+    "isotropic, index-matched": {
+        "edge": [(0.1, 0.0, 1.0), (0.3, 0.0, 1.0), (0.5, 0.0, 1.0), (0.7, 0.0, 1.0), (0.85, 0.0, 1.0), (0.95, 0.0, 1.0)],
+        "spot": [(0.1, 0.0, 1.0), (0.3, 0.0, 1.0), (0.5, 0.0, 1.0), (0.7, 0.0, 1.0), (0.85, 0.0, 1.0), (0.98, 0.0, 1.0)],
+    },
+    "dielectric, η = 1.4": {setup: [(0.3, 0.0, 1.4), (0.6, 0.0, 1.4), (0.8, 0.0, 1.4)] for setup in ("edge", "spot")},
+    "forward scattering": {
+        "edge": [(0.3, 0.8, 1.0), (0.5, 0.8, 1.0), (0.7, 0.8, 1.0)],
+        "spot": [(0.3, 0.9, 1.0), (0.5, 0.9, 1.0), (0.7, 0.9, 1.0)],
+    },
 }
 # Parts of a rendering's rows make photographs of their own: mean free path [mm], blur in pixels, dark corners
 SETUPS = [(0.1, 0.8, 0.0), (0.6, 1.5, 0.05), (5.0, 1.0, 0.10)]
 COLUMNS, ROWS = 192, 288
+# Spots: the picture's side, the light's radius, and how far it is off the middle, in pixels
+SPOT, RADIUS, OFFSET = 96, 7.0, (3.3, -2.6)
+
+
+def h_function(alpha, mu):
+    """Chandrasekhar's H function of isotropic scatterers."""
+    t = (np.arange(20000) + 0.5) / 20000 * (math.pi / 2)
+    k = np.tan(t) / mu
+    return math.exp(-np.mean(np.log(1 - alpha * np.arctan(k) / k)) / 2)
 
 
 def searchlight_albedo(alpha):
     """1 - H(1) sqrt(1 - alpha), the albedo of a matched isotropic half space for a pencil of light."""
-    t = (np.arange(20000) + 0.5) / 20000 * (math.pi / 2)
-    k = np.tan(t)
-    log_h = -np.mean(np.log(1 - alpha * np.arctan(k) / k)) / 2
-    return 1 - math.exp(log_h) * math.sqrt(1 - alpha)
+    return 1 - h_function(alpha, 1) * math.sqrt(1 - alpha)
+
+
+def dielectric_albedo(alpha, eta):
+    """The same below a smooth surface, of the light that enters [M. M. R. Williams 2006]:
+
+    y(mu) = H(1) mu / (1 + mu) + alpha/2 int F(m)/m H(m)^2 y(m) / (1/mu + 1/m) dm, A = alpha/2 int (1 - F) H y dmu
+    """
+    critical = math.sqrt(1 - 1 / eta ** 2)
+    x, weights = np.polynomial.legendre.leggauss(40)
+    # Below the critical angle all is reflected, and the reflectance has a root there
+    low, high = (x + 1) / 2 * critical, critical + (1 - critical) * ((x + 1) / 2) ** 2
+    mu = np.concatenate([low, high])
+    weight = np.concatenate([weights / 2 * critical, weights / 2 * (1 - critical) * (x + 1)])
+    outside = np.sqrt(np.maximum(1 - eta ** 2 * (1 - mu ** 2), 0))
+    parallel = ((outside - mu / eta) / (outside + mu / eta)) ** 2
+    across = ((outside - mu * eta) / (outside + mu * eta)) ** 2
+    reflected = np.where(mu <= critical, 1, (parallel + across) / 2)
+    h = np.array([h_function(alpha, m) for m in mu])
+    kernel = alpha / 2 * weight * reflected / mu * h ** 2 / (1 / mu[:, None] + 1 / mu)
+    y = np.linalg.solve(np.eye(len(mu)) - kernel, h_function(alpha, 1) * mu / (1 + mu))
+    return alpha / 2 * np.sum(weight * (1 - reflected) * h * y)
 
 
 def alpha_of(albedo, albedo_of=searchlight_albedo):
@@ -93,20 +125,26 @@ def samples_of(medium, collisions):
     return max(1, min(4, round(collisions / (per_sample * COLUMNS * ROWS))))
 
 
-def rendering(medium, collisions):
-    """Rows of an edge of even light on a half space, seen straight from above, and the pixel's width; in transport mean free
-    paths.
+def rendering(setup, medium, part, collisions):
+    """Light that leaves a half space straight up, over that of white, and the pixel's width in transport mean free paths.
 
-    The light is a rectangle that lies on the lit half. The camera lies below the surface and looks down: it sees neither the
-    light nor what a smooth surface reflects.
+    The light is a rectangle that lies on the lit half, or a disk. The camera lies below the surface and looks down: it sees
+    neither the light nor what a smooth surface reflects.
     """
     albedo, g, eta = medium
     samples = samples_of(medium, collisions)
     alpha_prime = alpha_of(albedo)
-    pixel = 2 * min(max(5 / decay(alpha_prime), 8), 60) / COLUMNS
-    path = CACHE / "measure" / f"edge-{albedo}-{g}-{eta}-{samples}.npy"
+    if setup == "edge":
+        columns, rows, widest, name = COLUMNS, ROWS, 60, f"edge-{albedo}-{g}-{eta}-{samples}"
+    else:
+        columns, rows, widest, samples = SPOT, SPOT, 40, 2 * samples
+        name = f"spot-{albedo}-{g}-{eta}-{samples}-{part}"
+    pixel = 2 * min(max(5 / decay(alpha_prime), 8), widest) / columns
+    # Through a smooth surface a part gets out, which spreads over more directions
+    seen = (1 - ((eta - 1) / (eta + 1)) ** 2) / eta ** 2
+    path = CACHE / "measure" / f"{name}.npy"
     if path.exists():
-        return np.load(path), pixel, alpha_prime
+        return seen * np.load(path), pixel
     import mitsuba as mi
 
     mi.set_variant("scalar_rgb")
@@ -114,8 +152,14 @@ def rendering(medium, collisions):
     # sigma'_t = 1: sigma_s = alpha' / (1 - g), sigma_a = 1 - alpha'
     sigma_s, sigma_a = alpha_prime / (1 - g), 1 - alpha_prime
     transform = mi.ScalarTransform4f
-    half, gap, width = 400.0, 0.02, COLUMNS * pixel
-    boundary = {"type": "null"} if eta == 1 else {"type": "dielectric", "int_ior": eta, "ext_ior": 1.0}
+    half, gap, width = 400.0, 0.02, columns * pixel
+    if setup == "edge":
+        light, place, size = "rectangle", [2 * half, 0, gap], 2 * half
+    else:
+        light, place, size = "disk", [pixel * OFFSET[0], pixel * OFFSET[1], gap], pixel * RADIUS
+    # No path samples a small light through a boundary: so near that would be noise without a variance
+    is_open = setup == "edge" and eta == 1
+    boundary = {"type": "null"} if is_open else {"type": "dielectric", "int_ior": eta, "ext_ior": 1.0}
     scene = mi.load_dict({
         "type": "scene",
         "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": 1000000},
@@ -125,74 +169,123 @@ def rendering(medium, collisions):
             "type": "orthographic", "near_clip": 1e-6, "far_clip": 1e6, "medium": {"type": "ref", "id": "inside"},
             "to_world": transform().look_at(origin=[0, 0, -gap / 2], target=[0, 0, -1], up=[0, 1, 0])
             @ transform().scale([-width / 2, width / 2, 1]),
-            "film": {"type": "hdrfilm", "width": COLUMNS, "height": ROWS, "rfilter": {"type": "box"},
+            "film": {"type": "hdrfilm", "width": columns, "height": rows, "rfilter": {"type": "box"},
                      "pixel_format": "luminance"},
             "sampler": {"type": "independent", "sample_count": samples},
         },
         "piece": {"type": "cube", "to_world": transform().translate([0, 0, -half]) @ transform().scale(half),
                   "bsdf": boundary, "interior": {"type": "ref", "id": "inside"}},
-        "light": {"type": "rectangle", "emitter": {"type": "area", "radiance": 1.0},
+        "light": {"type": light, "emitter": {"type": "area", "radiance": 1.0},
                   "bsdf": {"type": "diffuse", "reflectance": 0.0},
-                  "to_world": transform().translate([2 * half, 0, gap]) @ transform().scale(2 * half)
+                  "to_world": transform().translate(place) @ transform().scale(size)
                   @ transform().rotate([1, 0, 0], 180)},
     })
-    seed = int(1e4 * albedo) + int(1e6 * g) + int(1e7 * eta)
+    seed = int(1e4 * albedo) + int(1e6 * g) + int(1e7 * eta) + (0 if setup == "edge" else 7919 * (part + 1))
     begin = time.process_time()
-    picture = np.array(mi.render(scene, spp=samples, seed=seed)).reshape(ROWS, COLUMNS)
+    picture = np.array(mi.render(scene, spp=samples, seed=seed)).reshape(rows, columns)
     # Light on the right, however the camera was turned
-    if picture[:, :COLUMNS // 4].mean() > picture[:, -COLUMNS // 4:].mean():
+    if setup == "edge" and picture[:, :columns // 4].mean() > picture[:, -columns // 4:].mean():
         picture = picture[:, ::-1]
     path.parent.mkdir(parents=True, exist_ok=True)
     np.save(path, picture)
     print(f"rendered {path.stem}: {time.process_time() - begin:.0f} CPU s", flush=True)
-    return picture, pixel, alpha_prime
+    return seen * picture, pixel
 
 
-def photograph(media, setup, collisions, generator, smooth):
-    """Red, green and blue of an edge below a white card, its millimeters per pixel, and the true mean free paths [mm].
+def blurred(values, blur):
+    """Means over a Gaussian of such a standard deviation, along every axis; the ends go on."""
+    reach = np.arange(-12, 13)
+    kernel = np.exp(-0.5 * (reach / blur) ** 2)
+    for axis in range(values.ndim):
+        wide = np.pad(values, [(12, 12) if i == axis else (0, 0) for i in range(values.ndim)], mode="edge")
+        values = np.apply_along_axis(np.convolve, axis, wide, kernel / kernel.sum(), "valid")
+    return values
 
-    A smooth one has the mean of its rows in each, and the camera's noise alone.
+
+def light_of(setup, medium, part, blur, collisions, smooth):
+    """What the camera sees of the piece and of white paper in its place, and the pixel's width [ℓ'].
+
+    The lens blurs the light, not the noise of its simulation, which stands for that of the camera; in a smooth picture there
+    is none of it.
     """
-    part, (mfp, blur, dark) = setup
-    rows = ROWS // len(SETUPS)
-    channels, lengths, mm = [], [], None
+    if setup == "edge":
+        picture, pixel = rendering(setup, medium, 0, collisions)
+        rows = ROWS // len(SETUPS)
+        own = picture[part * rows:(part + 1) * rows].reshape(rows // 4, 4, COLUMNS).mean(1)
+        mean = own.mean(0)
+        return (0 if smooth else own - mean) + np.broadcast_to(blurred(mean, blur), own.shape), np.ones(own.shape), pixel
+    picture, pixel = rendering(setup, medium, part, collisions)
+    y, x = np.mgrid[0:SPOT, 0:SPOT] + 0.5 - SPOT / 2
+    # The middle of the light, however the camera was turned
+    away = min(((x - i * OFFSET[0]) ** 2 + (y - j * OFFSET[1]) ** 2 for i in (-1, 1) for j in (-1, 1)),
+               key=lambda square: picture[square < RADIUS ** 2].mean() * -1)
+    distance = np.sqrt(away)
+    disk = np.clip(RADIUS + 0.5 - distance, 0, 1)
+    # Its power is what was rendered
+    disk *= math.pi * RADIUS ** 2 / disk.sum()
+    # By rings, finely where light changes much
+    rings = np.concatenate([np.arange(0, 2 * RADIUS, 0.5), np.arange(2 * RADIUS, SPOT, 2.0)])
+    ring = np.digitize(distance.ravel(), rings)
+    count = np.maximum(np.bincount(ring, minlength=len(rings) + 1), 1)
+    sums = [np.bincount(ring, weights=of.ravel(), minlength=len(rings) + 1) for of in (picture, distance)]
+    seen = np.bincount(ring, minlength=len(rings) + 1) > 0
+    mean = np.interp(distance, (sums[1] / count)[seen], (sums[0] / count)[seen])
+    if smooth:
+        return blurred(mean, blur), blurred(disk, blur), pixel
+    return picture - mean + blurred(mean, blur), blurred(disk, blur), pixel
+
+
+def photographs(setup, media, part, collisions, generator, smooth):
+    """A photograph of red, green and blue, that of white paper of reflectance 0.9 in place of the piece, the millimeters per
+    pixel, and the true mean free paths [mm]."""
+    mfp, blur, dark = SETUPS[part]
+    channels, papers, lengths, mm = [], [], [], None
     for medium in media:
-        picture, pixel, _ = rendering(medium, collisions)
+        light, white, pixel = light_of(setup, medium, part, blur, collisions, smooth)
         mm = mm or mfp * pixel
         lengths.append(mm / pixel)
-        own = picture[part * rows:(part + 1) * rows].reshape(rows // 4, 4, COLUMNS).mean(1)
-        # The lens blurs the light, not the noise of its simulation, which stands for that of the camera
-        mean = own.mean(0)
-        reach = np.arange(-12, 13)
-        kernel = np.exp(-0.5 * (reach / blur) ** 2)
-        wide = np.pad(mean, 12, mode="edge")
-        blurred = np.convolve(wide, kernel / kernel.sum(), "valid")
-        channels.append((0 if smooth else own - mean) + np.broadcast_to(blurred, own.shape))
-    edge = np.stack(channels, -1)
-    card = np.full((24, COLUMNS, 3), 0.9)
-    photo = np.concatenate([card, edge]) * 0.95 / max(1, edge.max())
-    y, x = np.mgrid[-1:1:photo.shape[0] * 1j, -1:1:COLUMNS * 1j]
-    photo = photo * (1 - dark * (x * x + y * y) / 2)[..., None]
-    photo = photo + 0.01 * np.sqrt(np.maximum(photo, 0)) * generator.normal(size=photo.shape)
-    return np.clip(photo, 0, 1), mm, lengths
+        channels.append(light)
+        papers.append(0.9 * white)
+    pair = [np.stack(channels, -1), np.stack(papers, -1)]
+    y, x = np.mgrid[-1:1:pair[0].shape[0] * 1j, -1:1:pair[0].shape[1] * 1j]
+    corners = (1 - dark * (x * x + y * y) / 2)[..., None]
+    exposure = 0.95 / max(light.max() for light in pair)
+    taken = []
+    for light in pair:
+        light = light * corners * exposure
+        light = light + 0.01 * np.sqrt(np.maximum(light, 0)) * generator.normal(size=light.shape)
+        taken.append(light)
+    return taken, mm, lengths
 
 
-def measure(photo, kind, mm, program, directory, *more):
-    """Rows of `translucid measure`, by channel and quantity."""
+def save(photo, path):
     import mitsuba as mi
 
     mi.set_variant("scalar_rgb")
-    if kind == "16 bits, linear":
-        path = directory / "photo.exr"
+    if path.suffix == ".exr":
+        # 16 bits above a black level that is subtracted, as cameras have one
         mi.Bitmap((np.round(photo * 65535) / 65535).astype(np.float32)).write(str(path))
     else:
-        path = directory / "photo.jpg"
+        photo = np.clip(photo, 0, 1)
         coded = np.where(photo <= 0.0031308, 12.92 * photo, 1.055 * np.maximum(photo, 1e-9) ** (1 / 2.4) - 0.055)
         mi.Bitmap(np.round(255 * coded).astype(np.uint8)).write(str(path), quality=92)
-    height = photo.shape[0]
-    words = [program, "measure", path, "--mm-per-pixel", f"{mm:.6g}", "--white", f"4,3,{COLUMNS - 4},21", "--region",
-             f"0,24,{COLUMNS},{height}", "--edge", f"{COLUMNS // 2},24,{COLUMNS // 2},{height}", "--card", "hidden",
-             "--format", "json", *more]
+
+
+def measure(setup, pair, coding, mm, program, directory, *more, rim=False):
+    """Rows of `translucid measure`, by channel and quantity; white is the paper's photograph, or a card at the rim."""
+    photo, paper = pair
+    paths = [directory / f"{name}.{'jpg' if coding == 'JPEG' else 'exr'}" for name in ("photo", "paper")]
+    height, width = photo.shape[:2]
+    if rim:
+        photo = np.concatenate([paper[:24], photo])
+    for path, picture in zip(paths, (photo, paper)):
+        save(picture, path)
+    words = [program, "measure", paths[0], "--setup", setup, "--mm-per-pixel", f"{mm:.6g}", "--format", "json", *more]
+    words += ["--white", f"4,3,{width - 4},21"] if rim else ["--white-photo", paths[1]]
+    if setup == "edge":
+        top = 24 if rim else 0
+        words += ["--region", f"0,{top},{width},{height + top}", "--edge",
+                  f"{width // 2},{top},{width // 2},{height + top}", "--card", "hidden"]
     ran = subprocess.run([str(word) for word in words], capture_output=True, text=True)
     if ran.returncode != 0:
         print(f"refused: {ran.stderr.strip().splitlines()[-1]}")
@@ -234,38 +327,68 @@ def main():
     parser.add_argument("--write", action="store_true", help=f"into {PAGE.relative_to(ROOT)}")
     arguments = parser.parse_args()
     generator = np.random.default_rng(1)
-    exact = "isotropic, index-matched"
+    exact, dielectric = "isotropic, index-matched", "dielectric, η = 1.4"
+    below = {}
+    # How a photograph is kept, measured, and for which media: the first two are right
+    ways = {
+        "16 bits": ({}, ["--configuration", "searchlight"], MEDIA),
+        "JPEG": ({}, ["--configuration", "searchlight"], [exact]),
+        "η given": ({}, ["--configuration", "searchlight", "--eta", "1.4"], [dielectric]),
+        "card at the rim": ({"rim": True}, ["--configuration", "searchlight"], [exact]),
+        "by the default": ({}, ["--configuration", "diffuse"], [exact, dielectric]),
+    }
     found = {}
     with tempfile.TemporaryDirectory() as directory:
-        for kind, media in MEDIA.items():
-            for group in range(0, len(media), 3):
-                for setup in enumerate(SETUPS):
-                    three = media[group:group + 3]
-                    for coding in ("16 bits, linear", "JPEG")[:2 if media is MEDIA[exact] else 1]:
-                        smooth = coding == "JPEG"
-                        photo, mm, lengths = photograph(three, setup, arguments.collisions, generator, smooth)
-                        for light in ("searchlight", "diffuse") if coding != "JPEG" else ("searchlight",):
-                            rows = measure(photo, coding, mm, arguments.program, Path(directory), "--configuration", light)
+        for kind, by_setup in MEDIA.items():
+            for setup, media in by_setup.items():
+                for three in (media[i:i + 3] for i in range(0, len(media), 3)):
+                    for part in range(len(SETUPS)):
+                        for way, (keywords, words, kinds) in ways.items():
+                            if kind not in kinds or (setup == "spot" and keywords):
+                                continue
+                            pair, mm, lengths = photographs(setup, three, part, arguments.collisions, generator,
+                                                            way == "JPEG")
+                            rows = measure(setup, pair, way, mm, arguments.program, Path(directory), *words, **keywords)
                             for name, medium, length in zip(("red", "green", "blue"), three, lengths):
-                                if (name, "mfp") in rows:
-                                    case = (rows[name, "mfp"], length, rows[name, "surface_albedo"], medium[0])
-                                    found.setdefault((kind, coding, light), []).append(case)
-                                    found.setdefault((kind, medium, coding, light), []).append(case)
-    first = table(
-        ["photograph", "measurements", "ℓ within 95 %", "median error of ℓ", "A within 95 %", "median error of A"],
-        [["16 bits, linear", *summary(found[exact, "16 bits, linear", "searchlight"])],
-         # The simulation's noise is the same in all rows, so that intervals cannot know of it
-         ["JPEG", *("–" if i in (1, 3) else text for i, text in enumerate(summary(found[exact, "JPEG", "searchlight"])))]])
+                                if (name, "mfp") not in rows:
+                                    continue
+                                albedo = medium[0]
+                                if way == "η given":
+                                    albedo = below.setdefault(medium, dielectric_albedo(alpha_of(albedo), medium[2]))
+                                case = (rows[name, "mfp"], length, rows[name, "surface_albedo"], albedo)
+                                found.setdefault((way, kind, setup), []).append(case)
+                                found.setdefault((way, kind, setup, medium), []).append(case)
+    lines = [
+        ("edge, 16 bits", [("16 bits", exact, "edge"), ("η given", dielectric, "edge")]),
+        ("spot, 16 bits", [("16 bits", exact, "spot"), ("η given", dielectric, "spot")]),
+        ("both", [(way, kind, setup) for way, kind in (("16 bits", exact), ("η given", dielectric))
+                  for setup in ("edge", "spot")]),
+        ("edge, 16 bits, η = 1.4 alone", [("η given", dielectric, "edge")]),
+        ("spot, 16 bits, η = 1.4 alone", [("η given", dielectric, "spot")]),
+        ("edge, 16 bits, a white card at the rim", [("card at the rim", exact, "edge")]),
+        ("edge, JPEG", [("JPEG", exact, "edge")]),
+        ("spot, JPEG", [("JPEG", exact, "spot")]),
+    ]
+    rows = []
+    for name, keys in lines:
+        cases = [case for key in keys for case in found.get(key, [])]
+        if cases:
+            numbers = summary(cases)
+            # The simulation's noise is the same in all rows, so that intervals cannot know of it
+            rows.append([name, *("–" if "JPEG" in name and i in (1, 3) else text for i, text in enumerate(numbers))])
+    first = table(["photograph", "measurements", "ℓ within 95 %", "median error of ℓ", "A within 95 %",
+                   "median error of A"], rows)
     bias = []
-    for kind, media in MEDIA.items():
-        for medium in media:
-            cases = found.get((kind, medium, "16 bits, linear", "searchlight"), [])
-            others = found.get((kind, medium, "16 bits, linear", "diffuse"), [])
-            if cases and others:
-                ratio = [np.median([row["value"] / truth for row, truth, _, _ in some]) for some in (cases, others)]
-                albedo = [np.median([row["value"] for _, _, row, _ in some]) for some in (cases, others)]
-                bias.append([kind, f"{medium[0]:g}", *(f"{value:.3f}" for pair in zip(ratio, albedo) for value in pair)])
-    second = table(["medium", "A of the matched, isotropic one", "ℓ / truth", "A", "ℓ / truth by the default",
+    for kind, by_setup in MEDIA.items():
+        for setup, media in by_setup.items():
+            for medium in media:
+                cells = [setup, kind + (f", g = {medium[1]:g}" if medium[1] else ""), f"{medium[0]:g}"]
+                for way in ("16 bits", "by the default"):
+                    cases = found.get((way, kind, setup, medium), [])
+                    cells += [f"{np.median([row['value'] / truth for row, truth, _, _ in cases]):.3f}" if cases else "–",
+                              f"{np.median([row['value'] for _, _, row, _ in cases]):.3f}" if cases else "–"]
+                bias.append(cells)
+    second = table(["light", "medium", "A of the matched, isotropic one", "ℓ / truth", "A", "ℓ / truth by the default",
                     "A by the default"], bias)
     for text in (first, second):
         print(text + "\n")

@@ -64,17 +64,17 @@ impl EdgeModel {
         Self { wave_numbers, heights, waves }
     }
 
-    /// Light at each place over that far on the lit side, of a half space's response.
+    /// Light at each place over that far on the lit side, of a piece's response.
     pub fn eval(&self, response: &Response, edge: &Edge) -> Vec<f64> {
         let Edge { surface_albedo, mfp, position, blur } = *edge;
+        let transfer = response.transfer(surface_albedo, mfp);
         let amplitude = |(k, height): (&f64, &f64)| {
             let blurred = height * libm::exp(-0.5 * (blur * k).powi(2));
             // Of what is below rounding nothing is left
-            let strength =
-                if blurred.abs() > 1e-9 { blurred * response.at(surface_albedo, k * mfp) } else { 0.0 };
-            // sin k(x − x₀)
+            let [re, im] = if blurred.abs() > 1e-9 { transfer.at(*k) } else { [0.0; 2] };
+            // T of sin k(x − x₀), of cos k(x − x₀) where light enters obliquely
             let (sin, cos) = libm::sincos(k * position);
-            [strength * cos, -strength * sin]
+            [blurred * (re * cos + im * sin), blurred * (im * cos - re * sin)]
         };
         let amplitudes: Vec<[f64; 2]> = self.wave_numbers.iter().zip(&self.heights).map(amplitude).collect();
         self.waves.iter().map(|waves| 0.5 + sum_of_products(waves, &amplitudes)).collect()
@@ -144,6 +144,27 @@ mod tests {
                 let beyond = beyond_line(&half_space, x.abs() / mfp);
                 let expected = if x < 0.0 { beyond } else { 1.0 - beyond };
                 assert!((light - expected).abs() < 2e-3, "A {surface_albedo}, x {x}: {light} {expected}");
+            }
+        }
+    }
+
+    /// Light of a beam that is scattered once, by its way in and out: at a depth t it has come t tan θ along, so that
+    /// E(x) = ∫ e^{−t(1/μ + 1)} [x > t tan θ] dt (1/μ + 1) = 1 − e^{−x(1/μ + 1)/tan θ} on the lit side. Of a dark piece there is
+    /// hardly more.
+    #[test]
+    fn edge_of_an_oblique_beam_is_where_single_scattering_is() {
+        let angle = 0.7_f64;
+        let places: Vec<f64> = (-20..=20).map(|i| 0.1 * f64::from(i) + 0.05).collect();
+        let model = EdgeModel::new(&places, 0.01);
+        for sign in [1.0, -1.0] {
+            let response = Response::of_beam(sign * angle).unwrap();
+            let edge = Edge { surface_albedo: 0.006, mfp: 1.0, position: 0.0, blur: 0.0 };
+            for (x, light) in places.iter().zip(model.eval(&response, &edge)) {
+                let slope = (1.0 / libm::cos(angle) + 1.0) / libm::tan(angle);
+                let beyond = libm::exp(-slope * x.abs());
+                let expected = if sign * x < 0.0 { 0.0 } else { 1.0 - beyond };
+                let expected = if sign > 0.0 { expected } else { 1.0 - expected };
+                assert!((light - expected).abs() < 0.015, "{sign} {x}: {light} {expected}");
             }
         }
     }

@@ -1,7 +1,7 @@
 //! Where the card ends in a photograph, and the light across that line.
 
-use crate::edge_fit::EdgeSamples;
 use crate::photo::Photo;
+use crate::samples::Samples;
 
 /// A straight line through a photograph, in pixels: x to the right, y down, (0.5, 0.5) the middle of the first.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -107,7 +107,8 @@ impl EdgeLine {
         Ok(Self { point, across })
     }
 
-    /// The line through two points, with the brighter side of a photograph ahead; `None` where the points are one.
+    /// The line through two points, with the brighter side of a photograph ahead; `None` where the points are one or the
+    /// photograph lies on one side of it.
     pub fn through(photo: &Photo, [x0, y0, x1, y1]: [f64; 4]) -> Option<Self> {
         let across = unit([y1 - y0, x0 - x1])?;
         let line = Self { point: [0.5 * (x0 + x1), 0.5 * (y0 + y1)], across };
@@ -117,19 +118,22 @@ impl EdgeLine {
             let side = &mut sides[usize::from(line.distance(x, y) > 0.0)];
             *side = (side.0 + photo.gray(x, y), side.1 + 1.0);
         }
+        if sides.iter().any(|(_, count)| *count == 0.0) {
+            return None;
+        }
         let [behind, ahead] = sides.map(|(sum, count): (f64, f64)| sum / count.max(1.0));
         let sign = if ahead >= behind { 1.0 } else { -1.0 };
         Some(Self { across: across.map(|v| v * sign), ..line })
     }
 
     /// Distance of a pixel's middle in pixels, positive on the lit side.
-    fn distance(&self, x: usize, y: usize) -> f64 {
+    pub fn distance(&self, x: usize, y: usize) -> f64 {
         let offset = [x as f64 + 0.5 - self.point[0], y as f64 + 0.5 - self.point[1]];
         offset[0] * self.across[0] + offset[1] * self.across[1]
     }
 
     /// Light by the distance across, in steps of a pixel, in the rectangle along the line that holds the most.
-    pub fn samples(&self, photo: &Photo, pixel_width: f64) -> EdgeSamples {
+    pub fn samples(&self, photo: &Photo, pixel_width: f64) -> Samples {
         // A line that is not upright leaves corners that a rectangle does not hold
         let lengths = (2..=10).map(|i| 0.1 * f64::from(i));
         let all = lengths.map(|part| (part, self.samples_of(photo, pixel_width, part)));
@@ -139,7 +143,7 @@ impl EdgeLine {
     }
 
     /// The samples of a part of the line around its middle, as far across as every block has pixels.
-    fn samples_of(&self, photo: &Photo, pixel_width: f64, part: f64) -> EdgeSamples {
+    fn samples_of(&self, photo: &Photo, pixel_width: f64, part: f64) -> Samples {
         let along = |x: usize, y: usize| {
             let offset = [x as f64 + 0.5 - self.point[0], y as f64 + 0.5 - self.point[1]];
             offset[1] * self.across[0] - offset[0] * self.across[1]
@@ -180,7 +184,7 @@ impl EdgeLine {
             };
             seen.iter().map(mean).collect()
         };
-        EdgeSamples {
+        Samples {
             places: seen.iter().map(|bin| (low + *bin as f64 + 0.5) * pixel_width).collect(),
             pixel_width,
             blocks: (0..BLOCKS).map(block).collect(),
@@ -250,6 +254,7 @@ mod tests {
             assert!((line.across[0] - 1.0).abs() < 1e-12, "{line:?}");
         }
         assert_eq!(EdgeLine::through(&photo, [3.0, 3.0, 3.0, 3.0]), None);
+        assert_eq!(EdgeLine::through(&photo, [90.0, 3.0, 91.0, 60.0]), None);
     }
 
     #[test]

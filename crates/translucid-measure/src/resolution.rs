@@ -1,8 +1,8 @@
 //! Samples that are as fine, and reach as far, as a fit needs.
 
-use crate::edge_fit::EdgeSamples;
+use crate::samples::Samples;
 
-impl EdgeSamples {
+impl Samples {
     /// Means over as many neighboring places as leave no more than `most`; a rest at the far end is left out.
     pub fn coarse(&self, most: usize) -> Self {
         let together = self.places.len().div_ceil(most.max(1)).max(1);
@@ -45,10 +45,10 @@ mod tests {
     use super::*;
 
     /// Values that are their place, in two blocks, with the places from 40 to 44 missing.
-    fn samples() -> EdgeSamples {
+    fn samples() -> Samples {
         let places: Vec<f64> = (0..103).filter(|i| !(40..45).contains(i)).map(f64::from).collect();
         let block = |offset: f64| places.iter().map(|x| [x + offset, 2.0 * x, 1.0]).collect();
-        EdgeSamples { blocks: vec![block(0.0), block(1.0)], pixel_width: 1.0, places }
+        Samples { blocks: vec![block(0.0), block(1.0)], pixel_width: 1.0, places }
     }
 
     #[test]

@@ -28,7 +28,7 @@ use crate::{interrupt, machine, messages};
 pub(super) struct SceneArguments {
     /// Scene file of what the photograph shows: shape, camera and lights are known, --fit is not
     #[arg(long, value_name = "SCENE", requires = "fit", conflicts_with_all = ["mm_per_pixel", "white", "surface_albedo",
-        "edge", "configuration", "ruler", "card", "exposure", "dark", "page"])]
+        "edge", "configuration", "ruler", "card", "exposure", "dark", "page", "setup", "center", "white_photo", "incidence", "thickness"])]
     pub(super) scene: Option<PathBuf>,
     /// Parameters to find: material.surface_albedo, material.mfp, material.g, light.radiance
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "scene")]

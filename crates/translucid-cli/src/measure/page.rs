@@ -4,9 +4,9 @@ use std::path::Path;
 
 use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
-use translucid_measure::{EdgeFit, EdgeLine, EdgeSamples, Photo};
+use translucid_measure::{Fit, Outline, Photo, Samples};
 
-use super::{CHANNELS, three_digits};
+use super::{CHANNELS, Trace, outline_name, three_digits};
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
 
@@ -26,9 +26,9 @@ pub(super) struct Shown<'a> {
     pub(super) photo: &'a Photo,
     pub(super) region: [usize; 4],
     /// In the region.
-    pub(super) line: &'a EdgeLine,
-    pub(super) samples: &'a EdgeSamples,
-    pub(super) fit: &'a EdgeFit,
+    pub(super) trace: &'a Trace,
+    pub(super) samples: &'a Samples,
+    pub(super) fit: &'a Fit,
     pub(super) limits: &'a [String],
 }
 
@@ -55,9 +55,13 @@ fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedF
     let mut limits = Section::new("What limits the accuracy");
     limits.blocks.extend(shown.limits.iter().cloned().map(Block::Text));
     let noise = format!(
-        "What the fit leaves over is {:.2} times the noise, which the differences of 24 blocks along the edge tell. \
+        "What the fit leaves over is {:.2} times the noise, which the differences of {} tell. \
          The camera's blur is {} mm.",
         shown.fit.misfit.sqrt(),
+        match shown.fit.outline {
+            Outline::Edge { .. } => "24 blocks along the edge",
+            Outline::Spot { .. } => "12 sectors around the spot",
+        },
         three_digits(shown.fit.blur)
     );
     limits.blocks.push(Block::Text(noise));
@@ -65,7 +69,7 @@ fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedF
     let page = Page {
         title: format!("{TITLE}: {}", photo.file_name().unwrap_or_default().to_string_lossy()),
         introduction: vec![String::from(
-            "Light across an edge of light, the half space that explains it, and what remains between the two.",
+            "Light of the photograph, the piece that explains it, and what remains between the two.",
         )],
         sections: vec![
             section("Material", vec![Block::Table(table)]),
@@ -87,15 +91,30 @@ fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedF
 }
 
 fn points(shown: &Shown<'_>, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
-    let place = |(i, x): (usize, &f64)| [x - shown.fit.position, value(i)];
+    let origin = match shown.fit.outline {
+        Outline::Edge { position, .. } => position,
+        Outline::Spot { .. } => 0.0,
+    };
+    let place = |(i, x): (usize, &f64)| [x - origin, value(i)];
     shown.samples.places.iter().enumerate().map(place).collect()
+}
+
+fn distance(shown: &Shown<'_>) -> Axis {
+    match shown.fit.outline {
+        Outline::Edge { .. } => Axis::linear("distance from the edge", "mm"),
+        Outline::Spot { .. } => Axis::linear("distance from the middle", "mm"),
+    }
 }
 
 fn light(shown: &Shown<'_>) -> Chart {
     let means = shown.samples.means();
-    let axes = [Axis::linear("distance from the edge", "mm"), Axis::linear("light", "")];
+    let axes = [distance(shown), Axis::linear("light", "")];
     let [x, y] = axes;
-    let mut chart = Chart::new("fit", "Light across the edge", x, y)
+    let title = match shown.fit.outline {
+        Outline::Edge { .. } => "Light across the edge",
+        Outline::Spot { .. } => "Light around the spot",
+    };
+    let mut chart = Chart::new("fit", title, x, y)
         .with_caption("Points: the photograph. Lines: the half space that explains it best.");
     for (c, name) in CHANNELS.iter().enumerate() {
         let seen = points(shown, |i| means[i][c]);
@@ -108,7 +127,7 @@ fn light(shown: &Shown<'_>) -> Chart {
 
 fn residuals(shown: &Shown<'_>) -> Chart {
     let means = shown.samples.means();
-    let axes = [Axis::linear("distance from the edge", "mm"), Axis::linear("photograph less fit", "%")];
+    let axes = [distance(shown), Axis::linear("photograph less fit", "%")];
     let [x, y] = axes;
     let mut chart = Chart::new("residuals", "What the fit leaves over", x, y).with_caption(
         "In percent of the brightest light of the fit. Where the model is right there is noise only.",
@@ -123,7 +142,7 @@ fn residuals(shown: &Shown<'_>) -> Chart {
 
 /// The photograph, dark but for the region, with the edge as a line.
 fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
-    let Shown { photo, region: [x0, y0, x1, y1], line, .. } = shown;
+    let Shown { photo, region: [x0, y0, x1, y1], trace, .. } = shown;
     let step = photo.width.max(photo.height).div_ceil(WIDEST).max(1);
     let size = [photo.width.div_ceil(step), photo.height.div_ceil(step)];
     let lit = shown.fit.light.iter().flatten().copied().fold(f64::MIN_POSITIVE, f64::max) as f32;
@@ -131,10 +150,7 @@ fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
     for i in 0..size[0] * size[1] {
         let (x, y) = (step * (i % size[0]), step * (i / size[0]));
         let is_inside = (*x0..*x1).contains(&x) && (*y0..*y1).contains(&y);
-        let offset =
-            [x as f64 + 0.5 - *x0 as f64 - line.point[0], y as f64 + 0.5 - *y0 as f64 - line.point[1]];
-        let distance = (offset[0] * line.across[0] + offset[1] * line.across[1]).abs();
-        if is_inside && distance <= 0.75 * step as f64 {
+        if is_inside && trace.distance(x - x0, y - y0) <= 0.75 * step as f64 {
             codes.extend([255, 60, 40]);
             continue;
         }
@@ -144,8 +160,14 @@ fn plate(shown: &Shown<'_>) -> std::io::Result<Plate> {
     }
     Ok(Plate {
         file: String::from(PICTURE),
-        alternative: String::from("The photograph with the region that was measured and the edge in it"),
-        caption: String::from("The region that was measured, the rest darkened, and the edge in red."),
+        alternative: format!(
+            "The photograph with the region that was measured and the {} in it",
+            outline_name(shown.fit)
+        ),
+        caption: format!(
+            "The region that was measured, the rest darkened, and the {} in red.",
+            outline_name(shown.fit)
+        ),
         size,
         png: CodedPicture::rgb(size, &codes).encode()?,
     })

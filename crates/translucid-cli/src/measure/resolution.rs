@@ -1,6 +1,6 @@
 //! How finely the light across an edge is fitted: a photograph of many pixels has more than its light needs.
 
-use translucid_measure::{EdgeFit, EdgeSamples};
+use translucid_measure::{Fit, Outline, Samples};
 
 use super::three_digits;
 use crate::messages;
@@ -16,10 +16,7 @@ const REACH: f64 = 30.0;
 
 /// Fits samples in steps that are fine beside the shortest mean free path: those of all, and where these are too coarse,
 /// those of a part around the edge. Says so, and returns the samples that were fitted.
-pub(super) fn fit(
-    samples: EdgeSamples,
-    fit: impl Fn(&EdgeSamples) -> Option<EdgeFit>,
-) -> Option<(EdgeSamples, EdgeFit)> {
+pub(super) fn fit(samples: Samples, fit: impl Fn(&Samples) -> Option<Fit>) -> Option<(Samples, Fit)> {
     let (pixel, all) = (samples.pixel_width, samples.places.len());
     let mut around = samples;
     loop {
@@ -32,7 +29,11 @@ pub(super) fn fit(
         let [shortest, longest] =
             [mfps.iter().copied().fold(f64::MAX, f64::min), mfps.iter().copied().fold(0.0, f64::max)];
         if coarse.pixel_width > pixel && shortest < FINE * coarse.pixel_width {
-            let near = around.within(found.position, REACH * longest.max(2.0 * coarse.pixel_width));
+            let middle = match found.outline {
+                Outline::Edge { position, .. } => position,
+                Outline::Spot { .. } => 0.0,
+            };
+            let near = around.within(middle, REACH * longest.max(2.0 * coarse.pixel_width));
             if near.places.len() < around.places.len() * 4 / 5 {
                 around = near;
                 continue;

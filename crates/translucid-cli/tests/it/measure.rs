@@ -6,7 +6,8 @@ use std::path::Path;
 use crate::common::{files, run, stderr, stdout};
 use crate::markdown::{Page, root};
 use translucid_reference::Incidence;
-use translucid_reference::exact::HalfSpace;
+use translucid_reference::exact::{HalfSpace, single_scattering_albedo};
+use translucid_reference::walk::{Control, Layout, Parameters, Problem, Side, WhiteTable};
 use translucid_testing::SplitMix;
 
 const ALBEDOS: [f64; 3] = [0.85, 0.6, 0.35];
@@ -27,7 +28,11 @@ impl Edge {
     const STEP: f64 = 0.05;
 
     pub(crate) fn new(surface_albedo: f64) -> Self {
-        let half_space = HalfSpace::from_surface_albedo(surface_albedo, Incidence::Cosine).unwrap();
+        Self::of(&HalfSpace::from_surface_albedo(surface_albedo, Incidence::Cosine).unwrap())
+    }
+
+    fn of(half_space: &HalfSpace) -> Self {
+        let surface_albedo = half_space.total().value;
         let n = 200;
         let beyond = |x: f64| {
             let outside = |i: i32| match i {
@@ -83,29 +88,49 @@ pub(crate) fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
     exr::prelude::write_rgb_file(path, width, height, pixel).unwrap();
 }
 
-/// The OpenEXR file as a PNG of sRGB codes, of 16 bits or 8.
-pub(crate) fn save_as_png(exr: &Path, png: &Path, depth: png::BitDepth) {
+/// Size and sRGB codes in \[0, 1\] of a linear OpenEXR file.
+fn codes(exr: &Path) -> ([u32; 2], Vec<f32>) {
     let image =
         translucid_scene::load_image(exr, translucid_scene::ColorSpace::Linear, &mut Vec::new()).unwrap();
     let encode = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
-    let mut codes = Vec::new();
-    for i in 0..image.width * image.height {
-        for value in &image.texel(i % image.width, i / image.width)[..3] {
-            let code = encode(value.clamp(0.0, 1.0));
-            match depth {
-                png::BitDepth::Sixteen => codes.extend(((65535.0 * code).round() as u16).to_be_bytes()),
-                _ => codes.push((255.0 * code).round() as u8),
-            }
-        }
-    }
-    let mut encoder = png::Encoder::new(std::fs::File::create(png).unwrap(), image.width, image.height);
-    encoder.set_color(png::ColorType::Rgb);
-    encoder.set_depth(depth);
-    encoder.write_header().unwrap().write_image_data(&codes).unwrap();
+    let texel = |i: u32| image.texel(i % image.width, i / image.width);
+    let pixel = |i: u32| texel(i).into_iter().take(3).map(|value| encode(value.clamp(0.0, 1.0)));
+    ([image.width, image.height], (0..image.width * image.height).flat_map(pixel).collect())
 }
 
+fn save_as_tiff(exr: &Path, path: &Path) {
+    let ([width, height], codes) = codes(exr);
+    let codes: Vec<u16> = codes.iter().map(|code| (65535.0 * code).round() as u16).collect();
+    let mut encoder = tiff::encoder::TiffEncoder::new(std::fs::File::create(path).unwrap()).unwrap();
+    encoder.write_image::<tiff::encoder::colortype::RGB16>(width, height, &codes).unwrap();
+}
+
+fn save_as_jpeg(exr: &Path, path: &Path) {
+    let ([width, height], codes) = codes(exr);
+    let codes: Vec<u8> = codes.iter().map(|code| (255.0 * code).round() as u8).collect();
+    let encoder = jpeg_encoder::Encoder::new_file(path, 92).unwrap();
+    encoder.encode(&codes, width as u16, height as u16, jpeg_encoder::ColorType::Rgb).unwrap();
+}
+
+/// The OpenEXR file as a PNG of sRGB codes, of 16 bits or 8.
+pub(crate) fn save_as_png(exr: &Path, png: &Path, depth: png::BitDepth) {
+    let ([width, height], all) = codes(exr);
+    let mut bytes = Vec::new();
+    for code in all {
+        match depth {
+            png::BitDepth::Sixteen => bytes.extend(((65535.0 * code).round() as u16).to_be_bytes()),
+            _ => bytes.push((255.0 * code).round() as u8),
+        }
+    }
+    let mut encoder = png::Encoder::new(std::fs::File::create(png).unwrap(), width, height);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(depth);
+    encoder.write_header().unwrap().write_image_data(&bytes).unwrap();
+}
+
+/// PNG, TIFF and JPEG.
 #[test]
-fn png_gives_what_linear_files_give() {
+fn coded_files_give_what_linear_ones_give() {
     let directory = tempfile::tempdir().unwrap();
     let path = |name: &str| directory.path().join(name);
     // Stray light far above the noise, as a PNG cuts off what is negative
@@ -113,16 +138,235 @@ fn png_gives_what_linear_files_give() {
     save(&path("edge.exr"), |x, _, c| 0.02 + 0.5 * ALBEDOS[c] * edges[c].at(x / MFPS[c]));
     save_as_png(&path("edge.exr"), &path("fine.png"), png::BitDepth::Sixteen);
     save_as_png(&path("edge.exr"), &path("coarse.png"), png::BitDepth::Eight);
+    save_as_tiff(&path("edge.exr"), &path("fine.tif"));
+    save_as_jpeg(&path("edge.exr"), &path("camera.jpg"));
     let words = |name: &str| format!("{} --white 2,2,18,8 --format csv", WORDS.replace("edge.exr", name));
     let linear = rows(&stdout(directory.path(), &words("edge.exr")));
     // Codes of 8 bits are rounded by some 0.3 % of the light, of which a pixel's noise here is thrice as much
-    for (name, part, warns) in [("fine.png", 0.001, false), ("coarse.png", 0.03, true)] {
+    // A JPEG's blocks lose some of the noise, too
+    for (name, part, warns) in [
+        ("fine.png", 0.001, false),
+        ("fine.tif", 0.001, false),
+        ("coarse.png", 0.03, true),
+        ("camera.jpg", 0.05, true),
+    ] {
         let output = run(directory.path(), &words(name));
         assert_eq!(stderr(&output).contains("8-bit values are taken as sRGB"), warns, "{}", stderr(&output));
         let found = rows(&String::from_utf8(output.stdout).unwrap());
         for ((channel, quantity, [value, _, _]), (_, _, [expected, _, _])) in found.iter().zip(&linear) {
             assert!((value / expected - 1.0).abs() < part, "{name} {channel} {quantity}: {value} {expected}");
         }
+    }
+}
+
+/// Highlights that a JPEG has clipped: few of them are told, many are refused.
+#[test]
+fn clipped_jpeg_is_told() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let edge = Edge::new(0.6);
+    for (size, code, says) in [(1.0, 0, "warning"), (3.0, 2, "error")] {
+        // A bright square on the lit side
+        let light = |x: f64, y: f64| {
+            0.02 + 0.3 * edge.at(x / 0.6) + f64::from(x > 4.0 && x < 4.0 + size && y.abs() < 0.5 * size)
+        };
+        save(&path("edge.exr"), |x, y, _| light(x, y));
+        save_as_jpeg(&path("edge.exr"), &path("camera.jpg"));
+        let words = WORDS.replace("edge.exr", "camera.jpg");
+        let output = run(directory.path(), &format!("{words} --surface-albedo 0.6"));
+        assert_eq!(output.status.code(), Some(code), "{}", stderr(&output));
+        let is_told = |line: &str| {
+            line.contains(says) && line.contains("at the end of their range, where light is lost")
+        };
+        assert!(stderr(&output).lines().any(is_told), "{}", stderr(&output));
+        assert!(stderr(&output).contains("8-bit values are taken as sRGB"), "{}", stderr(&output));
+    }
+}
+
+/// Below a smooth boundary of η = 1.4 the exact half space is another one, and A that of the light that enters.
+#[test]
+fn edge_below_a_boundary_gives_back_its_material() {
+    let directory = tempfile::tempdir().unwrap();
+    let half_space = HalfSpace::with_boundary(0.97, 1.4, Incidence::Cosine).unwrap();
+    let (truth, edge) = (half_space.total().value, Edge::of(&half_space));
+    let entering = 1.0 - translucid_reference::specular_reflectance(Incidence::Cosine, 1.4);
+    save(&directory.path().join("edge.exr"), |x, _, _| 0.5 * entering * truth * edge.at(x / 0.7));
+    let words = format!("{WORDS} --white 2,2,18,8 --format csv");
+    let found = rows(&stdout(directory.path(), &format!("{words} --eta 1.4")));
+    for (channel, quantity, [value, low, high]) in &found {
+        let truth = if quantity == "mfp" { 0.7 } else { truth };
+        let half = 0.5 * (high - low);
+        assert!((value - truth).abs() < 2.0 * half, "{channel} {quantity}: {value} is not {truth} ± {half}");
+        assert!(half < 0.15 * truth, "{channel} {quantity}: {low} to {high}");
+    }
+    // Taken for a matt piece it is another material
+    let matt = rows(&stdout(directory.path(), &words));
+    assert!(matt.iter().zip(&found).all(|((.., [a, ..]), (.., [b, ..]))| (a / b - 1.0).abs() > 0.05));
+}
+
+/// A spot of 0.9 mm radius around (70.4, 43.1) by rings of the exact profile in space, and the light of the spot itself.
+struct Spot {
+    /// At distances 0, h, 2h, … \[mm\], over the light on the disk.
+    light: Vec<f64>,
+}
+
+impl Spot {
+    const RADIUS: f64 = 0.9;
+    const STEP: f64 = 0.05;
+
+    fn new(surface_albedo: f64, mfp: f64) -> Self {
+        let half_space = HalfSpace::from_surface_albedo(surface_albedo, Incidence::Cosine).unwrap();
+        let n = 400;
+        let edge = |i: i32| 10.0 * (f64::from(i) / f64::from(n)).powi(2);
+        let enclosed = |i: i32| if i == 0 { 0.0 } else { half_space.enclosed(edge(i) / mfp).value };
+        let rings: Vec<f64> = (0..n).map(|i| enclosed(i + 1) - enclosed(i)).collect();
+        let light = |r: f64| {
+            // Part of a ring around the place that is in the disk, times what comes from that far
+            let ring = |i: i32| {
+                let s = 0.5 * (edge(i) + edge(i + 1));
+                let cos = (r * r + s * s - Self::RADIUS * Self::RADIUS) / (2.0 * r * s);
+                cos.clamp(-1.0, 1.0).acos() / PI * rings[i as usize]
+            };
+            (0..n).map(ring).sum::<f64>()
+        };
+        Self { light: (0..180).map(|i| light(Self::STEP * f64::from(i).max(0.01))).collect() }
+    }
+
+    fn at(&self, r: f64) -> f64 {
+        let place = (r / Self::STEP).min(178.0);
+        let (i, t) = (place as usize, place.fract());
+        self.light[i] + t * (self.light[i + 1] - self.light[i])
+    }
+
+    /// A linear OpenEXR file of values by the distance from the middle \[mm\] and channel: means over pixels, with noise.
+    fn save(path: &Path, light: impl Fn(f64, usize) -> f64) {
+        let mut random = SplitMix(5);
+        let [width, height] = SIZE;
+        let pixels: Vec<[f32; 3]> = (0..width * height)
+            .map(|i| {
+                std::array::from_fn(|c| {
+                    let value = |j: usize| {
+                        let part = |k: usize| (k as f64 + 0.5) / 4.0;
+                        let x = (i % width) as f64 + part(j % 4) - 70.4;
+                        let y = (i / width) as f64 + part(j / 4) - 43.1;
+                        light(PIXEL * x.hypot(y), c)
+                    };
+                    let mean = (0..16).map(value).sum::<f64>() / 16.0;
+                    (mean + 0.003 * normal(&mut random)) as f32
+                })
+            })
+            .collect();
+        let pixel = |x: usize, y: usize| pixels[y * width + x].into();
+        exr::prelude::write_rgb_file(path, width, height, pixel).unwrap();
+    }
+}
+
+/// One picture of a fixed seed: its six intervals of 99.9 %, twice as wide as those of 95 %, hold the truth.
+#[test]
+fn spot_gives_back_its_material() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let spots = [0, 1, 2].map(|c| Spot::new(ALBEDOS[c], MFPS[c]));
+    Spot::save(&path("spot.exr"), |r, c| 0.02 + 0.8 * spots[c].at(r));
+    Spot::save(&path("paper.exr"), |r, _| 0.02 + 0.8 * 0.9 * f64::from(r < Spot::RADIUS));
+    let words = "measure spot.exr --setup spot --mm-per-pixel 0.1";
+    let power = "--white-photo paper.exr --format csv";
+    let output = run(directory.path(), &format!("{words} {power} --page page"));
+    assert!(stderr(&output).contains("spot around (70."), "{}", stderr(&output));
+    let found = rows(&String::from_utf8(output.stdout).unwrap());
+    assert_eq!(found.len(), 6);
+    let holds = |found: &[(String, String, [f64; 3])]| {
+        for (channel, quantity, [value, low, high]) in found {
+            let c = ["red", "green", "blue"].iter().position(|name| name == channel).unwrap();
+            let truth = if quantity == "mfp" { MFPS[c] } else { ALBEDOS[c] };
+            let half = 0.5 * (high - low);
+            assert!(
+                (value - truth).abs() < 2.0 * half,
+                "{channel} {quantity}: {value} is not {truth} ± {half}"
+            );
+            assert!(half < 0.15 * truth, "{channel} {quantity}: {low} to {high}");
+        }
+    };
+    holds(&found);
+    let page = std::fs::read_to_string(path("page/index.html")).unwrap();
+    assert!(page.contains("12 sectors around the spot") && page.contains("Light around the spot"));
+
+    // A middle that is given, and a core that is clipped
+    holds(&rows(&stdout(directory.path(), &format!("{words} {power} --center 70.4,43.1"))));
+    Spot::save(&path("spot.exr"), |r, c| (4.0 * (0.02 + 0.8 * spots[c].at(r))).min(1.0));
+    save_as_png(&path("spot.exr"), &path("spot.png"), png::BitDepth::Sixteen);
+    let clipped = words.replace("spot.exr", "spot.png");
+    let output = run(directory.path(), &format!("{clipped} --surface-albedo 0.85,0.6,0.35 --format csv"));
+    assert!(
+        stderr(&output).contains("pixels from the middle of the spot: that core is left out"),
+        "{}",
+        stderr(&output)
+    );
+    let found = rows(&String::from_utf8(output.stdout).unwrap());
+    assert_eq!(found.len(), 3);
+    for ((_, _, [value, ..]), truth) in found.iter().zip(MFPS) {
+        assert!((value / truth - 1.0).abs() < 0.3, "{value} {truth}");
+    }
+}
+
+/// A slab of 1.2 mm on a panel of light, half covered, by photons: one picture of a fixed seed, whose intervals of 99.9 % hold
+/// the truth. The walk's own noise is a tenth of the picture's.
+#[test]
+fn slab_gives_back_its_material() {
+    let (surface_albedo, mfp, thickness) = (0.8, 0.6, 1.2);
+    let alpha = single_scattering_albedo(surface_albedo, 1.0, Incidence::Cosine).unwrap();
+    let parameters =
+        Parameters { thickness: thickness / mfp, incidence: Incidence::Cosine, ..Parameters::default() };
+    let radii: Vec<f64> = (1..=300).map(|i| 0.05 * f64::from(i)).collect();
+    let layout = Layout::new(&radii, 1).unwrap();
+    let mut table = WhiteTable::new(Problem::new(parameters).unwrap(), layout, 0.995).unwrap();
+    table.run(11, 1_000_000, &Control::default()).unwrap();
+    let walk = table.at_albedo(alpha).unwrap();
+    let rings: Vec<f64> = (0..300).map(|i| walk.ring(Side::Transmitted, i).value).collect();
+    // The part of each ring beyond a line
+    let beyond = |x: f64| {
+        let part = |i: usize| rings[i] * (x / (radii[i] - 0.025)).clamp(-1.0, 1.0).acos() / PI;
+        (0..300).map(part).sum::<f64>()
+    };
+    let directory = tempfile::tempdir().unwrap();
+    // The panel is where the white card is, and shows 0.45
+    save(&directory.path().join("edge.exr"), |x, _, _| 0.45 * beyond(-x / mfp));
+    let slab = format!("--setup slab --thickness {thickness} --format csv");
+    let check = |words: &str, count: usize| {
+        let found = rows(&stdout(directory.path(), words));
+        assert_eq!(found.len(), count);
+        for (channel, quantity, [value, low, high]) in &found {
+            let truth = if quantity == "mfp" { mfp } else { surface_albedo };
+            let half = 0.5 * (high - low);
+            assert!(
+                (value - truth).abs() < 2.0 * half,
+                "{channel} {quantity}: {value} is not {truth} ± {half}"
+            );
+            // Brightness and shape say nearly the same of both: one tells the other, and both are known badly
+            assert!(count == 6 || half < 0.3 * truth, "{channel} {quantity}: {low} to {high}");
+        }
+    };
+    check(&format!("{WORDS} --white 2,2,18,8 {slab}"), 6);
+    check(&format!("{WORDS} --surface-albedo {surface_albedo} {slab}"), 3);
+}
+
+/// A photograph of white paper in place of the piece takes dark corners and uneven light out.
+#[test]
+fn white_photo_makes_light_even() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = |name: &str| directory.path().join(name);
+    let edges = ALBEDOS.map(Edge::new);
+    let uneven = |x: f64, y: f64| 0.5 * (1.0 + 0.04 * x) * (1.0 - 0.004 * (x * x + y * y));
+    save(&path("edge.exr"), |x, y, c| uneven(x, y) * ALBEDOS[c] * edges[c].at(x / MFPS[c]));
+    save(&path("paper.exr"), |x, y, _| 0.9 * uneven(x, y));
+    let words = format!("{WORDS} --white-photo paper.exr --format csv");
+    for (channel, quantity, [value, low, high]) in rows(&stdout(directory.path(), &words)) {
+        let c = ["red", "green", "blue"].iter().position(|name| *name == channel).unwrap();
+        let truth = if quantity == "mfp" { MFPS[c] } else { ALBEDOS[c] };
+        assert!(
+            (value - truth).abs() < high - low,
+            "{channel} {quantity}: {value} is not {truth}, {low} to {high}"
+        );
     }
 }
 
@@ -242,6 +486,13 @@ fn wrong_input_is_told_what_is_allowed() {
             }
     });
     std::fs::write(directory.path().join("text.png"), "no picture").unwrap();
+    let round = |x: usize, y: usize, [cx, cy]: [f32; 2]| {
+        0.02 + 0.9 * (-((x as f32 - cx).hypot(y as f32 - cy) / 6.0).powi(2)).exp()
+    };
+    save("two.exr", &|x, y| round(x, y, [15.0, 30.0]) + 0.8 * round(x, y, [45.0, 30.0]));
+    save("rim.exr", &|x, y| round(x, y, [1.0, 30.0]));
+    save("round.exr", &|x, y| round(x, y, [30.0, 30.0]));
+    save("saturated.exr", &|x, y| (300.0 * round(x, y, [30.0, 30.0])).min(1.0));
     for (words, says) in [
         ("even.exr --mm-per-pixel 0.1", "no edge of light"),
         ("black.exr --mm-per-pixel 0.1", "no edge of light"),
@@ -264,6 +515,30 @@ fn wrong_input_is_told_what_is_allowed() {
         ("black.exr --mm-per-pixel 0.1 --white 0,0,9,9", "--white: red is 0 there"),
         ("small.exr --mm-per-pixel 0.1 --surface-albedo 0.5,0.4", "one or three"),
         ("small.exr --mm-per-pixel 0.1 --edge 5,5,5,5", "both points are the same"),
+        ("small.exr --mm-per-pixel 0.1 --edge 90,5,91,50", "the line misses the region"),
+        ("small.exr --mm-per-pixel 0.1 --region 32,0,60,60", "no edge of light"),
+        ("even.exr --setup spot --mm-per-pixel 0.1", "no spot of light"),
+        ("two.exr --setup spot --mm-per-pixel 0.1", "2 spots of light of similar size"),
+        ("rim.exr --setup spot --mm-per-pixel 0.1", "goes on beyond the picture"),
+        ("small.exr --setup spot --mm-per-pixel 0.1", "goes on beyond the picture"),
+        ("saturated.exr --setup spot --mm-per-pixel 0.1 --center 30,30", "the spot is saturated"),
+        ("round.exr --setup spot --mm-per-pixel 0.1 --center 70,30", "--center: 70,30 is not in the region"),
+        ("round.exr --setup spot --mm-per-pixel 0.1 --center 30", "a point is X,Y"),
+        ("round.exr --setup spot --mm-per-pixel 0.1 --edge 5,5,9,9", "--edge is for --setup edge and slab"),
+        ("round.exr --setup spot --mm-per-pixel 0.1 --white 5,5,9,9", "--white-photo"),
+        ("round.exr --mm-per-pixel 0.1 --center 30,30", "--center is for --setup spot"),
+        ("round.exr --setup spot --mm-per-pixel 0.1 --incidence 30", "round only for 0"),
+        ("small.exr --mm-per-pixel 0.1 --thickness 3", "--thickness is for --setup slab"),
+        ("small.exr --setup slab --mm-per-pixel 0.1", "--thickness"),
+        ("small.exr --setup slab --thickness 3 --mm-per-pixel 0.1 --eta 1.4", "--setup slab is for --eta 1"),
+        (
+            "small.exr --setup slab --thickness 3 --mm-per-pixel 0.1 --card hidden",
+            "--card is for --setup edge",
+        ),
+        ("small.exr --mm-per-pixel 0.1 --incidence 30 --eta 1.4", "--incidence is for --eta 1"),
+        ("small.exr --mm-per-pixel 0.1 --incidence 90", "(-90, 90)"),
+        ("small.exr --mm-per-pixel 0.1 --white-photo black.exr", "--white-photo: red is 0 there"),
+        ("small.exr --mm-per-pixel 0.1 --white-photo saturated.exr", "at the end of their range"),
         ("small.exr --mm-per-pixel 0.1 --dark small.png", "cannot be read"),
         ("text.png --mm-per-pixel 0.1", "not an image of a known format"),
         ("nothing.png --mm-per-pixel 0.1", "cannot be read"),
@@ -312,6 +587,12 @@ fn what_limits_a_measurement_is_said() {
     let diffusion = |x: f64| 0.45 * if x < 0.0 { beyond(-x) } else { 1.0 - beyond(x) };
     let rival = says("normalized diffusion", "", &|x, _| diffusion(x));
     assert!(rival.contains("normalized diffusion, no solution"), "{rival}");
+    // A layer above another: a narrow peak of light on a wide glow
+    let layers = says("layers", "", &|x, _| 0.5 * edge(4.0 * x) + 0.5 * edge(0.3 * x));
+    assert!(
+        layers.contains("no solution of the equation of transfer") || layers.contains(not_a_half_space),
+        "{layers}"
+    );
 
     let tilted = says("tilted", "", &|x, _| edge(x) * (1.0 + 0.08 * x));
     assert!(tilted.contains("is the piece tilted"), "{tilted}");

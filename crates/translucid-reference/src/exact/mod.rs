@@ -45,12 +45,14 @@ mod macdonald;
 mod matched;
 mod oblique;
 mod oblique_single_scattering;
+mod seen_from_above;
 mod single_scattering;
 
 pub use albedo::single_scattering_albedo;
 pub use half_space::HalfSpace;
 pub use half_space_profile::HalfSpaceProfile;
 pub use oblique::ObliqueHalfSpace;
+pub use seen_from_above::SeenFromAbove;
 pub use single_scattering::SingleScattering;
 
 /// A radius as the formulas need it: at least the least normal number; NaN counts as 0.

@@ -25,7 +25,7 @@ impl ImageBytes<'_> {
         } else {
             "is not an image of a known format"
         };
-        self.error(message).with_help("PNG, JPEG, OpenEXR and Radiance HDR can be read")
+        self.error(message).with_help("PNG, JPEG, TIFF, OpenEXR and Radiance HDR can be read")
     }
 
     /// Number of pixels, refused before anything of that size is allocated.

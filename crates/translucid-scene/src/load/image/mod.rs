@@ -5,6 +5,7 @@ mod file_bytes;
 mod jpeg;
 mod png;
 mod radiance;
+mod tiff;
 
 use std::path::Path;
 
@@ -13,7 +14,7 @@ use crate::{ColorSpace, Image, Pixels, Place, SceneError, Warning};
 pub use exr::ExrChannels;
 use file_bytes::ImageBytes;
 
-/// Loads an image file: PNG, JPEG, OpenEXR or Radiance HDR, whatever its name ends in.
+/// Loads an image file: PNG, JPEG, TIFF, OpenEXR or Radiance HDR, whatever its name ends in.
 ///
 /// `color_space` says how to read integer files; float files are linear.
 /// Color profiles, gamma chunks and orientation tags in the file are ignored.
@@ -53,6 +54,7 @@ pub fn decode_image(
         [0x89, b'P', b'N', b'G', ..] => png::decode(&source, color_space)?,
         [0xff, 0xd8, 0xff, ..] => jpeg::decode(&source, warnings)?,
         [0x76, 0x2f, 0x31, 0x01, ..] => exr::decode(&source)?,
+        [b'I', b'I', 42, 0, ..] | [b'M', b'M', 0, 42, ..] => tiff::decode(&source, color_space)?,
         [b'#', b'?', ..] => radiance::decode(&source)?,
         _ => return Err(source.unknown_format()),
     };
@@ -104,7 +106,7 @@ mod tests {
         for (bytes, part) in [
             (&b""[..], "is empty"),
             (b"\x89PN", "not an image of a known format"),
-            (b"GIF89a", "PNG, JPEG, OpenEXR and Radiance HDR can be read"),
+            (b"GIF89a", "PNG, JPEG, TIFF, OpenEXR and Radiance HDR can be read"),
         ] {
             let message = decoded(bytes).unwrap_err().to_string();
             assert!(message.starts_with("a.png: ") && message.contains(part), "{message}");
@@ -120,7 +122,7 @@ mod tests {
             include_bytes!("../../../tests/data/progressive.jpg"),
             include_bytes!("../../../tests/data/cmyk.jpg"),
         ];
-        let others = [png::example(), exr::example(), radiance::example()];
+        let others = [png::example(), exr::example(), radiance::example(), tiff::example()];
         for file in jpegs.map(<[u8]>::to_vec).into_iter().chain(others) {
             assert!(decoded(&file).is_ok());
             for mutant in mutants(&file, 2_000) {

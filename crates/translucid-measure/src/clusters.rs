@@ -1,0 +1,185 @@
+//! Least squares of means whose noise the differences of blocks tell.
+//!
+//! Neighboring pixels are not independent, and the noise of a photograph is not known.
+//! So the picture is cut into blocks, whose differences tell how far to trust their mean: covariances are those of clusters
+//! [K.-Y. Liang and S. L. Zeger, *Longitudinal Data Analysis Using Generalized Linear Models*, 1986].
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::fit::Interval;
+use crate::least_squares::minimize;
+use crate::samples::Samples;
+
+/// Fewest blocks whose differences tell anything.
+const FEWEST_BLOCKS: usize = 6;
+
+/// Fewest places.
+const FEWEST_PLACES: usize = 16;
+
+/// Means of blocks, and how far they are to be trusted.
+pub(crate) struct Clusters<'a> {
+    samples: &'a Samples,
+    /// Channel by channel at each place.
+    pub(crate) means: Vec<f64>,
+    /// 1 over their standard errors, by a noise model of the values.
+    inverse_errors: Vec<f64>,
+}
+
+/// Parameters that explain the means.
+pub(crate) struct Found {
+    pub(crate) parameters: Vec<f64>,
+    covariance: DMatrix<f64>,
+    /// Degrees of freedom of the covariance.
+    degrees: f64,
+    /// Mean square of the means' residuals over their noise.
+    pub(crate) misfit: f64,
+}
+
+impl<'a> Clusters<'a> {
+    /// `None` where there are fewer than six blocks or 16 places, or numbers that are not finite. `counts` are the pixels of
+    /// a block at each place.
+    pub(crate) fn new(samples: &'a Samples, counts: impl Fn(usize) -> f64) -> Option<Self> {
+        let Samples { places, pixel_width, blocks } = samples;
+        let n = places.len();
+        let is_usable = blocks.len() >= FEWEST_BLOCKS
+            && n >= FEWEST_PLACES
+            && *pixel_width > 0.0
+            && places.iter().all(|x| x.is_finite())
+            && blocks.iter().all(|block| block.len() == n && block.iter().flatten().all(|v| v.is_finite()));
+        if !is_usable {
+            return None;
+        }
+        let count = blocks.len() as f64;
+        let of = |i: usize| blocks.iter().map(move |block| block[i / 3][i % 3]);
+        let means: Vec<f64> = (0..3 * n).map(|i| of(i).sum::<f64>() / count).collect();
+        let variance = |i: usize| {
+            let square = of(i).map(|v| (v - means[i]).powi(2)).sum::<f64>();
+            counts(i / 3) * square / (count - 1.0) / count
+        };
+        let variances: Vec<f64> = (0..3 * n).map(variance).collect();
+        let mut inverse_errors = noise_model(&means, &variances)?;
+        inverse_errors.iter_mut().enumerate().for_each(|(i, inverse)| *inverse *= counts(i / 3).sqrt());
+        Some(Self { samples, means, inverse_errors })
+    }
+
+    /// The best of fits from several starts, of light by parameters and channel.
+    pub(crate) fn fit(
+        &self,
+        light: impl Fn(&[f64], usize) -> Vec<f64>,
+        starts: &[Vec<f64>],
+        scales: &[f64],
+    ) -> Option<Found> {
+        let residuals = |p: &[f64]| {
+            let curves = [0, 1, 2].map(|c| light(p, c));
+            let residual = |i: usize| (self.means[i] - curves[i % 3][i / 3]) * self.inverse_errors[i];
+            (0..self.means.len()).map(residual).collect::<Vec<f64>>()
+        };
+        let square = |p: &[f64]| residuals(p).iter().map(|r| r * r).sum::<f64>();
+        let minima = starts.iter().map(|start| minimize(residuals, start, scales));
+        let minimum = minima.min_by(|a, b| square(&a.parameters).total_cmp(&square(&b.parameters)))?;
+        let covariance = self.covariance(&residuals, &minimum.parameters, &minimum.weights, scales)?;
+        let free = self.means.len() - minimum.parameters.len();
+        Some(Found {
+            misfit: square(&minimum.parameters) / free as f64,
+            parameters: minimum.parameters,
+            covariance,
+            degrees: (self.samples.blocks.len() - 1) as f64,
+        })
+    }
+
+    /// Covariance of the parameters by the scores of the blocks.
+    fn covariance(
+        &self,
+        residuals: &impl Fn(&[f64]) -> Vec<f64>,
+        p: &[f64],
+        weights: &[f64],
+        steps: &[f64],
+    ) -> Option<DMatrix<f64>> {
+        let column = |i: usize| {
+            let at = |sign: f64| {
+                let mut moved = p.to_vec();
+                moved[i] += sign * 1e-4 * steps[i];
+                residuals(&moved)
+            };
+            let slope = |(a, b): (&f64, &f64)| (a - b) / (2e-4 * steps[i]);
+            DVector::from_iterator(self.means.len(), at(1.0).iter().zip(&at(-1.0)).map(slope))
+        };
+        let jacobian = DMatrix::from_columns(&(0..p.len()).map(column).collect::<Vec<_>>());
+        let weighted =
+            DMatrix::from_fn(jacobian.nrows(), p.len(), |row, i| jacobian[(row, i)] * weights[row]);
+        // A picture without blur says nothing of it: only its size counts
+        let step = DMatrix::from_diagonal(&DVector::from_row_slice(steps));
+        let normal = &step * (jacobian.transpose() * &weighted) * &step;
+        let bread = &step * normal.clone().pseudo_inverse(1e-12 * normal.amax()).ok()? * &step;
+        let count = self.samples.blocks.len() as f64;
+        let mut meat = DMatrix::<f64>::zeros(p.len(), p.len());
+        for block in &self.samples.blocks {
+            // What a block alone would move: its difference from the mean
+            let difference =
+                |i: usize| (block[i / 3][i % 3] - self.means[i]) * self.inverse_errors[i] / count;
+            let difference = DVector::from_iterator(self.means.len(), (0..self.means.len()).map(difference));
+            let score = weighted.transpose() * difference;
+            meat += &score * score.transpose();
+        }
+        Some(&bread * meat * &bread * (count / (count - 1.0)))
+    }
+}
+
+impl Found {
+    /// Standard error of a parameter; one of 100 in a logarithm is one of nothing, too.
+    pub(crate) fn error(&self, i: usize) -> f64 {
+        self.covariance[(i, i)].max(0.0).sqrt().min(100.0)
+    }
+
+    /// A function of a parameter with its intervals.
+    pub(crate) fn interval(&self, i: usize, map: impl Fn(f64) -> f64) -> Interval {
+        let (value, error) = (self.parameters[i], self.error(i));
+        let around = |z: f64| {
+            let t = student(z, self.degrees);
+            [map(value - t * error), map(value + t * error)]
+        };
+        Interval { value: map(value), likely: around(0.994_457_883), sure: around(1.959_963_985) }
+    }
+
+    /// Correlation of the errors of two parameters; 0 where one is known exactly.
+    pub(crate) fn correlation(&self, i: usize, j: usize) -> f64 {
+        let product = self.error(i) * self.error(j);
+        if product > 0.0 { (self.covariance[(i, j)] / product).clamp(-1.0, 1.0) } else { 0.0 }
+    }
+}
+
+/// 1 over the standard errors of means, by a straight line through their variances: reading noise and that of photons.
+fn noise_model(means: &[f64], variances: &[f64]) -> Option<Vec<f64>> {
+    let n = means.len() as f64;
+    let (mean, variance) = (means.iter().sum::<f64>() / n, variances.iter().sum::<f64>() / n);
+    let spread: f64 = means.iter().map(|m| (m - mean).powi(2)).sum();
+    let joint: f64 = means.iter().zip(variances).map(|(m, v)| (m - mean) * (v - variance)).sum();
+    let slope = if spread > 0.0 { (joint / spread).max(0.0) } else { 0.0 };
+    let lowest = means.iter().copied().fold(f64::MAX, f64::min);
+    // Nothing is exact, and nothing far more so than all the rest
+    let least = (0.05 * variance).max(1e-12 * mean * mean);
+    let at = |m: f64| (variance + slope * (m - mean)).max(least).max(slope * (m - lowest) * 0.1);
+    (least > 0.0).then(|| means.iter().map(|m| 1.0 / at(*m).sqrt()).collect())
+}
+
+/// Quantile of Student's t where that of the normal distribution is z, for five degrees of freedom and more, to 0.5 %
+/// [E. A. Cornish and R. A. Fisher 1937].
+fn student(z: f64, degrees: f64) -> f64 {
+    let z2 = z * z;
+    let first = z * (z2 + 1.0) / 4.0;
+    let second = z * (5.0 * z2 * z2 + 16.0 * z2 + 3.0) / 96.0;
+    let third = z * (3.0 * z2.powi(3) + 19.0 * z2 * z2 + 17.0 * z2 - 15.0) / 384.0;
+    z + first / degrees + second / degrees.powi(2) + third / degrees.powi(3)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_those_of_tables() {
+        for (degrees, expected) in [(5.0, 2.5706), (10.0, 2.2281), (30.0, 2.0423)] {
+            assert!((student(1.959_963_985, degrees) / expected - 1.0).abs() < 5e-3, "{degrees}");
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! What a photograph tells of a material.
+
+/// What the values of a photograph are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Over those of a white card under the same light.
+    Reflectance,
+    /// Anything in proportion to it: surface albedos are given.
+    Relative([f64; 3]),
+}
+
+/// A value, and where the truth is with so much confidence.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interval {
+    /// The most likely value.
+    pub value: f64,
+    /// Of 68 %.
+    pub likely: [f64; 2],
+    /// Of 95 %.
+    pub sure: [f64; 2],
+}
+
+/// What is known of a channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ChannelFit {
+    /// Mean free path \[L\]; where [none is seen](Self::is_seen), without meaning.
+    pub mfp: Interval,
+    /// Whether light is seen to creep: else the light is as sharp as blur makes it, or brightens evenly across the picture.
+    pub is_seen: bool,
+    /// Surface albedo, where the values are reflectance.
+    pub surface_albedo: Option<Interval>,
+    /// Correlation of the two errors, where both are measured.
+    pub correlation: f64,
+    /// Stray light over the lit side's, or over the spot's middle; the card's own where it is visible.
+    pub stray: f64,
+    /// Uneven light: by how much it changes over the places, over its mean.
+    pub unevenness: f64,
+}
+
+/// What casts the light's shape.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Outline {
+    /// A card that ends at a place \[L\].
+    Edge {
+        /// What the dark side shows.
+        card: Card,
+        /// Where the card ends \[L\].
+        position: f64,
+    },
+    /// A spot of light.
+    Spot {
+        /// Radius of the evenly lit disk \[L\]; much less than the blur where the spot is a Gaussian.
+        radius: f64,
+    },
+}
+
+/// What hides the light from the dark side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Card {
+    /// Nothing that the camera sees: the dark side shows the piece, as in the shadow that a projector throws.
+    Hidden,
+    /// A card on the piece: the dark side shows the card.
+    Visible,
+}
+
+/// The fit of all channels.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Red, green and blue.
+    pub channels: [ChannelFit; 3],
+    /// The light's shape.
+    pub outline: Outline,
+    /// Standard deviation of the camera's blur \[L\], and of a spot's soft edge.
+    pub blur: f64,
+    /// Mean square of the means' residuals over what the blocks' differences lead to expect: 1 where the model is right.
+    pub misfit: f64,
+    /// The model's values, by place.
+    pub light: Vec<[f64; 3]>,
+}
