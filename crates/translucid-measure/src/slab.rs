@@ -49,8 +49,11 @@ pub(crate) struct Slab {
     thickness: f64,
     /// Whether all light that leaves counts, or that which leaves straight up.
     incidence: Incidence,
-    rows: Mutex<HashMap<(usize, usize), Arc<Vec<f64>>>>,
+    rows: Mutex<Rows>,
 }
+
+/// Solved slabs by row of the surface albedo and of the thickness.
+type Rows = HashMap<(usize, usize), Arc<Vec<f64>>>;
 
 /// One slab's logarithm of transmittance by wave number.
 #[derive(Clone, Debug)]
