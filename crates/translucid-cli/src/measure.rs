@@ -3,6 +3,7 @@
 mod known_shape;
 mod page;
 mod resolution;
+mod setup;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -319,7 +320,24 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
             fit: &fit,
             limits: &limits,
         };
-        page::write(directory, path, &shown, DataTable { rows: rows(&fit), ..table() })?;
+        let setup = match (fit.outline, trace) {
+            (Outline::Edge { card, position }, Trace::Line(line))
+                if arguments.setup == Setup::Edge && arguments.incidence.is_none() =>
+            {
+                Some(setup::Setup {
+                    line,
+                    card,
+                    position,
+                    mm_per_pixel,
+                    surface_albedos: surface_albedos(&fit, scale),
+                    configuration: arguments.configuration.into(),
+                    eta: arguments.eta,
+                    g: arguments.g,
+                })
+            }
+            _ => None,
+        };
+        page::write(directory, path, &shown, setup.as_ref(), DataTable { rows: rows(&fit), ..table() })?;
     }
     let text = match arguments.format {
         MeasureFormat::Text => paragraphs(&fit, &rival) + &conversion(&fit, scale),

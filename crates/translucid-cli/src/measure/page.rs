@@ -6,6 +6,7 @@ use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
 use translucid_measure::{Fit, Outline, Photo, Samples};
 
+use super::setup::{SCENE, Setup};
 use super::{CHANNELS, Trace, outline_name, three_digits};
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
@@ -37,6 +38,7 @@ pub(super) fn write(
     directory: &Path,
     photo: &Path,
     shown: &Shown<'_>,
+    setup: Option<&Setup>,
     table: DataTable,
 ) -> Result<(), Failure> {
     Directory::fill(directory, |directory| {
@@ -44,14 +46,27 @@ pub(super) fn write(
         if page.exists() && !is_own_page(&page, TITLE) {
             return Err(refusal(&page, "is there already, and translucid has not made it"));
         }
-        directory.write(&files(photo, shown, table)?)
+        directory.write(&files(photo, shown, setup, table)?)
     })
 }
 
-fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedFile>, Failure> {
+fn files(
+    photo: &Path,
+    shown: &Shown<'_>,
+    setup: Option<&Setup>,
+    table: DataTable,
+) -> Result<Vec<NamedFile>, Failure> {
     let drawing = |error: std::io::Error| Failure::work(format!("cannot draw a picture: {error}"));
     let plate = plate(shown).map_err(drawing)?;
     let mut files = vec![(String::from(PICTURE), plate.png.clone())];
+    let mut beside = Vec::new();
+    if let Some((setup, scene)) = setup.and_then(|setup| Some((setup, setup.scene(shown)?))) {
+        if let Some(plates) = setup.plates(&scene, shown)? {
+            files.extend(plates.each_ref().map(|plate| (plate.file.clone(), plate.png.clone())));
+            beside.push(Block::Plates(plates.into()));
+        }
+        files.push((String::from(SCENE), scene.into_bytes()));
+    }
     let mut limits = Section::new("What limits the accuracy");
     limits.blocks.extend(shown.limits.iter().cloned().map(Block::Text));
     let noise = format!(
@@ -74,7 +89,7 @@ fn files(photo: &Path, shown: &Shown<'_>, table: DataTable) -> Result<Vec<NamedF
         sections: vec![
             section("Material", vec![Block::Table(table)]),
             section("Fit", vec![Block::Chart(light(shown)), Block::Chart(residuals(shown))]),
-            section("Photograph", vec![Block::Plates(vec![plate])]),
+            section("Photograph", std::iter::once(Block::Plates(vec![plate])).chain(beside).collect()),
             limits,
         ],
     };

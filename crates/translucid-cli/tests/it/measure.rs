@@ -427,7 +427,23 @@ fn edge_gives_back_its_material() {
         stdout(directory.path(), &format!("{words} --page page"));
     }
     let names = files(&directory.path().join("page"));
-    assert_eq!(names.len(), 9, "{names:?}");
+    assert_eq!(names.len(), 12, "{names:?}");
+    let [seen, rendered] = ["region.png", "setup.png"].map(|name| {
+        let path = directory.path().join("page").join(name);
+        translucid_scene::load_image(&path, translucid_scene::ColorSpace::Srgb, &mut Vec::new()).unwrap()
+    });
+    // Means over a tenth of the picture on either side: what the renderer makes of the material is what the camera saw
+    assert_eq!([seen.width, seen.height], [rendered.width, rendered.height]);
+    for columns in [0..13, 40..53, 76..89, 116..129] {
+        let mean = |image: &translucid_scene::Image, c: usize| {
+            let all = columns.clone().flat_map(|x| (0..90).map(move |y| image.texel(x, y)[c]));
+            all.sum::<f32>() / (90.0 * 13.0)
+        };
+        for c in 0..3 {
+            let [a, b] = [&seen, &rendered].map(|image| mean(image, c));
+            assert!((a - b).abs() < 0.02 * mean(&seen, 0).max(0.5), "{columns:?} {c}: {a} {b}");
+        }
+    }
     let page = std::fs::read_to_string(directory.path().join("page/index.html")).unwrap();
     assert!(page.contains("<svg") && page.contains("What limits the accuracy"));
     std::fs::write(directory.path().join("page/index.html"), "mine").unwrap();
