@@ -27,6 +27,9 @@ pub(crate) enum FailureKind {
 }
 
 impl Failure {
+    /// How an interrupted command of several pictures goes on.
+    pub(crate) const GO_ON: &str = "repeat the command with --resume to go on";
+
     /// An option that is wrong.
     pub(crate) fn input(message: impl Into<String>) -> Self {
         Self { kind: FailureKind::Input, message: message.into(), place: None, help: None }
@@ -40,6 +43,14 @@ impl Failure {
     /// Ctrl-C, and how to go on.
     pub(crate) fn interrupted(help: impl Into<String>) -> Self {
         Self { kind: FailureKind::Interrupted, ..Self::input("interrupted") }.with_help(help)
+    }
+
+    /// What ended the picture of a number, from 0, of several: those before are there, so an interrupted command goes on.
+    pub(crate) fn of_picture(self, number: usize) -> Self {
+        match (self.kind, number) {
+            (FailureKind::Interrupted, 1..) => Self::interrupted(Self::GO_ON),
+            _ => self,
+        }
     }
 
     /// A file that could be written when the work began, but not when it ended.

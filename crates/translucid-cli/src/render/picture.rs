@@ -266,7 +266,7 @@ impl<'a> Work<'a> {
         }
         if outcome == Outcome::Interrupted {
             let help = match self.task.part {
-                Some(_) => "repeat the command with --resume to go on",
+                Some(_) => Failure::GO_ON,
                 None => "the rendering had not begun, so nothing was written",
             };
             return Err(Failure::interrupted(help));

@@ -121,13 +121,17 @@ fn render_all(
     let exposure = &exposure(arguments);
     for (number, &model) in models.iter().enumerate() {
         if interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::interrupted("repeat the command with --resume to go on"));
+            return Err(Failure::interrupted(Failure::GO_ON));
         }
         let start = Instant::now();
         let (scene, loading) = match loaded.take() {
             Some(first) => first,
             // Its warnings are those that the first has had
-            None => (scene(arguments, Some(model))?.0, start.elapsed()),
+            None => {
+                let (scene, _) =
+                    scene(arguments, Some(model)).map_err(|failure| failure.of_picture(number))?;
+                (scene, start.elapsed())
+            }
         };
         let mut film = scene.film;
         let goal = scene.integrator.samples_per_pixel;

@@ -41,11 +41,12 @@ pub(super) fn run(
     let exposure = &exposure(arguments);
     for (number, outputs) in all.into_iter().enumerate() {
         if number > 0 && interrupt::STOP.load(Ordering::Relaxed) {
-            return Err(Failure::interrupted("repeat the command with --resume to go on"));
+            return Err(Failure::interrupted(Failure::GO_ON));
         }
         let turn = 360.0 * number as f64 / f64::from(count);
         let start = Instant::now();
-        let (scene, warnings) = scene_turned(arguments, model, Some(turn))?;
+        let (scene, warnings) =
+            scene_turned(arguments, model, Some(turn)).map_err(|failure| failure.of_picture(number))?;
         outputs.spare(inputs(arguments, &scene))?;
         arguments.watch.spare(inputs(arguments, &scene))?;
         if number == 0 {
@@ -55,7 +56,8 @@ pub(super) fn run(
         }
         let denoiser = denoiser.clone();
         let (tev, loading) = (tev.as_ref(), start.elapsed());
-        picture::render(scene, &Task { arguments, outputs, denoiser, tev, part: None, exposure, loading })?;
+        let task = Task { arguments, outputs, denoiser, tev, part: None, exposure, loading };
+        picture::render(scene, &task).map_err(|failure| failure.of_picture(number))?;
     }
     Ok(())
 }
