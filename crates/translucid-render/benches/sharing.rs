@@ -18,7 +18,7 @@ use common::{DISTANCE, FIELD_OF_VIEW, bumpy_ball, scene};
 use glam::Vec3;
 use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{Light, LoadOptions, Mesh, Scene, SubsurfaceModel, load_scene};
+use translucid_scene::{Light, LoadOptions, Mesh, Scene, SubsurfaceModel, load_scene, still_life};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
 /// Model of the still life, which names none.
@@ -172,5 +172,9 @@ fn load(name: &str, mesh: Option<&str>) -> Option<Scene> {
         ..LoadOptions::default()
     };
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../../scenes/{name}.toml"));
-    Some(load_scene(&file, &options, &mut Vec::new()).expect("a scene of ours"))
+    let scene = match name {
+        "still-life" => still_life(&options),
+        _ => load_scene(&file, &options, &mut Vec::new()),
+    };
+    Some(scene.expect("a scene of ours"))
 }

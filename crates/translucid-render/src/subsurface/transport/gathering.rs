@@ -32,11 +32,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
+use super::widest::{Loop, in_widest_vectors};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::world::{Layer, PathState};
 
 /// Places that are worked on together.
-pub(super) const LANES: usize = 8;
+pub(super) const LANES: usize = 16;
+
+/// Places whose terms are added up before some of them are picked.
+const GROUP: usize = 8;
 
 /// Numbers that a place is described by.
 pub(super) const COORDINATES: usize = 7;
@@ -179,7 +183,7 @@ struct Sums<F> {
     terms: Vec<f32>,
     /// g of each receiver (row) at each place.
     nearness: Vec<f32>,
-    /// A receiver's terms, those of [`LANES`] places together.
+    /// Sums of a receiver's terms up to the end of each [`GROUP`].
     partial: Vec<f32>,
 }
 
@@ -430,53 +434,85 @@ impl<F: Found> Sums<F> {
             [None, _] => 0..self.split,
             _ => self.split..width,
         };
-        let [red, green, blue] = self.bright.each_ref().map(|channel| &channel[shared.clone()]);
-        let near = &near[shared.clone()];
+        let [red, green, blue] = self.bright.each_ref().map(Vec::as_slice);
+        let of = [red, green, blue, near].map(|row| &row[shared.clone()]);
         let terms = &mut self.terms[..shared.len()];
-        for i in 0..shared.len() {
-            terms[i] = near[i] * (red[i] * color.x + green[i] * color.y + blue[i] * color.z);
-        }
         self.partial.clear();
-        for chunk in terms.chunks_exact(LANES) {
-            self.partial.push(chunk.iter().sum());
+        self.partial.resize(terms.len() / GROUP, 0.0);
+        let partial = &mut self.partial;
+        in_widest_vectors(Terms { of, color: color.to_array(), terms, partial });
+        let mut sum = 0.0;
+        for partial in &mut self.partial {
+            sum += *partial;
+            *partial = sum;
         }
-        let sum: f32 = self.partial.iter().sum();
         if !(sum > 0.0 && sum.is_finite()) {
             return light;
         }
         let step = sum / R::PICKS as f32;
         let response = receiver.response();
-        // Picks are where the running sum passes (random + k) steps
-        let mut passed = 0.0;
-        let mut picked = 0;
         let random = receiver.account().random;
-        let goal = |picked: usize| (random + picked as f32) * step;
-        for (chunk, &partial) in self.partial.iter().enumerate() {
-            if passed + partial <= goal(picked) {
-                passed += partial;
-                continue;
+        let picked = |k: usize| self.place_at((random + k as f32) * step);
+        let (mut first, mut place) = (0, picked(0));
+        for k in 1..=R::PICKS {
+            let next = if k < R::PICKS { picked(k) } else { usize::MAX };
+            if next != place {
+                let stands_for = (k - first) as f32 * step / self.terms[place];
+                let of_all = shared.start + place;
+                let factor = stands_for * self.coefficients[of_all];
+                light += receiver.light_from(&response, &self.found[of_all], factor);
+                (first, place) = (k, next);
             }
-            let end = passed + partial;
-            for i in chunk * LANES..(chunk + 1) * LANES {
-                let term = self.terms[i];
-                if term <= 0.0 {
-                    continue;
-                }
-                passed += term;
-                let before = picked;
-                while picked < R::PICKS && goal(picked) < passed {
-                    picked += 1;
-                }
-                if picked > before {
-                    let stands_for = (picked - before) as f32 * step / term;
-                    let place = shared.start + i;
-                    let factor = stands_for * self.coefficients[place];
-                    light += receiver.light_from(&response, &self.found[place], factor);
-                }
-            }
-            passed = end;
         }
         light
+    }
+
+    /// Number of the term with which their running sum passes a goal.
+    ///
+    /// By counting, without a branch that depends on the goal.
+    fn place_at(&self, goal: f32) -> usize {
+        let groups_before = self.partial.iter().filter(|&&end| end <= goal).count();
+        let group = groups_before.min(self.partial.len() - 1);
+        let mut passed = if group > 0 { self.partial[group - 1] } else { 0.0 };
+        let mut terms_before = 0;
+        for term in &self.terms[group * GROUP..(group + 1) * GROUP] {
+            passed += term;
+            terms_before += usize::from(passed <= goal);
+        }
+        let mut place = group * GROUP + terms_before.min(GROUP - 1);
+        // Rounding may lead on to what is worth nothing
+        while place > 0 && self.terms[place] <= 0.0 {
+            place -= 1;
+        }
+        place
+    }
+}
+
+/// Worth of places to a receiver.
+struct Terms<'a> {
+    /// Light there by channel, and how near it is.
+    of: [&'a [f32]; 4],
+    /// Worth of each channel.
+    color: [f32; 3],
+    /// Worth of each place.
+    terms: &'a mut [f32],
+    /// Worth of [`GROUP`] places together.
+    partial: &'a mut [f32],
+}
+
+impl Loop for Terms<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let [x, y, z] = self.color;
+        let n = self.terms.len();
+        let [red, green, blue, near] = self.of.map(|row| &row[..n]);
+        for i in 0..n {
+            self.terms[i] = near[i] * (red[i] * x + green[i] * y + blue[i] * z);
+        }
+        for (partial, group) in self.partial.iter_mut().zip(self.terms.as_chunks::<GROUP>().0) {
+            let [a, b, c, d, e, f, g, h] = *group;
+            *partial = ((a + e) + (c + g)) + ((b + f) + (d + h));
+        }
     }
 }
 

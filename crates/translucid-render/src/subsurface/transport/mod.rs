@@ -16,6 +16,7 @@ pub(crate) mod points;
 pub(crate) mod probes;
 mod shared;
 pub(crate) mod walk;
+mod widest;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;

@@ -1,7 +1,12 @@
 //! How near exits are to entries, in the measure of their profiles.
 
+use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+
 /// Distances below this part of the longest count as this: far below what can be told apart, but not 0.
 const LEAST_DISTANCE: f32 = 1e-12;
+
+/// Greatest 1 + r/a_c: what is farther is as near, so that products of three fourth powers are finite numbers.
+const FARTHEST: f32 = 300.0;
 
 /// A stand-in for the sum of an exit's profiles over its channels,
 ///
@@ -65,44 +70,46 @@ impl Nearness {
         let longest_squared = (self.longest * self.longest).min(f32::MAX);
         let r = squared.sqrt().max(LEAST_DISTANCE * self.longest);
         let fourth = |inverse: f32| {
-            let q = 1.0 + r * inverse;
+            let q = (1.0 + r * inverse).min(FARTHEST);
             let q2 = q * q;
             q2 * q2
         };
-        let g = (sa / fourth(a) + sb / fourth(b) + sc / fourth(c)) / r;
+        // On one denominator: a division takes longer than all else
+        let (fa, fb, fc) = (fourth(a), fourth(b), fourth(c));
+        let (fab, fbc) = (fa * fb, fb * fc);
+        let g = (sa * fbc + sb * (fa * fc) + sc * fab) / (fab * (fc * r));
         if squared <= longest_squared { g } else { 0.0 }
     }
 
-    /// g at points with these coordinates, whose number is a multiple of [`LANES`](crate::subsurface::transport::gathering::LANES); adds it to the sums, too.
-    #[inline(always)]
-    fn row(&self, [x, y, z]: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
-        let n = row.len();
-        let [px, py, pz] = points.map(|p| &p[..n]);
-        let sums = &mut sums[..n];
-        for i in 0..n {
-            let (dx, dy, dz) = (px[i] - x, py[i] - y, pz[i] - z);
-            let g = self.at(dx * dx + dy * dy + dz * dz);
-            row[i] = g;
-            sums[i] += g;
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn row_avx2(&self, exit: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
-        self.row(exit, points, row, sums);
-    }
-
-    /// [`row`](Self::row) with the widest vectors that the processor has.
+    /// g at points with these coordinates, with the widest vectors that the processor has; adds it to the sums, too.
     #[inline]
     pub(super) fn fill(&self, exit: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor was found to have AVX2.
-            unsafe { self.row_avx2(exit, points, row, sums) };
-            return;
+        in_widest_vectors(Row { nearness: *self, exit, points, row, sums });
+    }
+}
+
+/// g of an exit at points, and what it is added to.
+struct Row<'a> {
+    nearness: Nearness,
+    exit: [f32; 3],
+    points: [&'a [f32]; 3],
+    row: &'a mut [f32],
+    sums: &'a mut [f32],
+}
+
+impl Loop for Row<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let n = self.row.len();
+        let [x, y, z] = self.exit;
+        let [px, py, pz] = self.points.map(|p| &p[..n]);
+        let sums = &mut self.sums[..n];
+        for i in 0..n {
+            let (dx, dy, dz) = (px[i] - x, py[i] - y, pz[i] - z);
+            let g = self.nearness.at(dx * dx + dy * dy + dz * dz);
+            self.row[i] = g;
+            sums[i] += g;
         }
-        self.row(exit, points, row, sums);
     }
 }
 
@@ -116,12 +123,11 @@ mod tests {
 
     const TAIL: f32 = 1e-3;
 
-    type Fill = fn(&Nearness, [f32; 3], [&[f32]; 3], &mut [f32], &mut [f32]);
-
-    fn values(nearness: &Nearness, radii: &[f32], fill: Fill) -> Vec<f32> {
+    fn values(nearness: &Nearness, radii: &[f32], run: fn(Row<'_>)) -> Vec<f32> {
         let zeros = vec![0.0; radii.len()];
         let (mut row, mut sums) = (zeros.clone(), zeros.clone());
-        fill(nearness, [0.0; 3], [radii, &zeros, &zeros], &mut row, &mut sums);
+        let points = [radii, &zeros, &zeros];
+        run(Row { nearness: *nearness, exit: [0.0; 3], points, row: &mut row, sums: &mut sums });
         assert_eq!(row, sums);
         row
     }
@@ -132,7 +138,7 @@ mod tests {
         let profile = NormalizedDiffusionF32::from_d(d);
         let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(TAIL), 5.0, 0.0], TAIL);
         let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
-        for (r, value) in radii.iter().zip(values(&nearness, &radii, Nearness::row)) {
+        for (r, value) in radii.iter().zip(values(&nearness, &radii, |row| row.run())) {
             // Weights are relative: 3/a is the height of a density
             let ratio = 3.0 * value / (TAU * profile.pdf_area(*r));
             assert!((0.89..1.12).contains(&ratio), "{ratio} at {} d", r / d);
@@ -145,13 +151,14 @@ mod tests {
         let nearness = Nearness::new([0.9, 0.2, 0.4], [3.0, 0.1, 70.0], TAIL);
         let radii: Vec<f32> = (0..4096).map(|i| (i as f32 * 0.005).exp() * 1e-7 - 1e-7).collect();
         let bits = |fill| values(&nearness, &radii, fill).into_iter().map(f32::to_bits).collect::<Vec<_>>();
-        assert_eq!(bits(Nearness::row), bits(Nearness::fill));
+        assert_eq!(bits(|row| row.run()), bits(|row| in_widest_vectors(row)));
     }
 
     #[test]
     fn nearness_ends_where_probes_do() {
         let nearness = Nearness::new([0.5, 0.0, 0.5], [1.0, 9.0, 2.0], TAIL);
-        let near = values(&nearness, &[0.0, 1.0, 1.999, 2.001, 5.0, f32::INFINITY, 1e30, 3.0], Nearness::row);
+        let near =
+            values(&nearness, &[0.0, 1.0, 1.999, 2.001, 5.0, f32::INFINITY, 1e30, 3.0], |row| row.run());
         assert!(near[..3].iter().all(|g| *g > 0.0 && g.is_finite()), "{near:?}");
         assert!(near[3..].iter().all(|g| *g == 0.0), "{near:?}");
     }

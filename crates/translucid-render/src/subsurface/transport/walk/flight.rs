@@ -13,6 +13,7 @@
 
 use glam::Vec3;
 
+use super::attenuation::{attenuations, depth_reached};
 use crate::sampling::choose;
 
 /// Length of flights toward lights over that of the walk's own.
@@ -45,8 +46,7 @@ impl Flights {
     pub(crate) fn sample(&self, throughput: Vec3, u: f32) -> f32 {
         let shares = (throughput / throughput.element_sum()).to_array();
         let (channel, rest) = choose(shares, u);
-        // ln(1 − u) without a loss of small lengths
-        let length = -libm::log1pf(-rest) / self.sigma_t[channel];
+        let length = depth_reached(rest) / self.sigma_t[channel];
         if length.is_nan() { f32::INFINITY } else { length }
     }
 
@@ -64,7 +64,8 @@ impl Flights {
     pub(crate) fn collide_stretched(&self, drawn: &Self, throughput: Vec3, length: f32) -> Vec3 {
         let (depth, of_drawn) = (self.sigma_t * length, drawn.sigma_t * length);
         let least = Vec3::select(throughput.cmpgt(Vec3::ZERO), of_drawn, Vec3::INFINITY).min_element();
-        let density = (throughput * (least - of_drawn).exp() * drawn.sigma_t).element_sum();
+        let density =
+            (throughput * attenuations((of_drawn - least).max(Vec3::ZERO)) * drawn.sigma_t).element_sum();
         let collided =
             throughput * (least - depth).exp() * self.sigma_t * (throughput.element_sum() / density);
         if collided.is_finite() { collided } else { Vec3::ZERO }
@@ -83,7 +84,8 @@ impl Flights {
     /// Throughput after a flight past a distance that was drawn from stretched flights: of more that come so far each
     /// counts less.
     pub(crate) fn pass_stretched(&self, drawn: &Self, throughput: Vec3, distance: f32) -> Vec3 {
-        drawn.pass(throughput, distance) * ((drawn.sigma_t - self.sigma_t) * distance.min(f32::MAX)).exp()
+        drawn.pass(throughput, distance)
+            * attenuations((self.sigma_t - drawn.sigma_t).max(Vec3::ZERO) * distance.min(f32::MAX))
     }
 
     /// e^{−σt}, up to a factor that all channels share: that of the channel that comes farthest is 1.
@@ -91,7 +93,7 @@ impl Flights {
         let depth = self.sigma_t * length;
         let lit = throughput.cmpgt(Vec3::ZERO);
         let least = Vec3::select(lit, depth, Vec3::INFINITY).min_element();
-        (least - depth).min(Vec3::ZERO).exp()
+        attenuations((depth - least).max(Vec3::ZERO))
     }
 }
 

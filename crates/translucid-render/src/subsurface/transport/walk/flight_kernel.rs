@@ -1,11 +1,13 @@
 //! Densities of where flights from a point end: at a collision, or at a surface.
 
-use std::f32::consts::{LN_2, LOG2_E, PI};
+use std::f32::consts::PI;
 
 use glam::Vec3;
 
+use super::attenuation::attenuation;
 use super::tilt::Tilt;
 use crate::subsurface::transport::gathering::COORDINATES;
+use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
 
 /// Distances below this part of the shortest mean free path count as this.
 const LEAST_DISTANCE: f32 = 1e-9;
@@ -43,16 +45,19 @@ impl FlightKernel {
         Vec3::from_array(self.densities(place.coordinates()).0) / (4.0 * PI)
     }
 
-    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates, and the direction there.
+    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates, and the factor of the tilt.
     ///
     /// Without fused operations, so that every processor has the same bits.
     #[inline(always)]
-    fn densities(&self, [x, y, z, nx, ny, nz, is_inside]: [f32; COORDINATES]) -> ([f32; 3], [f32; 3]) {
+    fn densities(&self, [x, y, z, nx, ny, nz, is_inside]: [f32; COORDINATES]) -> ([f32; 3], f32) {
         let (dx, dy, dz) = (x - self.from.x, y - self.from.y, z - self.from.z);
         let squared = (dx * dx + dy * dy + dz * dz).max(self.least_squared);
         let d = squared.sqrt().min(f32::MAX);
-        let cosine = (nx * dx + ny * dy + nz * dz) / d;
-        let factor = (cosine + is_inside).max(0.0) / squared;
+        // One division serves all: they take longer than all else
+        let per_square = squared.recip();
+        let per_length = d * per_square;
+        let cosine = (nx * dx + ny * dy + nz * dz) * per_length;
+        let factor = (cosine + is_inside).max(0.0) * per_square;
         let [a, b, c] = self.sigma_t;
         let is_surface = 1.0 - is_inside;
         let densities = [
@@ -60,44 +65,42 @@ impl FlightKernel {
             (is_inside * b + is_surface) * attenuation(b * d) * factor,
             (is_inside * c + is_surface) * attenuation(c * d) * factor,
         ];
-        (densities, [dx / d, dy / d, dz / d])
+        (densities, self.tilt.factor([dx, dy, dz], per_length))
     }
 
     /// Density of all flights at a place.
     #[inline(always)]
     fn density(&self, place: [f32; COORDINATES]) -> f32 {
-        let ([a, b, c], direction) = self.densities(place);
-        (self.shares[0] * a + self.shares[1] * b + self.shares[2] * c) * self.tilt.factor(direction)
-    }
-
-    #[inline(always)]
-    fn row(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
-        let n = row.len();
-        let [x, y, z, nx, ny, nz, is_inside] = places;
-        let (x, y, z, sums) = (&x[..n], &y[..n], &z[..n], &mut sums[..n]);
-        let (nx, ny, nz, is_inside) = (&nx[..n], &ny[..n], &nz[..n], &is_inside[..n]);
-        for i in 0..n {
-            let density = self.density([x[i], y[i], z[i], nx[i], ny[i], nz[i], is_inside[i]]);
-            row[i] = density;
-            sums[i] += density;
-        }
-    }
-
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn row_avx2(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
-        self.row(places, row, sums);
+        let ([a, b, c], tilt) = self.densities(place);
+        (self.shares[0] * a + self.shares[1] * b + self.shares[2] * c) * tilt
     }
 
     /// Densities at places, with the widest vectors that the processor has; adds them to the sums, too.
     pub(super) fn fill(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
-        #[cfg(target_arch = "x86_64")]
-        if std::arch::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor was found to have AVX2.
-            unsafe { self.row_avx2(places, row, sums) };
-            return;
+        in_widest_vectors(Row { kernel: *self, places, row, sums });
+    }
+}
+
+/// Densities of all flights at places, and what they are added to.
+struct Row<'a> {
+    kernel: FlightKernel,
+    places: [&'a [f32]; COORDINATES],
+    row: &'a mut [f32],
+    sums: &'a mut [f32],
+}
+
+impl Loop for Row<'_> {
+    #[inline(always)]
+    fn run(self) {
+        let n = self.row.len();
+        let [x, y, z, nx, ny, nz, is_inside] = self.places;
+        let (x, y, z, sums) = (&x[..n], &y[..n], &z[..n], &mut self.sums[..n]);
+        let (nx, ny, nz, is_inside) = (&nx[..n], &ny[..n], &nz[..n], &is_inside[..n]);
+        for i in 0..n {
+            let density = self.kernel.density([x[i], y[i], z[i], nx[i], ny[i], nz[i], is_inside[i]]);
+            self.row[i] = density;
+            sums[i] += density;
         }
-        self.row(places, row, sums);
     }
 }
 
@@ -109,21 +112,6 @@ impl Place {
     }
 }
 
-/// e^{−x} for x ≥ 0, to 3e-7 (1 + x) of it and not below 2^{−126}.
-#[inline(always)]
-fn attenuation(x: f32) -> f32 {
-    /// Added to a number below 2²² it leaves the nearest integer in the last bits.
-    const ROUND: f32 = 12_582_912.0;
-    let y = (-x * LOG2_E).max(-126.0);
-    let rounded = y + ROUND;
-    let f = (y - (rounded - ROUND)) * LN_2;
-    let power = f32::from_bits((rounded.to_bits() << 23).wrapping_add(127 << 23));
-    // e^f for |f| ≤ ln 2 / 2
-    let series =
-        1.0 + f * (1.0 + f * (0.5 + f * (1.0 / 6.0 + f * (1.0 / 24.0 + f * (1.0 / 120.0 + f / 720.0)))));
-    power * series
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -133,19 +121,6 @@ mod tests {
     fn kernel(share: f32) -> FlightKernel {
         let tilt = Tilt::toward(Vec3::X, 0.5);
         FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), tilt, share)
-    }
-
-    #[test]
-    fn attenuation_is_the_exponential() {
-        for i in 0..4000_u16 {
-            let x = f32::from(i) * 0.02;
-            let (found, exact) = (f64::from(attenuation(x)), (-f64::from(x)).exp());
-            assert!((found / exact - 1.0).abs() < 3e-7 * (1.0 + f64::from(x)), "{x}: {found} {exact}");
-        }
-        assert_eq!(attenuation(0.0), 1.0);
-        for x in [88.0, 1e3, 1e30, f32::MAX, f32::INFINITY] {
-            assert!((0.0..1e-37).contains(&attenuation(x)), "{x}");
-        }
     }
 
     /// All flights end somewhere; those toward a plane at a distance h that get there are E₂(σ_t h)/2 of all.
@@ -182,8 +157,6 @@ mod tests {
         assert_eq!(kernel.by_channel(&behind), Vec3::ZERO, "a surface that is entered there");
     }
 
-    type Fill = fn(&FlightKernel, [&[f32]; COORDINATES], &mut [f32], &mut [f32]);
-
     /// Every processor has to make the same picture.
     #[test]
     fn densities_are_the_same_in_vectors() {
@@ -196,14 +169,15 @@ mod tests {
             let place = Place { position, normal };
             columns.iter_mut().zip(place.coordinates()).for_each(|(column, x)| column.push(x));
         }
-        let bits = |fill: Fill| {
+        let places = columns.each_ref().map(Vec::as_slice);
+        let bits = |run: fn(Row<'_>)| {
             let (mut row, mut sums) = (vec![0.0; 4096], vec![0.0; 4096]);
-            fill(&kernel, columns.each_ref().map(Vec::as_slice), &mut row, &mut sums);
+            run(Row { kernel, places, row: &mut row, sums: &mut sums });
             assert_eq!(row, sums);
             assert!(row.iter().all(|density| density.is_finite() && *density >= 0.0));
             row.into_iter().map(f32::to_bits).collect::<Vec<_>>()
         };
-        assert_eq!(bits(FlightKernel::row), bits(FlightKernel::fill));
+        assert_eq!(bits(|row| row.run()), bits(|row| in_widest_vectors(row)));
     }
 
     #[test]

@@ -21,6 +21,7 @@
 //! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
 //! walk is in tells when it is out.
 
+mod attenuation;
 mod clear;
 mod diffuse;
 mod flight;

@@ -105,7 +105,7 @@ impl<'a> Walk<'a> {
             self.phase.sample(self.direction, u)
         } else {
             let direction = self.tilt.sample(u);
-            self.throughput /= self.tilt.factor(direction.to_array());
+            self.throughput /= self.tilt.factor(direction.to_array(), 1.0);
             direction
         };
         self.pdf = self.phase.pdf(self.direction.dot(direction));

@@ -34,10 +34,10 @@ impl Tilt {
         Self(normal * (STRENGTH * (1.0 - alpha.clamp(0.0, 1.0)).sqrt()))
     }
 
-    /// Density of a direction over that of isotropic scattering.
+    /// Density of the direction of a vector over that of isotropic scattering, by the vector's reciprocal length.
     #[inline(always)]
-    pub(super) fn factor(self, [x, y, z]: [f32; 3]) -> f32 {
-        1.0 + (self.0.x * x + self.0.y * y + self.0.z * z)
+    pub(super) fn factor(self, [x, y, z]: [f32; 3], per_length: f32) -> f32 {
+        1.0 + (self.0.x * x + self.0.y * y + self.0.z * z) * per_length
     }
 
     /// A direction, for two numbers uniform in [0, 1).
@@ -73,7 +73,7 @@ mod tests {
                     let direction = tilt.sample([number(i), number(j)]);
                     assert!((direction.length() - 1.0).abs() < 1e-6);
                     mean += direction.as_dvec3();
-                    counted += f64::from(tilt.factor(direction.to_array())).recip();
+                    counted += f64::from(tilt.factor(direction.to_array(), 1.0)).recip();
                 }
             }
             let count = f64::from(n) * f64::from(n);
@@ -88,7 +88,10 @@ mod tests {
             for u in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
                 let tilt = Tilt::toward(Vec3::NEG_Z, alpha);
                 let direction = tilt.sample([u, u]);
-                assert!(direction.is_normalized() && tilt.factor(direction.to_array()) > 0.1, "{alpha} {u}");
+                assert!(
+                    direction.is_normalized() && tilt.factor(direction.to_array(), 1.0) > 0.1,
+                    "{alpha} {u}"
+                );
             }
         }
     }
