@@ -44,8 +44,8 @@ impl Flights {
 
     /// Length of a flight for a number uniform in [0, 1); infinite if nothing is left to fly.
     pub(crate) fn sample(&self, throughput: Vec3, u: f32) -> f32 {
-        let shares = (throughput / throughput.element_sum()).to_array();
-        let (channel, rest) = choose(shares, u);
+        let shares = throughput * throughput.element_sum().recip();
+        let (channel, rest) = choose(shares.to_array(), u);
         let length = depth_reached(rest) / self.sigma_t[channel];
         if length.is_nan() { f32::INFINITY } else { length }
     }
