@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender asks of an engine: passes, regions, layers, seeds, errors, the user's word."""
 
+import re
 import threading
 import time
 
@@ -263,3 +264,29 @@ def test_registering_again():
     addon.register()
     still_life(16, 16, samples=1)
     assert combined().max() > 0
+
+
+def test_denoising_is_by_blenders_own_library():
+    scene = still_life(64, 48, samples=256)
+    clean = combined()[..., :3]
+    scene.translucid.samples = 8
+    noisy = combined()[..., :3]
+    scene.translucid.use_denoising = True
+    denoised = combined()
+    error = lambda picture: np.square(picture - clean).mean()
+    assert messages() == []
+    assert error(denoised[..., :3]) < 0.5 * error(noisy)
+    assert denoised[..., 3].min() == 1
+
+
+def test_time_memory_and_samples_are_in_the_status_line(monkeypatch):
+    lines = []
+    monkeypatch.setattr(addon.engine.TranslucidRenderEngine, "_state", lambda engine, line: lines.append(line))
+    still_life(128, 96, samples=256)
+    combined()
+    assert lines[:2] == ["Exporting", "Preparing"]
+    words = [re.fullmatch(r"Time (\d+\.\d) s \| Memory (\d+) M \| Sample (\d+)/256", line) for line in lines[2:]]
+    assert words and all(words), lines
+    assert all(int(word[2]) > 0 for word in words)
+    samples, times = [int(word[3]) for word in words], [float(word[1]) for word in words]
+    assert samples == sorted(samples) and times == sorted(times)
