@@ -124,6 +124,27 @@ def test_view_layers_are_rendered_apart():
     assert without[..., :3].max() == 0
 
 
+def test_each_eye_sees_what_a_camera_in_its_place_sees(tmp_path):
+    scene = still_life(samples=2)
+    camera = scene.camera
+    stereo = camera.data.stereo
+    stereo.convergence_mode, stereo.pivot, stereo.interocular_distance = "PARALLEL", "CENTER", 0.5
+    eyes = {}
+    for name, side in (("left", -1), ("right", 1)):
+        camera.location.x = 0.25 * side
+        eyes[name] = combined()
+    camera.location.x = 0
+    scene.render.use_multiview = True
+    scene.render.image_settings.views_format = "INDIVIDUAL"
+    scene.render.filepath, scene.render.use_file_extension = str(tmp_path / "picture"), True
+    bpy.ops.render.render(write_still=True)
+    for name, suffix in (("left", "L"), ("right", "R")):
+        found = translucid.read_exr(tmp_path / f"picture_{suffix}.exr")
+        seen = next(value for layer, value in found.items() if "Combined" in layer)
+        assert np.allclose(seen, eyes[name], atol=1e-4), name
+    assert not np.allclose(eyes["left"], eyes["right"], atol=0.1)
+
+
 def test_animation_moves_things():
     scene = new_scene(32, 32, 8)
     add_camera((0, 0, 5), type="ORTHO", ortho_scale=4)
