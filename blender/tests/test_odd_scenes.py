@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from harness import Nodes, addon, add_camera, add_light, add_mesh, add_plane, combined, link, matte, messages, new_scene, radians, render, set_world
+from harness import Nodes, add_camera, add_light, add_mesh, add_plane, addon, combined, link, matte, messages, new_scene, radians, render, set_world
 
 TRIANGLE = [(-1, 0, -0.5), (1, 0, -0.5), (0, 0, 1.5)]
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from .nodes import Evaluator, Socket
 from .subsurface import transport_keys
-from .value import Placement, Value, combine
+from .value import Value, combine
 
 _ONE, _ZERO = Value.of(1.0), Value.of(0.0)
 
