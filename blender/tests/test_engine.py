@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What Blender asks of an engine: passes, regions, layers, seeds, errors, the user's word."""
 
+import re
 import threading
 import time
 
@@ -121,6 +122,27 @@ def test_view_layers_are_rendered_apart():
     without = next(value for name, value in found.items() if name.startswith("without."))
     assert with_plane[16, 16, 0] == pytest.approx(1, abs=1e-3)
     assert without[..., :3].max() == 0
+
+
+def test_each_eye_sees_what_a_camera_in_its_place_sees(tmp_path):
+    scene = still_life(samples=2)
+    camera = scene.camera
+    stereo = camera.data.stereo
+    stereo.convergence_mode, stereo.pivot, stereo.interocular_distance = "PARALLEL", "CENTER", 0.5
+    eyes = {}
+    for name, side in (("left", -1), ("right", 1)):
+        camera.location.x = 0.25 * side
+        eyes[name] = combined()
+    camera.location.x = 0
+    scene.render.use_multiview = True
+    scene.render.image_settings.views_format = "INDIVIDUAL"
+    scene.render.filepath, scene.render.use_file_extension = str(tmp_path / "picture"), True
+    bpy.ops.render.render(write_still=True)
+    for name, suffix in (("left", "L"), ("right", "R")):
+        found = translucid.read_exr(tmp_path / f"picture_{suffix}.exr")
+        seen = next(value for layer, value in found.items() if "Combined" in layer)
+        assert np.allclose(seen, eyes[name], atol=1e-4), name
+    assert not np.allclose(eyes["left"], eyes["right"], atol=0.1)
 
 
 def test_animation_moves_things():
@@ -263,3 +285,29 @@ def test_registering_again():
     addon.register()
     still_life(16, 16, samples=1)
     assert combined().max() > 0
+
+
+def test_denoising_is_by_blenders_own_library():
+    scene = still_life(64, 48, samples=256)
+    clean = combined()[..., :3]
+    scene.translucid.samples = 8
+    noisy = combined()[..., :3]
+    scene.translucid.use_denoising = True
+    denoised = combined()
+    error = lambda picture: np.square(picture - clean).mean()
+    assert messages() == []
+    assert error(denoised[..., :3]) < 0.5 * error(noisy)
+    assert denoised[..., 3].min() == 1
+
+
+def test_time_memory_and_samples_are_in_the_status_line(monkeypatch):
+    lines = []
+    monkeypatch.setattr(addon.engine.TranslucidRenderEngine, "_state", lambda engine, line: lines.append(line))
+    still_life(128, 96, samples=256)
+    combined()
+    assert lines[:2] == ["Exporting", "Preparing"]
+    words = [re.fullmatch(r"Time (\d+\.\d) s \| Memory (\d+) M \| Sample (\d+)/256", line) for line in lines[2:]]
+    assert words and all(words), lines
+    assert all(int(word[2]) > 0 for word in words)
+    samples, times = [int(word[3]) for word in words], [float(word[1]) for word in words]
+    assert samples == sorted(samples) and times == sorted(times)

@@ -39,7 +39,7 @@ def seen(tmp_path_factory):
         # Blender's Python is not ours.
         environment.pop("PYTHONPATH", None)
         command = ["blender", "--factory-startup", "--python", str(SESSION), "--", str(folder), str(EDITS)]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600 + 4 * EDITS)
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600 + 8 * EDITS)
     finally:
         display.terminate()
         display.wait()

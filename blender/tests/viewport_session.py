@@ -46,7 +46,7 @@ def shown():
     return found[-1] if found else None
 
 
-def wait_until_finished(limit=300.0):
+def wait_until_finished(limit=1200.0):
     begun = time.perf_counter()
     yield 0.1
     while time.perf_counter() - begun < limit:
@@ -56,7 +56,8 @@ def wait_until_finished(limit=300.0):
         if viewport is not None and viewport.is_finished and viewport._target is viewport._followed:
             return
         yield 0.05
-    raise TimeoutError(f"the view is not finished after {limit} s: {vars(shown()) if shown() else None}")
+    state = {key: value for key, value in vars(shown()).items() if key not in {"_target", "_followed"}} if shown() else None
+    raise TimeoutError(f"the view is not finished after {limit} s: {state}, {time.process_time()} s of work, task done: {shown() and shown()._task and shown()._task.is_done}")
 
 
 def scattering(name, color):

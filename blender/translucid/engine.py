@@ -49,6 +49,7 @@ class _Frame:
     camera: dict
     size: tuple
     region: tuple
+    samples: int
 
 
 class Cancelled(Exception):
@@ -68,6 +69,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     _description = None
     _report = None
     _error = None
+    _layers = ()
 
     def _end(self):
         if self._session is not None:
@@ -77,6 +79,10 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
     def is_cancelled(self):
         """Whether the user wants no more."""
         return self.test_break()
+
+    def _state(self, words):
+        """Shows what is at work, in Blender's status line."""
+        self.update_stats("", words)
 
     # --- final pictures
 
@@ -88,9 +94,13 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
                 self.register_pass(scene, layer, name, len(channels), channels, kind)
 
     def update(self, data, depsgraph):
-        self._report = Report()
+        layer = depsgraph.view_layer.name
+        if self._report is None or layer in self._layers:
+            # Another picture; the layers of one share what is said.
+            self._report, self._layers = Report(), ()
+        self._layers = (*self._layers, layer)
         self._started = time.perf_counter()
-        self.update_stats("", "Exporting")
+        self._state("Exporting")
         try:
             exporter = Exporter(depsgraph, self._report, settings.model_of(depsgraph.scene), self.is_cancelled)
             self._description = exporter.describe()
@@ -103,45 +113,58 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
 
     def render(self, depsgraph):
         scene, layer = depsgraph.scene, depsgraph.view_layer_eval
+        samples = layer.samples or scene.translucid.samples
         size = (self.resolution_x, self.resolution_y) if self.is_preview else picture_size(scene)
         region = (0, 0, *size) if self.is_preview else picture_region(scene, *size)
         for name, _, channels, is_wanted in PASSES:
             if is_wanted(layer):
                 self.add_pass(name, len(channels), channels, layer=layer.name)
+        frame = _Frame(None, layer, None, size, region, min(samples, _PREVIEW_SAMPLES) if self.is_preview else samples)
+        try:
+            for view in _views(scene):
+                if not self._render_view(depsgraph, scene, view, frame):
+                    break
+        finally:
+            self._end()
+            self._description = None
+
+    def _render_view(self, depsgraph, scene, view, frame):
+        """Renders what one eye sees, and says whether there is more to do."""
+        self.active_view_set(view)
+        left, top, right, bottom = frame.region
         # Blender wants a result, whatever happens.
-        result = self.begin_result(0, 0, region[2] - region[0], region[3] - region[1], layer=layer.name)
+        frame.result = self.begin_result(0, 0, right - left, bottom - top, layer=frame.layer.name, view=view)
         try:
             if self._error is not None:
                 raise RuntimeError(f"the scene cannot be exported: {self._error}")
             if self._description is not None:
-                self._render(depsgraph, scene, _Frame(result, layer, None, size, region))
+                self._render(depsgraph, scene, frame)
+            return not self.is_cancelled()
         except Cancelled:
-            pass
+            return False
         except (translucid.SceneError, ValueError, RuntimeError, MemoryError) as error:
             # Shown by Blender, and raised by bpy.ops.render.render.
             self.report({"ERROR"}, f"translucid: {error}")
+            return False
         finally:
-            self.end_result(result, cancel=False)
-            self._end()
-            self._description = None
+            self.end_result(frame.result, cancel=False)
 
     def _render(self, depsgraph, scene, frame):
-        samples = min(_PREVIEW_SAMPLES, scene.translucid.samples) if self.is_preview else scene.translucid.samples
-        frame.camera = camera = self._camera(scene, depsgraph, *frame.size)
-        self._session = session = self._prepared(scene, camera, frame, samples)
-        session.start(samples)
-        self._watch(session, scene, samples, lambda: self._show(frame, session, False))
+        frame.camera = self._camera(scene, depsgraph, *frame.size)
+        self._session = session = self._prepared(scene, frame)
+        session.start(frame.samples)
+        self._watch(session, scene, frame.samples, lambda: self._show(frame, session, False))
         self._show(frame, session, scene.translucid.use_denoising and not self.is_preview)
 
-    def _prepared(self, scene, camera, frame, samples):
+    def _prepared(self, scene, frame):
         """A session, which another thread makes."""
         description = self._description
-        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, samples, settings.model_of(scene))
+        film, integrator = settings.film_keys(scene, *frame.size), settings.integrator_keys(scene, frame.samples, settings.model_of(scene))
         threads = settings.threads_of(scene)
-        self.update_stats("", "Preparing")
+        self._state("Preparing")
 
         def prepare():
-            return translucid.Session(build(description, camera, film, integrator), threads=threads, region=frame.region)
+            return translucid.Session(build(description, frame.camera, film, integrator), threads=threads, region=frame.region)
 
         task = Task(prepare)
         while not task.wait(_NAP):
@@ -154,21 +177,25 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         return session
 
     def _camera(self, scene, depsgraph, width, height):
-        owner = scene.camera
+        owner = self.camera_override or scene.camera
         if owner is None:
             raise ValueError("the scene has no camera")
+        if owner.type != "CAMERA":
+            raise ValueError(f"the scene's camera, {owner.name}, is no camera")
         if scene.render.pixel_aspect_x != scene.render.pixel_aspect_y:
             self._report.add("scene", None, "pixels that are not square cannot be rendered; they are square")
         if scene.render.use_motion_blur:
             self._report.add("scene", None, "motion blur cannot be rendered; all is as at the frame")
-        return scene_camera(owner.evaluated_get(depsgraph), depsgraph, width, height, self._report)
+        owner = owner.evaluated_get(depsgraph)
+        eye = self.camera_model_matrix(owner), self.camera_shift_x(owner) - owner.data.shift_x
+        return scene_camera(owner, depsgraph, width, height, self._report, eye)
 
     def _say(self):
         if self.is_preview:
             return
-        last_messages[:] = self._report.messages
-        for message in last_messages:
+        for message in self._report.unsaid():
             self.report({"WARNING"}, f"translucid: {message}")
+        last_messages[:] = self._report.messages
 
     def _watch(self, session, scene, samples, show):
         """Waits for the samples, the user or the time limit."""
@@ -187,7 +214,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
             self.update_progress(share)
             used, peak = memory_in_use()
             self.update_memory_stats(memory_used=used, memory_peak=peak)
-            self.update_stats("", f"Time {now - self._started:.1f} s | Memory {used:.0f} M | Sample {done}/{samples}")
+            self._state(f"Time {now - self._started:.1f} s | Memory {used:.0f} M | Sample {done}/{samples}")
             if not bpy.app.background and now - shown >= _SHOWN_EVERY:
                 show()
                 shown = time.perf_counter()
@@ -214,7 +241,7 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         self.update_result(frame.result)
 
     def _denoised(self, session, radiance):
-        self.update_stats("", "Denoising")
+        self._state("Denoising")
         task = Task(lambda: session.snapshot("denoised"))
         while not task.wait(_NAP):
             if self.is_cancelled():
@@ -239,6 +266,12 @@ class TranslucidRenderEngine(bpy.types.RenderEngine):
         if self._viewport is None:
             self.view_update(context, depsgraph)
         self._viewport.draw(self, context, depsgraph)
+
+
+def _views(scene):
+    """The names of a picture's views: one for each eye, or one without a name."""
+    render = scene.render
+    return [view.name for view in render.views if view.use] if render.use_multiview else [""]
 
 
 def picture_size(scene):

@@ -38,7 +38,7 @@ def facts_of(material, unit_scale):
         )
         path = keys["subsurface_radius"] * np.array(keys["subsurface_radius_scale"]) * unit_scale * 1000
         is_textured = sockets[0].is_linked, any(socket.is_linked for socket in sockets)
-        albedo = None if is_textured[0] else np.array(keys["subsurface_color"])
+        albedo = None if is_textured[0] else np.clip(color[:3], 0, 1)
         return Facts(node, keys["subsurface_model"], albedo, None if is_textured[1] else path)
     return None
 
@@ -55,11 +55,13 @@ def _scatters(node):
 
 
 def _index(node, method):
+    # Blender hides sockets that a method does not ask for.
+    number = lambda name, default: node.inputs[name].default_value if name in node.inputs else default
     if node.type == "SUBSURFACE_SCATTERING":
-        return node.inputs["IOR"].default_value
+        return number("IOR", 1.4)
     if method == "RANDOM_WALK_SKIN":
-        return node.inputs["Subsurface IOR"].default_value
-    return interface_index(node.inputs["IOR"].default_value, node.inputs["Specular IOR Level"].default_value)
+        return number("Subsurface IOR", 1.4)
+    return interface_index(number("IOR", 1.5), number("Specular IOR Level", 0.5))
 
 
 @lru_cache(maxsize=1024)

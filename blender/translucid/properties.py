@@ -15,22 +15,27 @@ _MODELS = [
 ]
 
 
+def _changed(settings, context):
+    """Tells Blender what it sees of itself in its own panels only: the rendered view follows scripts, too."""
+    settings.id_data.update_tag()
+
+
 class TranslucidSceneSettings(bpy.types.PropertyGroup):
     samples: bpy.props.IntProperty(
         name="Samples", description="Samples per pixel of a rendering", default=128, min=1, max=1 << 24
     )
     preview_samples: bpy.props.IntProperty(
-        name="Viewport Samples", description="Samples per pixel of the viewport", default=64, min=1, max=1 << 24
+        name="Viewport Samples", description="Samples per pixel of the viewport", default=64, min=1, max=1 << 24, update=_changed
     )
     time_limit: bpy.props.FloatProperty(
         name="Time Limit", description="Longest time to render a picture; 0 is no limit", default=0.0, min=0.0, unit="TIME_ABSOLUTE"
     )
-    seed: bpy.props.IntProperty(name="Seed", description="Seed of the random numbers", default=0, min=0)
+    seed: bpy.props.IntProperty(name="Seed", description="Seed of the random numbers", default=0, min=0, update=_changed)
     use_animated_seed: bpy.props.BoolProperty(
-        name="Animate Seed", description="Another noise in each frame", default=True
+        name="Animate Seed", description="Another noise in each frame", default=True, update=_changed
     )
     model: bpy.props.EnumProperty(
-        name="Model", description="Transport of light below surfaces", items=_MODELS, default="NODE"
+        name="Model", description="Transport of light below surfaces", items=_MODELS, default="NODE", update=_changed
     )
     method: bpy.props.EnumProperty(
         name="Method",
@@ -40,13 +45,14 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
             ("point-based", "Point-Based", "The light that enters is computed at points beforehand and summed"),
         ],
         default="ray-traced",
+        update=_changed,
     )
     use_sharing: bpy.props.BoolProperty(
-        name="Share between Pixels", description="Light that entered below one pixel serves those around it", default=True
+        name="Share between Pixels", description="Light that entered below one pixel serves those around it", default=True, update=_changed
     )
-    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path after the first", default=12, min=0, max=1023)
+    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path after the first", default=12, min=0, max=1023, update=_changed)
     use_caustics: bpy.props.BoolProperty(
-        name="Caustics", description="Light that glossy surfaces throw onto matte ones: noisy", default=False
+        name="Caustics", description="Light that glossy surfaces throw onto matte ones: noisy", default=False, update=_changed
     )
     use_denoising: bpy.props.BoolProperty(
         name="Denoise", description="By Open Image Denoise, if Blender's library is found", default=False

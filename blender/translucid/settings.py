@@ -4,6 +4,9 @@
 # Share of Burley's profile beyond 16 d, where Cycles cuts it off and renormalizes the rest.
 CYCLES_TAIL = 0.00362
 
+# The renderer's own choice.
+TAIL = 1e-3
+
 # Diffuse events on a path: Cycles' default is four after the first.
 _DIFFUSE_EVENTS = 5
 
@@ -20,10 +23,10 @@ def integrator_keys(scene, samples, model):
         "subsurface_sharing": settings.use_sharing,
         "seed": seed_of(scene),
     }
-    if model is None:
-        keys["subsurface_tail"] = CYCLES_TAIL
-        if settings.method == "ray-traced":
-            keys["subsurface_method"] = "cycles-disk"
+    # An edit leaves what it does not name.
+    keys["subsurface_tail"] = CYCLES_TAIL if model is None else TAIL
+    if model is None and settings.method == "ray-traced":
+        keys["subsurface_method"] = "cycles-disk"
     return keys
 
 

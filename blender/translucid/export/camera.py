@@ -50,8 +50,11 @@ def lens_of(camera_object):
     return focal / (2 * max(dof.aperture_fstop, 1e-5)), max(distance, 1e-5)
 
 
-def scene_camera(camera_object, depsgraph, width, height, report):
-    """The keys of a scene's camera for a picture of so many pixels."""
+def scene_camera(camera_object, depsgraph, width, height, report, eye=None):
+    """The keys of a scene's camera for a picture of so many pixels.
+
+    `eye` is the matrix of one of two eyes, and its shift beside the camera's.
+    """
     camera = camera_object.data
     where = f"camera {camera_object.name}"
     if camera.type not in {"PERSP", "ORTHO"}:
@@ -61,7 +64,11 @@ def scene_camera(camera_object, depsgraph, width, height, report):
     if camera.dof.use_dof and camera.dof.aperture_blades:
         report.add(where, None, "a lens with blades cannot be translated; it is round")
     projection = camera_object.calc_matrix_camera(depsgraph, x=width, y=height)
-    return camera_keys(camera_object.matrix_world, projection, lens_of(camera_object))
+    keys = camera_keys(eye[0] if eye else camera_object.matrix_world, projection, lens_of(camera_object))
+    if eye and eye[1] != 0:
+        x, y = keys.get("shift", (0.0, 0.0))
+        keys["shift"] = [x + eye[1], y]
+    return keys
 
 
 def _unit(vector):

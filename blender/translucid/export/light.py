@@ -14,8 +14,15 @@ def light_keys(lamp_object, world_from_light, report):
     where = f"light {lamp_object.name}"
     world = np.array(world_from_light, dtype=np.float64)
     power = _power(light, where, report)
-    if not np.any(power > 0):
+    if not np.isfinite(power).all():
+        report.add(where, None, "its power is no number; it is left out")
         return None
+    if np.any(power < 0):
+        report.add(where, None, "light that is negative cannot be rendered; it is 0")
+    power = np.maximum(power, 0)
+    if not power.any():
+        return None
+    _look_at(lamp_object, where, report)
     visible = bool(getattr(lamp_object, "visible_camera", True))
     translate = {"POINT": _point, "SPOT": _spot, "SUN": _sun, "AREA": _area}[light.type]
     return translate(light, world, power, visible, where, report)
@@ -28,7 +35,17 @@ def _power(light, where, report):
     power = color * light.energy * 2.0 ** getattr(light, "exposure", 0.0)
     if light.use_nodes and light.node_tree is not None:
         power = power * _emission(light, where, report)
-    return np.maximum(power, 0)
+    return power
+
+
+def _look_at(lamp_object, where, report):
+    if not getattr(lamp_object.data, "use_shadow", True):
+        report.add(where, None, "a lamp without shadows cannot be rendered; it throws them")
+    if not all(getattr(lamp_object, f"visible_{ray}", True) for ray in ("diffuse", "glossy", "transmission")):
+        report.add(where, None, "visibility by kind of ray cannot be rendered; it lights all surfaces")
+    linking = getattr(lamp_object, "light_linking", None)
+    if linking is not None and (linking.receiver_collection or linking.blocker_collection):
+        report.add(where, None, "light linking cannot be rendered; it lights all objects")
 
 
 def _emission(light, where, report):

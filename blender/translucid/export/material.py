@@ -11,7 +11,7 @@ import numpy as np
 
 from .nodes import Evaluator, Socket
 from .subsurface import transport_keys
-from .value import Placement, Value, combine
+from .value import Value, combine
 
 _ONE, _ZERO = Value.of(1.0), Value.of(0.0)
 
@@ -66,18 +66,23 @@ def material_of(material, report, model=None):
     evaluator = Evaluator(report, name)
     output = _output_node(material.node_tree)
     surface = Socket(output.inputs["Surface"]).source()[0] if output is not None else None
+    for kind in ("Volume", "Displacement") if output is not None else ():
+        if Socket(output.inputs[kind]).is_linked:
+            report.add(name, output.name, f"{kind} cannot be translated and is left out")
     if surface is None:
+        if output is not None and Socket(output.inputs["Volume"]).is_linked:
+            # A volume alone has no surface to see.
+            return Material({"geometry_opacity": 0.0})
         text = "there is no surface (Cycles shows black); it is light gray"
         report.add(name, output.name if output is not None else "", text)
         return default_material()
-    for kind in ("Volume", "Displacement"):
-        if Socket(output.inputs[kind]).is_linked:
-            report.add(name, output.name, f"{kind} cannot be translated and is left out")
     lobes = _lobes(evaluator, surface, _ONE)
     keys = _MaterialKeys(evaluator, material.name, lobes).keys
     if model is not None and keys.get("subsurface_model", "none") != "none":
-        # Cycles' index is that of the view's refraction; here it would be that of a body.
-        keys |= {"subsurface_model": model, "subsurface_eta": _ONE}
+        # Cycles' index is that of the view's refraction; here it would be that of a body. What its walks make of a color
+        # is its own, too.
+        color = _mean_color([lobe for lobe in lobes if lobe.kind == "subsurface"])
+        keys |= {"subsurface_model": model, "subsurface_eta": _ONE, "subsurface_color": color}
         keys.pop("subsurface_flights", None)
     return _spelled(evaluator, output, keys)
 
@@ -106,6 +111,9 @@ def _output_node(tree):
 
 def _lobes(evaluator, output, weight):
     """The lobes of the shader of an output, each times a weight."""
+    if output.socket.type != "SHADER":
+        # As in Cycles a color in place of a shader glows.
+        return [Lobe("emission", weight, output.node, evaluator.output(output).color())]
     translate = _SHADERS.get(output.node.type)
     if translate is None:
         text = f"a {output.node.bl_label} node cannot be translated; it is diffuse"
@@ -230,10 +238,12 @@ def _transparent(evaluator, output, weight):
 
 def _emission(evaluator, output, weight):
     color, strength = evaluator.value(output.input("Color")), evaluator.value(output.input("Strength"), 1.0)
-    return [Lobe("emission", weight, output.node, _radiance(color, strength))]
+    return [Lobe("emission", weight, output.node, _radiance(evaluator, output.node, color, strength))]
 
 
-def _radiance(color, strength):
+def _radiance(evaluator, node, color, strength):
+    if strength.linear.min() < 0 or color.linear.min() < 0:
+        evaluator.say(node, "light that is negative cannot be rendered; it is 0")
     if color.attribute and strength.is_constant:
         return Value(color.linear * max(strength.number, 0), color.placement, color.attribute)
     return combine(lambda c, s: np.maximum(c * s, 0), color, strength)
@@ -318,8 +328,9 @@ def _principled(evaluator, output, weight):
             "coat_weight": coat,
             "coat_roughness": _weight(evaluator, output, "Coat Roughness", 0.03),
             "coat_ior": evaluator.value(output.input("Coat IOR"), 1.5),
-            "coat_color": _color(evaluator, output, "Coat Tint"),
         }
+        depth = _coat_depth(interface["coat_ior"].number)
+        interface["coat_color"] = combine(lambda tint: tint**depth, _color(evaluator, output, "Coat Tint"))
         if output.input("Coat Normal") and output.input("Coat Normal").is_linked:
             evaluator.say(node, "a normal of the coat's own cannot be translated; it is the surface's")
     normal = _normal(evaluator, output)
@@ -346,10 +357,19 @@ def _principled(evaluator, output, weight):
         _say_of_attribute(evaluator, node, base)
         parts.append(Lobe("subsurface", _times(below, scattering), node, base, keys | normal, interface))
     lobes = [lobe for lobe in parts if not lobe.weight.is_everywhere(0)]
-    emitted = _radiance(evaluator.value(output.input("Emission Color"), [1.0, 1.0, 1.0]), evaluator.value(output.input("Emission Strength")))
+    emission = (evaluator.value(output.input(name), default) for name, default in (("Emission Color", [1.0, 1.0, 1.0]), ("Emission Strength", 0.0)))
+    emitted = _radiance(evaluator, node, *emission)
     if not emitted.is_everywhere(0):
         lobes.append(Lobe("emission", solid, node, emitted))
     return lobes
+
+
+def _coat_depth(ior):
+    """The mean way through a coat of thickness 1 that is seen from everywhere: ∫ 2 μ / μ_t(μ) dμ.
+
+    Cycles' tint is that of its thickness, and darkens with the way; the renderer's is the same for all directions.
+    """
+    return 2 * ior**2 * (1 - (1 - 1 / ior**2) ** 0.5) if ior > 1 else 2.0
 
 
 def _glass_color(base, transmission):

@@ -10,6 +10,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+# The renderer's coordinates are within this.
+FARTHEST = 1e9
+
 # Triangles that are compared before Blender's memory is trusted.
 _PROBES = 64
 
@@ -63,6 +66,38 @@ def arrays_of(mesh, uv_layers, color_attributes, is_one_material):
                 part = _compact(part)
         parts.append(part)
     return parts
+
+
+def mended(part, say):
+    """A part without what are no numbers, which modifiers and scripts may leave; `say` is told what was."""
+    if not np.abs(part.vertices).max() <= FARTHEST:
+        is_number = (np.abs(part.vertices) <= FARTHEST).all(axis=1)
+        kept = is_number[part.triangles].all(axis=1)
+        say(f"triangles with corners that are no numbers, or beyond ±1e9, are left out: {np.count_nonzero(~kept)}")
+        part.vertices, part.triangles = np.where(is_number[:, None], part.vertices, 0), part.triangles[kept]
+    if part.normals is not None:
+        # The renderer calculates those that have no direction.
+        part.normals = _numbers(part.normals)
+    for name, words in (("uv", "texture coordinates"), ("colors", "colors")):
+        values = getattr(part, name)
+        if values is not None and (mended := _numbers(values)) is not values:
+            setattr(part, name, mended)
+            say(f"{words} that are no numbers are 0")
+    return part
+
+
+def _numbers(values):
+    return values if np.isfinite(values).all() else np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+
+
+def has_area(vertices, triangles):
+    """Whether there is a triangle that is more than a line or a point."""
+    # Nearly always the first is.
+    for some in (triangles[:1], triangles):
+        a, b, c = np.moveaxis(vertices[some].astype(np.float64), 1, 0)
+        if np.cross(b - a, c - a).any():
+            return True
+    return False
 
 
 def _kept(corners):

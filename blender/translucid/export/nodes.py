@@ -92,7 +92,7 @@ class Evaluator:
             return Value.of(default)
         output, end = socket.source()
         if output is not None:
-            return _as_kind(self._output(output), socket.socket.type)
+            return _as_kind(self.output(output), socket.socket.type)
         if end.socket.hide_value or not hasattr(end.socket, "default_value"):
             return Value.of(default)
         number = end.socket.default_value
@@ -100,7 +100,8 @@ class Evaluator:
             number = tuple(number)[:3]
         return _as_kind(Value.of(number), socket.socket.type)
 
-    def _output(self, output):
+    def output(self, output):
+        """The value of an output."""
         key = (output.socket.as_pointer(), tuple(group.as_pointer() for group in output.groups))
         if key not in self._values:
             evaluate = _NODES.get(output.node.type)

@@ -9,11 +9,17 @@ class Report:
     """
 
     def __init__(self):
-        self._messages = {}
+        self._messages, self._said = {}, set()
 
     def add(self, where, what, text):
         place = f"{where}: {what}" if what else where
         self._messages[f"{place}: {text}" if place else text] = None
+
+    def unsaid(self):
+        """The messages since the last call."""
+        new = [message for message in self._messages if message not in self._said]
+        self._said.update(new)
+        return new
 
     @property
     def messages(self):

@@ -8,7 +8,7 @@ import translucid
 
 from .light import light_keys
 from .material import default_material, material_of
-from .mesh import arrays_of
+from .mesh import FARTHEST, arrays_of, has_area, mended
 from .world import environment_keys
 
 # Kinds of objects that have surfaces.
@@ -56,7 +56,7 @@ class Exporter:
 
     def describe(self):
         description = Description(environment=self._environment())
-        bodies = {}
+        layer, bodies = self._depsgraph.view_layer_eval, {}
         # What is found in an iteration is gone after it.
         for instance in self._depsgraph.object_instances:
             shown = instance.object
@@ -67,21 +67,37 @@ class Exporter:
                 if light is not None:
                     description.lights.append(light)
             elif shown.type in _SURFACES:
-                self._place(bodies, instance, shown, description)
+                if layer.use_solid:
+                    self._place(bodies, instance, shown, description)
             elif shown.type not in _SILENT:
                 what = _KINDS.get(shown.type, shown.type.lower())
                 self._report.add(f"object {shown.name}", None, f"{what} cannot be rendered")
         for body in bodies.values():
-            if body.parts:
+            self._leave_out_places(body)
+            if body.parts and body.places:
                 description.bodies[_unique(body.name, description.bodies)] = body
         self._cache.keep(bodies, description)
         return description
 
+    def _leave_out_places(self, body):
+        """Drops the places at which nothing can be seen, as where the scale is 0."""
+        places = np.array(body.places)
+        are_numbers = np.abs(places).max(axis=(1, 2)) <= FARTHEST
+        for i in np.flatnonzero(~are_numbers):
+            self._report.add(f"object {body.owners[i]}", None, "its matrix is beyond all bounds; it is left out")
+        seen = are_numbers
+        for i in np.flatnonzero(_stretch(np.where(are_numbers[:, None, None], places, np.eye(4))) >= _FLAT):
+            seen[i] &= any(has_area(_moved(part.vertices, places[i]), part.triangles) for _, part in body.parts)
+        if not seen.all():
+            body.places = [body.places[i] for i in np.flatnonzero(seen)]
+            body.owners = [body.owners[i] for i in np.flatnonzero(seen)]
+
     def _environment(self):
         if self._cache.environment is not None:
             return self._cache.environment
-        scene = self._depsgraph.scene
-        return environment_keys(scene.world, self._report, not scene.render.film_transparent)
+        scene, layer = self._depsgraph.scene, self._depsgraph.view_layer_eval
+        world = getattr(layer, "world_override", None) or scene.world
+        return environment_keys(world if layer.use_sky else None, self._report, not scene.render.film_transparent)
 
     def _material(self, material):
         if material is None:
@@ -89,7 +105,8 @@ class Exporter:
         return material_of(material, self._report, self._model)
 
     def _place(self, bodies, instance, shown, description):
-        materials = [slot.material for slot in shown.material_slots] or [None]
+        override = self._depsgraph.view_layer_eval.material_override
+        materials = [override or slot.material for slot in shown.material_slots] or [override]
         # Objects with the same evaluated mesh and the same materials share it.
         owner = "" if shown.type == "MESH" else shown.name_full
         names = tuple(material_name(material) for material in materials)
@@ -113,8 +130,12 @@ class Exporter:
 
     def _look_at(self, shown):
         where = f"object {shown.name}"
-        if getattr(shown, "is_holdout", False):
+        layer = self._depsgraph.view_layer
+        owner = shown.original
+        if owner.is_holdout or owner.holdout_get(view_layer=layer):
             self._report.add(where, None, "a holdout cannot be rendered; it is seen")
+        if owner.indirect_only_get(view_layer=layer):
+            self._report.add(where, None, "what is seen indirectly only cannot be rendered; it is seen")
         if getattr(shown, "is_shadow_catcher", False):
             self._report.add(where, None, "a shadow catcher cannot be rendered; it is seen")
         rays = ("camera", "diffuse", "glossy", "transmission", "shadow")
@@ -145,7 +166,8 @@ class Exporter:
                 self._report.add(where, None, f"it has no UV map{wanted}; its textures show one texel")
             if part.slot in colors and part.colors is None:
                 self._report.add(where, None, f"it has no color attribute {colors[part.slot]!r}; it is white")
-        return [(names[min(part.slot, len(names) - 1)], part) for part in parts]
+        parts = [mended(part, lambda text: self._report.add(where, None, text)) for part in parts]
+        return [(names[min(part.slot, len(names) - 1)], part) for part in parts if has_area(part.vertices, part.triangles)]
 
     def _add_material(self, description, material):
         name = material_name(material)
@@ -227,7 +249,7 @@ def meshes_of(name, body, materials, movable=False):
     # The parts of a body share the light below their surfaces, and each place is a body of its own.
     is_shared = len(body.parts) > 1 and any(materials[material].scatters for material, _ in body.parts)
     places = np.array(body.places)
-    stretch = [_stretch(place) for place in places]
+    stretch = _stretch(places)
     for number, (material, part) in enumerate(body.parts):
         own = name if len(body.parts) == 1 else f"{name}/{number}"
         words = {
@@ -246,8 +268,9 @@ def meshes_of(name, body, materials, movable=False):
             unique = own if len(places) == 1 else f"{own} {i}"
             if stretch[i] >= _FLAT:
                 # What is flattened has no normals that a matrix could turn.
-                flat = part.vertices @ place[:3, :3].T + place[:3, 3]
-                yield {"name": unique, **words, "vertices": flat, "normals": None, **group}
+                flat = _moved(part.vertices, place)
+                if has_area(flat, part.triangles):
+                    yield {"name": unique, **words, "vertices": flat, "normals": None, **group}
                 continue
             free = {"movable": True} if movable and len(places) == 1 and stretch[i] < _STRETCHED else {}
             yield {"name": unique, "matrix": place.ravel().tolist(), **group, **free, **words}
@@ -257,9 +280,13 @@ def meshes_of(name, body, materials, movable=False):
 _FLAT, _STRETCHED = 1e5, 100.0
 
 
-def _stretch(place):
-    scales = np.linalg.svd(place[:3, :3], compute_uv=False)
-    return scales[0] / scales[2] if scales[2] > 1e-12 else np.inf
+def _stretch(places):
+    scales = np.linalg.svd(places[:, :3, :3], compute_uv=False)
+    return np.where(scales[:, 2] > 1e-12, scales[:, 0] / np.maximum(scales[:, 2], 1e-12), np.inf)
+
+
+def _moved(vertices, place):
+    return vertices @ place[:3, :3].T + place[:3, 3]
 
 
 def _unique(name, taken):
