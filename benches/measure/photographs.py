@@ -8,6 +8,7 @@ be had, it says so and ends well. --write puts the tables into docs/accuracy/mea
 """
 
 import argparse
+import functools
 import json
 import math
 import os
@@ -104,11 +105,13 @@ def dielectric_albedo(alpha, eta):
     return alpha / 2 * np.sum(weight * (1 - reflected) * h * y)
 
 
-def alpha_of(albedo, albedo_of=searchlight_albedo):
+@functools.cache
+def alpha_of(albedo):
+    """The single-scattering albedo of a matched isotropic half space."""
     low, high = 0.0, 1 - 1e-9
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if albedo_of(middle) < albedo else (low, middle)
+        low, high = (middle, high) if searchlight_albedo(middle) < albedo else (low, middle)
     return (low + high) / 2
 
 
