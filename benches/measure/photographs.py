@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
 """Measures materials in synthetic photographs of Mitsuba 3, and prints how far from the truth the numbers are.
 
-    python3 benches/measure/photographs.py [--samples 4] [--write]
+    python3 benches/measure/photographs.py [--collisions 6e6] [--write]
 
 README.md says what is measured and how. The first run installs mitsuba from PyPI into target/peers/mitsuba; where it can't
 be had, it says so and ends well. --write puts the tables into docs/accuracy/measure.md.
 """
 
 import argparse
+import functools
 import json
 import math
 import os
@@ -15,6 +16,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -61,11 +63,13 @@ MEDIA = {
         "spot": [(0.3, 0.9, 1.0), (0.5, 0.9, 1.0), (0.7, 0.9, 1.0)],
     },
 }
-# Parts of a rendering's rows make photographs of their own: mean free path [mm], blur in pixels, dark corners
+# Photographs of a medium: mean free path [mm], blur in pixels, dark corners
 SETUPS = [(0.1, 0.8, 0.0), (0.6, 1.5, 0.05), (5.0, 1.0, 0.10)]
-COLUMNS, ROWS = 192, 288
+COLUMNS, ROWS = 192, 96
 # Spots: the picture's side, the light's radius, and how far it is off the middle, in pixels
 SPOT, RADIUS, OFFSET = 96, 7.0, (3.3, -2.6)
+# Paths of a photograph's channel, at most
+MOST_PATHS = 2e5
 
 
 def h_function(alpha, mu):
@@ -101,11 +105,13 @@ def dielectric_albedo(alpha, eta):
     return alpha / 2 * np.sum(weight * (1 - reflected) * h * y)
 
 
-def alpha_of(albedo, albedo_of=searchlight_albedo):
+@functools.cache
+def alpha_of(albedo):
+    """The single-scattering albedo of a matched isotropic half space."""
     low, high = 0.0, 1 - 1e-9
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if albedo_of(middle) < albedo else (low, middle)
+        low, high = (middle, high) if searchlight_albedo(middle) < albedo else (low, middle)
     return (low + high) / 2
 
 
@@ -118,78 +124,77 @@ def decay(alpha):
     return low
 
 
-def samples_of(medium, collisions):
-    """Samples per pixel that take about so many collisions, 1 to 4."""
-    albedo, g, _ = medium
-    per_sample = (1 - albedo) / (1 - alpha_of(albedo)) / (1 - g)
-    return max(1, min(4, round(collisions / (per_sample * COLUMNS * ROWS))))
+def pixel_of(setup, medium):
+    """Width of a pixel in transport mean free paths: the picture shows what light creeps over."""
+    columns, widest = (COLUMNS, 60) if setup == "edge" else (SPOT, 40)
+    return 2 * min(max(5 / decay(alpha_of(medium[0])), 8), widest) / columns
 
 
-def rendering(setup, medium, part, collisions):
-    """Light that leaves a half space straight up, over that of white, and the pixel's width in transport mean free paths.
+def paths_of(setup, medium, part, collisions):
+    """Paths of a camera that looks straight down on a point of a half space: how far from it each gets out, in transport mean
+    free paths along two axes, and its weight. The mean weight is the piece's albedo times what it sends up through its surface.
 
-    The light is a rectangle that lies on the lit half, or a disk. The camera lies below the surface and looks down: it sees
-    neither the light nor what a smooth surface reflects.
+    Each path ends on a plane of light, whose color is the place: red and green rise along its axes, blue is 1.
+    The camera lies below the surface and sees neither the light nor what a smooth surface reflects.
     """
     albedo, g, eta = medium
-    samples = samples_of(medium, collisions)
     alpha_prime = alpha_of(albedo)
-    if setup == "edge":
-        columns, rows, widest, name = COLUMNS, ROWS, 60, f"edge-{albedo}-{g}-{eta}-{samples}"
-    else:
-        columns, rows, widest, samples = SPOT, SPOT, 40, 2 * samples
-        name = f"spot-{albedo}-{g}-{eta}-{samples}-{part}"
-    pixel = 2 * min(max(5 / decay(alpha_prime), 8), widest) / columns
+    # sigma'_t = 1: sigma_s = alpha' / (1 - g), sigma_a = 1 - alpha'
+    sigma_s, sigma_a = alpha_prime / (1 - g), 1 - alpha_prime
+    alpha = sigma_s / (sigma_s + sigma_a)
+    side = math.ceil(math.sqrt(min(MOST_PATHS, collisions * (1 - alpha) / (1 - albedo))))
+    path = CACHE / "measure" / f"{setup}-{albedo}-{g}-{eta}-{part}-{side}.npy"
     # Through a smooth surface a part gets out, which spreads over more directions
     seen = (1 - ((eta - 1) / (eta + 1)) ** 2) / eta ** 2
-    path = CACHE / "measure" / f"{name}.npy"
     if path.exists():
-        return seen * np.load(path), pixel
+        return np.load(path) * [1, 1, seen]
     import mitsuba as mi
 
     mi.set_variant("scalar_rgb")
     mi.set_log_level(mi.LogLevel.Error)
-    # sigma'_t = 1: sigma_s = alpha' / (1 - g), sigma_a = 1 - alpha'
-    sigma_s, sigma_a = alpha_prime / (1 - g), 1 - alpha_prime
     transform = mi.ScalarTransform4f
-    half, gap, width = 400.0, 0.02, columns * pixel
-    if setup == "edge":
-        light, place, size = "rectangle", [2 * half, 0, gap], 2 * half
-    else:
-        light, place, size = "disk", [pixel * OFFSET[0], pixel * OFFSET[1], gap], pixel * RADIUS
-    # No path samples a small light through a boundary: so near that would be noise without a variance
-    is_open = setup == "edge" and eta == 1
-    boundary = {"type": "null"} if is_open else {"type": "dielectric", "int_ior": eta, "ext_ior": 1.0}
+    # The renderer starts rays so far from surfaces that a nearer light would be missed from the farthest exits that count
+    half, reach = 400.0, pixel_of(setup, medium) * (COLUMNS if setup == "edge" else SPOT)
+    gap = 1e-4 * (1 + max(reach, 6 / decay(alpha_prime) if setup == "edge" else 0))
+    ramp = np.zeros((2, 2, 3), np.float32)
+    ramp[:, 1, 0], ramp[1, :, 1], ramp[:, :, 2] = 1, 1, 1
+    # Where the renderer's roulette makes weights of no finite variance, paths end when nothing is left of them
+    plays = alpha < 0.97
+    ends = {"max_depth": -1, "rr_depth": 1} if plays else \
+        {"max_depth": int(math.log(1e-5) / math.log(alpha)) + 2, "rr_depth": 1000000}
     scene = mi.load_dict({
         "type": "scene",
-        "integrator": {"type": "volpath", "max_depth": -1, "rr_depth": 1000000},
-        "inside": {"type": "homogeneous", "albedo": sigma_s / (sigma_s + sigma_a), "sigma_t": sigma_s + sigma_a,
-                   "phase": {"type": "hg", "g": g}},
+        "integrator": {"type": "volpath", **ends},
+        "inside": {"type": "homogeneous", "albedo": alpha, "sigma_t": sigma_s + sigma_a, "phase": {"type": "hg", "g": g}},
         "sensor": {
             "type": "orthographic", "near_clip": 1e-6, "far_clip": 1e6, "medium": {"type": "ref", "id": "inside"},
-            "to_world": transform().look_at(origin=[0, 0, -gap / 2], target=[0, 0, -1], up=[0, 1, 0])
-            @ transform().scale([-width / 2, width / 2, 1]),
-            "film": {"type": "hdrfilm", "width": columns, "height": rows, "rfilter": {"type": "box"},
-                     "pixel_format": "luminance"},
-            "sampler": {"type": "independent", "sample_count": samples},
+            "to_world": transform().look_at(origin=[0, 0, -1e-3], target=[0, 0, -1], up=[0, 1, 0])
+            @ transform().scale([1e-6, 1e-6, 1]),
+            "film": {"type": "hdrfilm", "width": side, "height": side, "rfilter": {"type": "box"}, "pixel_format": "rgb",
+                     "component_format": "float32"},
+            "sampler": {"type": "independent", "sample_count": 1},
         },
+        # No path samples the light through a smooth boundary, of index 1, too: each meets it once or never
         "piece": {"type": "cube", "to_world": transform().translate([0, 0, -half]) @ transform().scale(half),
-                  "bsdf": boundary, "interior": {"type": "ref", "id": "inside"}},
-        "light": {"type": light, "emitter": {"type": "area", "radiance": 1.0},
-                  "bsdf": {"type": "diffuse", "reflectance": 0.0},
-                  "to_world": transform().translate(place) @ transform().scale(size)
+                  "bsdf": {"type": "dielectric", "int_ior": eta, "ext_ior": 1.0},
+                  "interior": {"type": "ref", "id": "inside"}},
+        "light": {"type": "rectangle", "bsdf": {"type": "diffuse", "reflectance": 0.0},
+                  "emitter": {"type": "area", "radiance": {"type": "bitmap", "bitmap": mi.Bitmap(ramp), "raw": True,
+                                                           "wrap_mode": "clamp"}},
+                  "to_world": transform().translate([0, 0, gap]) @ transform().scale(2 * half)
                   @ transform().rotate([1, 0, 0], 180)},
     })
-    seed = int(1e4 * albedo) + int(1e6 * g) + int(1e7 * eta) + (0 if setup == "edge" else 7919 * (part + 1))
+    seed = int(1e4 * albedo) + int(1e6 * g) + int(1e7 * eta) + 7919 * part + (0 if setup == "edge" else 104729)
     begin = time.process_time()
-    picture = np.array(mi.render(scene, spp=samples, seed=seed)).reshape(rows, columns)
-    # Light on the right, however the camera was turned
-    if setup == "edge" and picture[:, :columns // 4].mean() > picture[:, -columns // 4:].mean():
-        picture = picture[:, ::-1]
+    found = np.array(mi.render(scene, spp=1, seed=seed)).reshape(-1, 3).astype(float)
+    weight = found[:, 2]
+    places = (found[:, :2] / np.maximum(weight, 1e-30)[:, None] - 0.5) * 2 * half
+    found = np.column_stack([places, weight])
     path.parent.mkdir(parents=True, exist_ok=True)
-    np.save(path, picture)
-    print(f"rendered {path.stem}: {time.process_time() - begin:.0f} CPU s", flush=True)
-    return seen * picture, pixel
+    np.save(path, found.astype(np.float32))
+    print(f"{path.stem}: {time.process_time() - begin:.0f} CPU s, total {weight.mean() * seen:.4f} "
+          f"± {weight.std() * seen / side:.4f}", flush=True)
+    return found * [1, 1, seen]
 
 
 def blurred(values, blur):
@@ -202,46 +207,40 @@ def blurred(values, blur):
     return values
 
 
-def light_of(setup, medium, part, blur, collisions, smooth):
+def light_of(setup, medium, part, blur, collisions, generator):
     """What the camera sees of the piece and of white paper in its place, and the pixel's width [ℓ'].
 
-    The lens blurs the light, not the noise of its simulation, which stands for that of the camera; in a smooth picture there
-    is none of it.
+    A path may begin anywhere on the piece. Around a spot each ends anywhere in the light, and is seen where it began and the
+    lens blurs it to. Of an edge each row has paths of its own, which begin in all of its pixels.
     """
+    pixel = pixel_of(setup, medium)
+    paths = paths_of(setup, medium, part, collisions)
+    away, weight, count = paths[:, :2] / pixel, paths[:, 2], len(paths)
+    lens = blur * generator.normal(size=(count, 2))
     if setup == "edge":
-        picture, pixel = rendering(setup, medium, 0, collisions)
-        rows = ROWS // len(SETUPS)
-        own = picture[part * rows:(part + 1) * rows].reshape(rows // 4, 4, COLUMNS).mean(1)
-        mean = own.mean(0)
-        return (0 if smooth else own - mean) + np.broadcast_to(blurred(mean, blur), own.shape), np.ones(own.shape), pixel
-    picture, pixel = rendering(setup, medium, part, collisions)
-    y, x = np.mgrid[0:SPOT, 0:SPOT] + 0.5 - SPOT / 2
-    # The middle of the light, however the camera was turned
-    away = min(((x - i * OFFSET[0]) ** 2 + (y - j * OFFSET[1]) ** 2 for i in (-1, 1) for j in (-1, 1)),
-               key=lambda square: picture[square < RADIUS ** 2].mean() * -1)
-    distance = np.sqrt(away)
-    disk = np.clip(RADIUS + 0.5 - distance, 0, 1)
-    # Its power is what was rendered
-    disk *= math.pi * RADIUS ** 2 / disk.sum()
-    # By rings, finely where light changes much
-    rings = np.concatenate([np.arange(0, 2 * RADIUS, 0.5), np.arange(2 * RADIUS, SPOT, 2.0)])
-    ring = np.digitize(distance.ravel(), rings)
-    count = np.maximum(np.bincount(ring, minlength=len(rings) + 1), 1)
-    sums = [np.bincount(ring, weights=of.ravel(), minlength=len(rings) + 1) for of in (picture, distance)]
-    seen = np.bincount(ring, minlength=len(rings) + 1) > 0
-    mean = np.interp(distance, (sums[1] / count)[seen], (sums[0] / count)[seen])
-    if smooth:
-        return blurred(mean, blur), blurred(disk, blur), pixel
-    return picture - mean + blurred(mean, blur), blurred(disk, blur), pixel
+        row = np.arange(count) * ROWS // count
+        # The first pixel from which a path ends in the light
+        first = np.floor(COLUMNS / 2 - away[:, 0] + lens[:, 0] + generator.uniform(size=count))
+        first = np.clip(first, 0, COLUMNS).astype(int)
+        seen = np.bincount(row * (COLUMNS + 1) + first, weights=weight, minlength=ROWS * (COLUMNS + 1))
+        seen = seen.reshape(ROWS, COLUMNS + 1).cumsum(1)[:, :COLUMNS] / np.bincount(row)[:, None]
+        return seen, np.ones(seen.shape), pixel
+    radius, angle = RADIUS * np.sqrt(generator.uniform(size=count)), 2 * math.pi * generator.uniform(size=count)
+    end = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]) + OFFSET
+    x, y = (end - away + lens + SPOT / 2).T
+    seen, _, _ = np.histogram2d(y, x, SPOT, ((0, SPOT), (0, SPOT)), weights=weight)
+    fine = (np.arange(8 * SPOT) + 0.5) / 8 - SPOT / 2
+    disk = np.hypot(fine - OFFSET[0], fine[:, None] - OFFSET[1]) < RADIUS
+    return seen * math.pi * RADIUS ** 2 / count, blurred(disk.reshape(SPOT, 8, SPOT, 8).mean((1, 3)), blur), pixel
 
 
-def photographs(setup, media, part, collisions, generator, smooth):
+def photographs(setup, media, part, collisions, generator):
     """A photograph of red, green and blue, that of white paper of reflectance 0.9 in place of the piece, the millimeters per
     pixel, and the true mean free paths [mm]."""
     mfp, blur, dark = SETUPS[part]
     channels, papers, lengths, mm = [], [], [], None
     for medium in media:
-        light, white, pixel = light_of(setup, medium, part, blur, collisions, smooth)
+        light, white, pixel = light_of(setup, medium, part, blur, collisions, generator)
         mm = mm or mfp * pixel
         lengths.append(mm / pixel)
         channels.append(light)
@@ -271,8 +270,9 @@ def save(photo, path):
         mi.Bitmap(np.round(255 * coded).astype(np.uint8)).write(str(path), quality=92)
 
 
-def measure(setup, pair, coding, mm, program, directory, *more, rim=False):
-    """Rows of `translucid measure`, by channel and quantity; white is the paper's photograph, or a card at the rim."""
+def words_of(setup, pair, coding, mm, program, directory, *more, rim=False):
+    """The command that measures a photograph, which is written into a directory; white is the paper's photograph, or a card at
+    the rim."""
     photo, paper = pair
     paths = [directory / f"{name}.{'jpg' if coding == 'JPEG' else 'exr'}" for name in ("photo", "paper")]
     height, width = photo.shape[:2]
@@ -286,7 +286,12 @@ def measure(setup, pair, coding, mm, program, directory, *more, rim=False):
         top = 24 if rim else 0
         words += ["--region", f"0,{top},{width},{height + top}", "--edge",
                   f"{width // 2},{top},{width // 2},{height + top}", "--card", "hidden"]
-    ran = subprocess.run([str(word) for word in words], capture_output=True, text=True)
+    return [str(word) for word in words]
+
+
+def measured(words):
+    """Rows of `translucid measure`, by channel and quantity."""
+    ran = subprocess.run(words, capture_output=True, text=True)
     if ran.returncode != 0:
         print(f"refused: {ran.stderr.strip().splitlines()[-1]}")
         return {}
@@ -323,7 +328,8 @@ def summary(found):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "translucid")
-    parser.add_argument("--collisions", type=float, default=2e6, help="of a rendering [2e6]")
+    parser.add_argument("--collisions", type=float, default=6e6, help="of a photograph's channel, about [6e6]")
+    parser.add_argument("--jobs", type=int, default=os.cpu_count(), help="measurements at once")
     parser.add_argument("--write", action="store_true", help=f"into {PAGE.relative_to(ROOT)}")
     arguments = parser.parse_args()
     generator = np.random.default_rng(1)
@@ -338,7 +344,8 @@ def main():
         "by the default": ({}, ["--configuration", "diffuse"], [exact, dielectric]),
     }
     found = {}
-    with tempfile.TemporaryDirectory() as directory:
+    with tempfile.TemporaryDirectory() as directory, ThreadPoolExecutor(arguments.jobs) as pool:
+        tasks = []
         for kind, by_setup in MEDIA.items():
             for setup, media in by_setup.items():
                 for three in (media[i:i + 3] for i in range(0, len(media), 3)):
@@ -346,18 +353,25 @@ def main():
                         for way, (keywords, words, kinds) in ways.items():
                             if kind not in kinds or (setup == "spot" and keywords):
                                 continue
-                            pair, mm, lengths = photographs(setup, three, part, arguments.collisions, generator,
-                                                            way == "JPEG")
-                            rows = measure(setup, pair, way, mm, arguments.program, Path(directory), *words, **keywords)
-                            for name, medium, length in zip(("red", "green", "blue"), three, lengths):
-                                if (name, "mfp") not in rows:
-                                    continue
-                                albedo = medium[0]
-                                if way == "η given":
-                                    albedo = below.setdefault(medium, dielectric_albedo(alpha_of(albedo), medium[2]))
-                                case = (rows[name, "mfp"], length, rows[name, "surface_albedo"], albedo)
-                                found.setdefault((way, kind, setup), []).append(case)
-                                found.setdefault((way, kind, setup, medium), []).append(case)
+                            pair, mm, lengths = photographs(setup, three, part, arguments.collisions, generator)
+                            own = Path(directory) / str(len(tasks))
+                            own.mkdir()
+                            words = words_of(setup, pair, way, mm, arguments.program, own, *words, **keywords)
+                            tasks.append((way, kind, setup, three, lengths, words))
+        for (way, kind, setup, three, lengths, _), rows in zip(tasks, pool.map(measured, [task[-1] for task in tasks])):
+            print(f"{setup}, {kind}, {way}:", flush=True)
+            for name, medium, length in zip(("red", "green", "blue"), three, lengths):
+                if (name, "mfp") not in rows:
+                    continue
+                albedo = medium[0]
+                if way == "η given":
+                    albedo = below.setdefault(medium, dielectric_albedo(alpha_of(albedo), medium[2]))
+                case = (rows[name, "mfp"], length, rows[name, "surface_albedo"], albedo)
+                found.setdefault((way, kind, setup), []).append(case)
+                found.setdefault((way, kind, setup, medium), []).append(case)
+                parts = [f"{row['value'] / truth:.4f} ({row['from_95'] / truth:.4f} to {row['to_95'] / truth:.4f})"
+                         for row, truth in (case[:2], case[2:])]
+                print(f"  A = {medium[0]}, ℓ = {length:.3g} mm: ℓ {parts[0]}, A {parts[1]} of the truth", flush=True)
     lines = [
         ("edge, 16 bits", [("16 bits", exact, "edge"), ("η given", dielectric, "edge")]),
         ("spot, 16 bits", [("16 bits", exact, "spot"), ("η given", dielectric, "spot")]),
@@ -373,9 +387,7 @@ def main():
     for name, keys in lines:
         cases = [case for key in keys for case in found.get(key, [])]
         if cases:
-            numbers = summary(cases)
-            # The simulation's noise is the same in all rows, so that intervals cannot know of it
-            rows.append([name, *("–" if "JPEG" in name and i in (1, 3) else text for i, text in enumerate(numbers))])
+            rows.append([name, *summary(cases)])
     first = table(["photograph", "measurements", "ℓ within 95 %", "median error of ℓ", "A within 95 %",
                    "median error of A"], rows)
     bias = []
