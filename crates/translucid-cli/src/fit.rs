@@ -38,18 +38,24 @@ names those that the file does not determine, whose error exceeds a third of the
 of r. With -o the files are parameters.csv, residuals.csv (fit - reflectance in units of the error; without
 errors, of the reflectance), the same drawn over r as residuals.svg and residuals.png, and report.txt.
 
+With --table and --family half-space the exact half space of isotropic scatterers is fitted to the file:
+sigma_a and sigma_s_prime, in 1 over the unit of r, and what follows from them, the mean free path mfp and the
+surface_albedo, of the light that enters. reflectance is what leaves, over the light that falls on the medium,
+so that under a boundary (--eta) less of it enters.
+
 Examples:
   translucid fit --family burley
   translucid fit --configuration searchlight --parameter mfp --family burley
   translucid fit --configuration diffuse --parameter mfp --family burley --max-radius 8 -o fit
   translucid fit --configuration searchlight --parameter dmfp --family exponentials --terms 3 -o fit
-  translucid fit --table measured.csv --terms 2";
+  translucid fit --table measured.csv --terms 2
+  translucid fit --table measured.csv --family half-space --eta 1.4";
 
 /// Fits simple profiles to the exact one, and prints how far they are
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct FitArguments {
-    /// How light enters the medium; for burley [default: all cases of the talk]
+    /// How light enters the medium; for burley [default: all cases of the talk], for half-space [default: searchlight]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
     /// Length that the fit is in; for burley [default: all cases of the talk]
@@ -68,9 +74,12 @@ pub(crate) struct FitArguments {
     #[arg(
         long,
         value_name = "FILE",
-        conflicts_with_all = ["configuration", "parameter", "family", "max_radius"]
+        conflicts_with_all = ["parameter", "max_radius"]
     )]
     table: Option<PathBuf>,
+    /// Relative index of refraction of the half space's boundary, in \[0.5, 3\]; 1 is none
+    #[arg(long, value_name = "ETA", default_value_t = 1.0, hide_default_value = true)]
+    eta: f64,
     #[command(flatten)]
     output: output::OutputArguments,
 }
@@ -91,13 +100,35 @@ enum FamilyName {
     Burley,
     /// A sum of exponentials over r
     Exponentials,
+    /// The exact half space, to a table
+    HalfSpace,
 }
 
 /// Runs the verb.
 pub(crate) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     let terms = |default: u32| arguments.terms.unwrap_or(default) as usize;
-    if let Some(path) = &arguments.table {
-        return table::run(arguments, path, terms(2));
+    let is_half_space = arguments.family == Some(FamilyName::HalfSpace);
+    if arguments.eta != 1.0 && !is_half_space {
+        return Err(Failure::input("--eta is for --family half-space"));
+    }
+    if is_half_space && arguments.terms.is_some() {
+        return Err(Failure::input("--terms is for sums, but the family is half-space"));
+    }
+    match (&arguments.table, arguments.family) {
+        (Some(path), Some(FamilyName::HalfSpace)) => return table::run_half_space(arguments, path),
+        (Some(path), None) if arguments.configuration.is_none() => {
+            return table::run(arguments, path, terms(2));
+        }
+        (Some(_), None) => {
+            return Err(Failure::input("--configuration is for --family half-space with --table"));
+        }
+        (Some(_), Some(_)) => {
+            return Err(Failure::input(
+                "--family is half-space with --table, or none: then all sums are fitted",
+            ));
+        }
+        (None, Some(FamilyName::HalfSpace)) => return Err(needs_table()),
+        (None, _) => {}
     }
     let r_max = arguments.max_radius;
     if r_max.is_nan() || r_max < 1e-3 {
@@ -114,7 +145,12 @@ pub(crate) fn run(arguments: &FitArguments) -> Result<(), Failure> {
     match case.family {
         FamilyName::Burley => albedos::burley(&case, &arguments.output),
         FamilyName::Exponentials => albedos::exponentials(&case, terms(3), &arguments.output),
+        FamilyName::HalfSpace => Err(needs_table()),
     }
+}
+
+fn needs_table() -> Failure {
+    Failure::input("--family half-space fits a --table")
 }
 
 impl FitArguments {

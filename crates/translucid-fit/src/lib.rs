@@ -6,6 +6,7 @@
 //!   weights are not negative and sum to 1.
 //! - [`SampleFit`]: mixtures fitted to a measured or simulated table, with the uncertainties of their parameters;
 //!   [`SampleFits`] has one of every family.
+//! - [`MediumFit`]: a medium's coefficients fitted to such a table, where each single-scattering albedo has its profile.
 //! - [`ScalingFit`]: the scale s(A) that brings normalized diffusion closest to the exact half space, and
 //!   [`ScalingPolynomial`]s through it.
 //!
@@ -39,6 +40,7 @@
 mod family;
 mod l1_error;
 mod least_squares;
+mod medium_fit;
 mod minimum;
 mod mixture;
 mod sample_fit;
@@ -49,6 +51,7 @@ mod scaling_polynomial;
 pub use family::{Burley, Exponential, Family, Gaussian};
 pub use l1_error::{Judge, l1_error};
 pub use least_squares::{Fit, Target, fit};
+pub use medium_fit::{MediumFit, MediumProfile};
 pub use mixture::Mixture;
 pub use sample_fit::{Errors, Estimate, Sample, SampleFit};
 pub use sample_fits::SampleFits;

@@ -205,6 +205,7 @@ impl Case {
         let family = match self.family {
             FamilyName::Burley => "normalized diffusion",
             FamilyName::Exponentials => "sum of exponentials",
+            FamilyName::HalfSpace => "exact half space",
         };
         let configuration = match self.configuration {
             Configuration::Searchlight => "searchlight",
@@ -219,7 +220,7 @@ impl Case {
                 format!("least error up to r = {}", exact(self.max_radius))
             }
             FamilyName::Burley => String::from("least error over all r"),
-            FamilyName::Exponentials => String::from("least squares"),
+            FamilyName::Exponentials | FamilyName::HalfSpace => String::from("least squares"),
         };
         format!(
             "{family}, {configuration}, by the {length}\n\

@@ -4,25 +4,29 @@ use std::fs;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord, Trim};
-use translucid_fit::{Errors, Estimate, Family, Sample, SampleFit, SampleFits};
+use translucid_fit::{Errors, Estimate, Family, MediumFit, MediumProfile, Sample, SampleFit, SampleFits};
 use translucid_laboratory::{Cell, Chart, DataTable, Ink, ResidualScale, Residuals, residual_chart};
 use translucid_profile::{Model, ParameterError};
+use translucid_reference::exact::HalfSpace;
+use translucid_reference::{Incidence, specular_reflectance};
 use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
 use crate::failure::Failure;
+use crate::model::ConfigurationName;
 use crate::table::exact;
 
 /// Greatest file, in bytes: a profile has some hundred radii.
 const MOST_BYTES: u64 = 1 << 26;
 /// Least error of a sample.
 const LEAST_ERROR: f64 = 1e-250;
+/// Files that -o has beside the report.
+const FILES: [&str; 4] = ["parameters.csv", "residuals.csv", "residuals.svg", "residuals.png"];
 /// Most samples.
 const MOST_SAMPLES: usize = 100_000;
 
 /// Fits normalized diffusion, exponentials and Gaussians to the samples of a file.
 pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result<(), Failure> {
-    let files = ["parameters.csv", "residuals.csv", "residuals.svg", "residuals.png"];
     let (samples, errors) = load(path)?;
     if samples.len() <= 2 * terms {
         let message = format!(
@@ -32,13 +36,58 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
         );
         return Err(SceneError::at(Place::file(path), message).with_help("choose fewer --terms").into());
     }
-    let _directory = arguments.output.check(&files, Some(path))?;
+    let _directory = arguments.output.check(&FILES, Some(path))?;
     let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
     let fits = fits(&samples, errors, terms).map_err(fail)?;
+    write(arguments, path, &samples, errors, &fits)
+}
 
-    // Lay out the tables
+/// Fits the exact half space to the samples of a file.
+pub(super) fn run_half_space(arguments: &FitArguments, path: &Path) -> Result<(), Failure> {
+    let (samples, errors) = load(path)?;
+    let _directory = arguments.output.check(&FILES, Some(path))?;
+    let configuration = arguments.configuration.unwrap_or(ConfigurationName::Searchlight);
+    let incidence = Incidence::from(translucid_profile::Configuration::from(configuration));
+    let solve = |alpha: f64| HalfSpace::with_boundary(alpha, arguments.eta, incidence);
+    // What is refused is so for every albedo
+    solve(0.5).map_err(|error| Failure::input(error.to_string()))?;
+    let entering = 1.0 - specular_reflectance(incidence, arguments.eta);
+    let profile = |alpha: f64| -> MediumProfile {
+        match solve(alpha) {
+            Ok(half_space) => Box::new(move |r| entering * half_space.eval(r).value),
+            Err(_) => Box::new(|_| 0.0),
+        }
+    };
+    let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
+    let fit = MediumFit::new(&samples, errors, &profile).map_err(fail)?;
+    let total = |alpha: f64| solve(alpha).map_or(f64::NAN, |half_space| half_space.total().value);
+    let parameters = [
+        ("surface_albedo", fit.of_albedo(total)),
+        ("mfp", fit.mfp()),
+        ("sigma_a", fit.sigma_a()),
+        ("sigma_s_prime", fit.sigma_s()),
+    ];
+    let fit = Fit {
+        name: "half-space",
+        parameters: parameters.map(|(name, estimate)| (String::from(name), estimate)).to_vec(),
+        chi_square: fit.chi_square(),
+        degrees_of_freedom: fit.degrees_of_freedom(),
+        is_singular: false,
+        residuals: fit.residuals().to_vec(),
+    };
+    write(arguments, path, &samples, errors, &[fit])
+}
+
+/// Writes the tables, the report and the chart, and warns.
+fn write(
+    arguments: &FitArguments,
+    path: &Path,
+    samples: &[Sample],
+    errors: Errors,
+    fits: &[Fit],
+) -> Result<(), Failure> {
     let mut parameters = DataTable::new("parameters", "", &["fit", "parameter", "value", "standard_error"]);
-    for fit in &fits {
+    for fit in fits {
         for (name, estimate) in &fit.parameters {
             let words = [Cell::from(fit.name), Cell::from(name.as_str())];
             let numbers = [estimate.value, estimate.error].map(Cell::from);
@@ -52,11 +101,11 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
         let all = numbers.chain(fits.iter().map(|fit| fit.residuals[i]));
         residuals.rows.push(all.map(Cell::from).collect());
     }
-    let text = report(path, &samples, errors, &fits);
-    let chart = chart(&samples, errors, &fits);
+    let text = report(path, samples, errors, fits);
+    let chart = chart(samples, errors, fits);
     arguments.output.write(&text, &[parameters, residuals])?;
-    arguments.output.write_chart(&chart, [files[2], files[3]])?;
-    warn(path, errors, &fits);
+    arguments.output.write_chart(&chart, [FILES[2], FILES[3]])?;
+    warn(path, errors, fits);
     Ok(())
 }
 
@@ -117,11 +166,14 @@ impl Fit {
 /// The residuals of the fits over the radii.
 fn chart(samples: &[Sample], errors: Errors, fits: &[Fit]) -> Chart {
     let radii: Vec<f64> = samples.iter().map(|sample| sample.r).collect();
-    let inks = [Ink::Model(Model::NormalizedDiffusion), Ink::Fit, Ink::Model(Model::Gaussians)];
+    let ink = |name: &str| match name {
+        "normalized-diffusion" => Ink::Model(Model::NormalizedDiffusion),
+        "gaussians" => Ink::Model(Model::Gaussians),
+        _ => Ink::Fit,
+    };
     let drawn: Vec<Residuals<'_>> = fits
         .iter()
-        .zip(inks)
-        .map(|(fit, ink)| Residuals { label: fit.name, ink, values: &fit.residuals })
+        .map(|fit| Residuals { label: fit.name, ink: ink(fit.name), values: &fit.residuals })
         .collect();
     let scale = match errors {
         Errors::Known => ResidualScale::StandardErrors,

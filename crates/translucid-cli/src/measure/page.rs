@@ -123,13 +123,17 @@ fn distance(shown: &Shown<'_>) -> Axis {
 
 fn light(shown: &Shown<'_>) -> Chart {
     let means = shown.samples.means();
-    let axes = [distance(shown), Axis::linear("light", "")];
-    let [x, y] = axes;
-    let title = match shown.fit.outline {
-        Outline::Edge { .. } => "Light across the edge",
-        Outline::Spot { .. } => "Light around the spot",
+    let (title, y) = match shown.fit.outline {
+        Outline::Edge { .. } => ("Light across the edge", Axis::linear("light", "")),
+        // How far it glows is told by what is far darker than the spot
+        Outline::Spot { .. } => {
+            let lights = || shown.fit.light.iter().flatten().copied();
+            let most = lights().fold(f64::MIN_POSITIVE, f64::max);
+            let least = lights().fold(most, f64::min).max(1e-5 * most);
+            ("Light around the spot", Axis::logarithmic("light", "").between(0.5 * least, 2.0 * most))
+        }
     };
-    let mut chart = Chart::new("fit", title, x, y)
+    let mut chart = Chart::new("fit", title, distance(shown), y)
         .with_caption("Points: the photograph. Lines: the half space that explains it best.");
     for (c, name) in CHANNELS.iter().enumerate() {
         let seen = points(shown, |i| means[i][c]);

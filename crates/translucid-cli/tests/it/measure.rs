@@ -508,6 +508,7 @@ fn wrong_input_is_told_what_is_allowed() {
     save("two.exr", &|x, y| round(x, y, [15.0, 30.0]) + 0.8 * round(x, y, [45.0, 30.0]));
     save("rim.exr", &|x, y| round(x, y, [1.0, 30.0]));
     save("round.exr", &|x, y| round(x, y, [30.0, 30.0]));
+    save("oval.exr", &|x, y| round(30 + x.abs_diff(30) / 3, y, [30.0, 30.0]));
     save("saturated.exr", &|x, y| (300.0 * round(x, y, [30.0, 30.0])).min(1.0));
     for (words, says) in [
         ("even.exr --mm-per-pixel 0.1", "no edge of light"),
@@ -538,6 +539,10 @@ fn wrong_input_is_told_what_is_allowed() {
         ("rim.exr --setup spot --mm-per-pixel 0.1", "goes on beyond the picture"),
         ("small.exr --setup spot --mm-per-pixel 0.1", "goes on beyond the picture"),
         ("saturated.exr --setup spot --mm-per-pixel 0.1 --center 30,30", "the spot is saturated"),
+        ("cat.exr --setup spot --mm-per-pixel 0.1", "the spot of light goes on beyond the picture"),
+        ("round.exr --setup spot --mm-per-pixel 0.1", "no scattering is seen: the spot is as sharp"),
+        ("oval.exr --setup spot --mm-per-pixel 0.1", "no round spot"),
+        ("round.exr --setup spot", "--mm-per-pixel, --ruler or --scene"),
         ("round.exr --setup spot --mm-per-pixel 0.1 --center 70,30", "--center: 70,30 is not in the region"),
         ("round.exr --setup spot --mm-per-pixel 0.1 --center 30", "a point is X,Y"),
         ("round.exr --setup spot --mm-per-pixel 0.1 --edge 5,5,9,9", "--edge is for --setup edge and slab"),

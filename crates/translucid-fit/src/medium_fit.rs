@@ -1,0 +1,334 @@
+//! Least-squares fits of a medium's coefficients to a measured or simulated table, with their uncertainties.
+
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
+use nalgebra::{Dyn, Matrix, Matrix2, OMatrix, OVector, Owned, U2, Vector2};
+use translucid_profile::{ParameterError, require};
+
+use crate::{Errors, Estimate, Sample};
+
+/// Profile R(r) \[ℓ⁻²\] of a medium over r \[ℓ\].
+pub type MediumProfile = Box<dyn Fn(f64) -> f64>;
+
+/// Single-scattering albedo and mean free path fitted to samples.
+///
+/// The medium is anything that has one profile for each single-scattering albedo, in units of its mean free path:
+///
+/// ```text
+/// R(r) = f_α(r/ℓ)/ℓ²,     σ_a = (1 − α)/ℓ,     σ_s = α/ℓ
+/// ```
+#[derive(Clone, Debug)]
+pub struct MediumFit {
+    /// ln α/(1 − α) and ln ℓ.
+    parameters: Vector2<f64>,
+    covariance: Matrix2<f64>,
+    chi_square: f64,
+    degrees_of_freedom: usize,
+    residuals: Vec<f64>,
+}
+
+/// Most samples: of each the profile is asked some hundred times.
+const MOST_SAMPLES: usize = 2000;
+
+/// Single-scattering albedos from which a fit may start.
+const STARTS: [f64; 6] = [0.3, 0.7, 0.9, 0.97, 0.99, 0.998];
+
+/// Mean free paths from which a fit may start, log-spaced.
+const LENGTHS: i32 = 40;
+
+impl MediumFit {
+    /// Fits the medium whose profiles `solve` finds, each by α in (0, 1).
+    ///
+    /// [`Errors::Relative`] are taken for shares of what the fit has, as in [`SampleFits`](crate::SampleFits).
+    ///
+    /// # Errors
+    /// There are fewer than three samples or more than 2000, one is not what [`Sample`] says, or none is greater than 0.
+    pub fn new(
+        samples: &[Sample],
+        errors: Errors,
+        solve: &dyn Fn(f64) -> MediumProfile,
+    ) -> Result<Self, ParameterError> {
+        let count = samples.len();
+        require((3..=MOST_SAMPLES).contains(&count), "number of samples", count as f64, "in [3, 2000]")?;
+        for sample in samples {
+            require((1e-100..=1e100).contains(&sample.r), "r", sample.r, "in [1e-100, 1e100]")?;
+            require(
+                sample.reflectance.abs() <= 1e200,
+                "reflectance",
+                sample.reflectance,
+                "in [-1e200, 1e200]",
+            )?;
+            require((1e-250..=1e250).contains(&sample.error), "error", sample.error, "in [1e-250, 1e250]")?;
+        }
+        let greatest = samples.iter().map(|sample| sample.reflectance).fold(0.0, f64::max);
+        require(greatest > 0.0, "greatest reflectance", greatest, "greater than 0")?;
+
+        let start = Problem::start(samples, solve);
+        let first = Self::descend(samples, errors, start, solve);
+        Ok(match errors {
+            Errors::Known => first,
+            Errors::Relative => {
+                let weigh = |(sample, residual): (&Sample, &f64)| {
+                    let fitted = sample.reflectance + residual * sample.error;
+                    let error = fitted.clamp(0.5 * sample.reflectance, 2.0 * sample.reflectance);
+                    Sample { error: error.max(1e-250), ..*sample }
+                };
+                let weighed: Vec<Sample> = samples.iter().zip(&first.residuals).map(weigh).collect();
+                let second = Self::descend(&weighed, errors, first.parameters, solve);
+                let again = |((residual, weighed), sample): ((&f64, &Sample), &Sample)| {
+                    residual * weighed.error / sample.error
+                };
+                let residuals = second.residuals.iter().zip(&weighed).zip(samples).map(again).collect();
+                Self { residuals, ..second }
+            }
+        })
+    }
+
+    fn descend(
+        samples: &[Sample],
+        errors: Errors,
+        start: Vector2<f64>,
+        solve: &dyn Fn(f64) -> MediumProfile,
+    ) -> Self {
+        let (found, _) =
+            LevenbergMarquardt::new().with_patience(20).minimize(Problem::new(samples, start, solve));
+        let residuals = found.values();
+        let chi_square = residuals.iter().map(|r| r * r).sum::<f64>();
+        let degrees_of_freedom = samples.len() - 2;
+        let jacobian = found.slopes();
+        let factor = match errors {
+            Errors::Known => 1.0,
+            Errors::Relative => chi_square / degrees_of_freedom as f64,
+        };
+        let normal = jacobian.transpose() * &jacobian;
+        // What has no effect on the samples has no error that they tell
+        let covariance =
+            normal.try_inverse().map_or(Matrix2::from_element(f64::INFINITY), |inverse| inverse * factor);
+        Self { parameters: found.parameters, covariance, chi_square, degrees_of_freedom, residuals }
+    }
+
+    /// Single-scattering albedo.
+    pub fn single_scattering_albedo(&self) -> Estimate {
+        let alpha = logistic(self.parameters[0]);
+        Estimate { value: alpha, error: alpha * (1.0 - alpha) * self.error([1.0, 0.0]) }
+    }
+
+    /// Mean free path ℓ \[L\].
+    pub fn mfp(&self) -> Estimate {
+        self.exponential(libm::exp(self.parameters[1]), [0.0, 1.0])
+    }
+
+    /// Absorption coefficient σ_a \[L⁻¹\].
+    pub fn sigma_a(&self) -> Estimate {
+        let alpha = logistic(self.parameters[0]);
+        self.exponential(logistic(-self.parameters[0]) / self.mfp().value, [-alpha, -1.0])
+    }
+
+    /// Scattering coefficient σ_s \[L⁻¹\].
+    pub fn sigma_s(&self) -> Estimate {
+        let alpha = logistic(self.parameters[0]);
+        self.exponential(alpha / self.mfp().value, [1.0 - alpha, -1.0])
+    }
+
+    /// Any function of the single-scattering albedo.
+    pub fn of_albedo(&self, function: impl Fn(f64) -> f64) -> Estimate {
+        let at = |step: f64| function(logistic(self.parameters[0] + step));
+        let slope = (at(1e-3) - at(-1e-3)) / 2e-3;
+        Estimate { value: at(0.0), error: slope.abs() * self.error([1.0, 0.0]) }
+    }
+
+    /// A value whose logarithm changes with the parameters by a gradient.
+    fn exponential(&self, value: f64, gradient: [f64; 2]) -> Estimate {
+        Estimate { value, error: value * self.error(gradient) }
+    }
+
+    fn error(&self, gradient: [f64; 2]) -> f64 {
+        let gradient = Vector2::from(gradient);
+        let variance = gradient.dot(&(self.covariance * gradient));
+        if variance >= 0.0 { variance.sqrt() } else { f64::INFINITY }
+    }
+
+    /// Σ ((R_fit − R)/error)².
+    pub fn chi_square(&self) -> f64 {
+        self.chi_square
+    }
+
+    /// Samples less parameters.
+    pub fn degrees_of_freedom(&self) -> usize {
+        self.degrees_of_freedom
+    }
+
+    /// (R_fit − R)/error of each sample.
+    pub fn residuals(&self) -> &[f64] {
+        &self.residuals
+    }
+}
+
+fn logistic(x: f64) -> f64 {
+    1.0 / (1.0 + libm::exp(-x))
+}
+
+/// Samples, and the medium of the parameters.
+struct Problem<'a> {
+    samples: &'a [Sample],
+    solve: &'a dyn Fn(f64) -> MediumProfile,
+    parameters: Vector2<f64>,
+    profile: MediumProfile,
+}
+
+impl<'a> Problem<'a> {
+    /// Farthest that ln α/(1 − α) goes.
+    const MOST: f64 = 16.0;
+    /// Steps of numeric slopes.
+    const STEP: f64 = 1e-3;
+
+    fn new(samples: &'a [Sample], parameters: Vector2<f64>, solve: &'a dyn Fn(f64) -> MediumProfile) -> Self {
+        Self { samples, solve, parameters, profile: Self::profile(solve, parameters[0]) }
+    }
+
+    fn profile(solve: &dyn Fn(f64) -> MediumProfile, logit: f64) -> MediumProfile {
+        solve(logistic(logit.clamp(-Self::MOST, Self::MOST)))
+    }
+
+    /// The best of a few single-scattering albedos and many mean free paths.
+    fn start(samples: &'a [Sample], solve: &'a dyn Fn(f64) -> MediumProfile) -> Vector2<f64> {
+        let ends = samples.iter().fold([f64::MAX, 0.0f64], |[low, high], s| [low.min(s.r), high.max(s.r)]);
+        let [low, high] = ends.map(libm::log);
+        let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(50)).copied().collect();
+        let mut best = (f64::INFINITY, Vector2::new(0.0, 0.5 * (low + high)));
+        for alpha in STARTS {
+            let mut problem =
+                Problem::new(&thinned, Vector2::new(libm::log(alpha / (1.0 - alpha)), 0.0), solve);
+            for i in 0..=LENGTHS {
+                // From a tenth of the least radius to ten times the greatest
+                problem.parameters[1] = low - 2.3 + (high - low + 4.6) * f64::from(i) / f64::from(LENGTHS);
+                let cost = problem.values().iter().map(|r| r * r).sum::<f64>();
+                if cost < best.0 {
+                    best = (cost, problem.parameters);
+                }
+            }
+        }
+        best.1
+    }
+
+    fn values_of(&self, profile: &MediumProfile, ln_mfp: f64) -> Vec<f64> {
+        let mfp = libm::exp(ln_mfp.clamp(-300.0, 300.0));
+        let residual = |sample: &Sample| {
+            let value = (profile(sample.r / mfp) / mfp / mfp - sample.reflectance) / sample.error;
+            if value.is_nan() { 0.0 } else { value.clamp(-1e150, 1e150) }
+        };
+        self.samples.iter().map(residual).collect()
+    }
+
+    fn values(&self) -> Vec<f64> {
+        self.values_of(&self.profile, self.parameters[1])
+    }
+
+    fn slopes(&self) -> OMatrix<f64, Dyn, U2> {
+        let [logit, ln_mfp] = self.parameters.into();
+        let along_length = [1.0, -1.0].map(|sign| self.values_of(&self.profile, ln_mfp + sign * Self::STEP));
+        let along_albedo = [1.0, -1.0]
+            .map(|sign| self.values_of(&Self::profile(self.solve, logit + sign * Self::STEP), ln_mfp));
+        Matrix::from_fn_generic(Dyn(self.samples.len()), U2, |i, j| {
+            let [up, down] = if j == 0 { &along_albedo } else { &along_length };
+            (up[i] - down[i]) / (2.0 * Self::STEP)
+        })
+    }
+}
+
+impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
+    type ParameterStorage = Owned<f64, U2>;
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, U2>;
+
+    fn set_params(&mut self, parameters: &Vector2<f64>) {
+        self.parameters = *parameters;
+        self.profile = Self::profile(self.solve, parameters[0]);
+    }
+
+    fn params(&self) -> Vector2<f64> {
+        self.parameters
+    }
+
+    fn residuals(&self) -> Option<OVector<f64, Dyn>> {
+        Some(OVector::<f64, Dyn>::from_vec(self.values()))
+    }
+
+    fn jacobian(&self) -> Option<OMatrix<f64, Dyn, U2>> {
+        Some(self.slopes())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_reference::Incidence;
+    use translucid_reference::exact::HalfSpace;
+    use translucid_testing::{SplitMix, power};
+
+    use super::*;
+
+    fn half_space(alpha: f64) -> MediumProfile {
+        let half_space = HalfSpace::new(alpha, Incidence::NORMAL).unwrap();
+        Box::new(move |r| half_space.eval(r).value)
+    }
+
+    fn normal(random: &mut SplitMix) -> f64 {
+        (-2.0 * libm::log(1.0 - random.uniform())).sqrt()
+            * libm::cos(std::f64::consts::TAU * random.uniform())
+    }
+
+    /// Samples of a half space with noise of a share of R.
+    fn samples(alpha: f64, mfp: f64, noise: f64, seed: u64) -> Vec<Sample> {
+        let (profile, mut random) = (half_space(alpha), SplitMix(seed));
+        let sample = |i: i32| {
+            let r = 0.3 * mfp * libm::exp(0.1 * f64::from(i));
+            let truth = profile(r / mfp) / mfp / mfp;
+            Sample {
+                r,
+                reflectance: truth * (1.0 + noise * normal(&mut random)),
+                error: noise.max(1e-6) * truth,
+            }
+        };
+        (0..40).map(sample).collect()
+    }
+
+    #[test]
+    fn new_gives_back_the_medium() {
+        for (alpha, mfp) in [(0.4, 3.0), (0.9, 0.01), (0.998, 0.5)] {
+            let fit = MediumFit::new(&samples(alpha, mfp, 0.0, 1), Errors::Known, &half_space).unwrap();
+            assert!((fit.mfp().value / mfp - 1.0).abs() < 1e-4, "{:?}", fit.mfp());
+            assert!((fit.sigma_a().value * mfp / (1.0 - alpha) - 1.0).abs() < 1e-3, "{:?}", fit.sigma_a());
+            assert!((fit.sigma_s().value * mfp / alpha - 1.0).abs() < 1e-3, "{:?}", fit.sigma_s());
+        }
+    }
+
+    /// χ² of two coefficients over their standard errors, within 4 standard deviations of what it is if the two err together.
+    #[test]
+    fn errors_are_those_of_the_noise() {
+        for errors in [Errors::Known, Errors::Relative] {
+            let (mut chi_square, count) = (0.0_f64, power(40));
+            for seed in 0..count {
+                let mut samples = samples(0.9, 0.7, 0.05, seed);
+                if errors == Errors::Relative {
+                    samples.iter_mut().for_each(|s| s.error = s.reflectance);
+                }
+                let fit = MediumFit::new(&samples, errors, &half_space).unwrap();
+                for (estimate, truth) in [(fit.sigma_a(), 0.1 / 0.7), (fit.mfp(), 0.7)] {
+                    chi_square += ((estimate.value - truth) / estimate.error).powi(2);
+                }
+            }
+            let off = chi_square - 2.0 * count as f64;
+            assert!(off.abs() < 4.0 * (8.0 * count as f64).sqrt(), "{errors:?}: {chi_square} of {count}");
+        }
+    }
+
+    #[test]
+    fn new_refuses_what_is_no_table() {
+        let good = samples(0.9, 1.0, 0.0, 1);
+        let fails = |samples: &[Sample]| MediumFit::new(samples, Errors::Known, &half_space).is_err();
+        assert!(fails(&good[..2]) && !fails(&good[..3]));
+        assert!(fails(&vec![good[0]; 2001]));
+        assert!(fails(&[Sample { r: f64::NAN, ..good[0] }, good[1], good[2]]));
+        assert!(fails(&[Sample { error: 0.0, ..good[0] }, good[1], good[2]]));
+        assert!(fails(&good[..5].iter().map(|s| Sample { reflectance: -1.0, ..*s }).collect::<Vec<_>>()));
+    }
+}
