@@ -20,6 +20,6 @@ await page.click("#toggle-numbers");
 await page.waitForFunction(() => window.translucidView.status.phase === "done");
 await page.mouse.move(canvas.x + 0.2 * canvas.width, canvas.y + 0.55 * canvas.height);
 await page.waitForTimeout(1000);
-await page.screenshot({ path: join(folder, "view.png") });
+await page.screenshot({ path: join(folder, "view.jpg"), type: "jpeg", quality: 95 });
 await browser.close();
 await server.stop();
