@@ -153,7 +153,7 @@ pub(crate) fn linear_from_srgb(value: f32) -> f32 {
 }
 
 /// `linear_from_srgb` of every byte.
-static SRGB_TABLE: LazyLock<[f32; 256]> =
+pub(crate) static SRGB_TABLE: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
 
 /// A coordinate brought to [0, 1].

@@ -40,13 +40,14 @@ pub(crate) struct Needs {
     object: u32,
     things: usize,
     corner_count: usize,
+    /// Those that are not there have a number that no corner has.
     corners: [u32; CORNERS],
 }
 
 impl Needs {
     /// Of a triangle with corners of an object.
     pub(crate) fn triangle(object: u32, corners: [u32; 3]) -> Self {
-        let mut needs = Self { object, things: 1, corner_count: 0, corners: [0; CORNERS] };
+        let mut needs = Self { object, things: 1, corner_count: 0, corners: [u32::MAX; CORNERS] };
         corners.into_iter().for_each(|corner| needs.add(corner));
         needs
     }
@@ -62,14 +63,13 @@ impl Needs {
     }
 
     /// Adds a corner that is not yet there; beyond the room it is only counted.
+    #[inline(always)]
     fn add(&mut self, corner: u32) {
-        let count = self.corner_count.min(CORNERS);
-        if !self.corners[..count].contains(&corner) {
-            if let Some(place) = self.corners.get_mut(count) {
-                *place = corner;
-            }
-            self.corner_count += 1;
-        }
+        // Without branches, and with all places at once: which are taken is hard to foresee.
+        let is_known = self.corners.iter().fold(false, |is_known, &other| is_known | (other == corner));
+        let place = &mut self.corners[self.corner_count.min(CORNERS - 1)];
+        *place = if is_known { *place } else { corner };
+        self.corner_count += usize::from(!is_known);
     }
 }
 

@@ -6,9 +6,10 @@
 use std::ops::Range;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 /// Things of a chunk at most, unless they lie in one place.
-pub(crate) const MOST: usize = 1 << 18;
+pub(crate) const MOST: usize = 1 << 15;
 
 /// Bits of a cell's coordinate on one axis.
 const BITS: u32 = 6;
@@ -18,10 +19,12 @@ const CELLS: usize = 1 << (3 * BITS);
 /// Of so many things one says where the grid lies.
 const SAMPLED: usize = 61;
 
-/// Numbers of things, by chunks: a grid's cells in Morton order, halved until few enough things lie in each part.
-pub(super) fn chunks(things: Vec<u32>, place: &impl Fn(u32) -> Vec3) -> Vec<Vec<u32>> {
-    if things.len() <= MOST {
-        return vec![things];
+/// Brings the numbers of things into the order of a grid's cells along a Morton curve, which is halved until few enough
+/// things lie in each part, and returns the parts.
+pub(super) fn chunks(things: &mut [u32], place: &(impl Fn(u32) -> Vec3 + Sync)) -> Vec<Range<usize>> {
+    let count = things.len();
+    if count <= MOST {
+        return vec![0..count];
     }
     let (low, high) = things
         .iter()
@@ -31,24 +34,31 @@ pub(super) fn chunks(things: Vec<u32>, place: &impl Fn(u32) -> Vec3) -> Vec<Vec<
     let per_length = (1 << BITS) as f32 / (high - low).max_element();
     // What lies beyond the grid counts for the cells at its end.
     let cell = |&thing: &u32| morton(((place(thing) - low) * per_length).as_uvec3().to_array());
-    let cells: Vec<u32> = things.iter().map(cell).collect();
+    let cells: Vec<u32> = things.par_iter().map(cell).collect();
     let mut starts = vec![0_usize; CELLS + 1];
     cells.iter().for_each(|&cell| starts[cell as usize + 1] += 1);
     for i in 0..CELLS {
         starts[i + 1] += starts[i];
     }
+    let mut next = starts.clone();
+    let mut sorted = vec![0; count];
+    for (&thing, &cell) in things.iter().zip(&cells) {
+        let place = &mut next[cell as usize];
+        sorted[*place] = thing;
+        *place += 1;
+    }
+    things.copy_from_slice(&sorted);
+    drop((cells, sorted));
     let mut parts = Vec::new();
     halve(0..CELLS, &starts, &mut parts);
-    let mut part_of_cell = vec![0; CELLS];
-    for (number, cells) in parts.iter().enumerate() {
-        part_of_cell[cells.clone()].fill(number);
-    }
-    let room = |cells: &Range<usize>| Vec::with_capacity(starts[cells.end] - starts[cells.start]);
-    let mut lists: Vec<Vec<u32>> = parts.iter().map(room).collect();
-    things.iter().zip(&cells).for_each(|(&thing, &cell)| lists[part_of_cell[cell as usize]].push(thing));
     // Where one cell has too many, its own grid parts them, unless all lie in one place.
-    let part = |list: Vec<u32>| if list.len() < things.len() { chunks(list, place) } else { vec![list] };
-    lists.into_iter().flat_map(part).collect()
+    let part = |cells: Range<usize>| {
+        let part = starts[cells.start]..starts[cells.end];
+        let parts =
+            if part.len() < count { chunks(&mut things[part.clone()], place) } else { vec![0..count] };
+        parts.into_iter().map(move |inner| part.start + inner.start..part.start + inner.end)
+    };
+    parts.into_iter().flat_map(part).collect()
 }
 
 /// Ranges of cells with few enough things in them, by the numbers of things before each cell.
@@ -90,12 +100,18 @@ const SPREAD: [u32; 1 << BITS] = {
 mod tests {
     use super::*;
 
-    /// Sorted numbers of all chunks, none of which is empty, and the size of the largest.
-    fn all(chunks: &[Vec<u32>]) -> (Vec<u32>, usize) {
-        assert!(chunks.iter().all(|chunk| !chunk.is_empty()));
-        let mut all = chunks.concat();
-        all.sort_unstable();
-        (all, chunks.iter().map(Vec::len).max().unwrap_or(0))
+    /// Sorted numbers of all things after they were parted, and the size of the largest chunk, none of which is empty.
+    fn parted(count: u32, place: impl Fn(u32) -> Vec3 + Sync) -> (Vec<u32>, usize) {
+        let mut things: Vec<u32> = (0..count).collect();
+        let chunks = chunks(&mut things, &place);
+        let mut end = 0;
+        for chunk in &chunks {
+            assert!(chunk.start == end && !chunk.is_empty());
+            end = chunk.end;
+        }
+        assert_eq!(end, things.len());
+        things.sort_unstable();
+        (things, chunks.iter().map(Range::len).max().unwrap_or(0))
     }
 
     #[test]
@@ -113,7 +129,7 @@ mod tests {
             };
             Vec3::new(random(0), random(1), random(2)) * scale
         };
-        let (all, largest) = all(&chunks((0..count).collect(), &place));
+        let (all, largest) = parted(count, place);
         assert!(all.into_iter().eq(0..count) && largest <= MOST, "{largest}");
     }
 
@@ -121,7 +137,7 @@ mod tests {
     fn what_lies_in_one_place_is_one_chunk() {
         let count = 2 * MOST as u32;
         for place in [Vec3::ONE, Vec3::NAN, Vec3::MAX] {
-            let (all, largest) = all(&chunks((0..count).collect(), &|_| place));
+            let (all, largest) = parted(count, |_| place);
             assert!(all.into_iter().eq(0..count) && largest == count as usize);
         }
     }

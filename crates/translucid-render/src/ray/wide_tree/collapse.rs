@@ -39,27 +39,35 @@ impl<'a> Costs<'a> {
     pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lanes: usize) -> Self {
         let nodes = &*binary.nodes;
         let mut this = Self { binary: nodes, places: vec![BLOCK; nodes.len()], costs: Vec::new() };
+        // Parents before children, with a list instead of recursion: degenerate trees are deep.
+        let mut order = Vec::with_capacity(nodes.len() / 2);
+        let mut open = vec![0_u32];
+        while let Some(index) = open.pop() {
+            if !nodes[index as usize].is_leaf() {
+                order.push(index);
+                let [left, right] = this.below(index);
+                open.extend([right, left]);
+            }
+        }
         // The needs of what is done, as far as they fit into a block.
         let mut done: Vec<Option<Needs>> = Vec::new();
-        // Children before parents, with a list instead of recursion: degenerate trees are deep.
-        let mut open = vec![(0_u32, false)];
-        while let Some((index, is_below_done)) = open.pop() {
-            let node = &nodes[index as usize];
-            if node.is_leaf() {
-                debug_assert_eq!(node.prim_count, 1);
-                done.push(needs(binary.primitive_indices[node.first_index as usize]));
-            } else if !is_below_done {
-                let [left, right] = this.below(index);
-                open.extend([(index, true), (left, false), (right, false)]);
-            } else {
-                let sum = match (done.pop().flatten(), done.pop().flatten()) {
-                    (Some(left), Some(right)) => left.with(&right, lanes),
-                    _ => None,
-                };
-                done.push(sum);
-                if sum.is_none() {
-                    this.add(index);
-                }
+        let needs_of = |child: u32, done: &mut Vec<Option<Needs>>| {
+            let node = &nodes[child as usize];
+            if !node.is_leaf() {
+                return done.pop().flatten();
+            }
+            debug_assert_eq!(node.prim_count, 1);
+            needs(binary.primitive_indices[node.first_index as usize])
+        };
+        for &index in order.iter().rev() {
+            let [left, right] = this.below(index);
+            let sum = match (needs_of(left, &mut done), needs_of(right, &mut done)) {
+                (Some(left), Some(right)) => left.with(&right, lanes),
+                _ => None,
+            };
+            done.push(sum);
+            if sum.is_none() {
+                this.add(index);
             }
         }
         this
@@ -76,65 +84,74 @@ impl<'a> Costs<'a> {
         [first, first + 1]
     }
 
-    /// Up to eight nodes that become the children of the wide node made of a binary one.
-    pub(super) fn children(&self, root: u32) -> Vec<u32> {
+    /// Finds up to eight nodes that become the children of the wide node made of a binary one; `open` is empty before and
+    /// after.
+    pub(super) fn children(&self, root: u32, found: &mut Vec<u32>, open: &mut Vec<(u32, usize)>) {
+        found.clear();
         if self.is_block(root) {
-            return vec![root];
+            found.push(root);
+            return;
         }
-        let mut found = Vec::with_capacity(WIDTH);
-        let (first, _) = self.best_split(root, WIDTH);
-        let [left, right] = self.below(root);
-        let mut open = vec![(right, WIDTH - first), (left, first)];
-        while let Some((node, mut places)) = open.pop() {
-            // Places that make nothing better stay empty.
-            while places > 1 && self.cost(node, places) == self.cost(node, places - 1) {
-                places -= 1;
-            }
+        open.push((root, WIDTH));
+        while let Some((node, places)) = open.pop() {
             if places == 1 {
                 found.push(node);
-            } else {
-                let (first, _) = self.best_split(node, places);
-                let [left, right] = self.below(node);
-                open.extend([(right, places - first), (left, first)]);
+                continue;
             }
+            let first = self.best_split(node, places);
+            let below = self.below(node);
+            // Places that make nothing better stay empty.
+            let [left, right] = [(below[0], first), (below[1], places - first)].map(|(node, mut places)| {
+                let costs = self.costs_of(node);
+                while places > 1 && costs[places - 1] == costs[places - 2] {
+                    places -= 1;
+                }
+                (node, places)
+            });
+            open.extend([right, left]);
         }
-        found
     }
 
-    /// C(n, 1) … C(n, 7) of a node whose children's are known.
+    /// Adds C(n, 1) … C(n, 7) of a node whose children's are known.
     fn add(&mut self, node: u32) {
-        let mut costs = [0.0; WIDTH - 1];
-        let (_, apart) = self.best_split(node, WIDTH);
-        costs[0] = self.area(node) + apart;
+        let [left, right] = self.below(node).map(|child| self.costs_of(child));
+        let split = |places: usize| least(&left, &right, places).1;
+        let mut costs = [self.area(node) + split(WIDTH); WIDTH - 1];
         for places in 2..WIDTH {
-            let (_, split) = self.best_split(node, places);
-            costs[places - 1] = split.min(costs[places - 2]);
+            costs[places - 1] = split(places).min(costs[places - 2]);
         }
         self.places[node as usize] = self.costs.len() as u32;
         self.costs.push(costs);
     }
 
-    /// S(n, i), and the number of places that the left child gets.
-    fn best_split(&self, node: u32, places: usize) -> (usize, f32) {
-        let [left, right] = self.below(node);
-        let mut best = (1, f32::INFINITY);
-        for first in 1..places {
-            let cost = self.cost(left, first) + self.cost(right, places - first);
-            if cost < best.1 {
-                best = (first, cost);
-            }
-        }
-        best
+    /// The number of places that the left child gets where there are so many.
+    fn best_split(&self, node: u32, places: usize) -> usize {
+        let [left, right] = self.below(node).map(|child| self.costs_of(child));
+        least(&left, &right, places).0
     }
 
-    fn cost(&self, node: u32, places: usize) -> f32 {
+    /// C(n, 1) … C(n, 7).
+    fn costs_of(&self, node: u32) -> [f32; WIDTH - 1] {
         match self.places[node as usize] {
-            BLOCK => self.area(node) * BLOCK_COST,
-            place => self.costs[place as usize][places - 1],
+            BLOCK => [self.area(node) * BLOCK_COST; WIDTH - 1],
+            place => self.costs[place as usize],
         }
     }
 
     fn area(&self, node: u32) -> f32 {
         self.binary[node as usize].aabb().half_area()
     }
+}
+
+/// S(n, i) by the costs of the two children, and the number of places that the left one gets.
+#[inline(always)]
+fn least(left: &[f32; WIDTH - 1], right: &[f32; WIDTH - 1], places: usize) -> (usize, f32) {
+    let mut best = (1, f32::INFINITY);
+    for first in 1..places {
+        let cost = left[first - 1] + right[places - first - 1];
+        if cost < best.1 {
+            best = (first, cost);
+        }
+    }
+    best
 }

@@ -18,10 +18,10 @@ pub(super) struct Gather<'a, B> {
 }
 
 impl<'a, B: Block> Gather<'a, B> {
-    /// Of a tree over things with such needs (none: a whole block).
-    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>) -> Self {
+    /// Of a tree over things with such needs (none: a whole block), into lines that are empty.
+    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lines: Lines<B>) -> Self {
         let costs = Costs::new(binary, needs, B::LANES);
-        Self { binary, costs, lines: Lines::default(), most_waiting: 0 }
+        Self { binary, costs, lines, most_waiting: 0 }
     }
 
     /// Lays out each node, by its word and the things in each of its blocks what `add` makes of them, which returns the
@@ -30,10 +30,11 @@ impl<'a, B: Block> Gather<'a, B> {
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
     pub(super) fn run(&mut self, mut add: impl FnMut(&mut Lines<B>, u32, &[u32]) -> u32) {
         let (mut things, mut below) = (Vec::new(), Vec::new());
+        let (mut children, mut places) = (Vec::new(), Vec::new());
         let mut open = vec![Open { source: 0, parent: None, waiting: 0 }];
         while let Some(Open { source, parent, waiting }) = open.pop() {
             let mut node = Node::EMPTY;
-            let children = self.costs.children(source);
+            self.costs.children(source, &mut children, &mut places);
             // All but the one that is visited first.
             let waiting = waiting + children.len() - 1;
             self.most_waiting = self.most_waiting.max(waiting);

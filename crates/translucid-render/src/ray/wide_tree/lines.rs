@@ -31,11 +31,31 @@ impl<B> Default for Lines<B> {
 }
 
 impl<B: Block> Lines<B> {
-    /// With room for so many words.
-    pub(super) fn with_capacity(words: u32) -> Self {
-        let mut lines = Vec::with_capacity((words / WORDS) as usize);
-        ask_for_large_pages(lines.spare_capacity_mut());
-        Self(lines, PhantomData)
+    /// So many empty nodes.
+    pub(super) fn of_empty_nodes(count: usize) -> Self {
+        let nodes = vec![Node::EMPTY; count];
+        Self(bytemuck::cast_slice(&nodes).to_vec(), PhantomData)
+    }
+
+    /// Makes room, unless there is enough, for so many times what is there and `other`.
+    pub(super) fn reserve_for(&mut self, other: &Self, times: f64) {
+        let needed = self.0.len() + other.0.len();
+        if needed > self.0.capacity() {
+            let mut lines = Vec::with_capacity((needed as f64 * times.max(1.0)) as usize);
+            ask_for_large_pages(lines.spare_capacity_mut());
+            lines.extend_from_slice(&self.0);
+            self.0 = lines;
+        }
+    }
+
+    /// Puts the nodes of `other` into the place of the first.
+    pub(super) fn replace_first(&mut self, other: &Self) {
+        self.0[..other.0.len()].copy_from_slice(&other.0);
+    }
+
+    /// Forgets all, but keeps the room.
+    pub(super) fn clear(&mut self) {
+        self.0.clear();
     }
 
     /// The number of the word after the last.

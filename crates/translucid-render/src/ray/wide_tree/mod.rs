@@ -13,7 +13,10 @@ mod lines;
 mod node;
 mod traversal;
 
+use std::collections::BTreeMap;
 use std::mem::take;
+use std::ops::Range;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub(crate) use chunks::MOST as AT_ONCE;
 use chunks::chunks;
@@ -52,20 +55,15 @@ impl<B: Block> WideTree<B> {
             let bounds = (Vec3::ZERO, Vec3::ZERO);
             return Self { lines: Lines::default(), numbers: Vec::new(), most_waiting: 0, bounds, avx2 };
         }
-        let place = |thing: u32| primitives[thing as usize].place();
-        let mut first = 0;
-        let chunks: Vec<_> = chunks((0..primitives.len() as u32).collect(), &place)
-            .into_iter()
-            .map(|chunk| {
-                first += chunk.len() as u32;
-                (first - chunk.len() as u32, chunk)
-            })
-            .collect();
-        let mut parts: Vec<Part<B>> =
-            chunks.into_par_iter().map(|(first, chunk)| Part::new(primitives, &chunk, first)).collect();
-        let Part { lines, most_waiting, bounds, numbers } = match &mut parts[..] {
-            [part] => take(part),
-            parts => join(parts),
+        let mut order: Vec<u32> = (0..primitives.len() as u32).collect();
+        let chunks = chunks(&mut order, &|thing| primitives[thing as usize].place());
+        let Part { lines, numbers, most_waiting, bounds } = match &chunks[..] {
+            [_] => {
+                let mut workshop = Workshop::default();
+                workshop.build(primitives, &order, 0);
+                workshop.part
+            }
+            chunks => join(primitives, &order, chunks),
         };
         Self { lines, numbers, most_waiting, bounds: (bounds.min.into(), bounds.max.into()), avx2 }
     }
@@ -156,15 +154,36 @@ impl<B: Block> Default for Part<B> {
     }
 }
 
-impl<B: Block> Part<B> {
-    /// The tree over a chunk, before whose numbers there are `first` of others.
-    fn new<T: PrimitiveSource<Block = B>>(primitives: &[T], chunk: &[u32], first: u32) -> Self {
+/// What the tree over a chunk is made with, and that tree; the next one takes the same memory.
+struct Workshop<B> {
+    boxes: Vec<Aabb>,
+    builder: PlocBuilder,
+    optimizer: ReinsertionOptimizer,
+    binary: Bvh2,
+    part: Part<B>,
+}
+
+impl<B: Block> Default for Workshop<B> {
+    fn default() -> Self {
+        Self {
+            boxes: Vec::new(),
+            builder: PlocBuilder::new(),
+            optimizer: ReinsertionOptimizer::default(),
+            binary: Bvh2::default(),
+            part: Part::default(),
+        }
+    }
+}
+
+impl<B: Block> Workshop<B> {
+    /// Builds the tree over a chunk, before whose numbers there are `first` of others.
+    fn build<T: PrimitiveSource<Block = B>>(&mut self, primitives: &[T], chunk: &[u32], first: u32) {
         let thing = |index: u32| &primitives[chunk[index as usize] as usize];
-        let boxes: Vec<Aabb> = chunk.iter().map(|&number| primitives[number as usize].aabb()).collect();
-        let binary = binary_tree(&boxes);
-        drop(boxes);
-        let mut numbers = Vec::with_capacity(chunk.len());
-        let mut gather = Gather::new(&binary, |index| thing(index).needs());
+        self.boxes.clear();
+        self.boxes.extend(chunk.iter().map(|&number| primitives[number as usize].aabb()));
+        self.build_binary();
+        let mut numbers = take(&mut self.part.numbers);
+        let mut gather = Gather::new(&self.binary, |index| thing(index).needs(), take(&mut self.part.lines));
         gather.run(|lines, word, things| {
             let mut block = B::default();
             block.set_first(first + numbers.len() as u32);
@@ -173,56 +192,101 @@ impl<B: Block> Part<B> {
             LEAF | (lines.push_block(&block) - word)
         });
         let (lines, most_waiting) = (gather.lines, gather.most_waiting);
-        Self { lines, numbers, most_waiting, bounds: *binary.nodes[0].aabb() }
+        self.part = Part { lines, numbers, most_waiting, bounds: *self.binary.nodes[0].aabb() };
+    }
+
+    /// Makes a good binary tree over the boxes.
+    fn build_binary(&mut self) {
+        let Self { boxes, builder, optimizer, binary, .. } = self;
+        let mut indices = take(&mut binary.primitive_indices);
+        indices.clear();
+        indices.extend(0..boxes.len() as u32);
+        builder.build_with_bvh(binary, PlocSearchDistance::Medium, boxes, indices, SortPrecision::U64, 3);
+        // A tenth of obvhs' medium preset was measured to trace as fast on scanned meshes.
+        optimizer.run(binary, 0.02, None);
     }
 }
 
-/// One tree that leads to those of all parts, which are left empty.
-fn join<B: Block>(parts: &mut [Part<B>]) -> Part<B> {
-    let boxes: Vec<Aabb> = parts.iter().map(|part| part.bounds).collect();
-    let binary = binary_tree(&boxes);
-    let mut gather = Gather::<B>::new(&binary, |_| None);
-    // Until it is known where a part begins its number stands for that.
-    gather.run(|_, _, part| LEAF | part[0]);
-    let Gather { lines: mut top, most_waiting, .. } = gather;
-    let mut starts = Vec::with_capacity(parts.len());
-    let mut end = top.end();
-    for part in &*parts {
-        starts.push(end);
-        end += part.lines.end();
-    }
-    top.for_each_node(|word, node| {
-        for child in node.children.iter_mut().filter(|child| **child != EMPTY && **child & LEAF != 0) {
-            *child = starts[(*child & !LEAF) as usize] - word;
-        }
+/// Builds a tree for each chunk of the things in this order, and one more that leads to them.
+fn join<T: PrimitiveSource>(primitives: &[T], order: &[u32], chunks: &[Range<usize>]) -> Part<T::Block> {
+    let joined = Mutex::new(Joined::new(chunks.len(), order.len()));
+    let workshops = Mutex::new(Vec::new());
+    // One after the other: few trees have to wait for their turn.
+    chunks.iter().enumerate().par_bridge().for_each(|(number, chunk)| {
+        let free = locked(&workshops).pop();
+        let mut workshop: Workshop<T::Block> = free.unwrap_or_default();
+        workshop.build(primitives, &order[chunk.clone()], chunk.start as u32);
+        locked(&joined).add(number, &mut workshop.part);
+        locked(&workshops).push(workshop);
     });
-    let mut joined = Part {
-        lines: Lines::with_capacity(end),
-        numbers: Vec::with_capacity(parts.iter().map(|part| part.numbers.len()).sum()),
-        most_waiting: most_waiting + parts.iter().map(|part| part.most_waiting).max().unwrap_or(0),
-        bounds: *binary.nodes[0].aabb(),
-    };
-    joined.lines.append(&top);
-    for part in parts {
-        let part = take(part);
-        joined.lines.append(&part.lines);
-        joined.numbers.extend(part.numbers);
-    }
-    joined
+    joined.into_inner().unwrap_or_else(PoisonError::into_inner).finish()
 }
 
-/// A good binary tree over boxes.
-fn binary_tree(boxes: &[Aabb]) -> Bvh2 {
-    let mut binary = PlocBuilder::with_capacity(boxes.len()).build(
-        PlocSearchDistance::Medium,
-        boxes,
-        (0..boxes.len() as u32).collect(),
-        SortPrecision::U64,
-        3,
-    );
-    // A tenth of obvhs' medium preset was measured to trace as fast on scanned meshes.
-    ReinsertionOptimizer::default().run(&mut binary, 0.02, None);
-    binary
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The trees of chunks, one after the other, behind the room for the tree that leads to them.
+struct Joined<B> {
+    part: Part<B>,
+    /// Number of all things.
+    things: usize,
+    /// Words at which the trees begin, and the boxes around them.
+    starts: Vec<u32>,
+    boxes: Vec<Aabb>,
+    /// Trees that have come before their turn.
+    early: BTreeMap<usize, Part<B>>,
+}
+
+impl<B: Block> Joined<B> {
+    fn new(chunks: usize, things: usize) -> Self {
+        // Every node leads to two others or more.
+        let lines = Lines::of_empty_nodes(chunks - 1);
+        let part = Part { lines, numbers: Vec::with_capacity(things), ..Part::default() };
+        Self { part, things, starts: Vec::new(), boxes: Vec::new(), early: BTreeMap::new() }
+    }
+
+    /// Takes what the tree of a chunk consists of.
+    fn add(&mut self, number: usize, part: &mut Part<B>) {
+        if number != self.starts.len() {
+            self.early.insert(number, take(part));
+            return;
+        }
+        self.append(part);
+        while let Some(mut part) = self.early.remove(&self.starts.len()) {
+            self.append(&mut part);
+        }
+    }
+
+    fn append(&mut self, part: &mut Part<B>) {
+        let all = &mut self.part;
+        all.numbers.append(&mut part.numbers);
+        // A little more than the trees so far let expect
+        all.lines.reserve_for(&part.lines, 1.06 * self.things as f64 / all.numbers.len() as f64);
+        self.starts.push(all.lines.end());
+        self.boxes.push(part.bounds);
+        all.lines.append(&part.lines);
+        all.most_waiting = all.most_waiting.max(part.most_waiting);
+        part.lines.clear();
+    }
+
+    fn finish(mut self) -> Part<B> {
+        let mut workshop = Workshop::<B> { boxes: self.boxes, ..Workshop::default() };
+        workshop.build_binary();
+        let mut gather = Gather::<B>::new(&workshop.binary, |_| None, Lines::default());
+        // Until it is known at which node a part is its number stands for that.
+        gather.run(|_, _, part| LEAF | part[0]);
+        let Gather { lines: mut top, most_waiting, .. } = gather;
+        top.for_each_node(|word, node| {
+            for child in node.children.iter_mut().filter(|child| **child != EMPTY && **child & LEAF != 0) {
+                *child = self.starts[(*child & !LEAF) as usize] - word;
+            }
+        });
+        self.part.lines.replace_first(&top);
+        self.part.most_waiting += most_waiting;
+        self.part.bounds = *workshop.binary.nodes[0].aabb();
+        self.part
+    }
 }
 
 /// Looks for the nearest hit.

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::surface_nets::mesh_solid;
 use crate::Mesh;
-use crate::image::linear_from_srgb;
+use crate::image::SRGB_TABLE;
 use crate::shapes::parameters::{ShapeParameter, Values};
 
 /// Fineness of the mesh.
@@ -47,6 +47,6 @@ pub(in crate::shapes) fn stand(mesh: &mut Mesh, height: f32) {
 
 /// A color from its 8-bit sRGB notation, linear.
 pub(in crate::shapes) fn srgb(code: u32) -> Vec3 {
-    let channel = |shift: u32| linear_from_srgb((code >> shift & 0xff) as f32 / 255.0);
+    let channel = |shift: u32| SRGB_TABLE[(code >> shift & 0xff) as usize];
     Vec3::new(channel(16), channel(8), channel(0))
 }

@@ -11,6 +11,8 @@
 //! for each grid edge with a change of sign: two triangles between the four cells around it
 //! ```
 
+use std::sync::LazyLock;
+
 use glam::{IVec3, Vec3};
 use rayon::prelude::*;
 
@@ -22,6 +24,8 @@ const SLOPE: f32 = 1.3;
 const BLOCK: i32 = 2;
 /// Cells along the edge of the blocks that the search starts with.
 const COARSE: i32 = 8;
+/// Cosine between the normals of a vertex and of a triangle below which they disagree.
+const AGREEMENT: f32 = 0.1;
 /// The mark of a node or cell that has no entry.
 const NONE: u32 = u32::MAX;
 
@@ -39,8 +43,9 @@ pub(in crate::shapes) fn mesh_solid(
     nets.place_vertices();
     nets.settle_vertices();
     nets.connect();
-    nets.mend_creases();
-    nets.separate_folds();
+    if nets.mend_creases() {
+        nets.separate_folds();
+    }
     nets.mesh
 }
 
@@ -127,6 +132,11 @@ impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
         ((cell.z * self.size.y + cell.y) * self.size.x + cell.x) as usize
     }
 
+    fn cell_at(&self, index: usize) -> IVec3 {
+        let (index, size) = (index as i32, self.size);
+        IVec3::new(index % size.x, index / size.x % size.y, index / size.x / size.y)
+    }
+
     /// Evaluates the nodes of all blocks that the surface can reach.
     fn evaluate_nodes(&mut self) {
         for corner in grid(self.size / COARSE) {
@@ -201,7 +211,10 @@ impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
 
     /// Distances at the corners of a cell; corner i lies at the bits of i.
     fn corners(&self, cell: IVec3) -> [f32; 8] {
-        std::array::from_fn(|i| self.nodes[self.node_index(cell + corner_offset(i))])
+        let row = self.size.x as usize + 1;
+        let plane = row * (self.size.y as usize + 1);
+        let nodes = &self.nodes[self.node_index(cell)..];
+        std::array::from_fn(|i| nodes[(i & 1) + (i >> 1 & 1) * row + (i >> 2) * plane])
     }
 
     /// Distances at the corners of a cell that the surface crosses, computed where only their side was known.
@@ -227,7 +240,7 @@ impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
     }
 
     fn place_cell(&mut self, cell: IVec3, corners: &[f32; 8], inside: u8) {
-        let of_edge = pieces_of_edges(inside);
+        let of_edge = PIECES_OF_EDGES[usize::from(inside)];
         let first = self.starts.len() as u32;
         let index = self.cell_index(cell);
         self.pieces_of_cell[index] = self.pieces.len() as u32;
@@ -283,10 +296,11 @@ impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
 
     /// Connects the vertices around each grid edge that crosses the surface.
     fn connect(&mut self) {
-        for cell in grid(self.size) {
-            if self.pieces_of_cell[self.cell_index(cell)] == NONE {
+        for index in 0..self.pieces_of_cell.len() {
+            if self.pieces_of_cell[index] == NONE {
                 continue;
             }
+            let cell = self.cell_at(index);
             let inside = self.nodes[self.node_index(cell)] < 0.0;
             for axis in 0..3 {
                 let end = self.nodes[self.node_index(cell + IVec3::AXES[axis])] < 0.0;
@@ -324,17 +338,33 @@ impl<'a, D: Fn(Vec3) -> f32 + Sync> Nets<'a, D> {
 
     /// Where a crease is finer than a cell the gradient can point away from a triangle: move such
     /// vertices to the mean of their neighbors, with the mean of their triangles' normals.
-    fn mend_creases(&mut self) {
+    ///
+    /// Returns whether there may be triangles left that disagree with a normal.
+    fn mend_creases(&mut self) -> bool {
         for _ in 0..3 {
+            if !self.any_disagrees() {
+                return false;
+            }
             let rings = self.rings();
             let Mesh { positions, normals, .. } = &mut self.mesh;
             for ((position, normal), ring) in positions.iter_mut().zip(normals).zip(rings) {
-                if ring.agreement < 0.1 {
+                if ring.agreement < AGREEMENT {
                     *position = ring.corners / ring.count;
                     *normal = ring.normals.normalize_or(*normal);
                 }
             }
         }
+        true
+    }
+
+    /// Whether any vertex has a normal that a triangle there disagrees with.
+    fn any_disagrees(&self) -> bool {
+        let Mesh { positions, normals, triangles, .. } = &self.mesh;
+        triangles.par_iter().any(|triangle| {
+            let [a, b, c] = triangle.map(|vertex| positions[vertex as usize]);
+            let flat = (b - a).cross(c - a).normalize_or_zero();
+            triangle.iter().any(|&vertex| flat.dot(normals[vertex as usize]) < AGREEMENT)
+        })
     }
 
     /// Gives triangles that still disagree with a normal vertices of their own.
@@ -399,6 +429,10 @@ fn crossing(corners: &[f32; 8], edge: usize) -> Vec3 {
     let t = if slope == 0.0 { 0.5 } else { (corners[a] / slope).clamp(0.0, 1.0) };
     corner_offset(a).as_vec3().lerp(corner_offset(b).as_vec3(), t)
 }
+
+/// [`pieces_of_edges`] by the corners that lie inside.
+static PIECES_OF_EDGES: LazyLock<[[u8; 12]; 256]> =
+    LazyLock::new(|| std::array::from_fn(|inside| pieces_of_edges(inside as u8)));
 
 /// Number of the surface piece that each edge of a cell belongs to; 12 for edges without crossing.
 ///
