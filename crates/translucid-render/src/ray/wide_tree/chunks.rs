@@ -3,6 +3,7 @@
 //! What a tree is built from is much larger than the tree, and fits into no cache where things are many: chunk after
 //! chunk it does, and processors share the work.
 
+use std::iter;
 use std::ops::Range;
 
 use glam::Vec3;
@@ -24,7 +25,7 @@ const SAMPLED: usize = 61;
 pub(super) fn chunks(things: &mut [u32], place: &(impl Fn(u32) -> Vec3 + Sync)) -> Vec<Range<usize>> {
     let count = things.len();
     if count <= MOST {
-        return vec![0..count];
+        return iter::once(0..count).collect();
     }
     let (low, high) = things
         .iter()
@@ -54,8 +55,11 @@ pub(super) fn chunks(things: &mut [u32], place: &(impl Fn(u32) -> Vec3 + Sync)) 
     // Where one cell has too many, its own grid parts them, unless all lie in one place.
     let part = |cells: Range<usize>| {
         let part = starts[cells.start]..starts[cells.end];
-        let parts =
-            if part.len() < count { chunks(&mut things[part.clone()], place) } else { vec![0..count] };
+        let parts = if part.len() < count {
+            chunks(&mut things[part.clone()], place)
+        } else {
+            iter::once(0..count).collect()
+        };
         parts.into_iter().map(move |inner| part.start + inner.start..part.start + inner.end)
     };
     parts.into_iter().flat_map(part).collect()
