@@ -33,7 +33,10 @@ const MOST_SAMPLES: usize = 2000;
 const STARTS: [f64; 6] = [0.3, 0.7, 0.9, 0.97, 0.99, 0.998];
 
 /// Mean free paths from which a fit may start, log-spaced.
-const LENGTHS: i32 = 40;
+const LENGTHS: i32 = 24;
+
+/// About so many samples judge where a fit starts.
+const THINNED: usize = 12;
 
 impl MediumFit {
     /// Fits the medium whose profiles `solve` finds, each by α in (0, 1).
@@ -193,7 +196,7 @@ impl<'a> Problem<'a> {
     fn start(samples: &'a [Sample], solve: &'a dyn Fn(f64) -> MediumProfile) -> Vector2<f64> {
         let ends = samples.iter().fold([f64::MAX, 0.0f64], |[low, high], s| [low.min(s.r), high.max(s.r)]);
         let [low, high] = ends.map(libm::log);
-        let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(50)).copied().collect();
+        let thinned: Vec<Sample> = samples.iter().step_by(samples.len().div_ceil(THINNED)).copied().collect();
         let mut best = (f64::INFINITY, Vector2::new(0.0, 0.5 * (low + high)));
         for alpha in STARTS {
             let mut problem =
