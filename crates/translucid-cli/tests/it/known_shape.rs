@@ -65,7 +65,8 @@ fn row<'a>(rows: &'a Value, channel: &str, quantity: &str) -> &'a Value {
     rows.as_array().unwrap().iter().find(is_it).unwrap_or_else(|| panic!("{channel} {quantity}: {rows}"))
 }
 
-/// Seeds are fixed. Six intervals of 95 % all hold the truth for about three of four seeds.
+/// Seeds are fixed: six intervals of 99.9 %, twice as wide as those of 95 %, hold the truth but for six of a thousand seeds.
+/// How often those of 95 % do is for `translucid-measure` to test.
 #[test]
 fn ball_tells_its_material() {
     let directory = directory_with_photo();
@@ -75,10 +76,11 @@ fn ball_tells_its_material() {
         for (channel, truth) in ["red", "green", "blue"].iter().zip(truth) {
             let row = row(&rows, channel, quantity);
             let number = |key: &str| row[key].as_f64().unwrap();
+            let width = number("to_95") - number("from_95");
             assert!((number("value") / truth - 1.0).abs() < 0.05, "{row}, {truth}");
-            assert!(number("from_95") < truth && truth < number("to_95"), "{row}, {truth}");
+            assert!((number("value") - truth).abs() < width, "{row}, {truth}");
             // An interval that says nothing would hold the truth, too
-            assert!(number("to_95") - number("from_95") < 0.2 * truth, "{row}");
+            assert!(width < 0.2 * truth, "{row}");
         }
     }
     assert_eq!(files(directory.path()), ["photo.exr", "photo.png", "start.toml", "truth.toml"]);
