@@ -10,7 +10,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 /// Things of a chunk at most, unless they lie in one place.
-pub(crate) const MOST: usize = 1 << 15;
+pub(crate) const MOST: usize = 1 << 17;
 
 /// Bits of a cell's coordinate on one axis.
 const BITS: u32 = 6;
