@@ -4,6 +4,7 @@ mod known_shape;
 mod page;
 mod resolution;
 mod setup;
+mod shown;
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,7 @@ use translucid_reference::Incidence;
 use translucid_reference::exact::single_scattering_albedo;
 use translucid_scene::{ColorSpace, Pixels, Place, load_image};
 
+use self::shown::Shown;
 use crate::failure::Failure;
 use crate::files::write_file;
 use crate::messages;
@@ -312,14 +314,8 @@ pub(crate) fn run(arguments: &MeasureArguments) -> Result<(), Failure> {
     }
     medium_of.scale(&mut fit, scale)?;
     if let Some(directory) = &arguments.page {
-        let shown = page::Shown {
-            photo: &photo,
-            region,
-            trace: &trace,
-            samples: &samples,
-            fit: &fit,
-            limits: &limits,
-        };
+        let shown =
+            Shown { photo: &photo, region, trace: &trace, samples: &samples, fit: &fit, limits: &limits };
         let setup = match (fit.outline, trace) {
             (Outline::Edge { card, position }, Trace::Line(line))
                 if arguments.setup == Setup::Edge && arguments.incidence.is_none() =>

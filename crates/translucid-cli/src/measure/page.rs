@@ -4,10 +4,11 @@ use std::path::Path;
 
 use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
-use translucid_measure::{Fit, Outline, Photo, Samples};
+use translucid_measure::Outline;
 
 use super::setup::{SCENE, Setup};
-use super::{CHANNELS, Trace, outline_name, three_digits};
+use super::shown::Shown;
+use super::{CHANNELS, outline_name, three_digits};
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
 
@@ -21,17 +22,6 @@ const PICTURE: &str = "photograph.png";
 const INKS: [Ink; 3] = [Ink::Numbered(0), Ink::Numbered(2), Ink::Numbered(1)];
 /// Widest picture of a photograph.
 const WIDEST: usize = 900;
-
-/// What the page is about.
-pub(super) struct Shown<'a> {
-    pub(super) photo: &'a Photo,
-    pub(super) region: [usize; 4],
-    /// In the region.
-    pub(super) trace: &'a Trace,
-    pub(super) samples: &'a Samples,
-    pub(super) fit: &'a Fit,
-    pub(super) limits: &'a [String],
-}
 
 /// Writes the page and its files into a directory.
 pub(super) fn write(

@@ -9,7 +9,7 @@ use translucid_profile::Configuration;
 use translucid_render::{FilmLayer, Outcome, Plan, PreparedScene, Session, View};
 use translucid_scene::{LoadOptions, SceneFile};
 
-use super::page::Shown;
+use super::shown::Shown;
 use super::three_digits;
 use crate::failure::Failure;
 use crate::interrupt;
