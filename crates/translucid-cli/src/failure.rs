@@ -45,7 +45,7 @@ impl Failure {
         Self { kind: FailureKind::Interrupted, ..Self::input("interrupted") }.with_help(help)
     }
 
-    /// What ended the picture of a number, from 0, of several: those before are there, so an interrupted command goes on.
+    /// The failure of a picture, by its number from 0 among several: those before it are there, so that an interrupted command can go on.
     pub(crate) fn of_picture(self, number: usize) -> Self {
         match (self.kind, number) {
             (FailureKind::Interrupted, 1..) => Self::interrupted(Self::GO_ON),

@@ -1,4 +1,4 @@
-//! What the page of a measurement is about.
+//! A measurement with its photograph, as the page shows it.
 
 use translucid_measure::{Fit, Photo, Samples};
 

@@ -40,7 +40,7 @@ pub(crate) struct Needs {
     object: u32,
     things: usize,
     corner_count: usize,
-    /// Those that are not there have a number that no corner has.
+    /// Corners that are not there have a number that no corner has.
     corners: [u32; CORNERS],
 }
 

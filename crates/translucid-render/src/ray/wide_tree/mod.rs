@@ -154,7 +154,7 @@ impl<B: Block> Default for Part<B> {
     }
 }
 
-/// What the tree over a chunk is made with, and that tree; the next one takes the same memory.
+/// Memory for the tree over a chunk and for what it is made with, used again by the next one.
 struct Workshop<B> {
     boxes: Vec<Aabb>,
     builder: PlocBuilder,
