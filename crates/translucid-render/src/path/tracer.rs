@@ -138,6 +138,7 @@ impl<'a> PathTracer<'a> {
 
         // Evaluate the material as this path sees it
         let normal = surface::shading_normal_at(&world.scene, material, point);
+        let normal = surface::facing(normal, point.geometric_normal, -path.ray.direction);
         let mut subsurface = self.subsurface.at(&world.scene, index, point);
         if path.diffuse_depth > 0 && self.subsurface.transports()[index].is_lambertian_behind_diffuse() {
             subsurface.length = Vec3::ZERO;

@@ -11,5 +11,5 @@ pub(crate) use medium::{WalkMedium, WalkRecipe};
 pub(crate) use parameters::{
     absorption, emission_at, opacity_at, parameters_at, stated_length_at, surface_albedo_at,
 };
-pub(crate) use shading_normal::shading_normal_at;
+pub(crate) use shading_normal::{facing, shading_normal_at};
 pub(crate) use tables::SurfaceTables;
