@@ -1,6 +1,7 @@
 //! Exponentials and logarithms of optical depths: a few operations each, the same on every processor.
 
 use std::f32::consts::{LN_2, LOG2_E};
+use std::hint::select_unpredictable;
 
 use glam::Vec3;
 
@@ -33,7 +34,9 @@ pub(super) fn depth_reached(u: f32) -> f32 {
     let k = left.to_bits().wrapping_sub(std::f32::consts::FRAC_1_SQRT_2.to_bits()).cast_signed() >> 23;
     let m = f32::from_bits(left.to_bits().wrapping_sub((k << 23).cast_unsigned()));
     // ln m = 2 artanh((m − 1)/(m + 1)); of small u without the rounding of 1 − u. One division for both
-    let (above, below) = if k == 0 { (u, 2.0 - u) } else { (1.0 - m, 1.0 + m) };
+    let is_small = k == 0;
+    let above = select_unpredictable(is_small, u, 1.0 - m);
+    let below = select_unpredictable(is_small, 2.0 - u, 1.0 + m);
     let s = above / below;
     let t = s * s;
     let series = 1.0 + t * (1.0 / 3.0 + t * (1.0 / 5.0 + t * (1.0 / 7.0 + t * (1.0 / 9.0))));

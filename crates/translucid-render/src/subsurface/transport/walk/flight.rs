@@ -11,10 +11,11 @@
 //! T says how likely it is that light which came this way is of each channel, so the mixture of a whole path is that of
 //! choosing one channel for it at the start.
 
+use std::hint::select_unpredictable;
+
 use glam::Vec3;
 
 use super::attenuation::{attenuations, depth_reached};
-use crate::sampling::choose;
 
 /// Length of flights toward lights over that of the walk's own.
 ///
@@ -44,9 +45,13 @@ impl Flights {
 
     /// Length of a flight for a number uniform in [0, 1); infinite if nothing is left to fly.
     pub(crate) fn sample(&self, throughput: Vec3, u: f32) -> f32 {
-        let shares = throughput * throughput.element_sum().recip();
-        let (channel, rest) = choose(shares.to_array(), u);
-        let length = depth_reached(rest) / self.sigma_t[channel];
+        // Without branches, which a processor could not foresee
+        let [x, y, z] = throughput.to_array();
+        let (u, [of_x, of_y, of_z]) = (u * (x + y + z), self.sigma_t.to_array());
+        let (is_x, is_y) = (u < x, u < x + y);
+        let one_of = |x, y, z| select_unpredictable(is_x, x, select_unpredictable(is_y, y, z));
+        let rest = (u - one_of(0.0, x, x + y)) / one_of(x, y, z);
+        let length = depth_reached(rest.min(1.0 - f32::EPSILON)) / one_of(of_x, of_y, of_z);
         if length.is_nan() { f32::INFINITY } else { length }
     }
 
