@@ -47,7 +47,7 @@ def enter_environment():
             subprocess.run([python, "-c", "import bpy, numpy, OpenEXR"], check=True, capture_output=True)
     except (OSError, subprocess.CalledProcessError) as error:
         skip(f"{PACKAGES[0]} can't be had here ({error})")
-    os.execv(python, [str(python), __file__, *sys.argv[1:]])
+    os.execv(python, [str(python), *sys.argv])
 
 
 class Cycles:
@@ -86,11 +86,9 @@ class Translucid:
 
     name = "translucid"
 
-    def __init__(self, options):
-        subprocess.run(["cargo", "build", "--release", "--locked", "-p", "translucid-cli"], cwd=ROOT, check=True)
-        target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
-        self.program, self.options = target / "release" / "translucid", options
-        self.binary_hash = hashlib.sha256(self.program.read_bytes()).hexdigest()
+    def __init__(self, options, program=None):
+        self.program, self.options = program or built(), options
+        self.binary_hash = hashlib.sha256(Path(self.program).read_bytes()).hexdigest()
 
     def image(self, scene, size, spp, seed, options=None):
         options = self.options if options is None else options
@@ -107,6 +105,12 @@ class Translucid:
             if status != 0:
                 raise SystemExit(f"failed: {shlex.join(map(str, command))}")
             return OpenEXR.File(str(out)).channels()["RGBA"].pixels.astype(np.float32), usage.ru_utime + usage.ru_stime
+
+
+def built():
+    """The command of this repository."""
+    subprocess.run(["cargo", "build", "--release", "--locked", "-p", "translucid-cli"], cwd=ROOT, check=True)
+    return Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target")) / "release" / "translucid"
 
 
 def is_walk(model):

@@ -35,7 +35,7 @@ pub(super) struct Costs<'a> {
 }
 
 impl<'a> Costs<'a> {
-    /// Of a tree over things with such needs (none: a whole block), whose blocks have so many lanes.
+    /// Costs of a tree whose things fill a block each, but for those with `needs`, in blocks of so many lanes.
     pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lanes: usize) -> Self {
         let nodes = &*binary.nodes;
         let mut this = Self { binary: nodes, places: vec![BLOCK; nodes.len()], costs: Vec::new() };

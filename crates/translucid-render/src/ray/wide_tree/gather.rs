@@ -18,7 +18,7 @@ pub(super) struct Gather<'a, B> {
 }
 
 impl<'a, B: Block> Gather<'a, B> {
-    /// Of a tree over things with such needs (none: a whole block), into lines that are empty.
+    /// Gathers a tree's things, of which each fills a block but for those with `needs`, into empty lines.
     pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lines: Lines<B>) -> Self {
         let costs = Costs::new(binary, needs, B::LANES);
         Self { binary, costs, lines, most_waiting: 0 }

@@ -66,10 +66,10 @@ const LEAST_VARIANCE: f32 = 0.05;
 
 /// Addition to [`LEAST_VARIANCE`] on flat ground, where every probe hits and those of a pixel's samples complement each
 /// other.
-const LEAST_VARIANCE_ON_FLAT: f32 = 2.0;
+const LEAST_VARIANCE_ON_FLAT: f32 = 4.0;
 
 /// Variance of normals from which on nothing is flat.
-const ROUGHEST: f32 = 0.01;
+const ROUGHEST: f32 = 0.03;
 
 /// An exit that waits for light.
 pub(crate) struct WaitingExit<'a> {
