@@ -6,9 +6,9 @@ use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
 use translucid_measure::Outline;
 
+use super::report::{CHANNELS, outline_name, three_digits};
 use super::setup::{SCENE, Setup};
 use super::shown::Shown;
-use super::{CHANNELS, outline_name, three_digits};
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
 
