@@ -38,6 +38,9 @@ const LENGTHS: i32 = 24;
 /// About so many samples judge where a fit starts.
 const THINNED: usize = 12;
 
+/// Steps that a descent usually takes.
+const USUAL_STEPS: usize = 8;
+
 impl MediumFit {
     /// Fits the medium whose profiles `solve` finds, each by α in (0, 1).
     ///
@@ -84,6 +87,15 @@ impl MediumFit {
                 Self { residuals, ..second }
             }
         })
+    }
+
+    /// About how often a fit of so many samples asks profiles for a value, to tell how much of it is done.
+    pub fn usual_evaluations(samples: usize, errors: Errors) -> u64 {
+        let starts =
+            STARTS.len() * (LENGTHS as usize + 1) * samples.div_ceil(samples.div_ceil(THINNED).max(1));
+        // At every step the residuals and their slopes, twice by each of two parameters
+        let descents = if errors == Errors::Known { 1 } else { 2 };
+        (starts + descents * USUAL_STEPS * 5 * samples) as u64
     }
 
     fn descend(
@@ -263,6 +275,9 @@ impl LeastSquaresProblem<f64, Dyn, U2> for Problem<'_> {
 
 #[cfg(test)]
 mod tests {
+    use std::cell::Cell;
+    use std::rc::Rc;
+
     use translucid_reference::Incidence;
     use translucid_reference::exact::HalfSpace;
     use translucid_testing::{SplitMix, power};
@@ -301,6 +316,24 @@ mod tests {
             assert!((fit.mfp().value / mfp - 1.0).abs() < 1e-4, "{:?}", fit.mfp());
             assert!((fit.sigma_a().value * mfp / (1.0 - alpha) - 1.0).abs() < 1e-3, "{:?}", fit.sigma_a());
             assert!((fit.sigma_s().value * mfp / alpha - 1.0).abs() < 1e-3, "{:?}", fit.sigma_s());
+        }
+    }
+
+    #[test]
+    fn usual_evaluations_are_about_those_of_a_fit() {
+        for (count, errors) in [(9, Errors::Known), (40, Errors::Known), (40, Errors::Relative)] {
+            let done = Rc::new(Cell::new(0_u64));
+            let counted = |alpha: f64| -> MediumProfile {
+                let (profile, done) = (half_space(alpha), Rc::clone(&done));
+                Box::new(move |r| {
+                    done.set(done.get() + 1);
+                    profile(r)
+                })
+            };
+            let samples = &samples(0.9, 0.7, 0.05, 3)[..count];
+            MediumFit::new(samples, errors, &counted).unwrap();
+            let usual = MediumFit::usual_evaluations(count, errors);
+            assert!((usual / 2..2 * usual).contains(&done.get()), "{} of {usual}", done.get());
         }
     }
 

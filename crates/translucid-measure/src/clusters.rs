@@ -62,6 +62,12 @@ impl<'a> Clusters<'a> {
         Some(Self { samples, means, inverse_errors })
     }
 
+    /// Standard errors of the means, by place.
+    pub(crate) fn errors(&self) -> Vec<[f64; 3]> {
+        let error = |inverse: &[f64]| std::array::from_fn(|c| 1.0 / inverse[c]);
+        self.inverse_errors.chunks_exact(3).map(error).collect()
+    }
+
     /// The best of fits from several starts, of light by parameters and channel.
     pub(crate) fn fit(
         &self,

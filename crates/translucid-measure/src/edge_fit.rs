@@ -70,6 +70,7 @@ pub fn fit_edge_of(card: Card, samples: &Samples, response: &Response, scale: Sc
         blur: p[1].abs(),
         misfit: found.misfit,
         light: (0..samples.places.len()).map(|i| std::array::from_fn(|c| curves[c][i])).collect(),
+        errors: problem.clusters.errors(),
     })
 }
 

@@ -76,4 +76,6 @@ pub struct Fit {
     pub misfit: f64,
     /// The model's values, by place.
     pub light: Vec<[f64; 3]>,
+    /// Standard errors of the means of the blocks, by place, as a model of the noise has them.
+    pub errors: Vec<[f64; 3]>,
 }

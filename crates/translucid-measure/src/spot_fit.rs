@@ -49,6 +49,7 @@ pub fn fit_spot(samples: &Samples, response: &Response, scale: Scale) -> Option<
         blur: p[1].abs(),
         misfit: found.misfit,
         light: (0..samples.places.len()).map(|i| std::array::from_fn(|c| curves[c][i])).collect(),
+        errors: problem.clusters.errors(),
     })
 }
 
@@ -293,6 +294,14 @@ mod tests {
         let truths = [0, 1, 2].map(|c| Truth::new(ALBEDOS[c], MFPS[c], 0.5, 0.3));
         let samples = photographed(&truths, 0.02, &mut SplitMix(5));
         let fit = fit_spot(&samples, &response, Scale::Relative(ALBEDOS)).unwrap();
+        // Errors are those that the misfit counts in
+        let left = (0..samples.places.len()).flat_map(|i| {
+            let [mean, light, errors] = [samples.means()[i], fit.light[i], fit.errors[i]];
+            (0..3).map(move |c| (mean[c] - light[c]) / errors[c])
+        });
+        let free = 3 * samples.places.len() - SHARED - 3 * OF_CHANNEL;
+        let misfit = left.map(|left| left * left).sum::<f64>() / free as f64;
+        assert!((misfit / fit.misfit - 1.0).abs() < 1e-9, "{misfit} {}", fit.misfit);
         for (c, channel) in fit.channels.iter().enumerate() {
             assert_eq!(channel.surface_albedo, None);
             let half = 0.5 * (channel.mfp.sure[1] - channel.mfp.sure[0]);

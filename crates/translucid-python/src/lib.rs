@@ -8,6 +8,7 @@ mod command;
 mod convert;
 mod fit;
 mod keys;
+mod live_session;
 mod long_work;
 mod names;
 mod photons;

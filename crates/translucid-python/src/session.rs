@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 use std::time::Duration;
 
 use numpy::{IntoPyArray, PyArrayMethods};
@@ -12,18 +11,18 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyRange, PyRangeMethods};
 use translucid_image::{Denoiser, PixelRect};
 use translucid_render::{
-    Edit, Event, FilmLayer, FilmSums, LiveFilm, Plan, PreparedScene, RunningSession, ShardNotes, ShardRun,
-    View, available_memory,
+    Edit, FilmLayer, FilmSums, LiveFilm, PreparedScene, RunningSession, ShardNotes, ShardRun, View,
 };
-use translucid_scene::{Image, Light, Material, Mesh, SceneBuilder, SceneError, Warning, repair_mesh};
+use translucid_scene::{Light, Material, Mesh, SceneBuilder, SceneError, repair_mesh};
 
 use crate::arrays::Any;
 use crate::keys::{named_piece_of, piece_of, plain_piece_of};
+use crate::live_session::LiveSession;
 use crate::long_work;
 use crate::names::{self, all_of_object, index_of};
 use crate::scene::{mesh_of, picture_options, scene_of, whole_number, whole_numbers};
 use crate::scene_error::{scene_error, warn};
-use crate::session_state::{Facts, Failure, State, end, lost};
+use crate::session_state::Failure;
 
 /// Most samples per pixel.
 const MOST_SAMPLES: u64 = 1 << 24;
@@ -73,18 +72,7 @@ const DENOISED: &str = "denoised";
 /// (24, 32, 1)
 #[pyclass(frozen, subclass, module = "translucid", weakref)]
 pub(crate) struct Session {
-    state: Mutex<State>,
-    /// The parts that can be read while it runs.
-    facts: Mutex<Facts>,
-    threads: usize,
-    progress: Arc<Progress>,
-}
-
-/// Paths done and to be done.
-#[derive(Default)]
-struct Progress {
-    done: AtomicU64,
-    total: AtomicU64,
+    live: LiveSession,
 }
 
 #[pymethods]
@@ -119,12 +107,7 @@ impl Session {
             let prepared = pool.install(|| PreparedScene::new(scene))?;
             Ok(translucid_render::Session::new(prepared, view))
         })??;
-        Ok(Self {
-            facts: Mutex::new(Facts::of(&session)),
-            state: Mutex::new(State::Idle(Box::new(session))),
-            threads,
-            progress: Arc::default(),
-        })
+        Ok(Self { live: LiveSession::new(session, threads) })
     }
 
     /// Renders until every pixel has a number of samples.
@@ -168,7 +151,7 @@ impl Session {
     fn step(&self, py: Python<'_>, samples: Option<&Any<'_>>, progress: Option<&Any<'_>>) -> PyResult<()> {
         let more = samples.map_or(Ok(1), |samples| whole_number("samples", samples, 1, MOST_SAMPLES))?;
         let goal = (more + u64::from(self.samples(py))).min(MOST_SAMPLES);
-        self.start_to(py, 0..goal as u32)?;
+        self.live.start_to(py, 0..goal as u32)?;
         self.wait(py, progress)
     }
 
@@ -190,9 +173,9 @@ impl Session {
                 Ok(range) => sample_range(range)?,
                 Err(_) => 0..whole_number("samples", samples, 1, MOST_SAMPLES)? as u32,
             },
-            None => 0..py.detach(|| self.facts().samples_per_pixel),
+            None => 0..py.detach(|| self.live.facts().samples_per_pixel),
         };
-        self.start_to(py, samples)
+        self.live.start_to(py, samples)
     }
 
     /// Waits for a session that runs in the background.
@@ -213,10 +196,10 @@ impl Session {
         let mut reported = None;
         let mut report = |is_last: bool| -> PyResult<()> {
             let Some(progress) = progress else { return Ok(()) };
-            let done = self.progress.done.load(Ordering::Relaxed);
+            let [done, total] = self.live.progress();
             if reported != Some(done) || is_last {
                 reported = Some(done);
-                progress.call1((done, self.progress.total.load(Ordering::Relaxed)))?;
+                progress.call1((done, total))?;
             }
             Ok(())
         };
@@ -226,10 +209,10 @@ impl Session {
                 // Short steps are not to wait for a long nap
                 std::thread::sleep(nap);
                 nap = (nap * 2).min(LONGEST_NAP);
-                !matches!(&*self.lock(), State::Running(running) if !running.is_finished())
+                !self.live.is_running()
             });
             if has_ended {
-                self.end(py, RunningSession::wait)?;
+                self.live.end(py, RunningSession::wait)?;
                 return report(true);
             }
             if let Err(error) = py.check_signals().and_then(|()| report(false)) {
@@ -242,7 +225,7 @@ impl Session {
 
     /// Ends what runs in the background, within milliseconds. The samples so far stay.
     fn cancel(&self, py: Python<'_>) -> PyResult<()> {
-        self.end(py, RunningSession::stop)
+        self.live.end(py, RunningSession::stop)
     }
 
     /// Writes the samples so far as a shard, which `translucid merge` joins with others of the same scene and settings to
@@ -276,7 +259,7 @@ impl Session {
         let planned = samples_per_pixel
             .map(|samples| whole_number("samples_per_pixel", samples, 1, MOST_SAMPLES))
             .transpose()?;
-        let saved = self.with_idle(py, |session| {
+        let saved = self.live.with_idle(py, |session| {
             let name = scene.to_owned();
             let scene = session.prepared().scene();
             let notes = ShardNotes {
@@ -288,7 +271,7 @@ impl Session {
                 tone_mapping: scene.film.tone_mapping.name().to_owned(),
                 ..ShardNotes::default()
             };
-            session.set_notes(notes, ShardRun { threads: self.threads, ..ShardRun::default() });
+            session.set_notes(notes, ShardRun { threads: self.live.threads(), ..ShardRun::default() });
             Ok(session.save(&path))
         })?;
         saved.map_err(|error| PyOSError::new_err(error.to_string()))
@@ -311,7 +294,7 @@ impl Session {
     ///     Shape (height, width, 3), or (height, width, 1) for alpha and depth, float32.
     #[pyo3(signature = (layer="radiance"))]
     fn snapshot<'py>(&self, py: Python<'py>, layer: &str) -> PyResult<Any<'py>> {
-        let film = self.film(py);
+        let film = self.live.film(py);
         if layer == DENOISED {
             return self.denoised(py, film);
         }
@@ -339,7 +322,7 @@ impl Session {
     #[pyo3(signature = (name, **keys))]
     fn edit_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of(&format!("material {name}"), keys)?;
-        self.edit_with_files(py, |session, warnings| {
+        self.live.edit_with_files(py, |session, warnings| {
             let scene = session.prepared().scene();
             let names = scene.materials.iter().map(|material| material.name.as_str());
             let index = index_of("material", name, names)?;
@@ -380,7 +363,7 @@ impl Session {
         let place = translucid_scene::Place::part(std::path::Path::new(""), title);
         py.detach(|| repair_mesh(&mut mesh, &place, &mut warnings)).map_err(scene_error)?;
         warn(py, &warnings)?;
-        self.edit(py, move |session| {
+        self.live.edit(py, move |session| {
             let scene = session.prepared().scene();
             let names = scene.objects.iter().map(|object| object.name.as_str());
             let index = index_of("object", name, names)?;
@@ -427,7 +410,7 @@ impl Session {
         let mesh = mesh_of(&title, vertices, triangles, [normals, uv, colors])?;
         let piece = named_piece_of(&title, name, keys)?;
         let mut warnings = Vec::new();
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let mut builder = SceneBuilder::from(session.prepared().scene().clone());
             let materials = builder.scene().materials.len();
             builder.add_mesh_object(&piece, mesh, &mut warnings)?;
@@ -456,7 +439,7 @@ impl Session {
     #[pyo3(signature = (name, **keys))]
     fn edit_object(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = plain_piece_of(&format!("object {name}"), keys)?;
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let scene = session.prepared().scene();
             let (place, material) = piece.object_change(scene)?;
             let mut objects = scene.objects.clone();
@@ -488,7 +471,7 @@ impl Session {
     /// SceneError
     ///     There is no such object, or no other.
     fn remove_object(&self, py: Python<'_>, name: &str) -> PyResult<()> {
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let mut objects = session.prepared().scene().objects.clone();
             let gone = all_of_object(name, &objects)?;
             let mut index = 0..objects.len();
@@ -513,7 +496,7 @@ impl Session {
     #[pyo3(signature = (name, **keys))]
     fn add_material(&self, py: Python<'_>, name: &str, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = piece_of(&format!("material {name}"), keys)?;
-        self.edit_with_files(py, |session, warnings| {
+        self.live.edit_with_files(py, |session, warnings| {
             let scene = session.prepared().scene();
             if scene.materials.iter().any(|material| material.name == name) {
                 return Err(SceneError::new(format!("material {name}: another has that name")));
@@ -536,7 +519,7 @@ impl Session {
     /// SceneError
     ///     There is no such material, or an object has it.
     fn remove_material(&self, py: Python<'_>, name: &str) -> PyResult<()> {
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let materials = &session.prepared().scene().materials;
             let index = index_of("material", name, materials.iter().map(|material| material.name.as_str()))?;
             session.edit(Edit::RemoveMaterial(index))?;
@@ -558,7 +541,7 @@ impl Session {
     #[pyo3(signature = (**keys))]
     fn set_film(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = plain_piece_of("film", keys)?;
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let view = session.view();
             let film = piece.film(*view.film())?;
             session.set_view(View::new(*view.camera(), film, view.seed())?);
@@ -580,7 +563,7 @@ impl Session {
     #[pyo3(signature = (region=None))]
     fn set_region(&self, py: Python<'_>, region: Option<&Any<'_>>) -> PyResult<()> {
         let region = region.map(region_of).transpose()?;
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let [width, height] = session.view().whole_size();
             session.set_view(session.view().with_region(region.unwrap_or([0, 0, width, height]))?);
             Ok(())
@@ -601,7 +584,7 @@ impl Session {
     #[pyo3(signature = (**keys))]
     fn set_camera(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let camera = plain_piece_of("camera", keys)?.camera().map_err(scene_error)?;
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             session.set_view(session.view().with_camera(camera)?);
             Ok(())
         })
@@ -627,7 +610,7 @@ impl Session {
             plain_piece_of(&format!("light {i}"), Some(keys))?.light().map_err(scene_error)
         };
         let lights: Vec<Light> = lights.try_iter()?.enumerate().map(read).collect::<PyResult<_>>()?;
-        self.edit(py, |session| session.edit(Edit::Lights(lights)).map(drop))
+        self.live.edit(py, |session| session.edit(Edit::Lights(lights)).map(drop))
     }
 
     /// Takes another environment.
@@ -644,10 +627,10 @@ impl Session {
     #[pyo3(signature = (**keys))]
     fn set_environment(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let Some(keys) = keys.filter(|keys| !keys.is_empty()) else {
-            return self.edit(py, |session| session.edit(Edit::Environment(None)).map(drop));
+            return self.live.edit(py, |session| session.edit(Edit::Environment(None)).map(drop));
         };
         let piece = piece_of("environment", Some(keys))?;
-        self.edit_with_files(py, |session, warnings| {
+        self.live.edit_with_files(py, |session, warnings| {
             let scene = session.prepared().scene();
             let (environment, images) = piece.environment_with_images(scene, warnings)?;
             Ok((images, Edit::Environment(Some(environment))))
@@ -668,7 +651,7 @@ impl Session {
     #[pyo3(signature = (**keys))]
     fn set_integrator(&self, py: Python<'_>, keys: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
         let piece = plain_piece_of("integrator", keys)?;
-        self.edit(py, |session| {
+        self.live.edit(py, |session| {
             let integrator = piece.integrator(session.prepared().scene().integrator)?;
             session.edit(Edit::Integrator(integrator))?;
             let view = session.view();
@@ -682,20 +665,20 @@ impl Session {
     /// Fewest samples that any pixel has.
     #[getter]
     fn samples(&self, py: Python<'_>) -> u32 {
-        let film = self.film(py);
+        let film = self.live.film(py);
         py.detach(|| film.samples())
     }
 
     /// Whether it runs in the background.
     #[getter]
     fn is_running(&self, py: Python<'_>) -> bool {
-        py.detach(|| matches!(&*self.lock(), State::Running(running) if !running.is_finished()))
+        py.detach(|| self.live.is_running())
     }
 
     /// Width and height of the picture in pixels.
     #[getter]
     fn size(&self, py: Python<'_>) -> (usize, usize) {
-        let film = self.film(py);
+        let film = self.live.film(py);
         py.detach(|| {
             let [width, height] = size_of(&film.sums());
             (width, height)
@@ -705,20 +688,20 @@ impl Session {
     /// Everything that is not rendered as the scene asks for, in words.
     #[getter]
     fn notes(&self, py: Python<'_>) -> Vec<String> {
-        py.detach(|| self.facts().notes.clone())
+        py.detach(|| self.live.facts().notes.clone())
     }
 
     /// Samples per pixel that the scene states.
     #[getter]
     fn _samples_per_pixel(&self, py: Python<'_>) -> u32 {
-        py.detach(|| self.facts().samples_per_pixel)
+        py.detach(|| self.live.facts().samples_per_pixel)
     }
 
     /// Exposure in stops and tone mapping that the scene's film states.
     #[getter]
     fn _display(&self, py: Python<'_>) -> (f32, &'static str) {
         py.detach(|| {
-            let facts = self.facts();
+            let facts = self.live.facts();
             (facts.exposure, facts.tone_mapping)
         })
     }
@@ -730,119 +713,9 @@ impl Session {
 }
 
 impl Session {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    fn facts(&self) -> MutexGuard<'_, Facts> {
-        self.facts.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
-    /// The film that is read. Nobody waits for it who holds the interpreter.
-    fn film(&self, py: Python<'_>) -> Arc<LiveFilm> {
-        py.detach(|| Arc::clone(&self.facts().film))
-    }
-
-    fn start_to(&self, py: Python<'_>, samples: Range<u32>) -> PyResult<()> {
-        py.detach(|| {
-            let mut state = self.lock();
-            let session = match std::mem::replace(&mut *state, State::Lost) {
-                State::Idle(session) => *session,
-                State::Running(running) => {
-                    *state = State::Running(running);
-                    return Err(Failure::work("the session is running: wait for it, or cancel it"));
-                }
-                State::Lost => return Err(lost()),
-            };
-            let total = samples.len() as u64 * session.view().region().area();
-            let progress = Arc::clone(&self.progress);
-            progress.done.store(session.film().sums().paths(), Ordering::Relaxed);
-            progress.total.store(total, Ordering::Relaxed);
-            let point_memory = available_memory().unwrap_or(u64::MAX);
-            let plan = Plan { samples, point_memory, ..Plan::samples(0) };
-            let observer = move |event: &Event<'_>| {
-                if let Event::Samples(now) = event {
-                    progress.done.store(now.samples_done, Ordering::Relaxed);
-                }
-            };
-            // What cannot be started is gone with its threads: there is no memory for a stack
-            *state = State::Running(session.start(plan, self.threads, observer).map_err(Failure::work)?);
-            Ok(())
-        })?;
-        Ok(())
-    }
-
-    /// Has the session end if it runs, by `how`.
-    fn end(
-        &self,
-        py: Python<'_>,
-        how: impl FnOnce(
-            RunningSession,
-        ) -> (translucid_render::Session, Result<translucid_render::Outcome, SceneError>)
-        + Send,
-    ) -> PyResult<()> {
-        py.detach(|| end(&mut self.lock(), how))?;
-        Ok(())
-    }
-
-    /// What `use_it` makes of the session once it does not run.
-    fn with_idle<T: Send>(
-        &self,
-        py: Python<'_>,
-        use_it: impl FnOnce(&mut translucid_render::Session) -> Result<T, SceneError> + Send,
-    ) -> PyResult<T> {
-        let result: Result<T, Failure> = py.detach(|| {
-            let mut state = self.lock();
-            end(&mut state, RunningSession::stop)?;
-            match &mut *state {
-                State::Idle(session) => Ok(use_it(session)?),
-                State::Running(_) | State::Lost => Err(lost()),
-            }
-        });
-        Ok(result?)
-    }
-
-    /// Changes the session, which is ended if it runs; its film then begins anew.
-    fn edit(
-        &self,
-        py: Python<'_>,
-        change: impl FnOnce(&mut translucid_render::Session) -> Result<(), SceneError> + Send,
-    ) -> PyResult<()> {
-        self.with_idle(py, |session| {
-            let threads = self.threads;
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-            let pool = pool.map_err(|error| SceneError::new(format!("cannot start the threads: {error}")))?;
-            pool.install(|| change(session))?;
-            *self.facts() = Facts::of(session);
-            Ok(())
-        })
-    }
-
-    /// Makes an edit that may read files, and warns of what was repaired in them.
-    fn edit_with_files(
-        &self,
-        py: Python<'_>,
-        make: impl FnOnce(
-            &translucid_render::Session,
-            &mut Vec<Warning>,
-        ) -> Result<(Vec<Arc<Image>>, Edit), SceneError>
-        + Send,
-    ) -> PyResult<()> {
-        let mut warnings = Vec::new();
-        self.edit(py, |session| {
-            let (images, edit) = make(session, &mut warnings)?;
-            for image in images {
-                session.edit(Edit::AddImage(image))?;
-            }
-            session.edit(edit)?;
-            session.edit(Edit::DropUnusedImages).map(drop)
-        })?;
-        warn(py, &warnings)
-    }
-
     /// The radiance denoised.
     fn denoised<'py>(&self, py: Python<'py>, film: Arc<LiveFilm>) -> PyResult<Any<'py>> {
-        let threads = self.threads;
+        let threads = self.live.threads();
         let denoised = long_work::run_or_leave(py, move || {
             let sums = film.sums().clone();
             let [width, height] = size_of(&sums);

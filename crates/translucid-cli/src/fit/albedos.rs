@@ -25,36 +25,39 @@ fn unexpected(error: ParameterError) -> Failure {
 
 /// Normalized diffusion: the best s for each surface albedo, and polynomials through them.
 pub(super) fn burley(case: &Case, output: &OutputArguments) -> Result<(), Failure> {
-    let _directory = output.check(&BURLEY_FILES, None)?;
-    let fit = ScalingCase::new(case.parameterization, case.configuration, case.max_radius);
-    let fit = fit.map_err(unexpected)?;
-    output.write(&burley_report(case, &fit), &burley_tables(&fit))
+    output.fill(&BURLEY_FILES, None, || {
+        let fit = ScalingCase::new(case.parameterization, case.configuration, case.max_radius);
+        let fit = fit.map_err(unexpected)?;
+        output.write(&burley_report(case, &fit), &burley_tables(&fit))
+    })
 }
 
 /// Fits normalized diffusion in the three cases that the talk has polynomials for; the columns begin with the case.
 pub(super) fn burley_of_the_talk(max_radius: f64, output: &OutputArguments) -> Result<(), Failure> {
-    let _directory = output.check(&BURLEY_FILES, None)?;
-    let cases = Case::of_the_talk(max_radius);
-    let fits: Result<Vec<ScalingCase>, ParameterError> = cases
-        .par_iter()
-        .map(|case| ScalingCase::new(case.parameterization, case.configuration, max_radius))
-        .collect();
-    let fits = fits.map_err(unexpected)?;
-    let reports: Vec<String> = cases.iter().zip(&fits).map(|(case, fit)| burley_report(case, fit)).collect();
-    let mut tables: Vec<DataTable> = Vec::new();
-    for (case, fit) in cases.iter().zip(&fits) {
-        for (i, mut table) in burley_tables(fit).into_iter().enumerate() {
-            table.columns.splice(0..0, ["configuration", "parameter"].map(String::from));
-            for row in &mut table.rows {
-                row.splice(0..0, [case.configuration_word(), case.parameter_word()].map(Cell::from));
-            }
-            match tables.get_mut(i) {
-                Some(all) => all.rows.extend(table.rows),
-                None => tables.push(table),
+    output.fill(&BURLEY_FILES, None, || {
+        let cases = Case::of_the_talk(max_radius);
+        let fits: Result<Vec<ScalingCase>, ParameterError> = cases
+            .par_iter()
+            .map(|case| ScalingCase::new(case.parameterization, case.configuration, max_radius))
+            .collect();
+        let fits = fits.map_err(unexpected)?;
+        let reports: Vec<String> =
+            cases.iter().zip(&fits).map(|(case, fit)| burley_report(case, fit)).collect();
+        let mut tables: Vec<DataTable> = Vec::new();
+        for (case, fit) in cases.iter().zip(&fits) {
+            for (i, mut table) in burley_tables(fit).into_iter().enumerate() {
+                table.columns.splice(0..0, ["configuration", "parameter"].map(String::from));
+                for row in &mut table.rows {
+                    row.splice(0..0, [case.configuration_word(), case.parameter_word()].map(Cell::from));
+                }
+                match tables.get_mut(i) {
+                    Some(all) => all.rows.extend(table.rows),
+                    None => tables.push(table),
+                }
             }
         }
-    }
-    output.write(&reports.join("\n"), &tables)
+        output.write(&reports.join("\n"), &tables)
+    })
 }
 
 const BURLEY_FILES: [&str; 3] = ["points.csv", "coefficients.csv", "errors.csv"];
@@ -104,33 +107,34 @@ fn burley_report(case: &Case, fit: &ScalingCase) -> String {
 /// A sum of exponentials for each surface albedo.
 pub(super) fn exponentials(case: &Case, terms: usize, output: &OutputArguments) -> Result<(), Failure> {
     let files = ["points.csv", "errors.csv"];
-    let _directory = output.check(&files, None)?;
-    let albedos = talk_albedos();
-    let meter = Meter::new(Unit::Albedos);
-    let done = AtomicU64::new(0);
-    let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
-        .par_iter()
-        .map(|surface_albedo| {
-            let fit = AlbedoFit::new(case, *surface_albedo, terms);
-            meter.update(done.fetch_add(1, Ordering::Relaxed) + 1, albedos.len() as u64);
-            fit
-        })
-        .collect();
-    meter.finish();
-    let fits = fits.map_err(unexpected)?;
+    output.fill(&files, None, || {
+        let albedos = talk_albedos();
+        let meter = Meter::new(Unit::Albedos);
+        let done = AtomicU64::new(0);
+        let fits: Result<Vec<AlbedoFit>, ParameterError> = albedos
+            .par_iter()
+            .map(|surface_albedo| {
+                let fit = AlbedoFit::new(case, *surface_albedo, terms);
+                meter.update(done.fetch_add(1, Ordering::Relaxed) + 1, albedos.len() as u64);
+                fit
+            })
+            .collect();
+        meter.finish();
+        let fits = fits.map_err(unexpected)?;
 
-    // Lay out the tables
-    let mut points = DataTable::new("points", "", &["surface_albedo"]);
-    points.columns.extend((1..=terms).flat_map(|k| [format!("weight_{k}"), format!("rate_{k}")]));
-    points.columns.push(String::from("error"));
-    points.rows = fits.iter().map(AlbedoFit::row).collect();
-    let summary = |i: usize| {
-        let errors: Vec<_> = fits.iter().map(|fit| (fit.surface_albedo, fit.errors[i])).collect();
-        ErrorSummary::new(&errors)
-    };
-    let errors = [Errors { name: "fitted", summaries: [0, 1, 2].map(summary) }];
-    let text = case.heading() + &report::text(&errors);
-    output.write(&text, &[points, report::table(&errors)])
+        // Lay out the tables
+        let mut points = DataTable::new("points", "", &["surface_albedo"]);
+        points.columns.extend((1..=terms).flat_map(|k| [format!("weight_{k}"), format!("rate_{k}")]));
+        points.columns.push(String::from("error"));
+        points.rows = fits.iter().map(AlbedoFit::row).collect();
+        let summary = |i: usize| {
+            let errors: Vec<_> = fits.iter().map(|fit| (fit.surface_albedo, fit.errors[i])).collect();
+            ErrorSummary::new(&errors)
+        };
+        let errors = [Errors { name: "fitted", summaries: [0, 1, 2].map(summary) }];
+        let text = case.heading() + &report::text(&errors);
+        output.write(&text, &[points, report::table(&errors)])
+    })
 }
 
 /// The exponentials of one surface albedo.

@@ -25,22 +25,19 @@ pub(super) struct OutputArguments {
 const REPORT: &str = "report.txt";
 
 impl OutputArguments {
-    /// Makes the directory and finds out whether its files can be written, before the work, and refuses to write over
-    /// those that are not of an earlier fit. Others keep off it until it is dropped.
-    pub(super) fn check(&self, files: &[&str], input: Option<&Path>) -> Result<Option<Directory>, Failure> {
-        let Some(path) = &self.output else { return Ok(None) };
-        let directory = Directory::make(path)?;
-        let paths: Vec<PathBuf> = files.iter().chain([&REPORT]).map(|file| directory.file(file)).collect();
-        paths.iter().try_for_each(|path| check_writable(path))?;
-        if let Some(path) = input_among(paths.iter().map(PathBuf::as_path), input.into_iter()) {
-            return Err(refusal(path, "is a file that is read, and would be written over"));
-        }
-        match paths.iter().find(|path| path.exists()) {
-            Some(path) if !is_own(&directory.file(REPORT)) => {
-                Err(refusal(path, "is there already, and translucid has not made it"))
-            }
-            _ => Ok(Some(directory)),
-        }
+    /// Does some work that fills the directory: makes it and finds out first whether its files can be written, and refuses to
+    /// write over those that are not of an earlier fit. Others keep off it meanwhile.
+    pub(super) fn fill(
+        &self,
+        files: &[&str],
+        input: Option<&Path>,
+        work: impl FnOnce() -> Result<(), Failure>,
+    ) -> Result<(), Failure> {
+        let Some(path) = &self.output else { return work() };
+        Directory::fill(path, |directory| {
+            check(directory, files, input)?;
+            work()
+        })
     }
 
     /// Writes the report, then the first of the tables, or with a directory all of them.
@@ -66,5 +63,20 @@ impl OutputArguments {
         write_file(&directory.join(svg), chart.svg().as_bytes())?;
         let picture = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         write_file(&directory.join(png), &picture)
+    }
+}
+
+/// Finds out whether files of a directory can be written, and refuses to write over those that are not of an earlier fit.
+fn check(directory: &Directory, files: &[&str], input: Option<&Path>) -> Result<(), Failure> {
+    let paths: Vec<PathBuf> = files.iter().chain([&REPORT]).map(|file| directory.file(file)).collect();
+    paths.iter().try_for_each(|path| check_writable(path))?;
+    if let Some(path) = input_among(paths.iter().map(PathBuf::as_path), input.into_iter()) {
+        return Err(refusal(path, "is a file that is read, and would be written over"));
+    }
+    match paths.iter().find(|path| path.exists()) {
+        Some(path) if !is_own(&directory.file(REPORT)) => {
+            Err(refusal(path, "is there already, and translucid has not made it"))
+        }
+        _ => Ok(()),
     }
 }

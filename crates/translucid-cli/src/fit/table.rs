@@ -2,6 +2,8 @@
 
 use std::fs;
 use std::path::Path;
+use std::rc::Rc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use csv::{ReaderBuilder, StringRecord, Trim};
 use translucid_fit::{Errors, Estimate, Family, MediumFit, MediumProfile, Sample, SampleFit, SampleFits};
@@ -13,7 +15,9 @@ use translucid_scene::{Place, SceneError};
 
 use super::FitArguments;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::model::ConfigurationName;
+use crate::progress::{Meter, Unit};
 use crate::table::exact;
 
 /// Greatest file, in bytes: a profile has some hundred radii.
@@ -36,30 +40,51 @@ pub(super) fn run(arguments: &FitArguments, path: &Path, terms: usize) -> Result
         );
         return Err(SceneError::at(Place::file(path), message).with_help("choose fewer --terms").into());
     }
-    let _directory = arguments.output.check(&FILES, Some(path))?;
-    let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
-    let fits = fits(&samples, errors, terms).map_err(fail)?;
-    write(arguments, path, &samples, errors, &fits)
+    arguments.output.fill(&FILES, Some(path), || {
+        let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
+        let fits = fits(&samples, errors, terms).map_err(fail)?;
+        write(arguments, path, &samples, errors, &fits)
+    })
 }
 
 /// Fits the exact half space to the samples of a file.
 pub(super) fn run_half_space(arguments: &FitArguments, path: &Path) -> Result<(), Failure> {
     let (samples, errors) = load(path)?;
-    let _directory = arguments.output.check(&FILES, Some(path))?;
+    arguments.output.fill(&FILES, Some(path), || {
+        let fit = half_space(arguments, path, &samples, errors)?;
+        write(arguments, path, &samples, errors, &[fit])
+    })
+}
+
+/// The half space that explains samples best.
+fn half_space(
+    arguments: &FitArguments,
+    path: &Path,
+    samples: &[Sample],
+    errors: Errors,
+) -> Result<Fit, Failure> {
     let configuration = arguments.configuration.unwrap_or(ConfigurationName::Searchlight);
     let incidence = Incidence::from(translucid_profile::Configuration::from(configuration));
     let solve = |alpha: f64| HalfSpace::with_boundary(alpha, arguments.eta, incidence);
     // What is refused is so for every albedo
     solve(0.5).map_err(|error| Failure::input(error.to_string()))?;
     let entering = 1.0 - specular_reflectance(incidence, arguments.eta);
+    interrupt::catch("\nstopping; nothing is written")?;
+    let evaluations = Rc::new(Evaluations::new(MediumFit::usual_evaluations(samples.len(), errors)));
     let profile = |alpha: f64| -> MediumProfile {
-        match solve(alpha) {
-            Ok(half_space) => Box::new(move |r| entering * half_space.eval(r).value),
-            Err(_) => Box::new(|_| 0.0),
+        if evaluations.are_stopped() {
+            return Box::new(|_| 0.0);
         }
+        let Ok(half_space) = solve(alpha) else { return Box::new(|_| 0.0) };
+        let evaluations = Rc::clone(&evaluations);
+        Box::new(move |r| evaluations.count(|| entering * half_space.eval(r).value))
     };
-    let fail = |error: ParameterError| SceneError::at(Place::file(path), error.to_string());
-    let fit = MediumFit::new(&samples, errors, &profile).map_err(fail)?;
+    let fit = MediumFit::new(samples, errors, &profile);
+    evaluations.meter.finish();
+    let fit = fit.map_err(|error| SceneError::at(Place::file(path), error.to_string()))?;
+    if evaluations.are_stopped() {
+        return Err(Failure::interrupted("nothing was written: repeat the command"));
+    }
     let total = |alpha: f64| solve(alpha).map_or(f64::NAN, |half_space| half_space.total().value);
     let parameters = [
         ("surface_albedo", fit.of_albedo(total)),
@@ -67,15 +92,45 @@ pub(super) fn run_half_space(arguments: &FitArguments, path: &Path) -> Result<()
         ("sigma_a", fit.sigma_a()),
         ("sigma_s_prime", fit.sigma_s()),
     ];
-    let fit = Fit {
+    Ok(Fit {
         name: "half-space",
         parameters: parameters.map(|(name, estimate)| (String::from(name), estimate)).to_vec(),
         chi_square: fit.chi_square(),
         degrees_of_freedom: fit.degrees_of_freedom(),
         is_singular: false,
         residuals: fit.residuals().to_vec(),
-    };
-    write(arguments, path, &samples, errors, &[fit])
+    })
+}
+
+/// How often a fit has asked for a reflectance: the time that it takes goes into these.
+///
+/// Once the fit is to stop all reflectances are 0, and it ends at once.
+struct Evaluations {
+    meter: Meter,
+    done: AtomicU64,
+    /// As many as such a fit usually has.
+    usual: u64,
+}
+
+impl Evaluations {
+    fn new(usual: u64) -> Self {
+        Self { meter: Meter::new(Unit::Parts), done: AtomicU64::new(0), usual }
+    }
+
+    /// The value of one more; 0 once the fit is to stop.
+    fn count(&self, value: impl FnOnce() -> f64) -> f64 {
+        if self.are_stopped() {
+            return 0.0;
+        }
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        // A fit that takes longer is never quite done before its end
+        self.meter.update(done, self.usual.max(done + done / 20));
+        value()
+    }
+
+    fn are_stopped(&self) -> bool {
+        interrupt::STOP.load(Ordering::Relaxed)
+    }
 }
 
 /// Writes the tables, the report and the chart, and warns.

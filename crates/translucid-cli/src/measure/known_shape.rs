@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
-use clap::Args;
 use glam::Vec3;
 use translucid_image::{KeptData, KeptFile, OutputError, check_writable, damaged};
 use translucid_laboratory::Cell;
@@ -13,7 +12,11 @@ use translucid_measure::{Estimate, Guess, KnownShape, Photo, Progress, SEEDS, Un
 use translucid_render::{Edit, Event, FilmLayer, Outcome, Plan, PreparedScene, Session, View, content_hash};
 use translucid_scene::{ColorInput, Material, ScalarInput, Scene, SubsurfaceMethod, SubsurfaceParameter};
 
-use super::{CHANNELS, COLUMNS, MISFIT, MeasureArguments, MeasureFormat, load, refusal, three_digits};
+use super::arguments::{MeasureArguments, MeasureFormat};
+use super::photograph::{load, part, refusal};
+use super::remarks::MISFIT;
+use super::report::{CHANNELS, COLUMNS, row, three_digits};
+use super::scene_arguments::SceneArguments;
 use crate::failure::Failure;
 use crate::files::{input_among, write_file};
 use crate::model::ModelName;
@@ -22,43 +25,6 @@ use crate::progress::{Meter, Unit};
 use crate::render;
 use crate::table::{TableFormat, print};
 use crate::{interrupt, machine, messages};
-
-/// Options of the scene whose picture the photograph is.
-#[derive(Args, Debug)]
-pub(super) struct SceneArguments {
-    /// Scene file of what the photograph shows: shape, camera and lights are known, --fit is not
-    #[arg(long, value_name = "SCENE", requires = "fit", conflicts_with_all = ["mm_per_pixel", "white", "surface_albedo",
-        "edge", "configuration", "ruler", "card", "exposure", "dark", "page", "setup", "center", "white_photo", "incidence", "thickness"])]
-    pub(super) scene: Option<PathBuf>,
-    /// Parameters to find: material.surface_albedo, material.mfp, material.g, light.radiance
-    #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "scene")]
-    fit: Vec<String>,
-    /// Name of the material that they belong to [default: the scene's translucent one]
-    #[arg(long, value_name = "NAME", requires = "scene")]
-    material: Option<String>,
-    /// Model of light under its surface, in place of the scene's
-    #[arg(long, value_name = "MODEL", requires = "scene", hide_possible_values = true)]
-    subsurface: Option<ModelName>,
-    /// Mesh file in place of that of object NAME, or the only one
-    #[arg(long, value_name = "[NAME=]PATH", value_parser = render::parse_mesh, requires = "scene")]
-    mesh: Vec<(Option<String>, PathBuf)>,
-    /// Samples per pixel of each picture [default: the scene's]
-    #[arg(long, value_name = "N", requires = "scene",
-        value_parser = clap::value_parser!(u32).range(1..=i64::from(render::MAX_SAMPLES)))]
-    spp: Option<u32>,
-    /// Seed of the random numbers [default: 0]
-    #[arg(long, value_name = "S", requires = "scene")]
-    seed: Option<u64>,
-    /// Threads to render with [default: one per processor]
-    #[arg(long, value_name = "N", requires = "scene", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
-    /// File that keeps an unfinished fit [default: PHOTO.fit in the current directory]
-    #[arg(long, value_name = "FILE", requires = "scene")]
-    checkpoint: Option<PathBuf>,
-    /// Go on from an unfinished fit
-    #[arg(long, requires = "scene")]
-    resume: bool,
-}
 
 /// A fit that is not finished: its numbers and the pictures of its step.
 const UNFINISHED: KeptFile =
@@ -95,7 +61,7 @@ fn run_here(arguments: &MeasureArguments, scene_path: &Path) -> Result<(), Failu
         return Err(refusal(&arguments.photo, message).with_help("state the photograph's size in [film]"));
     }
     let region = arguments.region.unwrap_or([0, 0, photo.width, photo.height]);
-    let photo = super::part(&photo, &arguments.photo, "--region", region)?;
+    let photo = part(&photo, &arguments.photo, "--region", region)?;
     if photo.pixels.len() > MOST_PIXELS {
         let message = format!("has {} pixels to fit, but at most {MOST_PIXELS} are", photo.pixels.len());
         return Err(
@@ -490,7 +456,7 @@ fn shown(estimate: &Estimate) -> String {
 fn rows(fit: &KnownShape) -> Vec<Vec<Cell>> {
     let row = |estimate: &Estimate| {
         let [quantity, unit] = quantity(estimate.unknown);
-        super::row(channel(estimate), quantity, estimate.interval, unit)
+        row(channel(estimate), quantity, estimate.interval, unit)
     };
     fit.estimates().iter().map(row).collect()
 }

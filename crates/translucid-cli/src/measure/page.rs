@@ -6,9 +6,9 @@ use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::{Axis, Block, Chart, DataTable, Ink, Mark, Page, Plate, Section, Series};
 use translucid_measure::Outline;
 
+use super::report::{CHANNELS, outline_name, three_digits};
 use super::setup::{SCENE, Setup};
 use super::shown::Shown;
-use super::{CHANNELS, outline_name, three_digits};
 use crate::failure::Failure;
 use crate::files::{Directory, NamedFile, is_own_page, refusal};
 
@@ -58,7 +58,7 @@ fn files(
         files.push((String::from(SCENE), scene.into_bytes()));
     }
     let mut limits = Section::new("What limits the accuracy");
-    limits.blocks.extend(shown.limits.iter().cloned().map(Block::Text));
+    limits.blocks.extend(shown.limits.iter().map(|limit| Block::Text(sentence(limit))));
     let noise = format!(
         "What the fit leaves over is {:.2} times the noise, which the differences of {} tell. \
          The camera's blur is {} mm.",
@@ -95,6 +95,14 @@ fn files(
     Ok(files)
 }
 
+/// A remark of the command as a sentence.
+fn sentence(remark: &str) -> String {
+    let mut letters = remark.chars();
+    let first = letters.next().map_or_else(String::new, |letter| letter.to_uppercase().collect());
+    let end = if remark.ends_with(['.', '?', '!']) { "" } else { "." };
+    format!("{first}{}{end}", letters.as_str())
+}
+
 fn points(shown: &Shown<'_>, value: impl Fn(usize) -> f64) -> Vec<[f64; 2]> {
     let origin = match shown.fit.outline {
         Outline::Edge { position, .. } => position,
@@ -113,18 +121,22 @@ fn distance(shown: &Shown<'_>) -> Axis {
 
 fn light(shown: &Shown<'_>) -> Chart {
     let means = shown.samples.means();
-    let (title, y) = match shown.fit.outline {
-        Outline::Edge { .. } => ("Light across the edge", Axis::linear("light", "")),
+    let lines = "Points: the photograph. Lines: the half space that explains it best.";
+    let (title, y, caption) = match shown.fit.outline {
+        Outline::Edge { .. } => ("Light across the edge", Axis::linear("light", ""), String::from(lines)),
         // How far it glows is told by what is far darker than the spot
         Outline::Spot { .. } => {
-            let lights = || shown.fit.light.iter().flatten().copied();
+            let lights =
+                || means.iter().chain(&shown.fit.light).flatten().copied().filter(|light| *light > 0.0);
             let most = lights().fold(f64::MIN_POSITIVE, f64::max);
             let least = lights().fold(most, f64::min).max(1e-5 * most);
-            ("Light around the spot", Axis::logarithmic("light", "").between(0.5 * least, 2.0 * most))
+            // A share of the power, where paper tells that
+            let unit = if shown.fit.channels[0].surface_albedo.is_some() { "mm⁻²" } else { "" };
+            let axis = Axis::logarithmic("light", unit).between(0.5 * least, 2.0 * most);
+            ("Light around the spot", axis, format!("{lines} What is at or below 0 is left out."))
         }
     };
-    let mut chart = Chart::new("fit", title, distance(shown), y)
-        .with_caption("Points: the photograph. Lines: the half space that explains it best.");
+    let mut chart = Chart::new("fit", title, distance(shown), y).with_caption(&caption);
     for (c, name) in CHANNELS.iter().enumerate() {
         let seen = points(shown, |i| means[i][c]);
         let model = points(shown, |i| shown.fit.light[i][c]);
@@ -136,14 +148,27 @@ fn light(shown: &Shown<'_>) -> Chart {
 
 fn residuals(shown: &Shown<'_>) -> Chart {
     let means = shown.samples.means();
-    let axes = [distance(shown), Axis::linear("photograph less fit", "%")];
-    let [x, y] = axes;
-    let mut chart = Chart::new("residuals", "What the fit leaves over", x, y).with_caption(
-        "In percent of the brightest light of the fit. Where the model is right there is noise only.",
-    );
+    let (unit, caption) = match shown.fit.outline {
+        Outline::Edge { .. } => (
+            "%",
+            "In percent of the brightest light of the fit. Where the model is right there is noise only.",
+        ),
+        // Of the brightest light, that of the glow which tells the mean free path is hardly any
+        Outline::Spot { .. } => (
+            "standard errors",
+            "In standard errors of the photograph's light, by its noise. Where the model is right there is noise only.",
+        ),
+    };
+    let y = Axis::linear("photograph less fit", unit);
+    let mut chart =
+        Chart::new("residuals", "What the fit leaves over", distance(shown), y).with_caption(caption);
     for (c, name) in CHANNELS.iter().enumerate() {
         let most = shown.fit.light.iter().map(|light| light[c]).fold(f64::MIN_POSITIVE, f64::max);
-        let left = points(shown, |i| 100.0 * (means[i][c] - shown.fit.light[i][c]) / most);
+        let scale = |i: usize| match shown.fit.outline {
+            Outline::Edge { .. } => 0.01 * most,
+            Outline::Spot { .. } => shown.fit.errors[i][c],
+        };
+        let left = points(shown, |i| (means[i][c] - shown.fit.light[i][c]) / scale(i));
         chart.series.push(Series::new(name, INKS[c], Mark::Line, left));
     }
     chart

@@ -2,7 +2,7 @@
 
 use translucid_measure::{Fit, Outline, Samples};
 
-use super::three_digits;
+use super::report::three_digits;
 use crate::messages;
 
 /// Most places that are fitted at once: a fit's time grows with their square.

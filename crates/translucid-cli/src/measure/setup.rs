@@ -9,8 +9,8 @@ use translucid_profile::Configuration;
 use translucid_render::{FilmLayer, Outcome, Plan, PreparedScene, Session, View};
 use translucid_scene::{LoadOptions, SceneFile};
 
+use super::report::three_digits;
 use super::shown::Shown;
-use super::three_digits;
 use crate::failure::Failure;
 use crate::interrupt;
 

@@ -2,7 +2,7 @@
 
 use translucid_measure::{Fit, Photo, Samples};
 
-use super::Trace;
+use super::trace::Trace;
 
 /// A measurement and the photograph that it was made in.
 pub(super) struct Shown<'a> {

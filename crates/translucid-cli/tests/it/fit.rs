@@ -4,7 +4,7 @@ use std::fs;
 use std::process::Output;
 use std::sync::LazyLock;
 
-use crate::common::{files, run, stderr, stdout};
+use crate::common::{files, run, stderr, stdout, translucid};
 use crate::markdown::root;
 use translucid_profile::NormalizedDiffusion;
 
@@ -290,6 +290,30 @@ fn published_table_gives_back_its_coefficients() {
         assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
         assert!(stderr(&output).contains(says), "{words}: {}", stderr(&output));
     }
+}
+
+#[cfg(unix)]
+#[test]
+fn interrupted_half_space_leaves_nothing_behind() {
+    use std::io::{BufRead, BufReader};
+
+    let table = root().join("benches/measure/published/mcml-sample-1b.csv");
+    let temporary = tempfile::tempdir().unwrap();
+    let mut child = translucid(temporary.path())
+        .args(["fit", "--family", "half-space", "--eta", "1.5", "-o", "new", "--table"])
+        .arg(table)
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Where there is no terminal the first line comes after five seconds, of more than twenty
+    let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(lines.any(|line| line.contains(" passed, ") && line.ends_with(" left")));
+    assert!(temporary.path().join("new").exists());
+    let kill = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success());
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(lines.any(|line| line.contains("nothing was written")));
+    assert!(files(temporary.path()).is_empty());
 }
 
 #[test]

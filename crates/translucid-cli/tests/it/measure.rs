@@ -289,7 +289,11 @@ fn spot_gives_back_its_material() {
     };
     holds(&found);
     let page = std::fs::read_to_string(path("page/index.html")).unwrap();
-    assert!(page.contains("12 sectors around the spot") && page.contains("Light around the spot"));
+    for words in
+        ["12 sectors around the spot", "Light around the spot", "light / mm⁻²", "less fit / standard errors"]
+    {
+        assert!(page.contains(words), "{words}");
+    }
 
     // A middle that is given, and a core that is clipped
     holds(&rows(&stdout(directory.path(), &format!("{words} {power} --center 70.4,43.1"))));
