@@ -42,7 +42,7 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
         description="How light below surfaces is found; walks are always traced",
         items=[
             ("ray-traced", "Ray-Traced", "Every path looks for the place where its light entered"),
-            ("point-based", "Point-Based", "The light that enters is computed at points beforehand and summed"),
+            ("point-based", "Point-Based", "The light that enters is computed at points beforehand and summed; the rendered view is ray-traced all the same"),
         ],
         default="ray-traced",
         update=_changed,

@@ -11,21 +11,22 @@ TAIL = 1e-3
 _DIFFUSE_EVENTS = 5
 
 
-def integrator_keys(scene, samples, model):
-    """`model` takes the place of the transports that belong to the nodes' methods."""
+def integrator_keys(scene, samples, model, method=None):
+    """`model` takes the place of the transports that belong to the nodes' methods, `method` that of the scene's."""
     settings = scene.translucid
+    method = method or settings.method
     keys = {
         "samples_per_pixel": samples,
         "max_depth": settings.max_bounces + 1,
         "max_diffuse_depth": min(_DIFFUSE_EVENTS, settings.max_bounces + 1),
         "caustics": settings.use_caustics,
-        "subsurface_method": settings.method,
+        "subsurface_method": method,
         "subsurface_sharing": settings.use_sharing,
         "seed": seed_of(scene),
     }
     # An edit leaves what it does not name.
     keys["subsurface_tail"] = CYCLES_TAIL if model is None else TAIL
-    if model is None and settings.method == "ray-traced":
+    if model is None and method == "ray-traced":
         keys["subsurface_method"] = "cycles-disk"
     return keys
 

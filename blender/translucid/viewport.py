@@ -76,7 +76,9 @@ class Viewport:
         description = Exporter(depsgraph, self._report, self._model, cache=self._cache).describe()
         film = settings.film_keys(scene, 1, 1)
         del film["size"]
-        integrator = settings.integrator_keys(scene, scene.translucid.preview_samples, settings.model_of(scene))
+        # Points would be laid and lit anew for every edit, which may take minutes.
+        samples, model = scene.translucid.preview_samples, settings.model_of(scene)
+        integrator = settings.integrator_keys(scene, samples, model, method="ray-traced")
         self._target = Target(description, film, integrator, settings.threads_of(scene))
         self._failure = None
         self._follow()
