@@ -21,6 +21,8 @@ pub(crate) struct EntryLight {
     pub(crate) geometric_normal: Vec3,
     /// g times an unbiased estimate of 1/p for the exit that found it.
     pub(crate) own_weight: f32,
+    /// R in place of g, without what depends on directions.
+    pub(crate) own_reflectance: Vec3,
     /// From a sampled light and from a path.
     pub(crate) arrivals: [Arrival; 2],
     /// What the material states there, where that counts.
@@ -120,9 +122,9 @@ impl<'a> Receiver for WaitingExit<'a> {
     }
 
     fn light_from(&self, response: &Directions<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
-        let offset = self.position - entry.position;
+        let passage = self.passage(entry);
+        let Passage { offset, .. } = passage;
         let distance = self.nearness.distance(offset.length());
-        let passage = Passage { offset, entry_normal: entry.normal, exit_normal: self.normal };
         // The brightest light is that of extreme scenes: what it is multiplied with is about 1
         if let (Some((pairing, exit)), Some(stated)) = (&self.pairing, &entry.stated) {
             let pair = pairing.pair(&self.probes.kernel, exit, stated);
@@ -145,18 +147,24 @@ impl<'a> Receiver for WaitingExit<'a> {
             return [None; 2];
         }
         let own = found.map_or(Vec3::ZERO, |entry| {
-            let near = self.nearness.at(self.position.distance_squared(entry.position));
-            if near > 0.0 {
-                self.light_from(&self.response(), entry, entry.own_weight / near)
-            } else {
-                Vec3::ZERO
-            }
+            let directions = match (&self.pairing, &entry.stated) {
+                (Some((pairing, exit)), Some(stated)) => {
+                    self.probes.kernel.directions(&pairing.pair(&self.probes.kernel, exit, stated))
+                }
+                _ => self.response(),
+            };
+            entry.own_reflectance * entry.weighted(&directions.along(self.passage(entry)))
         });
         is_alone.map(|is_alone| is_alone.then_some(own))
     }
 }
 
 impl WaitingExit<'_> {
+    fn passage(&self, entry: &EntryLight) -> Passage {
+        let offset = self.position - entry.position;
+        Passage { offset, entry_normal: entry.normal, exit_normal: self.normal }
+    }
+
     /// R at a distance.
     #[inline]
     fn reflectance(&self, distance: f32) -> Vec3 {

@@ -153,6 +153,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
             normal: entry.normal,
             geometric_normal: entry.point.geometric_normal,
             own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
+            own_reflectance: weight.value,
             arrivals,
             stated: Stated::if_paired(world, &entry.point),
         }
