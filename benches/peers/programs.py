@@ -10,7 +10,6 @@ time over those of the first program, and that its light is the same. relMSE is 
 
 import argparse
 import shlex
-import sys
 
 import peers
 

@@ -17,6 +17,9 @@ EDITS = 500 if "TRANSLUCID_THOROUGH" in os.environ else 60
 CAMERA = {"position": [1, -9, 4], "target": [0, 0, 0], "up": [0, 0, 1], "fov": 40}
 SIZE, SAMPLES = (24, 16), 2
 
+# Of the mean: the greatest difference of pictures that show the same.
+BOUND = 0.02
+
 
 def wax(name, color):
     nodes = Nodes(name)
@@ -152,7 +155,7 @@ def difference(live, other):
     for samples in (SAMPLES, 32, 512):
         ours, theirs = picture(live, samples), picture(other, samples)
         found = np.abs(ours - theirs).mean() / max(np.abs(theirs).mean(), 1e-9)
-        if found < 0.02:
+        if found < BOUND:
             break
     return found
 
@@ -201,7 +204,7 @@ def test_no_picture_is_stale_after_edits_at_random():
             live, target = followed(viewport), viewport._target
             assert target.integrator["subsurface_method"] != "point-based"
             found = difference(live, made_anew(target))
-            assert found < 0.02, f"edit {number}, {edit.__name__}: {found}"
+            assert found < BOUND, f"edit {number}, {edit.__name__}: {found}"
             memory.append(addon.process.memory_in_use()[0])
     finally:
         bpy.app.handlers.depsgraph_update_post.remove(follow)

@@ -37,12 +37,12 @@ pub struct ChannelFit {
     pub unevenness: f64,
 }
 
-/// What casts the light's shape.
+/// Shape of the light, by the thing that casts it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outline {
     /// A card that ends at a place \[L\].
     Edge {
-        /// What the dark side shows.
+        /// Place of the card.
         card: Card,
         /// Where the card ends \[L\].
         position: f64,

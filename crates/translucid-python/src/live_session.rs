@@ -48,7 +48,7 @@ impl LiveSession {
         [&self.progress.done, &self.progress.total].map(|count| count.load(Ordering::Relaxed))
     }
 
-    /// Whether it runs in the background.
+    /// True while it runs in the background.
     pub(crate) fn is_running(&self) -> bool {
         matches!(&*self.lock(), State::Running(running) if !running.is_finished())
     }
@@ -57,7 +57,7 @@ impl LiveSession {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// What is known of it, whatever it does.
+    /// Facts of the session, whatever it does.
     pub(crate) fn facts(&self) -> MutexGuard<'_, Facts> {
         self.facts.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -110,7 +110,7 @@ impl LiveSession {
         Ok(())
     }
 
-    /// What `use_it` makes of the session once it does not run.
+    /// Ends the session if it runs, and returns what `use_it` makes of it.
     pub(crate) fn with_idle<T: Send>(
         &self,
         py: Python<'_>,

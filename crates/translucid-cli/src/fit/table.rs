@@ -102,13 +102,13 @@ fn half_space(
     })
 }
 
-/// How often a fit has asked for a reflectance: the time that it takes goes into these.
+/// Count of the reflectances that a fit has asked for, which take nearly all of its time.
 ///
 /// Once the fit is to stop all reflectances are 0, and it ends at once.
 struct Evaluations {
     meter: Meter,
     done: AtomicU64,
-    /// As many as such a fit usually has.
+    /// Number of them that such a fit usually asks for.
     usual: u64,
 }
 

@@ -1,6 +1,7 @@
 //! Options of `translucid measure`, and what they say together.
 
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use clap::{Args, ValueEnum};
 use translucid_measure::{Card, Scale};
@@ -33,7 +34,7 @@ pub(crate) struct MeasureArguments {
     /// Photograph: OpenEXR or Radiance HDR (linear), PNG, TIFF or JPEG (sRGB)
     #[arg(value_name = "PHOTO")]
     pub(super) photo: PathBuf,
-    /// What casts the light's shape on the piece
+    /// Setup of the photograph: the thing that shapes the light on the piece
     #[arg(long, value_enum, default_value = "edge")]
     pub(super) setup: SetupName,
     /// Thickness of the slab \[mm\]
@@ -67,7 +68,8 @@ pub(crate) struct MeasureArguments {
     /// Middle of the spot [default: found]
     #[arg(long, value_name = "X,Y", value_parser = parse_point, conflicts_with = "edge")]
     pub(super) center: Option<[f64; 2]>,
-    /// What the dark side shows: the piece (hidden, as in a projector's shadow) or the card (visible) [default: found]
+    /// Place of the card: out of the picture, as in a projector's shadow (hidden), or on the dark side (visible)
+    /// [default: found]
     #[arg(long, value_enum)]
     pub(super) card: Option<CardName>,
     /// Another exposure of the same view, to be merged; may be repeated
@@ -76,7 +78,7 @@ pub(crate) struct MeasureArguments {
     /// Photograph with the light off and the same exposure, which is subtracted
     #[arg(long, value_name = "PHOTO")]
     pub(super) dark: Option<PathBuf>,
-    /// Whether values of integers are linear instead of sRGB
+    /// Take values of integers as linear instead of sRGB
     #[arg(long)]
     pub(super) linear: bool,
     /// How light falls on a matt piece: from all around (diffuse); or on a clear one that is seen from straight above
@@ -120,7 +122,7 @@ pub(super) enum MeasureFormat {
     Toml,
 }
 
-/// What casts the light's shape.
+/// Setup of a photograph, named by the thing that shapes the light on the piece.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum SetupName {
     /// An opaque card that covers half of the piece
@@ -131,12 +133,12 @@ pub(super) enum SetupName {
     Slab,
 }
 
-/// What the dark side of an edge shows.
+/// Place of the card whose edge is photographed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub(super) enum CardName {
-    /// The piece, in shadow
+    /// Out of the picture: the dark side shows the piece, in shadow
     Hidden,
-    /// A card that lies on it
+    /// On the piece: the dark side shows the card
     Visible,
 }
 
@@ -192,7 +194,8 @@ impl MeasureArguments {
         }
     }
 
-    /// What the light is a share of: that of what is white, or its own with surface albedos that are given.
+    /// Scale of the light: reflectances where something white is seen, otherwise shares of its own with the surface albedos
+    /// that are given.
     pub(super) fn scale(&self) -> Result<Scale, Failure> {
         if self.white.is_some() || self.white_photo.is_some() {
             return Ok(Scale::Reflectance);
@@ -223,10 +226,15 @@ fn parse_positive(text: &str) -> Result<f64, String> {
     number.ok_or_else(|| String::from("a width is a number of mm in (0, 1e6]"))
 }
 
+/// So many numbers with commas between them.
+fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let numbers: Option<Vec<T>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
+    numbers?.try_into().ok()
+}
+
 fn parse_rectangle(text: &str) -> Result<[usize; 4], String> {
-    let numbers: Option<Vec<usize>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
+    match numbers(text) {
+        Some([x0, y0, x1, y1]) if x0 < x1 && y0 < y1 => Ok([x0, y0, x1, y1]),
         _ => Err(String::from(
             "a rectangle is X0,Y0,X1,Y1 in pixels with X0 < X1 and Y0 < Y1, like 100,50,300,200",
         )),
@@ -234,9 +242,8 @@ fn parse_rectangle(text: &str) -> Result<[usize; 4], String> {
 }
 
 fn parse_ruler(text: &str) -> Result<[f64; 5], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x0, y0, x1, y1, mm])
+    match numbers::<f64, _>(text) {
+        Some([x0, y0, x1, y1, mm])
             if [x0, y0, x1, y1, mm].iter().all(|v| v.abs() < 1e6) && (x0, y0) != (x1, y1) && mm > 0.0 =>
         {
             Ok([x0, y0, x1, y1, mm])
@@ -254,17 +261,15 @@ fn parse_angle(text: &str) -> Result<f64, String> {
 }
 
 fn parse_point(text: &str) -> Result<[f64; 2], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y]) if x.is_finite() && y.is_finite() => Ok([x, y]),
+    match numbers::<f64, _>(text) {
+        Some([x, y]) if x.is_finite() && y.is_finite() => Ok([x, y]),
         _ => Err(String::from("a point is X,Y in pixels, like 320,240.5")),
     }
 }
 
 fn parse_points(text: &str) -> Result<[f64; 4], String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|text| text.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x0, y0, x1, y1]) if [x0, y0, x1, y1].iter().all(|v| v.is_finite()) => Ok([x0, y0, x1, y1]),
+    match numbers::<f64, _>(text) {
+        Some([x0, y0, x1, y1]) if [x0, y0, x1, y1].iter().all(|v| v.is_finite()) => Ok([x0, y0, x1, y1]),
         _ => Err(String::from("two points are X0,Y0,X1,Y1 in pixels, like 100,50,120.5,200")),
     }
 }

@@ -1,4 +1,4 @@
-//! What is white in a photograph or in another one, by which light becomes a reflectance.
+//! Factors that make light a reflectance, from something white in the photograph or in another one.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use crate::failure::Failure;
 /// Reflectance of white paper.
 const PAPER: f64 = 0.9;
 
-/// What makes values of a photograph those that a fit takes.
+/// Factors that make values of a photograph those that a fit takes.
 pub(super) enum Gains {
     /// Factors of all pixels.
     Even([f64; 3]),
@@ -55,7 +55,7 @@ impl Gains {
     }
 }
 
-/// By white paper in the photograph or in another one; a spot's by the power of the light.
+/// Finds the factors by white paper in the photograph or in another one; a spot's by the power of the light.
 pub(super) fn gains(
     photo: &Photo,
     place: Option<SpotPlace>,

@@ -8,7 +8,7 @@ use translucid_reference::exact::single_scattering_albedo;
 use super::arguments::{MeasureArguments, SetupName};
 use crate::failure::Failure;
 
-/// What mean free paths of isotropic scatterers below a boundary are to the medium that is asked for.
+/// Relation between the medium that is asked for and isotropic scatterers below its boundary.
 pub(super) struct MediumOf {
     eta: f64,
     g: f64,

@@ -1,4 +1,4 @@
-//! What limits a measurement, in plain sentences.
+//! Limits of a measurement, in plain sentences.
 
 use translucid_measure::{Fit, Outline, Samples, Scale};
 
@@ -71,7 +71,7 @@ fn samples_needed(fit: &Fit) -> f64 {
     }
 }
 
-/// That no half space explains the light.
+/// Words for light that no half space explains.
 pub(super) fn unlike(fit: &Fit) -> String {
     format!(
         "the light is not that of an even, thick, isotropic piece: what is left is {:.1} times the noise (layers, strong \

@@ -111,7 +111,7 @@ pub(super) fn material(fit: &Fit, scale: Scale, arguments: &MeasureArguments) ->
     )
 }
 
-/// What casts the light's shape, in a word.
+/// A word for the light's shape.
 pub(super) fn outline_name(fit: &Fit) -> &'static str {
     match fit.outline {
         Outline::Edge { .. } => "edge",

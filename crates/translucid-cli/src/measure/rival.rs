@@ -5,11 +5,11 @@ use translucid_measure::{Fit, Outline, Response, Samples, Scale, fit_edge_of, fi
 /// Difference of χ² from which on one model is better than another: of Gaussian noise exp(-10) as likely.
 const DECIDED: f64 = 20.0;
 
-/// What explains light as well that is no half space.
+/// The model that explains the light best among those that are no half space.
 pub(super) struct Rival {
     /// Mean square of what is left over, over the noise.
     pub(super) misfit: f64,
-    /// What it is, in words.
+    /// Name of the model.
     pub(super) name: &'static str,
 }
 
@@ -34,7 +34,7 @@ impl Rival {
             .fold(diffusion, |best, rival| if rival.misfit < best.misfit { rival } else { best })
     }
 
-    /// That the shape contradicts a half space.
+    /// A warning if the shape contradicts a half space.
     pub(super) fn warning(&self, fit: &Fit, samples: &Samples) -> Option<String> {
         let decided = (fit.misfit - self.misfit) * 3.0 * samples.places.len() as f64;
         (decided > DECIDED * self.misfit.max(1.0)).then(|| {

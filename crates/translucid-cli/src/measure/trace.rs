@@ -1,4 +1,4 @@
-//! Where in a photograph the light's shape is: the line of an edge, or the place of a spot.
+//! Place of the light's shape in a photograph: the line of an edge, or the middle and radius of a spot.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use super::photograph::refusal;
 use crate::failure::Failure;
 use crate::messages;
 
-/// Where in the region the light's shape is.
+/// Place of the light's shape in the region.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Trace {
     Line(EdgeLine),

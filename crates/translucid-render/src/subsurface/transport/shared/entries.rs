@@ -21,7 +21,7 @@ pub(crate) struct EntryLight {
     pub(crate) geometric_normal: Vec3,
     /// g times an unbiased estimate of 1/p for the exit that found it.
     pub(crate) own_weight: f32,
-    /// R in place of g, without what depends on directions.
+    /// R times the same estimate of 1/p, without what depends on directions.
     pub(crate) own_reflectance: Vec3,
     /// From a sampled light and from a path.
     pub(crate) arrivals: [Arrival; 2],
@@ -126,8 +126,7 @@ impl<'a> Receiver for WaitingExit<'a> {
         let Passage { offset, .. } = passage;
         let distance = self.nearness.distance(offset.length());
         // The brightest light is that of extreme scenes: what it is multiplied with is about 1
-        if let (Some((pairing, exit)), Some(stated)) = (&self.pairing, &entry.stated) {
-            let pair = pairing.pair(&self.probes.kernel, exit, stated);
+        if let Some(pair) = self.pair(entry) {
             let directions = self.probes.kernel.directions(&pair);
             let reflectance = self.probes.circular(&pair, distance) / (TAU * distance);
             return reflectance * factor * entry.weighted(&directions.along(passage));
@@ -147,12 +146,7 @@ impl<'a> Receiver for WaitingExit<'a> {
             return [None; 2];
         }
         let own = found.map_or(Vec3::ZERO, |entry| {
-            let directions = match (&self.pairing, &entry.stated) {
-                (Some((pairing, exit)), Some(stated)) => {
-                    self.probes.kernel.directions(&pairing.pair(&self.probes.kernel, exit, stated))
-                }
-                _ => self.response(),
-            };
+            let directions = self.probes.kernel.directions(&self.pair(entry).unwrap_or(self.subsurface));
             entry.own_reflectance * entry.weighted(&directions.along(self.passage(entry)))
         });
         is_alone.map(|is_alone| is_alone.then_some(own))
@@ -160,6 +154,12 @@ impl<'a> Receiver for WaitingExit<'a> {
 }
 
 impl WaitingExit<'_> {
+    /// Parameters of the exit and an entry together, where entries have a say.
+    fn pair(&self, entry: &EntryLight) -> Option<Subsurface> {
+        let (pairing, exit) = self.pairing.as_ref()?;
+        Some(pairing.pair(&self.probes.kernel, exit, entry.stated.as_ref()?))
+    }
+
     fn passage(&self, entry: &EntryLight) -> Passage {
         let offset = self.position - entry.position;
         Passage { offset, entry_normal: entry.normal, exit_normal: self.normal }

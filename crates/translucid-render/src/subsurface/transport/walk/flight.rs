@@ -19,13 +19,11 @@ use super::attenuation::{attenuations, depth_reached};
 
 /// Length of flights toward lights over that of the walk's own.
 ///
-/// More of them get out, with a smaller weight: measured on head and dragon, error times CPU time are 0.82 and 0.92 times
-/// those without. Without end (every light is looked at, weighted by its transmittance) they are above 1.
+/// More of them get out, with a smaller weight: error times CPU time are 0.94 on the head and 0.99 on the dragon of those
+/// with 1 (`benches/peers/programs.py`). Without end every collision would cost a ray.
 pub(super) const STRETCH: f32 = 2.0;
 
 /// Length of first flights for a sampled light over that of the walk's own: the light has as long a way again.
-///
-/// On head and dragon error times CPU time are 0.68 and 0.99 times those of light at the walk's own first collision.
 pub(super) const FIRST_STRETCH: f32 = 0.5;
 
 /// Extinction coefficients per channel \[L⁻¹\], 0 in channels whose throughput is.
