@@ -186,16 +186,10 @@ impl<T: Precision> AlbedoTable<T> {
     #[inline]
     pub fn at(&self, surface_albedo: T, length: T) -> ProfileView<'_, T> {
         let surface_albedo = surface_albedo.max(T::ZERO).min(T::ONE);
-        let length = length.max(T::LENGTHS[0]).min(T::LENGTHS[1]);
-        // Rows are close to each other: in single precision their difference from A would have few digits
-        let wide = surface_albedo.wide();
-        let i = self.surface_albedos.partition_point(|start| *start <= wide).saturating_sub(1);
-        let excess = (wide - self.surface_albedos[i]).max(0.0);
+        let (i, excess, median) = self.row_of(surface_albedo);
         let (lower, upper) = (&self.rows[i], &self.rows[(i + 1).min(self.rows.len() - 1)]);
-        let [value, slope, square, cube] = lower.median;
-        let median = value + excess * (slope + excess * (square + excess * cube));
         let mix = (excess * lower.inverse_width).min(1.0);
-        let inverse = 1.0 / (median * length.wide());
+        let inverse = 1.0 / (median * usual(length).wide());
         let scales = [lower, upper].map(|row| T::nearest(row.unit_median * inverse));
         let radius_min = lower.unit_radius_min.min(upper.unit_radius_min) / scales[0];
         ProfileView {
@@ -206,6 +200,30 @@ impl<T: Precision> AlbedoTable<T> {
             surface_albedo,
         }
     }
+
+    /// The radius within which half of the energy of that profile leaves \[L\].
+    #[inline]
+    pub fn median_radius(&self, surface_albedo: T, length: T) -> T {
+        let (_, _, median) = self.row_of(surface_albedo.max(T::ZERO).min(T::ONE));
+        T::nearest(median * usual(length).wide())
+    }
+
+    /// The row below a surface albedo in \[0, 1\], how far that is above the row's, and the median radius for length 1.
+    #[inline]
+    fn row_of(&self, surface_albedo: T) -> (usize, f64, f64) {
+        // Rows are close to each other: in single precision their difference from A would have few digits
+        let wide = surface_albedo.wide();
+        let i = self.surface_albedos.partition_point(|start| *start <= wide).saturating_sub(1);
+        let excess = (wide - self.surface_albedos[i]).max(0.0);
+        let [value, slope, square, cube] = self.rows[i].median;
+        (i, excess, value + excess * (slope + excess * (square + excess * cube)))
+    }
+}
+
+/// A length that tables can be scaled by.
+#[inline]
+fn usual<T: Precision>(length: T) -> T {
+    length.max(T::LENGTHS[0]).min(T::LENGTHS[1])
 }
 
 /// The greatest surface albedo for which the model has a profile of length 1.

@@ -27,7 +27,7 @@ use crate::ray::SurfacePoint;
 use crate::surface::bsdf::SurfaceParameters;
 use crate::surface::{WalkMedium, WalkRecipe};
 use crate::world::{Media, World};
-use kernel::{KernelRecipe, SubsurfaceKernel};
+use kernel::{Cutting, KernelRecipe, SubsurfaceKernel};
 use normalization::Normalizer;
 use pairing::Pairing;
 use transport::points::{CloudGroup, GatherScratch, Leaving, PixelWidths, PointCloud, serve};
@@ -219,7 +219,8 @@ impl SubsurfaceSet {
         let is_disk = integrator.subsurface_method == SubsurfaceMethod::CyclesDisk;
         // Cycles knows the exit's parameters only
         let pairing = if is_disk { None } else { Pairing::new(scene, index, &kernel) };
-        let probes = Probes { kernel, pairing, tail: integrator.subsurface_tail, axes: self.axes, is_disk };
+        let cutting = Cutting::new(&kernel, integrator.subsurface_tail);
+        let probes = Probes { kernel, pairing, cutting, axes: self.axes, is_disk };
         let probing = if integrator.subsurface_sharing && probes.can_share() {
             SubsurfaceTransport::Shared(probes)
         } else {

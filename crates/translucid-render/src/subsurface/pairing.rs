@@ -75,7 +75,7 @@ impl Stated {
 pub(crate) struct PairedExit {
     /// Number of the material.
     material: usize,
-    subsurface: Subsurface,
+    pub(crate) subsurface: Subsurface,
     /// How exact its position is \[L\].
     offset: f32,
 }

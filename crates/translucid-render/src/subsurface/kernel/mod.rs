@@ -17,7 +17,7 @@ use translucid_profile::{AlbedoTableF32, DirectionalDipoleTable, ObliqueDiffusio
 use super::note::Remark;
 use super::parameters::Subsurface;
 
-pub(crate) use cut::CutProfile;
+pub(crate) use cut::{CutProfile, Cutting};
 use direction::DirectedProfiles;
 pub(crate) use direction::{DirectionalWeight, Directions, Passage};
 pub(crate) use recipe::{KernelRecipe, unfitted};
@@ -54,7 +54,7 @@ impl SubsurfaceKernel {
     pub(crate) fn resolved(&self, surface_albedo: Vec3, length: Vec3, offset: f32) -> Vec3 {
         let of = |c: usize| {
             let length = length[c];
-            let is_wide = length > 0.0 && self.radial(surface_albedo[c], length).cdf(offset) < 0.5;
+            let is_wide = length > 0.0 && self.radial.median_radius(surface_albedo[c], length) > offset;
             if is_wide { length } else { 0.0 }
         };
         Vec3::new(of(0), of(1), of(2))
@@ -62,7 +62,7 @@ impl SubsurfaceKernel {
 
     /// Radius within which half of a channel's light leaves \[L\].
     pub(crate) fn half_radius(&self, surface_albedo: f32, length: f32) -> f32 {
-        self.radial(surface_albedo, length).truncation_radius(0.5)
+        self.radial.median_radius(surface_albedo, length)
     }
 
     /// Shortcomings of the kernel against its material, in words that follow its model's name.

@@ -147,6 +147,8 @@ pub(super) struct Gathering<R: Receiver> {
 /// all over the block.
 struct Cohort<R: Receiver> {
     waiting: Vec<R>,
+    /// Whether they are of several kinds.
+    is_mixed: bool,
     /// Places, by receiver, and the first one of each.
     found: Vec<R::Found>,
     firsts: Vec<usize>,
@@ -154,7 +156,7 @@ struct Cohort<R: Receiver> {
 
 impl<R: Receiver> Default for Cohort<R> {
     fn default() -> Self {
-        Self { waiting: Vec::new(), found: Vec::new(), firsts: Vec::new() }
+        Self { waiting: Vec::new(), is_mixed: false, found: Vec::new(), firsts: Vec::new() }
     }
 }
 
@@ -227,6 +229,7 @@ impl<R: Receiver> Gathering<R> {
             self.cohorts.resize_with(cohort + 1, Cohort::default);
         }
         let cohort = &mut self.cohorts[cohort];
+        cohort.is_mixed |= cohort.waiting.last().is_some_and(|last| last.kind() != receiver.kind());
         cohort.waiting.push(receiver);
         cohort.firsts.push(cohort.found.len());
         cohort.found.extend(found);
@@ -235,11 +238,13 @@ impl<R: Receiver> Gathering<R> {
     /// Calls `add` with the number of the sample, the layer and the light for every receiver that gets some, or for some of
     /// them if stopped, and forgets all receivers.
     pub(super) fn resolve(&mut self, stop: &AtomicBool, mut add: impl FnMut(usize, Layer, Vec3)) {
-        for Cohort { waiting, found, firsts } in &self.cohorts {
+        for Cohort { waiting, is_mixed, found, firsts } in &self.cohorts {
             self.order.clear();
             self.order.extend(0..waiting.len());
-            self.order.sort_by_key(|&i| waiting[i].kind());
-            for alike in self.order.chunk_by(|&a, &b| waiting[a].kind() == waiting[b].kind()) {
+            if *is_mixed {
+                self.order.sort_by_key(|&i| waiting[i].kind());
+            }
+            for alike in self.order.chunk_by(|&a, &b| !is_mixed || waiting[a].kind() == waiting[b].kind()) {
                 if stop.load(Ordering::Relaxed) {
                     break;
                 }
@@ -263,8 +268,9 @@ impl<R: Receiver> Gathering<R> {
 
     /// Forgets all receivers.
     pub(super) fn clear(&mut self) {
-        for Cohort { waiting, found, firsts } in &mut self.cohorts {
+        for Cohort { waiting, is_mixed, found, firsts } in &mut self.cohorts {
             waiting.clear();
+            *is_mixed = false;
             found.clear();
             firsts.clear();
         }
@@ -329,24 +335,16 @@ impl<F: Found> Sums<F> {
         F: 'f,
     {
         self.found.clear();
-        self.points.iter_mut().for_each(Vec::clear);
-        self.own.clear();
-        self.own.resize(alike.len(), None);
         let mut evenness = [Evenness::default(); 2];
-        for (half, evenness) in evenness.iter_mut().enumerate() {
-            self.split = self.found.len();
-            for row in (half..alike.len()).step_by(2) {
-                for found in found_by(alike[row]) {
-                    self.own[row] = Some(self.found.len());
-                    self.push(found);
-                    *evenness = evenness.plus(1.0, Evenness::of(found));
-                }
+        for (row, &index) in alike.iter().enumerate() {
+            let evenness = &mut evenness[half_of(row)];
+            for found in found_by(index) {
+                *evenness = evenness.plus(1.0, Evenness::of(found));
             }
-            self.fill_up();
         }
         self.alone.clear();
         for (row, &index) in alike.iter().enumerate() {
-            let own = self.own[row].map(|i| &self.found[i]);
+            let own = found_by(index).last();
             let mut known = evenness;
             if let Some(own) = own {
                 known[half_of(row)] = known[half_of(row)].plus(-1.0, Evenness::of(own));
@@ -354,7 +352,23 @@ impl<F: Found> Sums<F> {
             // Each half by what the other knows
             self.alone.push(waiting[index].alone([known[1], known[0]], own));
         }
-        if self.width() > 0 && self.alone.iter().flatten().any(Option::is_none) {
+        if self.alone.iter().flatten().all(Option::is_some) {
+            return;
+        }
+        self.points.iter_mut().for_each(Vec::clear);
+        self.own.clear();
+        self.own.resize(alike.len(), None);
+        for half in 0..2 {
+            self.split = self.found.len();
+            for row in (half..alike.len()).step_by(2) {
+                for found in found_by(alike[row]) {
+                    self.own[row] = Some(self.found.len());
+                    self.push(found);
+                }
+            }
+            self.fill_up();
+        }
+        if self.width() > 0 {
             self.weigh(alike, waiting);
         }
     }

@@ -21,8 +21,8 @@ use glam::Vec3;
 
 use super::strategy::projected;
 use crate::sampling::Frame;
-use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::CutProfile;
+use crate::subsurface::parameters::Subsurface;
 
 /// Probabilities q of Cycles' probes along the two tangents and the normal.
 const PICKS: [f32; 3] = [0.25, 0.25, 0.5];
@@ -37,9 +37,9 @@ pub(in crate::subsurface::transport) struct Disk {
 
 impl Disk {
     /// The disks around an exit.
-    pub(super) fn of(exit: &ExitPoint<'_>) -> Self {
-        let active = exit.subsurface.length.cmpgt(Vec3::ZERO);
-        Self { frame: Frame::from_normal(exit.point.geometric_normal), active: active.into() }
+    pub(super) fn of(subsurface: &Subsurface, geometric_normal: Vec3) -> Self {
+        let active = subsurface.length.cmpgt(Vec3::ZERO);
+        Self { frame: Frame::from_normal(geometric_normal), active: active.into() }
     }
 
     /// Factor f on R for a point at `offset` from the exit with normal `normal`.
@@ -88,7 +88,6 @@ mod tests {
     use super::super::strategy::ProbeStrategy;
     use super::super::strategy::tests::exit_at_origin;
     use super::*;
-    use crate::subsurface::Subsurface;
 
     /// The energy beyond 16 d.
     const TAIL: f32 = 0.00362;
@@ -103,10 +102,7 @@ mod tests {
     }
 
     fn disk(length: Vec3) -> Disk {
-        let point = exit_at_origin();
-        let subsurface = Subsurface { surface_albedo: Vec3::ONE, length };
-        let exit = ExitPoint { point: &point, material: 0, normal: Vec3::Z, side: 1.0, subsurface };
-        Disk::of(&exit)
+        Disk::of(&Subsurface { surface_albedo: Vec3::ONE, length }, exit_at_origin().geometric_normal)
     }
 
     /// A plane that light has entered.

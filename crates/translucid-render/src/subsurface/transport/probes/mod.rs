@@ -19,7 +19,7 @@ use crate::ray::Hit;
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::kernel::{CutProfile, Passage, SubsurfaceKernel};
+use crate::subsurface::kernel::{CutProfile, Cutting, Passage, SubsurfaceKernel};
 use crate::subsurface::pairing::{PairedExit, Pairing, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{PathState, World};
@@ -38,8 +38,8 @@ pub(crate) struct Probes {
     pub(crate) kernel: Arc<SubsurfaceKernel>,
     /// How the parameters of exit and entry go together; `None` where those of the exit count alone.
     pub(crate) pairing: Option<Pairing>,
-    /// Energy of the profile beyond the longest probe, in (0, 1).
-    pub(crate) tail: f32,
+    /// Where the profile ends, and with it the longest probe.
+    pub(crate) cutting: Cutting,
     /// Probabilities of probing along the two tangents and the normal.
     pub(crate) axes: [f32; 3],
     /// Whether hits count as on the disks of Cycles: see [`Disk`].
@@ -140,29 +140,34 @@ impl Probes {
             return Some(EntryHit { hit, weight: weight.value, subsurface });
         }
         let own = self.strategy(exit, importance)?;
-        let disk = self.disk(exit);
+        let disk = self.disk(&exit.subsurface, exit.point.geometric_normal);
         let (hit, weight) = scratch.find_own((&own, disk.as_ref()), world, exit, importance, sampler)?;
         Some(EntryHit { hit, weight: weight.value, subsurface: exit.subsurface })
     }
 
-    /// The strategy of an exit's own three channels; `None` if none scatters. Channels that do not scatter have the
-    /// profile of one that does, and no share.
+    /// The strategy of an exit's own three channels; `None` if none scatters.
     pub(super) fn strategy(&self, exit: &ExitPoint<'_>, importance: Vec3) -> Option<ProbeStrategy<'_, 3>> {
         let Subsurface { surface_albedo, length } = exit.subsurface;
-        let active = |c: usize| length[c] > 0.0;
-        let share = |c: usize| if active(c) { surface_albedo[c] * importance[c] } else { 0.0 };
+        let share = |c: usize| if length[c] > 0.0 { surface_albedo[c] * importance[c] } else { 0.0 };
         let shares = [share(0), share(1), share(2)];
-        let first = (0..3).find(|&c| active(c))?;
-        let profile = |c: usize| {
-            let c = if active(c) { c } else { first };
-            self.profile(surface_albedo[c], length[c])
-        };
-        ProbeStrategy::new(exit.point, self.axes, [profile(0), profile(1), profile(2)], shares)
+        ProbeStrategy::new(exit.point, self.axes, self.profiles(&exit.subsurface)?, shares)
     }
 
-    /// The disks that hits count on, where they do.
-    pub(super) fn disk(&self, exit: &ExitPoint<'_>) -> Option<Disk> {
-        self.is_disk.then(|| Disk::of(exit))
+    /// The profiles of the three channels, those that do not scatter with that of one that does; `None` if none scatters.
+    #[inline]
+    pub(super) fn profiles(&self, subsurface: &Subsurface) -> Option<[CutProfile<'_>; 3]> {
+        let Subsurface { surface_albedo, length } = *subsurface;
+        let first = (0..3).find(|&c| length[c] > 0.0)?;
+        let profile = |c: usize| {
+            let c = if length[c] > 0.0 { c } else { first };
+            self.profile(surface_albedo[c], length[c])
+        };
+        Some([profile(0), profile(1), profile(2)])
+    }
+
+    /// The disks around an exit that hits count on, where they do.
+    pub(super) fn disk(&self, subsurface: &Subsurface, geometric_normal: Vec3) -> Option<Disk> {
+        self.is_disk.then(|| Disk::of(subsurface, geometric_normal))
     }
 
     /// The strategy of an exit where entries have a say: by its own profile and by the widest that there can be, so that
@@ -192,7 +197,7 @@ impl Probes {
 
     /// The profile of a channel.
     pub(super) fn profile(&self, surface_albedo: f32, length: f32) -> CutProfile<'_> {
-        CutProfile::new(self.kernel.radial(surface_albedo, length), self.tail)
+        self.cutting.cut(&self.kernel, surface_albedo, length)
     }
 
     /// 2πr R(r) at a distance.

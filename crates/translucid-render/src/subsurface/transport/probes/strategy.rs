@@ -36,6 +36,7 @@ pub(in crate::subsurface::transport) struct ProbeStrategy<'k, const N: usize> {
 
 impl<'k, const N: usize> ProbeStrategy<'k, N> {
     /// `None` where all shares are 0.
+    #[inline]
     pub(super) fn new(
         exit: &SurfacePoint,
         axes: [f32; 3],

@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::nearness::Nearness;
 use crate::subsurface::entry_point::Arrival;
 use crate::subsurface::kernel::{CutProfile, DirectionalWeight, Directions, Passage};
-use crate::subsurface::pairing::{PairedExit, Pairing, Stated};
+use crate::subsurface::pairing::{PairedExit, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::subsurface::transport::gathering::{Account, COORDINATES, Evenness, ExitKind, Found, Receiver};
 use crate::subsurface::transport::probes::{Disk, Probes};
@@ -74,27 +74,34 @@ const LEAST_VARIANCE_ON_FLAT: f32 = 4.0;
 const ROUGHEST: f32 = 0.03;
 
 /// An exit that waits for light.
+///
+/// A block has thousands: what only those need who share is made when it is asked for.
 pub(crate) struct WaitingExit<'a> {
     pub(crate) kind: ExitKind,
     pub(crate) account: Account,
     pub(crate) position: Vec3,
     /// Shading normal on the side that is seen.
     pub(crate) normal: Vec3,
+    pub(crate) geometric_normal: Vec3,
     pub(crate) probes: &'a Probes,
-    pub(crate) subsurface: Subsurface,
-    pub(crate) profiles: [CutProfile<'a>; 3],
-    /// How its parameters go together with those of entries, where these have a say.
-    pub(crate) pairing: Option<(&'a Pairing, PairedExit)>,
-    pub(crate) disk: Option<Disk>,
+    pub(crate) paired: PairedExit,
     pub(crate) nearness: Nearness,
     /// Mean radius of the widest profile in pixels.
     pub(crate) mean_radius: f32,
 }
 
+/// The kernel of an exit's own parameters.
+pub(crate) struct OwnKernel<'a> {
+    directions: Directions<'a>,
+    /// `None` where no channel scatters.
+    profiles: Option<[CutProfile<'a>; 3]>,
+    disk: Option<Disk>,
+}
+
 impl<'a> Receiver for WaitingExit<'a> {
     type Kind = ExitKind;
     type Found = EntryLight;
-    type Response = Directions<'a>;
+    type Response = OwnKernel<'a>;
 
     /// Measured on the head at 256², 4 samples: variance 1.04 times that of the whole sum, at 4, 1.02 at 16.
     const PICKS: usize = 8;
@@ -112,16 +119,21 @@ impl<'a> Receiver for WaitingExit<'a> {
     }
 
     fn color(&self) -> Vec3 {
-        let albedo = self.subsurface.scattering_albedo();
-        self.account.throughput * self.pairing.map_or(albedo, |(pairing, _)| pairing.brightest(albedo))
+        let albedo = self.paired.subsurface.scattering_albedo();
+        let pairing = self.probes.pairing.as_ref();
+        self.account.throughput * pairing.map_or(albedo, |pairing| pairing.brightest(albedo))
     }
 
-    /// Made when it is asked for: it is larger than all that waits.
-    fn response(&self) -> Directions<'a> {
-        self.probes.kernel.directions(&self.subsurface)
+    fn response(&self) -> OwnKernel<'a> {
+        let (probes, subsurface) = (self.probes, &self.paired.subsurface);
+        OwnKernel {
+            directions: probes.kernel.directions(subsurface),
+            profiles: probes.profiles(subsurface),
+            disk: probes.disk(subsurface, self.geometric_normal),
+        }
     }
 
-    fn light_from(&self, response: &Directions<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
+    fn light_from(&self, own: &OwnKernel<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
         let passage = self.passage(entry);
         let Passage { offset, .. } = passage;
         let distance = self.nearness.distance(offset.length());
@@ -131,9 +143,10 @@ impl<'a> Receiver for WaitingExit<'a> {
             let reflectance = self.probes.circular(&pair, distance) / (TAU * distance);
             return reflectance * factor * entry.weighted(&directions.along(passage));
         }
-        let on_disk = |disk: &Disk| disk.factor_in_world(&self.profiles, -offset, entry.geometric_normal);
-        let reflectance = self.reflectance(distance) * self.disk.as_ref().map_or(1.0, on_disk);
-        reflectance * factor * entry.weighted(&response.along(passage))
+        let Some(profiles) = &own.profiles else { return Vec3::ZERO };
+        let on_disk = |disk: &Disk| disk.factor_in_world(profiles, -offset, entry.geometric_normal);
+        let reflectance = self.reflectance(profiles, distance) * own.disk.as_ref().map_or(1.0, on_disk);
+        reflectance * factor * entry.weighted(&own.directions.along(passage))
     }
 
     fn alone(&self, kinds: [Evenness; 2], found: Option<&EntryLight>) -> [Option<Vec3>; 2] {
@@ -146,7 +159,7 @@ impl<'a> Receiver for WaitingExit<'a> {
             return [None; 2];
         }
         let own = found.map_or(Vec3::ZERO, |entry| {
-            let directions = self.probes.kernel.directions(&self.pair(entry).unwrap_or(self.subsurface));
+            let directions = self.probes.kernel.directions(&self.pair(entry).unwrap_or(self.paired.subsurface));
             entry.own_reflectance * entry.weighted(&directions.along(self.passage(entry)))
         });
         is_alone.map(|is_alone| is_alone.then_some(own))
@@ -156,8 +169,8 @@ impl<'a> Receiver for WaitingExit<'a> {
 impl WaitingExit<'_> {
     /// Parameters of the exit and an entry together, where entries have a say.
     fn pair(&self, entry: &EntryLight) -> Option<Subsurface> {
-        let (pairing, exit) = self.pairing.as_ref()?;
-        Some(pairing.pair(&self.probes.kernel, exit, entry.stated.as_ref()?))
+        let pairing = self.probes.pairing.as_ref()?;
+        Some(pairing.pair(&self.probes.kernel, &self.paired, entry.stated.as_ref()?))
     }
 
     fn passage(&self, entry: &EntryLight) -> Passage {
@@ -167,11 +180,11 @@ impl WaitingExit<'_> {
 
     /// R at a distance.
     #[inline]
-    fn reflectance(&self, distance: f32) -> Vec3 {
-        let albedo = self.subsurface.scattering_albedo();
+    fn reflectance(&self, profiles: &[CutProfile<'_>; 3], distance: f32) -> Vec3 {
+        let albedo = self.paired.subsurface.scattering_albedo();
         let value = |c: usize| {
-            let within = albedo[c] > 0.0 && distance <= self.profiles[c].longest();
-            if within { albedo[c] * self.profiles[c].pdf(distance) } else { 0.0 }
+            let within = albedo[c] > 0.0 && distance <= profiles[c].longest();
+            if within { albedo[c] * profiles[c].pdf(distance) } else { 0.0 }
         };
         Vec3::new(value(0), value(1), value(2)) / (TAU * distance)
     }

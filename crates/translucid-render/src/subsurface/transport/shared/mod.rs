@@ -22,7 +22,6 @@ use crate::ray::Hit;
 use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::kernel::CutProfile;
 use crate::subsurface::pairing::{PairedExit, Stated};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{BLOCK_SIZE, Layer, PathState, World};
@@ -60,7 +59,7 @@ impl Probes {
             albedos.iter().all(|&albedo| {
                 let profile = self.profile(albedo as f32, 1.0);
                 let reach = profile.longest();
-                let nearness = Nearness::new([1.0, 0.0, 0.0], [reach, 0.0, 0.0], self.tail);
+                let nearness = Nearness::new([1.0, 0.0, 0.0], [reach, 0.0, 0.0], self.cutting.tail());
                 let mut radii = (1..RADII).map(|i| reach * (f32::from(i) / f32::from(RADII)).powi(2));
                 radii.all(|r| profile.pdf(r) > LEAST_OF_STAND_IN * 3.0 * r * nearness.at(r * r))
             })
@@ -69,16 +68,15 @@ impl Probes {
 }
 
 /// What the probes of an exit have found, and what it takes to share it.
-struct Find<'a> {
+struct Find {
     hit: Option<(Hit, HitWeight)>,
-    profiles: [CutProfile<'a>; 3],
     nearness: Nearness,
 }
 
-impl<'a> Find<'a> {
+impl Find {
     /// `None` where no channel scatters.
     fn new(
-        probes: &'a Probes,
+        probes: &Probes,
         scratch: &mut ProbeScratch,
         world: &World,
         (exit, importance): (&ExitPoint<'_>, Vec3),
@@ -86,26 +84,21 @@ impl<'a> Find<'a> {
     ) -> Option<Self> {
         let Some(pairing) = &probes.pairing else {
             let own = probes.strategy(exit, importance)?;
-            let disk = probes.disk(exit);
+            let disk = probes.disk(&exit.subsurface, exit.point.geometric_normal);
             let reaches = own.profiles.map(|profile| profile.longest());
             return Some(Self {
                 hit: scratch.find_own((&own, disk.as_ref()), world, exit, importance, sampler),
-                profiles: own.profiles,
-                nearness: Nearness::new(own.shares, reaches, probes.tail),
+                nearness: Nearness::new(own.shares, reaches, probes.cutting.tail()),
             });
         };
         let both = probes.paired_strategy(pairing, exit, importance)?;
-        let [a, b, c, ..] = both.profiles;
+        let reaches = both.profiles.map(|profile| profile.longest());
+        let [a, b, c, ..] = reaches;
         let [share_a, share_b, share_c, ..] = both.shares;
-        let profiles = [a, b, c];
-        let nearness = Nearness::new(
-            [share_a, share_b, share_c],
-            profiles.map(|profile| profile.longest()),
-            probes.tail,
-        );
-        let longest = both.profiles.iter().map(CutProfile::longest).fold(0.0, f32::max);
+        let nearness = Nearness::new([share_a, share_b, share_c], [a, b, c], probes.cutting.tail());
+        let longest = reaches.into_iter().fold(0.0, f32::max);
         let hit = scratch.find_pair((probes, pairing, &both), world, exit, importance, sampler);
-        Some(Self { hit, profiles, nearness: nearness.ending_at(longest) })
+        Some(Self { hit, nearness: nearness.ending_at(longest) })
     }
 }
 
@@ -126,12 +119,12 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     let Some(found) = Find::new(probes, scratch, world, (exit, path.throughput), sampler) else {
         return false;
     };
-    let Find { hit: found, profiles, nearness } = found;
-    let pairing = probes.pairing.as_ref().map(|pairing| (pairing, PairedExit::new(exit)));
+    let Find { hit: found, nearness } = found;
+    let paired = PairedExit::new(exit);
     let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
     if mean_radius < LEAST_PIXELS {
         let Some((hit, weight)) = found else { return false };
-        let subsurface = pairing.map_or(exit.subsurface, |(pairing, paired)| {
+        let subsurface = probes.pairing.as_ref().map_or(exit.subsurface, |pairing| {
             pairing.pair(&probes.kernel, &paired, &Stated::at(world, &world.surface_point(&hit)))
         });
         let found = EntryHit { hit, weight: weight.value, subsurface };
@@ -168,11 +161,9 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         },
         position: exit.point.position,
         normal: exit.normal * exit.side,
+        geometric_normal: exit.point.geometric_normal,
         probes,
-        subsurface: exit.subsurface,
-        profiles,
-        pairing,
-        disk: probes.disk(exit),
+        paired,
         nearness,
         mean_radius,
     };
