@@ -55,15 +55,18 @@ impl Cutting {
 
     /// The profile of a surface albedo and a length \[L\], cut.
     #[inline]
-    pub(crate) fn cut<'a>(&self, kernel: &'a SubsurfaceKernel, surface_albedo: f32, length: f32) -> CutProfile<'a> {
+    pub(crate) fn cut<'a>(
+        &self,
+        kernel: &'a SubsurfaceKernel,
+        surface_albedo: f32,
+        length: f32,
+    ) -> CutProfile<'a> {
         let view = kernel.radial(surface_albedo, length);
         let known = self.known.iter().find(|cut| cut.surface_albedo == surface_albedo);
         match known.filter(|_| USUAL_LENGTHS.contains(&length)) {
-            Some(cut) => CutProfile {
-                view,
-                longest: cut.longest * length,
-                inverse_within: cut.inverse_within,
-            },
+            Some(cut) => {
+                CutProfile { view, longest: cut.longest * length, inverse_within: cut.inverse_within }
+            }
             None => CutProfile::new(view, self.tail),
         }
     }

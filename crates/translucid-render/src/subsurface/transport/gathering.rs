@@ -42,6 +42,9 @@ pub(super) const LANES: usize = 16;
 /// Places whose terms are added up before some of them are picked.
 const GROUP: usize = 8;
 
+/// Greatest number of terms that stand for a sum.
+const MOST_PICKS: usize = 8;
+
 /// Numbers that a place is described by.
 pub(super) const COORDINATES: usize = 7;
 
@@ -84,7 +87,7 @@ pub(super) trait Receiver {
     type Found: Found;
     type Response;
 
-    /// Terms that stand for the sum over all places.
+    /// Terms that stand for the sum over all places, at most [`MOST_PICKS`].
     const PICKS: usize;
 
     fn kind(&self) -> Self::Kind;
@@ -466,39 +469,42 @@ impl<F: Found> Sums<F> {
         let step = sum / R::PICKS as f32;
         let response = receiver.response();
         let random = receiver.account().random;
-        let picked = |k: usize| self.place_at((random + k as f32) * step);
-        let (mut first, mut place) = (0, picked(0));
-        for k in 1..=R::PICKS {
-            let next = if k < R::PICKS { picked(k) } else { usize::MAX };
-            if next != place {
-                let stands_for = (k - first) as f32 * step / self.terms[place];
-                let of_all = shared.start + place;
-                let factor = stands_for * self.coefficients[of_all];
-                light += receiver.light_from(&response, &self.found[of_all], factor);
-                (first, place) = (k, next);
-            }
+        let places = self.places_at(std::array::from_fn(|k| (random + k as f32) * step));
+        for alike in places[..R::PICKS].chunk_by(|a, b| a == b) {
+            let place = alike[0];
+            let stands_for = alike.len() as f32 * step / self.terms[place];
+            let of_all = shared.start + place;
+            let factor = stands_for * self.coefficients[of_all];
+            light += receiver.light_from(&response, &self.found[of_all], factor);
         }
         light
     }
 
-    /// Number of the term with which their running sum passes a goal.
+    /// Numbers of the terms with which their running sum passes each goal.
     ///
-    /// By counting, without a branch that depends on the goal.
-    fn place_at(&self, goal: f32) -> usize {
-        let groups_before = self.partial.iter().filter(|&&end| end <= goal).count();
-        let group = groups_before.min(self.partial.len() - 1);
-        let mut passed = if group > 0 { self.partial[group - 1] } else { 0.0 };
-        let mut terms_before = 0;
-        for term in &self.terms[group * GROUP..(group + 1) * GROUP] {
-            passed += term;
-            terms_before += usize::from(passed <= goal);
+    /// By counting, for all goals at once and without a branch that depends on one.
+    fn places_at(&self, goals: [f32; MOST_PICKS]) -> [usize; MOST_PICKS] {
+        let mut groups_before = [0_u32; MOST_PICKS];
+        for end in &self.partial {
+            for (before, goal) in groups_before.iter_mut().zip(&goals) {
+                *before += u32::from(end <= goal);
+            }
         }
-        let mut place = group * GROUP + terms_before.min(GROUP - 1);
-        // Rounding may lead on to what is worth nothing
-        while place > 0 && self.terms[place] <= 0.0 {
-            place -= 1;
-        }
-        place
+        std::array::from_fn(|k| {
+            let group = (groups_before[k] as usize).min(self.partial.len() - 1);
+            let mut passed = if group > 0 { self.partial[group - 1] } else { 0.0 };
+            let mut terms_before = 0;
+            for term in &self.terms[group * GROUP..(group + 1) * GROUP] {
+                passed += term;
+                terms_before += u32::from(passed <= goals[k]);
+            }
+            let mut place = group * GROUP + (terms_before as usize).min(GROUP - 1);
+            // Rounding may lead on to what is worth nothing
+            while place > 0 && self.terms[place] <= 0.0 {
+                place -= 1;
+            }
+            place
+        })
     }
 }
 
