@@ -148,8 +148,9 @@ impl SharedCollisions<'_> {
     }
 }
 
-/// All that walks have in common if they share: the exit's, σ_t and α by channel, whether they end at a matte surface, and their part of the block.
-type WalkKind = (ExitKind, [u32; 3], [u32; 3], bool, usize);
+/// All that walks have in common if they share: the exit's, σ_t and α by channel, the flights after which they are given up,
+/// whether they end at a matte surface, and their part of the block.
+type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool, usize);
 
 /// A collision that light comes to from those of the next generation.
 pub(in crate::subsurface::transport) struct Collision<'a> {
@@ -234,6 +235,7 @@ impl<'a> Walk<'a> {
         let longest = (0..3).filter(|&c| sigma_t[c] > 0.0).map(|c| sigma_t[c].recip()).fold(0.0, f32::max);
         let usual = |c: usize| sigma_t[c] == 0.0 || USUAL_LENGTHS.contains(&sigma_t[c].recip());
         self.phase.is_isotropic()
+            && self.most_events > MOST_GENERATIONS as u32
             && (0..3).all(usual)
             && self.throughput.max_element() > LEAST_THROUGHPUT
             && longest >= LEAST_PIXELS * tracer.pixel_width().at(path.sample.depth)
@@ -316,8 +318,8 @@ impl<'a> Walk<'a> {
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
         let sigma_t = self.flights.sigma_t();
         let part = sharing.sample / PART;
-        let kind =
-            (ExitKind::new(sharing.exit, path), bits(sigma_t), bits(self.alpha), sharing.is_matte(), part);
+        let (exit, most) = (ExitKind::new(sharing.exit, path), self.most_events);
+        let kind = (exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte(), part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
         Collision { kind, account, body: self.body, at: self.at, kernel }
     }
