@@ -469,8 +469,10 @@ impl<F: Found> Sums<F> {
         let step = sum / R::PICKS as f32;
         let response = receiver.response();
         let random = receiver.account().random;
-        let places = self.places_at(std::array::from_fn(|k| (random + k as f32) * step));
-        for alike in places[..R::PICKS].chunk_by(|a, b| a == b) {
+        let mut places = [0; MOST_PICKS];
+        let places = &mut places[..R::PICKS];
+        self.find_places(std::array::from_fn(|k| (random + k as f32) * step), places);
+        for alike in places.chunk_by(|a, b| a == b) {
             let place = alike[0];
             let stands_for = alike.len() as f32 * step / self.terms[place];
             let of_all = shared.start + place;
@@ -480,31 +482,30 @@ impl<F: Found> Sums<F> {
         light
     }
 
-    /// Numbers of the terms with which their running sum passes each goal.
+    /// Numbers of the terms with which their running sum passes each goal, for as many of the goals as there are places.
     ///
     /// By counting, for all goals at once and without a branch that depends on one.
-    fn places_at(&self, goals: [f32; MOST_PICKS]) -> [usize; MOST_PICKS] {
+    fn find_places(&self, goals: [f32; MOST_PICKS], places: &mut [usize]) {
         let mut groups_before = [0_u32; MOST_PICKS];
         for end in &self.partial {
             for (before, goal) in groups_before.iter_mut().zip(&goals) {
                 *before += u32::from(end <= goal);
             }
         }
-        std::array::from_fn(|k| {
-            let group = (groups_before[k] as usize).min(self.partial.len() - 1);
+        for ((place, before), goal) in places.iter_mut().zip(groups_before).zip(goals) {
+            let group = (before as usize).min(self.partial.len() - 1);
             let mut passed = if group > 0 { self.partial[group - 1] } else { 0.0 };
             let mut terms_before = 0;
             for term in &self.terms[group * GROUP..(group + 1) * GROUP] {
                 passed += term;
-                terms_before += u32::from(passed <= goals[k]);
+                terms_before += u32::from(passed <= goal);
             }
-            let mut place = group * GROUP + (terms_before as usize).min(GROUP - 1);
+            *place = group * GROUP + (terms_before as usize).min(GROUP - 1);
             // Rounding may lead on to what is worth nothing
-            while place > 0 && self.terms[place] <= 0.0 {
-                place -= 1;
+            while *place > 0 && self.terms[*place] <= 0.0 {
+                *place -= 1;
             }
-            place
-        })
+        }
     }
 }
 
