@@ -28,7 +28,7 @@ const SIZE: u32 = 192;
 /// Samples of a pixel in a picture.
 const SAMPLES: u32 = 16;
 /// Pictures, each of its own seed.
-const PICTURES: u64 = 4;
+const PICTURES: u64 = 8;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
