@@ -24,7 +24,7 @@ const SIZE: u32 = 256;
 /// Samples of a pixel in a measured picture.
 const SAMPLES: u32 = 4;
 /// Pictures of which the fastest counts.
-const RUNS: u64 = 3;
+const RUNS: u64 = 8;
 /// Mean free path over the ball's diameter, where it is not what changes.
 const USUAL_LENGTH: f32 = 0.01;
 /// Triangles, where they are not what changes.
