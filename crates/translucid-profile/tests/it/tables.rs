@@ -421,6 +421,21 @@ fn views_are_distributions() {
 
 /// A false alarm once in 400 for the 18 cases here.
 #[test]
+fn half_of_the_energy_leaves_within_the_median_radius() {
+    for (name, _, table) in &*EVERY_ALBEDO {
+        let single = AlbedoTableF32::from(table);
+        for a in [0.0, 1e-3, 0.02, 0.3, 0.777, 0.9531, 0.9999, 1.0] {
+            let within = table.at(a, 3.0).cdf(table.median_radius(a, 3.0));
+            assert!((within - 0.5).abs() < 1e-9, "{name} {a}: {within}");
+            let within = single.at(a as f32, 3.0).cdf(single.median_radius(a as f32, 3.0));
+            assert!((within - 0.5).abs() < 1e-5, "{name} {a} in single precision: {within}");
+        }
+        assert!(table.median_radius(f64::NAN, f64::INFINITY).is_finite(), "{name}");
+        assert!(single.median_radius(f32::INFINITY, f32::NAN) > 0.0, "{name}");
+    }
+}
+
+#[test]
 fn samples_of_views_are_distributed_like_their_cdf() {
     for (name, _, table) in &*EVERY_ALBEDO {
         let view = table.at(0.7654, 2.0);
