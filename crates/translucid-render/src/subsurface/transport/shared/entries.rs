@@ -63,12 +63,11 @@ impl Found for EntryLight {
 
 /// Relative variance of light, times the square of the profile's mean radius in pixels, from which on it is worth sharing.
 ///
-/// Measured by the bench `sharing`: at 0.8 the head's variance is 1.04 times that at 0.5, and sharing where light travels
-/// four pixels on a ball with bumps is 1.12 times as dear for what it brings at less than 0.5.
+/// A choice between noise and time: more would leave the head noisier, less would share where little is gained.
 const LEAST_VARIANCE: f32 = 0.5;
 
-/// The same times the mean radius alone on flat ground, where every probe hits and those of a pixel's samples complement
-/// each other.
+/// Relative variance of light, times the profile's mean radius in pixels, that is not worth sharing on flat ground: every
+/// probe hits there, and those of a pixel's samples complement each other. It adds to [`LEAST_VARIANCE`] over that radius.
 const LEAST_VARIANCE_ON_FLAT: f32 = 4.0;
 
 /// Variance of normals from which on nothing is flat.
