@@ -110,11 +110,11 @@ impl FilmSums {
     pub fn display_picture<'a>(&'a self, info: &'a ImageInfo) -> Picture<'a> {
         let channels = ["R", "G", "B", "A"].map(PictureChannel::single);
         let fill = move |x, y, pixel: &mut [f64]| {
-            let denoised = info.denoised.as_ref();
+            let (mean, denoised) = (self.mean(x, y), info.denoised.as_ref());
             let color =
-                denoised.map_or_else(|| self.radiance(x, y), |denoised| self.denoised_pixel(denoised, x, y));
+                denoised.map_or_else(|| radiance(&mean), |denoised| self.denoised_pixel(denoised, x, y));
             pixel[..3].copy_from_slice(&color);
-            pixel[3] = self.mean(x, y)[layer::ALPHA];
+            pixel[3] = mean[layer::ALPHA];
         };
         let notes = vec![
             ("Scene", MetadataValue::Text(info.scene.clone())),
