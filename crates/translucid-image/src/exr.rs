@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use crate::picture::{finite, finite_single, invalid};
 use crate::{MetadataValue, OutputError, Picture, Precision, write_atomically};
 
-/// How hard deflation tries. Noise has little to find: level 4, which the exr crate would take, makes files 3 % smaller in
-/// four times the time.
+/// How hard deflation tries: noise has little to find, and level 4, which the exr crate would take, needs several times as
+/// long for hardly smaller files.
 const DEFLATE_LEVEL: u8 = 1;
 
 /// Chunks that are compressed at once, and wait in memory to be written.
