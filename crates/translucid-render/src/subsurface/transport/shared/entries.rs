@@ -68,7 +68,7 @@ const LEAST_VARIANCE: f32 = 0.5;
 
 /// Relative variance of light, times the profile's mean radius in pixels, that is not worth sharing on flat ground: every
 /// probe hits there, and those of a pixel's samples complement each other. It adds to [`LEAST_VARIANCE`] over that radius.
-const LEAST_VARIANCE_ON_FLAT: f32 = 4.0;
+const LEAST_VARIANCE_ON_FLAT: f32 = 1.0;
 
 /// Variance of normals from which on nothing is flat.
 const ROUGHEST: f32 = 0.03;
