@@ -42,7 +42,7 @@ use crate::subsurface::transport::gathering::{
     Account, COORDINATES, Evenness, ExitKind, Found, Gathering, Receiver,
 };
 use crate::subsurface::transport::shared::arrivals;
-use crate::world::{Layer, PathState, World};
+use crate::world::{BLOCK_SIZE, COHORT_SIZE, Layer, PathState, World};
 
 /// Longest mean free path, in pixels, from which on walks share.
 const LEAST_PIXELS: f32 = 1.0;
@@ -53,8 +53,8 @@ const USUAL_LENGTHS: std::ops::Range<f32> = 1e-5..1e5;
 /// Least part of the brightest channel that every channel of a shared walk is worth: other walks may see more of a color.
 const LEAST_CHANNEL: f32 = 0.1;
 
-/// Samples of a block that share: half a block, as its rows go. More are worth less than the time that they take.
-const PART: usize = 128;
+/// Samples of a block that share: half a square, as its rows go. More are worth less than the time that they take.
+const PART: usize = (COHORT_SIZE * COHORT_SIZE / 2) as usize;
 
 /// Places along an exit's first flight at which its walk may collide first.
 ///
@@ -148,17 +148,28 @@ impl SharedCollisions<'_> {
     }
 }
 
-/// All that walks have in common if they share: the exit's, σ_t and α by channel, the flights after which they are given up,
-/// whether they end at a matte surface, and their part of the block.
-type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool, usize);
+/// All that walks of the same light have in common: the exit's, σ_t and α by channel, the flights after which they are given
+/// up, and whether they end at a matte surface.
+type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool);
+
+/// Whether a part of a block lies above or below another, unless the picture cuts the block.
+fn lie_together(a: usize, b: usize) -> bool {
+    const SQUARES: usize = (BLOCK_SIZE / COHORT_SIZE) as usize;
+    let [(row_a, column_a), (row_b, column_b)] =
+        [a, b].map(|part| (part / (2 * SQUARES) * 2 + part % 2, part / 2 % SQUARES));
+    column_a == column_b && row_a.abs_diff(row_b) == 1
+}
 
 /// A collision that light comes to from those of the next generation.
 pub(in crate::subsurface::transport) struct Collision<'a> {
-    kind: WalkKind,
+    /// And the part of the block.
+    kind: (WalkKind, usize),
     account: Account,
     body: Body<'a>,
     at: Inside,
     kernel: FlightKernel,
+    /// Its flights end somewhere in any case: 1 between matte surfaces, less what its own flight has lost beyond all bodies.
+    complete: Option<Vec3>,
 }
 
 /// Light where a flight from a collision ends.
@@ -169,6 +180,14 @@ pub(in crate::subsurface::transport) struct FlightLight {
     own_weight: f32,
     /// Radiance that comes from there.
     light: Vec3,
+}
+
+/// Light where a flight from a collision ends.
+#[derive(Default)]
+struct FlightEnds {
+    found: [Option<FlightLight>; 2],
+    /// Throughput of a flight that ends beyond all bodies.
+    lost: Vec3,
 }
 
 impl Found for FlightLight {
@@ -184,20 +203,24 @@ impl Found for FlightLight {
         self.light
     }
 
+    fn less(&self, light: Vec3) -> Self {
+        Self { light: self.light - light, ..*self }
+    }
+
     fn normal(&self) -> Vec3 {
         self.place.normal
     }
 }
 
 impl Receiver for Collision<'_> {
-    type Kind = WalkKind;
+    type Kind = (WalkKind, usize);
     type Found = FlightLight;
     type Response = ();
 
     /// Each may need a ray. Measured on head and dragon: error 1.02 to 1.04 times that with 8.
     const PICKS: usize = 2;
 
-    fn kind(&self) -> WalkKind {
+    fn kind(&self) -> (WalkKind, usize) {
         self.kind
     }
 
@@ -220,6 +243,14 @@ impl Receiver for Collision<'_> {
             return Vec3::ZERO;
         }
         found.light * factor * self.kernel.by_channel(&found.place)
+    }
+
+    fn complete(&self) -> Option<Vec3> {
+        self.complete
+    }
+
+    fn tells_of(&self, other: &Self) -> bool {
+        self.kind.0 == other.kind.0 && lie_together(self.kind.1, other.kind.1)
     }
 
     /// A flight varies whatever the light is.
@@ -289,12 +320,13 @@ impl<'a> Walk<'a> {
         onward: &mut impl Onward<'a>,
     ) {
         let count = collided.len() as f32;
-        let mut walk = collided[((sharing.of_choice * count) as usize).min(collided.len() - 1)];
+        let choice = ((sharing.of_choice * count) as usize).min(collided.len() - 1);
+        let mut walk = collided[choice];
         walk.throughput *= count;
         let [a, b, of_flight, of_picks] = sharing.of_flight;
         walk.scatter([a, b]);
-        let found = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);
-        let mut found = found.into_iter().flatten();
+        let ends = walk.find(tracer, path, sampler, sharing, (0, of_flight), onward);
+        let mut found = ends.found.into_iter().flatten();
         for (k, first) in collided.iter().enumerate() {
             let account = Account {
                 sample: sharing.sample,
@@ -302,26 +334,30 @@ impl<'a> Walk<'a> {
                 throughput: first.throughput,
                 random: (of_picks + k as f32 / count).fract(),
             };
-            let collision = first.receiver(path, sharing, account, 1.0 / count);
+            let lost = if k == choice { ends.lost } else { Vec3::ZERO };
+            let collision = first.receiver(path, sharing, account, (1.0 / count, lost));
             tracer.scratch().collisions.generations[0].push(collision, found.by_ref());
         }
     }
 
-    /// A collision that gathers light, and whose own flights are such a `share` of those by its throughput.
+    /// A collision that gathers light, whose own flights are such a `share` of those by its throughput, and whose own flight has
+    /// `lost` so much of it.
     fn receiver(
         &self,
         path: &PathState,
         sharing: &Sharing<'_, 'a>,
         account: Account,
-        share: f32,
+        (share, lost): (f32, Vec3),
     ) -> Collision<'a> {
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
         let sigma_t = self.flights.sigma_t();
         let part = sharing.sample / PART;
         let (exit, most) = (ExitKind::new(sharing.exit, path), self.most_events);
-        let kind = (exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte(), part);
+        let kind = ((exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte()), part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
-        Collision { kind, account, body: self.body, at: self.at, kernel }
+        let lost = Vec3::select(self.throughput.cmpgt(Vec3::ZERO), lost / self.throughput, Vec3::ZERO);
+        let complete = sharing.is_matte().then_some(1.0 - lost);
+        Collision { kind, account, body: self.body, at: self.at, kernel, complete }
     }
 
     /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds to the path what
@@ -334,7 +370,7 @@ impl<'a> Walk<'a> {
         sharing: &Sharing<'_, 'a>,
         (generation, flight): (usize, f32),
         onward: &mut impl Onward<'a>,
-    ) -> [Option<FlightLight>; 2] {
+    ) -> FlightEnds {
         let world = sharing.world;
         let length = self.flights.sample(self.throughput, flight);
 
@@ -378,7 +414,9 @@ impl<'a> Walk<'a> {
                 path.add_to(path.layer_after(Layer::Subsurface), branch.sample.radiance());
             }
         }
-        [scattered, entered]
+        let is_lost = ends == 0 && scattered.is_none();
+        let lost = if is_lost { self.flights.collide(self.throughput, length) } else { Vec3::ZERO };
+        FlightEnds { found: [scattered, entered], lost }
     }
 
     /// Light that is scattered where a flight of this length from a generation ends: at a collision of the next generation,
@@ -396,8 +434,12 @@ impl<'a> Walk<'a> {
         let scatters = self.alpha.cmpgt(Vec3::ZERO) & self.flights.sigma_t().cmpgt(Vec3::ZERO);
         let worth =
             Vec3::select(scatters, own.max(Vec3::splat(LEAST_CHANNEL * own.max_element())), Vec3::ZERO);
-        if worth.max_element() <= LEAST_WORTH || self.body.is_lost(&at) {
+        let place = Place { position: at.position, normal: Vec3::ZERO };
+        if self.body.is_lost(&at) {
             return None;
+        }
+        if worth.max_element() <= LEAST_WORTH {
+            return Some(FlightLight { place, own_weight: 1.0, light: Vec3::ZERO });
         }
         let next = generation + 1;
         // The weights of more tilted flights would add up to noise where light comes from behind
@@ -407,7 +449,7 @@ impl<'a> Walk<'a> {
         let mut branch = path.branch(worth);
         let flight = onward.turn(&mut walk, &mut branch, sampler);
         if next < W::GENERATIONS {
-            let found = flight.map_or([None; 2], |flight| {
+            let ends = flight.map_or(FlightEnds::default(), |flight| {
                 walk.find(tracer, &mut branch, sampler, sharing, (next, flight), onward)
             });
             let generations = &mut tracer.scratch().collisions.generations;
@@ -417,13 +459,13 @@ impl<'a> Walk<'a> {
                 throughput: Vec3::select(scatters, self.alpha, Vec3::ZERO),
                 random: onward.number(),
             };
-            let receiver = collided.receiver(path, sharing, account, onward.survival(&collided));
-            generations[next].push(receiver, found.into_iter().flatten());
+            let survival = onward.survival(&collided);
+            let receiver = collided.receiver(path, sharing, account, (survival, ends.lost));
+            generations[next].push(receiver, ends.found.into_iter().flatten());
         } else if flight.is_some_and(|flight| onward.finish(&mut walk, &mut branch, sampler, flight)) {
             tracer.follow(&mut branch, sampler);
         }
         let light = Vec3::select(scatters, self.alpha * branch.sample.radiance() / worth, Vec3::ZERO);
-        let place = Place { position: at.position, normal: Vec3::ZERO };
         Some(FlightLight { place, own_weight: 1.0, light })
     }
 }
