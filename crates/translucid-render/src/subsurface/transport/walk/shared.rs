@@ -21,6 +21,9 @@
 //! back to the first.
 //! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
 //!
+//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel: light like that which
+//! the parts of the block above and below have found is expected, and only what differs from it is gathered.
+//!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
 //! shared. Light that is sampled at a first collision has a first flight of its own.
 //!
