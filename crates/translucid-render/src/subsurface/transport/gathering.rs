@@ -165,7 +165,7 @@ pub(super) struct Account {
 pub(super) struct Gathering<R: Receiver> {
     cohorts: Vec<Cohort<R>>,
     order: Vec<usize>,
-    /// The first receiver of each kind, and what those of its kind have found.
+    /// The first receiver of each complete kind, and what those of its kind have found.
     known: Vec<(usize, Evenness)>,
     sums: Sums<R::Found>,
 }
@@ -181,6 +181,20 @@ struct Cohort<R: Receiver> {
     /// Places, by receiver, and the first one of each.
     found: Vec<R::Found>,
     firsts: Vec<usize>,
+}
+
+impl<R: Receiver> Cohort<R> {
+    /// Places that a receiver has found.
+    fn found_by(&self, index: usize) -> &[R::Found] {
+        let end = self.firsts.get(index + 1).map_or(self.found.len(), |first| *first);
+        &self.found[self.firsts[index]..end]
+    }
+
+    /// Of all that some receivers have found.
+    fn evenness(&self, receivers: &[usize]) -> Evenness {
+        let found = receivers.iter().flat_map(|&index| self.found_by(index));
+        found.fold(Evenness::default(), |all, one| all.plus(1.0, Evenness::of(one)))
+    }
 }
 
 impl<R: Receiver> Default for Cohort<R> {
@@ -204,7 +218,7 @@ struct Sums<F> {
     sums: [Vec<f32>; 2],
     /// Where the second part begins.
     split: usize,
-    /// Light that the places are found to have less than there is.
+    /// Light that places have beside what counts as found there.
     expected: Vec3,
     /// Place that each receiver has found.
     own: Vec<Option<usize>>,
@@ -271,34 +285,28 @@ impl<R: Receiver> Gathering<R> {
     /// Calls `add` with the number of the sample, the layer and the light for every receiver that gets some, or for some of
     /// them if stopped, and forgets all receivers.
     pub(super) fn resolve(&mut self, stop: &AtomicBool, mut add: impl FnMut(usize, Layer, Vec3)) {
-        for Cohort { waiting, is_mixed, found, firsts } in &self.cohorts {
+        for cohort in &self.cohorts {
+            let Cohort { waiting, is_mixed, .. } = cohort;
             self.order.clear();
             self.order.extend(0..waiting.len());
             if *is_mixed {
                 self.order.sort_by_key(|&i| waiting[i].kind());
             }
-            let of = |index: usize| {
-                let end = firsts.get(index + 1).map_or(found.len(), |first| *first);
-                &found[firsts[index]..end]
-            };
             let by_kind =
                 || self.order.chunk_by(|&a, &b| !is_mixed || waiting[a].kind() == waiting[b].kind());
             self.known.clear();
             if *is_mixed {
-                self.known.extend(by_kind().map(|alike| {
-                    let is_complete = waiting[alike[0]].complete().is_some();
-                    let found = alike.iter().filter(|_| is_complete).flat_map(|&index| of(index));
-                    (alike[0], found.fold(Evenness::default(), |all, one| all.plus(1.0, Evenness::of(one))))
-                }));
+                let complete = by_kind().filter(|alike| waiting[alike[0]].complete().is_some());
+                self.known.extend(complete.map(|alike| (alike[0], cohort.evenness(alike))));
             }
             for alike in by_kind() {
                 if stop.load(Ordering::Relaxed) {
                     break;
                 }
                 let is_telling = |(first, _): &&(usize, _)| waiting[*first].tells_of(&waiting[alike[0]]);
-                let told = self.known.iter().filter(is_telling).map(|(_, evenness)| *evenness);
-                let told = told.fold(Evenness::default(), |all, one| all.plus(1.0, one));
-                self.sums.prepare(alike, waiting, of, told.expected());
+                let told = self.known.iter().filter(is_telling);
+                let told = told.fold(Evenness::default(), |all, (_, evenness)| all.plus(1.0, *evenness));
+                self.sums.prepare(alike, waiting, |index| cohort.found_by(index), told.expected());
                 for (row, &index) in alike.iter().enumerate() {
                     let receiver = &waiting[index];
                     let light = self.sums.gather(row, receiver);
@@ -413,9 +421,13 @@ impl<F: Found> Sums<F> {
             self.split = self.found.len();
             for (row, &index) in alike.iter().enumerate() {
                 for found in found_by(index) {
-                    let found = if is_complete { found.less(expected) } else { *found };
-                    let is_dark = || usize::from(found.light().element_sum() < 0.0);
-                    if part == if is_complete { is_dark() } else { half_of(row) } {
+                    let (found, part_of) = if is_complete {
+                        let rest = found.less(expected);
+                        (rest, usize::from(rest.light().element_sum() < 0.0))
+                    } else {
+                        (*found, half_of(row))
+                    };
+                    if part_of == part {
                         self.own[row] = Some(self.found.len());
                         self.push(found);
                     }
