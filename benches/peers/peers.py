@@ -162,7 +162,7 @@ def compare_walks(scene, arguments, systems):
             rows[name].append([float(np.mean(seconds)) - start[name], float(np.mean(errors))])
             light[name] += [image[..., :3].sum(axis=(0, 1)) for image in images]
     ours, theirs = (np.mean(light[system.name], axis=0) for system in systems)
-    print(f"Light of all pictures, Cycles over translucid, R, G, B: {(theirs / ours).round(4).tolist()}\n")
+    print(f"Light of all pictures, Cycles over translucid, R, G, B: {(theirs / ours).astype(float).round(4).tolist()}\n")
     print_rows(rows, systems, spps, start)
 
 
@@ -189,7 +189,7 @@ def compare(scene, arguments, systems):
     ours, theirs = (references[system.name] for system in systems)
     seen = (ours[..., 3] > 0) & (theirs[..., 3] > 0)
     ratio = theirs[seen][:, :3].sum(axis=0) / ours[seen][:, :3].sum(axis=0)
-    print(f"Light of the converged images, Cycles over translucid, R, G, B: {ratio.round(4).tolist()}\n")
+    print(f"Light of the converged images, Cycles over translucid, R, G, B: {ratio.astype(float).round(4).tolist()}\n")
     rows = {system.name: [] for system in systems}
     for spp in spps:
         seeds = max(1, min(8, 16 // spp))
