@@ -81,6 +81,15 @@ impl<'a> Body<'a> {
         }
     }
 
+    /// Whether the body's surfaces are closed, so that what is inside does not depend on the way there.
+    pub(crate) fn is_closed(&self) -> bool {
+        match (self.alone, self.clearance) {
+            (Some(alone), _) => alone.is_closed(self.geometry.cells()),
+            (None, Some(clearance)) => clearance.is_closed,
+            (None, None) => false,
+        }
+    }
+
     /// The nearest of the body's surfaces.
     fn closest(&self, ray: &Ray) -> Option<Hit> {
         match self.alone {

@@ -413,13 +413,21 @@ impl Alone<'_> {
 
     /// Lower bound of the distance \[L\] from a point to the surface, by a grid of about so many cells.
     pub(super) fn clearance(&self, point: Vec3, cells: f32) -> f32 {
-        let grid = self.shared.clearance.get_or_init(|| {
+        let local = self.grid(cells).at(self.block.local_point(point));
+        if local == 0.0 { 0.0 } else { (local * self.block.stretch - self.offset_at(point)).max(0.0) }
+    }
+
+    /// Whether the surface is closed; `cells` as for [`clearance`](Self::clearance).
+    pub(super) fn is_closed(&self, cells: f32) -> bool {
+        self.grid(cells).is_closed
+    }
+
+    fn grid(&self, cells: f32) -> &Clearance {
+        self.shared.clearance.get_or_init(|| {
             let Mesh { positions, triangles, .. } = &*self.shared.mesh;
             let vertices = || triangles.iter().map(|t| t.map(|corner| positions[corner as usize]));
             Clearance::new(vertices, cells)
-        });
-        let local = grid.at(self.block.local_point(point));
-        if local == 0.0 { 0.0 } else { (local * self.block.stretch - self.offset_at(point)).max(0.0) }
+        })
     }
 
     /// Distance \[L\] that clears rounding errors of a point of the body.

@@ -2,6 +2,7 @@
 
 mod body;
 mod clearance;
+mod closed;
 mod eight;
 mod facets;
 mod geometry;

@@ -304,9 +304,10 @@ impl<R: Receiver> Gathering<R> {
                     break;
                 }
                 let is_telling = |(first, _): &&(usize, _)| waiting[*first].tells_of(&waiting[alike[0]]);
-                let told = self.known.iter().filter(is_telling);
-                let told = told.fold(Evenness::default(), |all, (_, evenness)| all.plus(1.0, *evenness));
-                self.sums.prepare(alike, waiting, |index| cohort.found_by(index), told.expected());
+                // Too little light takes noise away, too; too much adds noise where it is dark
+                let told = self.known.iter().filter(is_telling).map(|(_, evenness)| evenness.expected());
+                let expected = told.reduce(Vec3::min).unwrap_or(Vec3::ZERO);
+                self.sums.prepare(alike, waiting, |index| cohort.found_by(index), expected);
                 for (row, &index) in alike.iter().enumerate() {
                     let receiver = &waiting[index];
                     let light = self.sums.gather(row, receiver);

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! and for g the density of the walk's own flight, K without V mixed over the channels. V, whether y is seen from z_j
-//! without leaving the body, is looked at for the terms that are picked. So that g does not have to know V, a flight that
+//! without leaving the body, is looked at for half of the terms that are picked, and counts twice there. So that g does not have to know V, a flight that
 //! leaves the body does not end there: should it come back to the body behind a gap, whatever it finds there is for those
 //! who see it.
 //!
@@ -63,6 +63,11 @@ const PART: usize = (COHORT_SIZE * COHORT_SIZE / 2) as usize;
 ///
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
+
+/// Part of the picked terms whose visibility is looked at: most are visible, and looking may take a ray.
+///
+/// CPU time with it over that with 1: 0.95 on the head and 0.97 on the dragon, 4 samples, for the same error.
+const LOOKED_AT: f32 = 0.5;
 
 /// Generations of collisions that light is gathered at, at the most.
 pub(super) const MOST_GENERATIONS: usize = 3;
@@ -242,10 +247,8 @@ impl Receiver for Collision<'_> {
     fn response(&self) {}
 
     fn light_from(&self, (): &(), found: &FlightLight, factor: f32) -> Vec3 {
-        if !self.body.connects(self.at, found.place.position, found.place.normal) {
-            return Vec3::ZERO;
-        }
-        found.light * factor * self.kernel.by_channel(&found.place)
+        let visibility = self.visibility(&found.place);
+        found.light * (factor * visibility) * self.kernel.by_channel(&found.place)
     }
 
     fn complete(&self) -> Option<Vec3> {
@@ -259,6 +262,20 @@ impl Receiver for Collision<'_> {
     /// A flight varies whatever the light is.
     fn alone(&self, _kinds: [Evenness; 2], _found: Option<&FlightLight>) -> [Option<Vec3>; 2] {
         [None; 2]
+    }
+}
+
+impl Collision<'_> {
+    /// An unbiased estimate of whether a place is seen: 1 where it is not looked at, and as much too little where it is and is
+    /// not seen.
+    fn visibility(&self, place: &Place) -> f32 {
+        let [random, x] = [self.account.random, place.position.x].map(|number| u64::from(number.to_bits()));
+        let is_looked_at = ((split_mix(random << 32 | x) >> 40) as f32) < LOOKED_AT * (1 << 24) as f32;
+        if is_looked_at && !self.body.connects(self.at, place.position, place.normal) {
+            1.0 - 1.0 / LOOKED_AT
+        } else {
+            1.0
+        }
     }
 }
 
@@ -359,7 +376,7 @@ impl<'a> Walk<'a> {
         let kind = ((exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte()), part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
         let lost = Vec3::select(self.throughput.cmpgt(Vec3::ZERO), lost / self.throughput, Vec3::ZERO);
-        let complete = sharing.is_matte().then_some(1.0 - lost);
+        let complete = (sharing.is_matte() && self.body.is_closed()).then_some(1.0 - lost);
         Collision { kind, account, body: self.body, at: self.at, kernel, complete }
     }
 

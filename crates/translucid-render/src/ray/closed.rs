@@ -1,0 +1,89 @@
+//! Whether triangles are a closed surface, whose faces all look out.
+
+use glam::{DMat3, DVec3, Vec3};
+
+/// Part of the area whose absence is not noticed.
+const TOLERANCE: f64 = 1e-4;
+
+/// Whether triangles are a closed surface, or several, whose faces all look out or all in.
+///
+/// By the divergence theorem no linear field without sources flows through such a surface: of Σ A and Σ c Aᵀ, over centroids c
+/// and area vectors A, the first vanishes and the second is a multiple of the unit matrix. Surfaces with holes or with faces
+/// that are turned have both by chance only. It takes no table of edges, and vertices may be double.
+pub(super) fn is_closed<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> bool {
+    let Some([origin, ..]) = triangles().next() else { return true };
+    let (mut area, mut extent) = (0.0, 0.0_f64);
+    let (mut flux, mut moments) = (DVec3::ZERO, DMat3::ZERO);
+    for triangle in triangles() {
+        let [a, b, c] = triangle.map(|vertex| (vertex - origin).as_dvec3());
+        let vector = (b - a).cross(c - a);
+        let center = (a + b + c) / 3.0;
+        area += vector.length();
+        extent = extent.max(center.length());
+        flux += vector;
+        moments += DMat3::from_cols(center * vector.x, center * vector.y, center * vector.z);
+    }
+    let trace = moments.x_axis.x + moments.y_axis.y + moments.z_axis.z;
+    let rest = moments - DMat3::from_diagonal(DVec3::splat(trace / 3.0));
+    let most = rest.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+    flux.length() <= TOLERANCE * area && most <= TOLERANCE * area * extent
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_scene::{Mesh, ShapeParameters, build_shape};
+
+    use super::*;
+
+    fn sphere() -> Mesh {
+        let mut mesh = build_shape("sphere", &ShapeParameters::new()).expect("a sphere");
+        mesh.positions
+            .iter_mut()
+            .for_each(|p| *p = *p * Vec3::new(1.0, 1.4, 0.7) + Vec3::new(30.0, -7.0, 2.0));
+        mesh
+    }
+
+    fn closes(mesh: &Mesh) -> bool {
+        is_closed(|| mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])))
+    }
+
+    #[test]
+    fn closed_surfaces_are_told_from_open_and_turned_ones() {
+        let whole = sphere();
+        assert!(closes(&whole));
+        let mut inside_out = whole.clone();
+        inside_out.triangles.iter_mut().for_each(|t| t.reverse());
+        assert!(closes(&inside_out));
+        assert!(closes(&Mesh::default()));
+        // One face in a hundred
+        for seed in 0..20 {
+            let is_one = |i: usize| (i * 7919 + seed).is_multiple_of(100);
+            let mut turned = whole.clone();
+            turned
+                .triangles
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| is_one(*i))
+                .for_each(|(_, t)| t.reverse());
+            assert!(!closes(&turned), "{seed}");
+            let mut open = whole.clone();
+            let mut number = 0..;
+            open.triangles.retain(|_| !is_one(number.next().unwrap_or_default()));
+            assert!(!closes(&open), "{seed}");
+        }
+        // Two holes that face each other
+        let mut tube = whole;
+        let positions = tube.positions.clone();
+        tube.triangles.retain(|t| t.iter().all(|&i| (positions[i as usize].z - 2.0).abs() < 0.6));
+        assert!(!closes(&tube));
+    }
+
+    #[test]
+    fn extremes_are_answered() {
+        for scale in [0.0, 1e-30, 1e30, f32::INFINITY, f32::NAN] {
+            let mut mesh = sphere();
+            mesh.positions.iter_mut().for_each(|p| *p *= scale);
+            closes(&mesh);
+        }
+    }
+}
