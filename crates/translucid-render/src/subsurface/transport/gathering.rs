@@ -118,7 +118,7 @@ pub(super) trait Receiver {
     /// K times the light at a place and a factor.
     fn light_from(&self, response: &Self::Response, found: &Self::Found, factor: f32) -> Vec3;
 
-    /// Integral of K over all places by channel, less what it has found where no place counts, if it is known.
+    /// Integral of K over all places by channel, where it is known, less what its own find would add if that is no place.
     fn complete(&self) -> Option<Vec3> {
         None
     }
@@ -143,8 +143,10 @@ pub(super) trait Found: Copy {
     /// All light that is there.
     fn light(&self) -> Vec3;
 
-    /// The same place with less light. Asked for where receivers are [complete](Receiver::complete).
-    fn less(&self, light: Vec3) -> Self;
+    /// The same place with so much less light; needed where receivers are [complete](Receiver::complete).
+    fn less(&self, _light: Vec3) -> Self {
+        *self
+    }
 
     /// Normal of the surface, 0 where there is none.
     fn normal(&self) -> Vec3;
@@ -190,7 +192,7 @@ impl<R: Receiver> Cohort<R> {
         &self.found[self.firsts[index]..end]
     }
 
-    /// Of all that some receivers have found.
+    /// Evenness of all places that some receivers have found.
     fn evenness(&self, receivers: &[usize]) -> Evenness {
         let found = receivers.iter().flat_map(|&index| self.found_by(index));
         found.fold(Evenness::default(), |all, one| all.plus(1.0, Evenness::of(one)))
@@ -343,7 +345,7 @@ const UNFORESEEABLE: f32 = 2.0;
 pub(super) struct Evenness {
     count: f32,
     light: Vec3,
-    /// Of the sum of the channels.
+    /// Sum over the places of the square of their light, channels added up.
     light_squared: f32,
     normal: Vec3,
 }

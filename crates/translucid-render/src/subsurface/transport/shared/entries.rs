@@ -56,10 +56,6 @@ impl Found for EntryLight {
         self.arrivals[0].light + self.arrivals[1].light
     }
 
-    fn less(&self, _light: Vec3) -> Self {
-        *self
-    }
-
     fn normal(&self) -> Vec3 {
         self.normal
     }

@@ -11,9 +11,9 @@
 //! ```
 //!
 //! and for g the density of the walk's own flight, K without V mixed over the channels. V, whether y is seen from z_j
-//! without leaving the body, is looked at for half of the terms that are picked, and counts twice there. So that g does not have to know V, a flight that
-//! leaves the body does not end there: should it come back to the body behind a gap, whatever it finds there is for those
-//! who see it.
+//! without leaving the body, is looked at for half of the terms that are picked, and counts twice there. So that g does not
+//! have to know V, a flight that leaves the body does not end there: should it come back to the body behind a gap, whatever
+//! it finds there is for those who see it.
 //!
 //! The light of a second collision y_i is gathered in the same way from the ends of all walks' third flights, which start
 //! at y_1 … y_n, and so on for some generations; the rest of a walk belongs to it alone. Given where the collisions of a
@@ -156,9 +156,12 @@ impl SharedCollisions<'_> {
     }
 }
 
-/// All that walks of the same light have in common: the exit's, σ_t and α by channel, the flights after which they are given
+/// All that walks have in common whose light is alike: the exit's, σ_t and α by channel, the flights after which they are given
 /// up, and whether they end at a matte surface.
 type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool);
+
+/// All that walks have in common if they share: these, and their part of the block.
+type SharingKind = (WalkKind, usize);
 
 /// Whether a part of a block lies above or below another, unless the picture cuts the block.
 fn lie_together(a: usize, b: usize) -> bool {
@@ -170,13 +173,13 @@ fn lie_together(a: usize, b: usize) -> bool {
 
 /// A collision that light comes to from those of the next generation.
 pub(in crate::subsurface::transport) struct Collision<'a> {
-    /// And the part of the block.
-    kind: (WalkKind, usize),
+    kind: SharingKind,
     account: Account,
     body: Body<'a>,
     at: Inside,
     kernel: FlightKernel,
-    /// Its flights end somewhere in any case: 1 between matte surfaces, less what its own flight has lost beyond all bodies.
+    /// Part of its flights that end where light is shared, by channel, where that is known: 1 between matte surfaces, less what
+    /// its own flight has lost beyond all bodies.
     complete: Option<Vec3>,
 }
 
@@ -190,11 +193,12 @@ pub(in crate::subsurface::transport) struct FlightLight {
     light: Vec3,
 }
 
-/// Light where a flight from a collision ends.
+/// The ends of one flight.
 #[derive(Default)]
 struct FlightEnds {
+    /// Light at its collision, and where it leaves a body.
     found: [Option<FlightLight>; 2],
-    /// Throughput of a flight that ends beyond all bodies.
+    /// Throughput at its end, should that be beyond all bodies.
     lost: Vec3,
 }
 
@@ -221,14 +225,14 @@ impl Found for FlightLight {
 }
 
 impl Receiver for Collision<'_> {
-    type Kind = (WalkKind, usize);
+    type Kind = SharingKind;
     type Found = FlightLight;
     type Response = ();
 
     /// Each may need a ray. Measured on head and dragon: error 1.02 to 1.04 times that with 8.
     const PICKS: usize = 2;
 
-    fn kind(&self) -> (WalkKind, usize) {
+    fn kind(&self) -> SharingKind {
         self.kind
     }
 
@@ -266,8 +270,7 @@ impl Receiver for Collision<'_> {
 }
 
 impl Collision<'_> {
-    /// An unbiased estimate of whether a place is seen: 1 where it is not looked at, and as much too little where it is and is
-    /// not seen.
+    /// An unbiased estimate of V: 1 where it is not looked at or the place is seen, else so far below 0 that the mean is right.
     fn visibility(&self, place: &Place) -> f32 {
         let [random, x] = [self.account.random, place.position.x].map(|number| u64::from(number.to_bits()));
         let is_looked_at = ((split_mix(random << 32 | x) >> 40) as f32) < LOOKED_AT * (1 << 24) as f32;
@@ -360,8 +363,8 @@ impl<'a> Walk<'a> {
         }
     }
 
-    /// A collision that gathers light, whose own flights are such a `share` of those by its throughput, and whose own flight has
-    /// `lost` so much of it.
+    /// A collision that gathers light; its own flights are such a `share` of those by its throughput, of which they have `lost`
+    /// so much.
     fn receiver(
         &self,
         path: &PathState,
