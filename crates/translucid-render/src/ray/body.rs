@@ -81,13 +81,14 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Whether the body's surfaces are closed, so that what is inside does not depend on the way there.
-    pub(crate) fn is_closed(&self) -> bool {
-        match (self.alone, self.clearance) {
-            (Some(alone), _) => alone.is_closed(self.geometry.cells()),
-            (None, Some(clearance)) => clearance.is_closed,
-            (None, None) => false,
-        }
+    /// Whether the body is what closed surfaces hold: flights end there, and what is inside does not depend on the way there.
+    pub(crate) fn is_bounded(&self) -> bool {
+        let orientation = match (self.alone, self.clearance) {
+            (Some(alone), _) => alone.orientation(self.geometry.cells()),
+            (None, Some(clearance)) => clearance.orientation,
+            (None, None) => 0.0,
+        };
+        orientation * self.side > 0.0
     }
 
     /// The nearest of the body's surfaces.

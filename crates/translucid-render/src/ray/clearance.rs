@@ -9,7 +9,7 @@
 
 use glam::{UVec3, Vec3};
 
-use super::closed::is_closed;
+use super::closed::orientation;
 
 /// Steps of a cell's edge in which distances are kept, rounded down.
 const STEPS: f32 = 2.0;
@@ -28,8 +28,8 @@ pub(crate) struct Clearance {
     size: UVec3,
     /// Distance to the nearest surface in parts of an edge, x fastest.
     steps: Vec<u8>,
-    /// Whether the group's surfaces are closed.
-    pub(super) is_closed: bool,
+    /// 1 where the group's surfaces are closed and look out, -1 where they look in, else 0.
+    pub(super) orientation: f32,
 }
 
 impl Clearance {
@@ -40,8 +40,8 @@ impl Clearance {
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         let extent = (high - low).max(Vec3::ZERO);
         let edge = extent.max_element() / libm::cbrtf(cells).max(1.0);
-        let is_closed = is_closed(&triangles);
-        let mut new = Self { origin: low, edge, size: UVec3::ZERO, steps: Vec::new(), is_closed };
+        let orientation = orientation(&triangles);
+        let mut new = Self { origin: low, edge, size: UVec3::ZERO, steps: Vec::new(), orientation };
         if !(edge > 0.0 && edge.is_finite()) || triangles().nth(MOST_TRIANGLES).is_some() {
             return new;
         }

@@ -1,17 +1,18 @@
-//! Whether triangles are a closed surface, whose faces all look out.
+//! Whether triangles are a closed surface, and whether its faces look out.
 
 use glam::{DMat3, DVec3, Vec3};
 
 /// Part of the area whose absence is not noticed.
 const TOLERANCE: f64 = 1e-4;
 
-/// Whether triangles are a closed surface, or several, whose faces all look out or all in.
+/// 1 where triangles are a closed surface whose faces all look out, or several; -1 where they look in; 0 where there are holes
+/// or turned faces.
 ///
 /// By the divergence theorem no linear field without sources flows through such a surface: of Σ A and Σ c Aᵀ, over centroids c
-/// and area vectors A, the first vanishes and the second is a multiple of the unit matrix. Surfaces with holes or with faces
+/// and area vectors A, the first vanishes and the second is the volume times the unit matrix. Surfaces with holes or with faces
 /// that are turned have both by chance only. It takes no table of edges, and vertices may be double.
-pub(super) fn is_closed<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> bool {
-    let Some([origin, ..]) = triangles().next() else { return true };
+pub(super) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> f32 {
+    let Some([origin, ..]) = triangles().next() else { return 0.0 };
     let (mut area, mut extent) = (0.0, 0.0_f64);
     let (mut flux, mut moments) = (DVec3::ZERO, DMat3::ZERO);
     for triangle in triangles() {
@@ -26,7 +27,8 @@ pub(super) fn is_closed<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I
     let trace = moments.x_axis.x + moments.y_axis.y + moments.z_axis.z;
     let rest = moments - DMat3::from_diagonal(DVec3::splat(trace / 3.0));
     let most = rest.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
-    flux.length() <= TOLERANCE * area && most <= TOLERANCE * area * extent
+    let is_closed = flux.length() <= TOLERANCE * area && most <= TOLERANCE * area * extent;
+    if is_closed && trace != 0.0 { trace.signum() as f32 } else { 0.0 }
 }
 
 #[cfg(test)]
@@ -43,18 +45,18 @@ mod tests {
         mesh
     }
 
-    fn closes(mesh: &Mesh) -> bool {
-        is_closed(|| mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])))
+    fn orientation_of(mesh: &Mesh) -> f32 {
+        orientation(|| mesh.triangles.iter().map(|t| t.map(|i| mesh.positions[i as usize])))
     }
 
     #[test]
     fn closed_surfaces_are_told_from_open_and_turned_ones() {
         let whole = sphere();
-        assert!(closes(&whole));
+        assert_eq!(orientation_of(&whole), 1.0);
         let mut inside_out = whole.clone();
         inside_out.triangles.iter_mut().for_each(|t| t.reverse());
-        assert!(closes(&inside_out));
-        assert!(closes(&Mesh::default()));
+        assert_eq!(orientation_of(&inside_out), -1.0);
+        assert_eq!(orientation_of(&Mesh::default()), 0.0);
         // One face in a hundred
         for seed in 0..20 {
             let is_one = |i: usize| (i * 7919 + seed).is_multiple_of(100);
@@ -65,17 +67,17 @@ mod tests {
                 .enumerate()
                 .filter(|(i, _)| is_one(*i))
                 .for_each(|(_, t)| t.reverse());
-            assert!(!closes(&turned), "{seed}");
+            assert_eq!(orientation_of(&turned), 0.0, "{seed}");
             let mut open = whole.clone();
             let mut number = 0..;
             open.triangles.retain(|_| !is_one(number.next().unwrap_or_default()));
-            assert!(!closes(&open), "{seed}");
+            assert_eq!(orientation_of(&open), 0.0, "{seed}");
         }
         // Two holes that face each other
         let mut tube = whole;
         let positions = tube.positions.clone();
         tube.triangles.retain(|t| t.iter().all(|&i| (positions[i as usize].z - 2.0).abs() < 0.6));
-        assert!(!closes(&tube));
+        assert_eq!(orientation_of(&tube), 0.0);
     }
 
     #[test]
@@ -83,7 +85,7 @@ mod tests {
         for scale in [0.0, 1e-30, 1e30, f32::INFINITY, f32::NAN] {
             let mut mesh = sphere();
             mesh.positions.iter_mut().for_each(|p| *p *= scale);
-            closes(&mesh);
+            assert!([-1.0, 0.0, 1.0].contains(&orientation_of(&mesh)), "{scale}");
         }
     }
 }

@@ -417,9 +417,10 @@ impl Alone<'_> {
         if local == 0.0 { 0.0 } else { (local * self.block.stretch - self.offset_at(point)).max(0.0) }
     }
 
-    /// Whether the surface is closed; `cells` as for [`clearance`](Self::clearance).
-    pub(super) fn is_closed(&self, cells: f32) -> bool {
-        self.grid(cells).is_closed
+    /// 1 where the surface is closed and looks out, -1 where it looks in, else 0; `cells` as for
+    /// [`clearance`](Self::clearance).
+    pub(super) fn orientation(&self, cells: f32) -> f32 {
+        self.grid(cells).orientation
     }
 
     fn grid(&self, cells: f32) -> &Clearance {
