@@ -43,6 +43,31 @@ pub(super) fn depth_reached(u: f32) -> f32 {
     2.0 * s * series - k as f32 * LN_2
 }
 
+/// E₂(x) = ∫ e^{−xt}/t² dt from 1 on, for x ≥ 0, to 6e-7 [Abramowitz & Stegun 1964, 5.1.14 with 5.1.53 and 5.1.56].
+pub(super) fn exponential_integral_2(x: f32) -> f32 {
+    // Beyond, the powers overflow, and nothing is left
+    let x = x.min(100.0);
+    let polynomial = |c: &[f32]| c.iter().rev().fold(0.0, |sum, c| sum * x + c);
+    if x < 1.0 {
+        // E₁(x) + ln x
+        let rest = polynomial(&[
+            -0.577_215_66,
+            0.999_991_93,
+            -0.249_910_55,
+            0.055_199_68,
+            -0.009_760_04,
+            0.001_078_57,
+        ]);
+        attenuation(x) - x * (rest - libm::logf(x.max(f32::MIN_POSITIVE)))
+    } else {
+        // 1 − x e^x E₁(x)
+        let below = [3.958_496_9, 21.099_653, 25.632_956, 9.573_322, 1.0];
+        let above = [0.267_773_74, 8.634_761, 18.059_017, 8.573_329, 1.0];
+        let difference: [f32; 4] = std::array::from_fn(|i| below[i] - above[i]);
+        attenuation(x) * polynomial(&difference) / polynomial(&below)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -68,6 +93,31 @@ mod tests {
         for u in small.chain(large).chain((0..4000_u16).map(|i| (f32::from(i) + 0.3) / 4000.0)) {
             let (found, exact) = (f64::from(depth_reached(u)), -(-f64::from(u)).ln_1p());
             assert!((found / exact - 1.0).abs() < 3e-7, "{u}: {found} {exact}");
+        }
+    }
+
+    /// Beside values of Abramowitz & Stegun 1964, table 5.4, and its bounds, 5.1.19: e^{−x}/(x + 2) < E₂(x) < e^{−x}/(x + 1).
+    #[test]
+    fn exponential_integral_is_that_of_the_tables() {
+        assert_eq!(exponential_integral_2(0.0), 1.0);
+        for (x, exact) in [
+            (0.01, 0.949_670_5),
+            (0.1, 0.722_545_0),
+            (0.5, 0.326_643_9),
+            (1.0, 0.148_495_5),
+            (2.0, 0.037_534_26),
+        ] {
+            let found = exponential_integral_2(x);
+            assert!((found - exact).abs() < 6e-7, "{x}: {found}");
+        }
+        for i in 1..4000_u16 {
+            let x = f32::from(i) * 0.02;
+            let scaled = f64::from(exponential_integral_2(x)) * f64::from(x).exp();
+            let (least, most) = (1.0 / (f64::from(x) + 2.0), 1.0 / (f64::from(x) + 1.0));
+            assert!(least * (1.0 - 1e-4) < scaled && scaled < most * (1.0 + 1e-4), "{x}: {scaled}");
+        }
+        for x in [f32::MIN_POSITIVE, 1e-20, 100.0, 1e30, f32::MAX] {
+            assert!((0.0..=1.0).contains(&exponential_integral_2(x)), "{x}");
         }
     }
 }

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::attenuation::attenuation;
 use super::tilt::Tilt;
-use crate::subsurface::transport::gathering::COORDINATES;
+use crate::subsurface::transport::gathering::{COORDINATES, LANES};
 use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
 
 /// Distances below this part of the shortest mean free path count as this.
@@ -25,7 +25,7 @@ pub(super) struct FlightKernel {
     from: Vec3,
     /// Extinction coefficients \[L⁻¹\].
     sigma_t: [f32; 3],
-    /// Shares of the channels in all flights, over 4π.
+    /// Shares of the channels in all flights.
     shares: [f32; 3],
     tilt: Tilt,
     least_squared: f32,
@@ -36,16 +36,22 @@ impl FlightKernel {
     /// are such a `share` of all.
     pub(super) fn new(from: Vec3, sigma_t: Vec3, throughput: Vec3, tilt: Tilt, share: f32) -> Self {
         let least = LEAST_DISTANCE / sigma_t.max_element();
-        let shares = (throughput * (share / (4.0 * PI * throughput.element_sum()))).to_array();
+        let shares = (throughput * (share / throughput.element_sum())).to_array();
         Self { from, sigma_t: sigma_t.to_array(), shares, tilt, least_squared: least * least }
     }
 
-    /// Density of each channel's isotropic flights at a place, \[L⁻³\], or on a surface \[L⁻²\].
-    pub(super) fn by_channel(&self, place: &Place) -> Vec3 {
-        Vec3::from_array(self.densities(place.coordinates()).0) / (4.0 * PI)
+    /// Point that the flights start from.
+    pub(super) fn from(&self) -> Vec3 {
+        self.from
     }
 
-    /// [`by_channel`](Self::by_channel) times 4π, by the place's coordinates, and the factor of the tilt.
+    /// Extinction coefficients \[L⁻¹\].
+    pub(super) fn sigma_t(&self) -> [f32; 3] {
+        self.sigma_t
+    }
+
+    /// Density of each channel's isotropic flights at a place, \[L⁻³\], or on a surface \[L⁻²\], by the place's coordinates,
+    /// and the factor of the tilt.
     ///
     /// Without fused operations, so that every processor has the same bits.
     #[inline(always)]
@@ -57,7 +63,7 @@ impl FlightKernel {
         let per_square = squared.recip();
         let per_length = d * per_square;
         let cosine = (nx * dx + ny * dy + nz * dz) * per_length;
-        let factor = (cosine + is_inside).max(0.0) * per_square;
+        let factor = (cosine + is_inside).max(0.0) * per_square * (0.25 / PI);
         let [a, b, c] = self.sigma_t;
         let is_surface = 1.0 - is_inside;
         let densities = [
@@ -68,20 +74,14 @@ impl FlightKernel {
         (densities, self.tilt.factor([dx, dy, dz], per_length))
     }
 
-    /// Density of all flights at a place.
-    #[inline(always)]
-    fn density(&self, place: [f32; COORDINATES]) -> f32 {
-        let ([a, b, c], tilt) = self.densities(place);
-        (self.shares[0] * a + self.shares[1] * b + self.shares[2] * c) * tilt
-    }
-
-    /// Densities at places, with the widest vectors that the processor has; adds them to the sums, too.
+    /// Densities of each channel's isotropic flights at places, one channel after the other; adds those of all flights to the
+    /// sums.
     pub(super) fn fill(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
         in_widest_vectors(Row { kernel: *self, places, row, sums });
     }
 }
 
-/// Densities of all flights at places, and what they are added to.
+/// Densities of flights at places, and what those of all flights are added to.
 struct Row<'a> {
     kernel: FlightKernel,
     places: [&'a [f32]; COORDINATES],
@@ -92,14 +92,21 @@ struct Row<'a> {
 impl Loop for Row<'_> {
     #[inline(always)]
     fn run(self) {
-        let n = self.row.len();
-        let [x, y, z, nx, ny, nz, is_inside] = self.places;
-        let (x, y, z, sums) = (&x[..n], &y[..n], &z[..n], &mut self.sums[..n]);
-        let (nx, ny, nz, is_inside) = (&nx[..n], &ny[..n], &nz[..n], &is_inside[..n]);
+        let sums = self.sums.as_chunks_mut::<LANES>().0;
+        let n = sums.len();
+        let row = &mut self.row.as_chunks_mut::<LANES>().0[..3 * n];
+        let (red, rest) = row.split_at_mut(n);
+        let (green, blue) = rest.split_at_mut(n);
+        let (green, blue) = (&mut green[..n], &mut blue[..n]);
+        let [x, y, z, nx, ny, nz, is_inside] = self.places.map(|column| &column.as_chunks::<LANES>().0[..n]);
+        let [red_share, green_share, blue_share] = self.kernel.shares;
         for i in 0..n {
-            let density = self.kernel.density([x[i], y[i], z[i], nx[i], ny[i], nz[i], is_inside[i]]);
-            self.row[i] = density;
-            sums[i] += density;
+            for k in 0..LANES {
+                let place = [x[i][k], y[i][k], z[i][k], nx[i][k], ny[i][k], nz[i][k], is_inside[i][k]];
+                let ([r, g, b], tilt) = self.kernel.densities(place);
+                (red[i][k], green[i][k], blue[i][k]) = (r, g, b);
+                sums[i][k] += (red_share * r + green_share * g + blue_share * b) * tilt;
+            }
         }
     }
 }
@@ -123,6 +130,14 @@ mod tests {
         FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), tilt, share)
     }
 
+    /// Densities of each channel's flights at a place, and of all.
+    fn densities(kernel: &FlightKernel, place: &Place) -> (Vec3, f32) {
+        let columns = place.coordinates().map(|x| [x; LANES]);
+        let (mut row, mut sums) = ([0.0; 3 * LANES], [0.0; LANES]);
+        kernel.fill(columns.each_ref().map(<[f32; LANES]>::as_slice), &mut row, &mut sums);
+        (Vec3::new(row[0], row[LANES], row[2 * LANES]), sums[0])
+    }
+
     /// All flights end somewhere; those toward a plane at a distance h that get there are E₂(σ_t h)/2 of all.
     #[test]
     fn densities_have_the_right_integrals() {
@@ -134,8 +149,9 @@ mod tests {
             for i in 0..n {
                 let r = (i as f32 + 0.5) * step;
                 let (place, weight) = (place(r), f64::from(measure(r) * step));
-                sums.0 += kernel.by_channel(&place).as_dvec3() * weight;
-                sums.1 += f64::from(kernel.density(place.coordinates())) * weight;
+                let (channels, all) = densities(&kernel, &place);
+                sums.0 += channels.as_dvec3() * weight;
+                sums.1 += f64::from(all) * weight;
             }
             sums
         };
@@ -154,7 +170,7 @@ mod tests {
             assert!((channels[c] - expected).abs() < 1e-4, "{c}: {} {expected}", channels[c]);
         }
         let behind = Place { position: kernel.from + Vec3::Z, normal: -Vec3::Z };
-        assert_eq!(kernel.by_channel(&behind), Vec3::ZERO, "a surface that is entered there");
+        assert_eq!(densities(&kernel, &behind).0, Vec3::ZERO, "a surface that is entered there");
     }
 
     /// Every processor has to make the same picture.
@@ -171,11 +187,10 @@ mod tests {
         }
         let places = columns.each_ref().map(Vec::as_slice);
         let bits = |run: fn(Row<'_>)| {
-            let (mut row, mut sums) = (vec![0.0; 4096], vec![0.0; 4096]);
+            let (mut row, mut sums) = (vec![0.0; 3 * 4096], vec![0.0; 4096]);
             run(Row { kernel, places, row: &mut row, sums: &mut sums });
-            assert_eq!(row, sums);
-            assert!(row.iter().all(|density| density.is_finite() && *density >= 0.0));
-            row.into_iter().map(f32::to_bits).collect::<Vec<_>>()
+            assert!(row.iter().chain(&sums).all(|density| density.is_finite() && *density >= 0.0));
+            row.into_iter().chain(sums).map(f32::to_bits).collect::<Vec<_>>()
         };
         assert_eq!(bits(|row| row.run()), bits(|row| in_widest_vectors(row)));
     }
@@ -187,8 +202,9 @@ mod tests {
             for distance in [0.0, 1e-30, 1e-12, 1.0, 1e10, 1e18] {
                 for normal in [Vec3::ZERO, Vec3::X] {
                     let place = Place { position: Vec3::X * distance, normal };
-                    let density = kernel.density(place.coordinates());
-                    assert!(density.is_finite() && density >= 0.0, "{sigma_t} {distance}: {density}");
+                    let (channels, all) = densities(&kernel, &place);
+                    let is_usual = channels.is_finite() && channels.min_element() >= 0.0 && all.is_finite();
+                    assert!(is_usual && all >= 0.0, "{sigma_t} {distance}: {channels} {all}");
                 }
             }
         }

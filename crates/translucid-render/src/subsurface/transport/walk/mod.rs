@@ -24,6 +24,7 @@
 mod attenuation;
 mod clear;
 mod diffuse;
+mod exit_plane;
 mod flight;
 mod flight_kernel;
 mod phase_function;

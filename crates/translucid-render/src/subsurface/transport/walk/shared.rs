@@ -33,6 +33,7 @@ use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 
+use super::exit_plane::ExitPlane;
 use super::flight_kernel::{FlightKernel, Place};
 use super::state::Walk;
 use super::tilt::Tilt;
@@ -41,9 +42,8 @@ use crate::sampling::{Reserved, Sampler, split_mix};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
-use crate::subsurface::transport::gathering::{
-    Account, COORDINATES, Evenness, ExitKind, Found, Gathering, Receiver,
-};
+use crate::subsurface::transport::gathering::whole::{Adding, WholeSums};
+use crate::subsurface::transport::gathering::{Account, COORDINATES, ExitKind, Found, Gathering, Receiver};
 use crate::subsurface::transport::shared::arrivals;
 use crate::world::{BLOCK_SIZE, COHORT_SIZE, Layer, PathState, World};
 
@@ -63,11 +63,6 @@ const PART: usize = (COHORT_SIZE * COHORT_SIZE / 2) as usize;
 ///
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
-
-/// Part of the picked terms whose visibility is looked at: most are visible, and looking may take a ray.
-///
-/// CPU time with it over that with 1: 0.94 on the head and 0.96 on the dragon, 4 samples, for the same error.
-const LOOKED_AT: f32 = 0.5;
 
 /// Generations of collisions that light is gathered at, at the most.
 pub(super) const MOST_GENERATIONS: usize = 3;
@@ -178,6 +173,7 @@ pub(in crate::subsurface::transport) struct Collision<'a> {
     body: Body<'a>,
     at: Inside,
     kernel: FlightKernel,
+    plane: ExitPlane,
     /// Whether all of its flights end where light is shared: between matte surfaces of a bounded body.
     is_complete: bool,
 }
@@ -205,10 +201,6 @@ impl Found for FlightLight {
         self.light
     }
 
-    fn less(&self, light: Vec3) -> Self {
-        Self { light: self.light - light, ..*self }
-    }
-
     fn normal(&self) -> Vec3 {
         self.place.normal
     }
@@ -217,10 +209,7 @@ impl Found for FlightLight {
 impl Receiver for Collision<'_> {
     type Kind = SharingKind;
     type Found = FlightLight;
-    type Response = ();
-
-    /// Each may need a ray: with 4, head and dragon have 0.91 and 0.95 times the error in 1.08 and 1.05 times the CPU time.
-    const PICKS: usize = 2;
+    type Sums = WholeSums<FlightLight>;
 
     fn kind(&self) -> SharingKind {
         self.kind
@@ -237,12 +226,11 @@ impl Receiver for Collision<'_> {
     fn color(&self) -> Vec3 {
         self.account.throughput
     }
+}
 
-    fn response(&self) {}
-
-    fn light_from(&self, (): &(), found: &FlightLight, factor: f32) -> Vec3 {
-        let visibility = self.visibility(&found.place);
-        found.light * (factor * visibility) * self.kernel.by_channel(&found.place)
+impl Adding for Collision<'_> {
+    fn is_hidden(&self, found: &FlightLight) -> bool {
+        !self.body.connects(self.at, found.place.position, found.place.normal)
     }
 
     fn is_complete(&self) -> bool {
@@ -253,22 +241,12 @@ impl Receiver for Collision<'_> {
         self.kind.0 == other.kind.0 && lie_together(self.kind.1, other.kind.1)
     }
 
-    /// A flight varies whatever the light is.
-    fn alone(&self, _kinds: [Evenness; 2], _found: Option<&FlightLight>) -> [Option<Vec3>; 2] {
-        [None; 2]
+    fn expected_part(&self) -> Vec3 {
+        self.plane.flights_beyond(&self.kernel)
     }
-}
 
-impl Collision<'_> {
-    /// An unbiased estimate of V: 1 where it is not looked at or the place is seen, else so far below 0 that the mean is right.
-    fn visibility(&self, place: &Place) -> f32 {
-        let [random, x] = [self.account.random, place.position.x].map(|number| u64::from(number.to_bits()));
-        let is_looked_at = ((split_mix(random << 32 | x) >> 40) as f32) < LOOKED_AT * (1 << 24) as f32;
-        if is_looked_at && !self.body.connects(self.at, place.position, place.normal) {
-            1.0 - 1.0 / LOOKED_AT
-        } else {
-            1.0
-        }
+    fn fill_expected_part(&self, places: [&[f32]; COORDINATES], split: usize, part: &mut [f32]) {
+        self.plane.fill(&self.kernel, places, split, part);
     }
 }
 
@@ -365,8 +343,11 @@ impl<'a> Walk<'a> {
         let (exit, most) = (ExitKind::new(sharing.exit, path), self.most_events);
         let kind = ((exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte()), part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
+        let exit = &sharing.exit;
+        let plane =
+            ExitPlane::new(exit.point.position, exit.point.geometric_normal * exit.side, self.at.position);
         let is_complete = sharing.is_matte() && self.body.is_bounded();
-        Collision { kind, account, body: self.body, at: self.at, kernel, is_complete }
+        Collision { kind, account, body: self.body, at: self.at, kernel, plane, is_complete }
     }
 
     /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds to the path what

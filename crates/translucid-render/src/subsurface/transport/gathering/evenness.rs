@@ -1,0 +1,57 @@
+//! How even the light of some places is.
+
+use glam::Vec3;
+
+use super::Found;
+
+/// Relative variance of light from which on none is expected: it may be elsewhere.
+///
+/// Error of matte walks on the head, 4 samples, over that with 2: 0.97 with 5, 1.09 with 1, 1.22 with 0.5. The greater it is,
+/// the noisier is what lies in the dark beside a bright lamp.
+const UNFORESEEABLE: f32 = 2.0;
+
+/// Sums over places that tell how even they and their light are.
+#[derive(Clone, Copy, Default)]
+pub(in crate::subsurface::transport) struct Evenness {
+    count: f32,
+    light: Vec3,
+    /// Sum over the places of the square of their light, channels added up.
+    light_squared: f32,
+    normal: Vec3,
+}
+
+impl Evenness {
+    pub(super) fn of(found: &impl Found) -> Self {
+        let light = found.light();
+        Self { count: 1.0, light, light_squared: light.element_sum().powi(2), normal: found.normal() }
+    }
+
+    /// These and as many times others.
+    pub(super) fn plus(self, factor: f32, other: Self) -> Self {
+        Self {
+            count: self.count + factor * other.count,
+            light: self.light + factor * other.light,
+            light_squared: self.light_squared + factor * other.light_squared,
+            normal: self.normal + factor * other.normal,
+        }
+    }
+
+    /// Variance of the light over its mean squared; 0 where nothing is known.
+    pub(in crate::subsurface::transport) fn variance(&self) -> f32 {
+        let square = self.light.element_sum().powi(2);
+        if square > 0.0 { self.count * self.light_squared / square - 1.0 } else { 0.0 }
+    }
+
+    /// Light to be expected elsewhere, by channel.
+    pub(super) fn expected(&self) -> Vec3 {
+        // Rounding may leave a variance below 0
+        let part = (1.0 - self.variance() / UNFORESEEABLE).clamp(0.0, 1.0);
+        let expected = self.light / self.count * part;
+        if expected.is_finite() { expected } else { Vec3::ZERO }
+    }
+
+    /// Variance of the normals.
+    pub(in crate::subsurface::transport) fn roughness(&self) -> f32 {
+        if self.count > 0.0 { 1.0 - self.normal.length_squared() / (self.count * self.count) } else { 1.0 }
+    }
+}
