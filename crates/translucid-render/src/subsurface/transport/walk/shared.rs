@@ -10,9 +10,8 @@
 //! K(y) = e^{−σ_t d} cos θ / (4π d²) V(y)      on a matte surface that light enters
 //! ```
 //!
-//! and for g the density of the walk's own flight, K without V mixed over the channels. V, whether y is seen from z_j
-//! without leaving the body, is looked at for half of the terms that are picked, and counts twice there. So that g does not
-//! have to know V, a flight that leaves the body does not end there: should it come back to the body behind a gap, whatever
+//! and for g the density of the walk's own flight, K without V mixed over the channels. V says whether y is seen from z_j
+//! without leaving the body. So that g does not have to know V, a flight that leaves the body does not end there: should it come back to the body behind a gap, whatever
 //! it finds there is for those who see it.
 //!
 //! The light of a second collision y_i is gathered in the same way from the ends of all walks' third flights, which start
@@ -21,8 +20,9 @@
 //! back to the first.
 //! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
 //!
-//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel: light like that which
-//! the parts of the block above and below have found is expected, and only what differs from it is gathered.
+//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel, and that over all
+//! that is about on [the exit's plane](ExitPlane) is known, too: light like that which the parts of the block above and below
+//! have found inside and on surfaces is expected, and only what differs from it is gathered.
 //!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
 //! shared. Light that is sampled at a first collision has a first flight of its own.
