@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3, Vec3};
 const TOLERANCE: f64 = 1e-4;
 
 /// 1 where triangles are a closed surface whose faces all look out, or several; -1 where they look in; 0 where there are holes
-/// or turned faces.
+/// or turned faces, or hardly any volume.
 ///
 /// By the divergence theorem no linear field without sources flows through such a surface: of Σ A and Σ c Aᵀ, over centroids c
 /// and area vectors A, the first vanishes and the second is the volume times the unit matrix. Surfaces with holes or with faces
@@ -28,7 +28,7 @@ pub(super) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() ->
     let rest = moments - DMat3::from_diagonal(DVec3::splat(trace / 3.0));
     let most = rest.to_cols_array().into_iter().fold(0.0, |most: f64, value| most.max(value.abs()));
     let is_closed = flux.length() <= TOLERANCE * area && most <= TOLERANCE * area * extent;
-    if is_closed && trace != 0.0 { trace.signum() as f32 } else { 0.0 }
+    if is_closed && trace.abs() > TOLERANCE * area * extent { trace.signum() as f32 } else { 0.0 }
 }
 
 #[cfg(test)]

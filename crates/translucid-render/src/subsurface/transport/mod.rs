@@ -7,7 +7,7 @@
 //! walk/     the volume itself, collision by collision; neighbors share the ends of their flights
 //! ```
 //!
-//! `gathering.rs` is what the pixels of a block have in common to share what they find.
+//! `gathering` is what the pixels of a block have in common to share what they find.
 //!
 //! A new one is a folder here and a line in [`SubsurfaceTransport`].
 

@@ -36,6 +36,11 @@ impl Evenness {
         }
     }
 
+    /// Whether there are no places.
+    pub(super) fn is_empty(&self) -> bool {
+        self.count == 0.0
+    }
+
     /// Variance of the light over its mean squared; 0 where nothing is known.
     pub(in crate::subsurface::transport) fn variance(&self) -> f32 {
         let square = self.light.element_sum().powi(2);

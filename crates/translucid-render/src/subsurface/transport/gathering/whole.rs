@@ -29,7 +29,7 @@ pub(in crate::subsurface::transport) trait Adding: Receiver {
     /// Whether the integral of K V over all places is 1 in every channel.
     fn is_complete(&self) -> bool;
 
-    /// Whether what it finds tells what light to expect of another that it shares nothing with.
+    /// Whether what it finds tells what light to expect of another, that shares nothing with it and is complete if it is.
     fn tells_of(&self, other: &Self) -> bool;
 
     /// ∫ K V φ by channel, where it is complete.
@@ -84,7 +84,8 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
                 let evenness = &mut evenness[usize::from(is_on_surface(found))];
                 *evenness = evenness.plus(1.0, Evenness::of(found));
             }
-            let [inside, at_surfaces] = evenness.map(|evenness| evenness.expected());
+            let inside = evenness[0].expected();
+            let at_surfaces = if evenness[1].is_empty() { inside } else { evenness[1].expected() };
             self.known.push((alike.indices[0], Expected { inside, at_surfaces }));
         }
     }
@@ -117,25 +118,27 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         if width == 0 {
             return light;
         }
-        let color = receiver.color().to_array();
+        let color = receiver.color();
+        let color = color / color.max_element().max(f32::MIN_POSITIVE);
         let mut terms = std::mem::take(&mut weights.terms);
         let mut whole = [0.0; 3];
         in_widest_vectors(Terms {
             near: weights.row(row),
             bright: weights.bright.each_ref().map(Vec::as_slice),
             expected: (!is_level).then_some((&*part, &weights.coefficients, more.to_array())),
-            color,
+            color: color.to_array(),
             terms: &mut terms,
             whole: &mut whole,
         });
         weights.terms = terms;
         let whole = Vec3::from_array(whole);
         let sum = weights.add_up(&(0..width));
+        // Only extreme light is not finite
         if !(sum > 0.0 && sum.is_finite() && whole.is_finite()) {
             return light;
         }
-        let [place] = weights.find_places(&(0..width), [receiver.account().random * sum]);
         light += whole;
+        let [place] = weights.find_places(&(0..width), [receiver.account().random * sum]);
         if receiver.is_hidden(&weights.found[place]) {
             let near = weights.row(row);
             let term = |c: usize| {

@@ -7,7 +7,7 @@
 //! φ = 1 beyond the plane, 0 below     inside
 //! ```
 //!
-//! and 0 in directions that lead away from the plane, the integral of Kφ over all ends of flights in that direction is
+//! and 0 in directions that lead away from the plane, the integral of KVφ over all ends of flights in that direction is
 //! e^{−σ_t d_p}/4π, whatever the surface is like, if all of them end. So it is E₂(σ_t h)/2 in all directions, where h is the
 //! distance of the plane.
 

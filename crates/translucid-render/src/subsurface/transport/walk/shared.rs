@@ -11,8 +11,8 @@
 //! ```
 //!
 //! and for g the density of the walk's own flight, K without V mixed over the channels. V says whether y is seen from z_j
-//! without leaving the body. So that g does not have to know V, a flight that leaves the body does not end there: should it come back to the body behind a gap, whatever
-//! it finds there is for those who see it.
+//! without leaving the body. So that g does not have to know V, a flight that leaves the body does not end there: should it
+//! come back to the body behind a gap, whatever it finds there is for those who see it.
 //!
 //! The light of a second collision y_i is gathered in the same way from the ends of all walks' third flights, which start
 //! at y_1 … y_n, and so on for some generations; the rest of a walk belongs to it alone. Given where the collisions of a
@@ -20,9 +20,9 @@
 //! back to the first.
 //! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
 //!
-//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel, and that over all
-//! that is about on [the exit's plane](ExitPlane) is known, too: light like that which the parts of the block above and below
-//! have found inside and on surfaces is expected, and only what differs from it is gathered.
+//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel, and what part of that
+//! is about on [the exit's plane](ExitPlane) is known, too: light like that which neighboring parts of the block have found
+//! inside and on surfaces is expected, and only what differs from it is gathered.
 //!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
 //! shared. Light that is sampled at a first collision has a first flight of its own.
@@ -75,7 +75,7 @@ pub(super) struct Sharing<'s, 'a> {
     pub(super) of_first: f32,
     pub(super) of_choice: f32,
     pub(super) of_light: OfLight,
-    /// Of the direction after a first collision, the length of the flight, and the terms that are picked.
+    /// Of the direction after a first collision, the length of the flight, and the place that is looked at.
     pub(super) of_flight: [f32; 4],
 }
 
@@ -158,17 +158,22 @@ type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool);
 /// All that walks have in common if they share: these, and their part of the block.
 type SharingKind = (WalkKind, usize);
 
-/// Whether a part of a block lies above or below another, unless the picture cuts the block.
-fn lie_together(a: usize, b: usize) -> bool {
+/// Whether parts of a block tell each other what light a generation may expect: those above and below each other, or in the next
+/// generation beside each other.
+///
+/// In turns, so that what a part is told in one generation knows nothing of that part from the next one.
+fn tell_each_other(a: usize, b: usize, generation: usize) -> bool {
     const SQUARES: usize = (BLOCK_SIZE / COHORT_SIZE) as usize;
     let [(row_a, column_a), (row_b, column_b)] =
         [a, b].map(|part| (part / (2 * SQUARES) * 2 + part % 2, part / 2 % SQUARES));
-    column_a == column_b && row_a.abs_diff(row_b) == 1
+    let (rows, columns) = (row_a.abs_diff(row_b), column_a.abs_diff(column_b));
+    (rows, columns) == if generation.is_multiple_of(2) { (1, 0) } else { (0, 1) }
 }
 
 /// A collision that light comes to from those of the next generation.
 pub(in crate::subsurface::transport) struct Collision<'a> {
     kind: SharingKind,
+    generation: usize,
     account: Account,
     body: Body<'a>,
     at: Inside,
@@ -238,7 +243,7 @@ impl Adding for Collision<'_> {
     }
 
     fn tells_of(&self, other: &Self) -> bool {
-        self.kind.0 == other.kind.0 && lie_together(self.kind.1, other.kind.1)
+        self.kind.0 == other.kind.0 && tell_each_other(self.kind.1, other.kind.1, self.generation)
     }
 
     fn expected_part(&self) -> Vec3 {
@@ -324,18 +329,18 @@ impl<'a> Walk<'a> {
                 throughput: first.throughput,
                 random: (of_picks + k as f32 / count).fract(),
             };
-            let collision = first.receiver(path, sharing, account, 1.0 / count);
+            let collision = first.receiver(path, sharing, account, (0, 1.0 / count));
             tracer.scratch().collisions.generations[0].push(collision, found.by_ref());
         }
     }
 
-    /// A collision that gathers light, and whose own flights are such a `share` of those by its throughput.
+    /// A collision of a generation that gathers light, and whose own flights are such a `share` of those by its throughput.
     fn receiver(
         &self,
         path: &PathState,
         sharing: &Sharing<'_, 'a>,
         account: Account,
-        share: f32,
+        (generation, share): (usize, f32),
     ) -> Collision<'a> {
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
         let sigma_t = self.flights.sigma_t();
@@ -347,7 +352,7 @@ impl<'a> Walk<'a> {
         let plane =
             ExitPlane::new(exit.point.position, exit.point.geometric_normal * exit.side, self.at.position);
         let is_complete = sharing.is_matte() && self.body.is_bounded();
-        Collision { kind, account, body: self.body, at: self.at, kernel, plane, is_complete }
+        Collision { kind, generation, account, body: self.body, at: self.at, kernel, plane, is_complete }
     }
 
     /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds to the path what
@@ -448,7 +453,7 @@ impl<'a> Walk<'a> {
                 throughput: Vec3::select(scatters, self.alpha, Vec3::ZERO),
                 random: onward.number(),
             };
-            let receiver = collided.receiver(path, sharing, account, onward.survival(&collided));
+            let receiver = collided.receiver(path, sharing, account, (next, onward.survival(&collided)));
             generations[next].push(receiver, found.into_iter().flatten());
         } else if flight.is_some_and(|flight| onward.finish(&mut walk, &mut branch, sampler, flight)) {
             tracer.follow(&mut branch, sampler);
