@@ -241,6 +241,6 @@ mod tests {
     /// Nine comparisons of about 4 × 10⁴ trials, where 5 standard errors have a probability of 6e-7.
     #[test]
     fn choices_keep_the_mean() {
-        variances(|x, account| Toy { x, account }, |_| false);
+        variances(|x, account| Toy { x, account }, kernel);
     }
 }

@@ -54,14 +54,21 @@ pub(super) fn density(x: f32, y: f32) -> f32 {
     if (y - x).abs() < 1.0 { 0.5 } else { 0.0 }
 }
 
+/// Integral of a function of y between two limits.
+pub(super) fn integral(from: f32, to: f32, function: impl Fn(f32) -> f32) -> f64 {
+    let steps = 20_000_u16;
+    let width = (to - from) / f32::from(steps);
+    (0..steps).map(|i| f64::from(function(from + width * (f32::from(i) + 0.5)) * width)).sum()
+}
+
 /// Variance of the light of receivers at 0, 0.2 … 1.6, made with these and the number of the trial's receiver, over many
 /// trials.
 ///
-/// Places have the light (2 + y + 1 on surfaces) times 0.5 or 1.5, and nothing arrives from those that are `hidden`. All
-/// means are asserted to be at most 5 standard errors from what is exact.
+/// Places have the light (2 + y + 1 on surfaces) times 0.5 or 1.5, of which `arriving`, K V at x and y, arrives. All means are
+/// asserted to be at most 5 standard errors from what is exact.
 pub(super) fn variances<R: Receiver<Found = Spot>>(
     make: impl Fn(f32, Account) -> R,
-    hidden: impl Fn(f32) -> bool,
+    arriving: impl Fn(f32, f32) -> f32,
 ) -> [f64; 9] {
     let mut state = 7_u64;
     let mut random = move || {
@@ -89,12 +96,7 @@ pub(super) fn variances<R: Receiver<Found = Spot>>(
     std::array::from_fn(|sample| {
         let (sum, squared) = moments[sample];
         let (n, x) = (f64::from(trials), 0.2 * sample as f32);
-        let steps = 20_000;
-        let arriving = |i: i32| {
-            let y = x - 1.0 + 2.0 * (i as f32 + 0.5) / steps as f32;
-            if hidden(y) { 0.0 } else { f64::from(kernel(x, y) * light(y)) }
-        };
-        let exact = (0..steps).map(arriving).sum::<f64>() * 2.0 / f64::from(steps);
+        let exact = integral(x - 1.0, x + 1.0, |y| arriving(x, y) * light(y));
         let variance = squared / n - (sum / n).powi(2);
         let error = (variance / n).sqrt();
         assert!((sum / n - exact).abs() < 5.0 * error, "{sample}: {} ± {error}, not {exact}", sum / n);

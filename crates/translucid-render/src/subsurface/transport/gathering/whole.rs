@@ -214,15 +214,17 @@ fn in_lanes(channels: &[f32], n: usize) -> [&[[f32; LANES]]; 3] {
 #[cfg(test)]
 mod tests {
     use super::super::Account;
-    use super::super::toys::{Spot, density, kernel, variances};
+    use super::super::toys::{Spot, density, integral, kernel, variances};
     use super::*;
 
-    /// A receiver of one of two kinds; hidden is what is above a limit.
+    /// A receiver of one of two kinds; what is above a limit is hidden, and if it is complete the rest has the more.
     struct Toy {
         x: f32,
         kind: usize,
         is_complete: bool,
         limit: f32,
+        factor: f32,
+        expected_part: f32,
         account: Account,
     }
 
@@ -239,16 +241,19 @@ mod tests {
             &self.account
         }
 
+        /// K is that of the toys in red, twice that in green and nothing in blue.
         fn fill(&self, [y, ..]: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
             let n = y.len();
+            row.fill(0.0);
             for (i, y) in y.iter().enumerate() {
-                (0..3).for_each(|c| row[c * n + i] = kernel(self.x, *y));
+                row[i] = self.factor * kernel(self.x, *y);
+                row[n + i] = 2.0 * row[i];
                 sums[i] += density(self.x, *y);
             }
         }
 
         fn color(&self) -> Vec3 {
-            Vec3::ONE
+            Vec3::new(0.3, 0.1, 0.2)
         }
     }
 
@@ -265,11 +270,11 @@ mod tests {
             self.kind != other.kind
         }
 
-        /// ∫ K from x + 0.4 on.
         fn expected_part(&self) -> Vec3 {
-            Vec3::splat(0.5 * (0.6 + 0.15 * 0.84))
+            Vec3::splat(self.expected_part)
         }
 
+        /// 1 from x + 0.4 on.
         fn fill_expected_part(&self, [y, ..]: [&[f32]; COORDINATES], split: usize, part: &mut [f32]) {
             let n = y.len();
             for (i, y) in y.iter().enumerate() {
@@ -281,9 +286,17 @@ mod tests {
     }
 
     fn toys(is_complete: bool, limit: f32) -> [f64; 9] {
-        let make =
-            |x: f32, account: Account| Toy { x, kind: account.sample % 2, is_complete, limit, account };
-        variances(make, |y| y > limit)
+        let visible = |x: f32, y: f32| if y > limit { 0.0 } else { kernel(x, y) };
+        let known: [[f32; 2]; 9] = std::array::from_fn(|sample| {
+            let x = 0.2 * sample as f32;
+            let [all, part] = [-1.0, 0.4].map(|from| integral(x + from, x + 1.0, |y| visible(x, y)));
+            if is_complete { [1.0 / all, part / all].map(|value| value as f32) } else { [1.0, 0.0] }
+        });
+        let toy = |x, account: Account| {
+            let [factor, expected_part] = known[account.sample];
+            Toy { x, kind: account.sample % 2, is_complete, limit, factor, expected_part, account }
+        };
+        variances(toy, |x, y| known[(x / 0.2).round() as usize][0] * visible(x, y))
     }
 
     /// Receivers expect what those of the other kind have found, and vary less.
@@ -295,9 +308,11 @@ mod tests {
         assert!(with.iter().sum::<f64>() < 0.7 * without.iter().sum::<f64>(), "{with:?} {without:?}");
     }
 
-    /// Nine comparisons as above.
+    /// 18 comparisons as above.
     #[test]
     fn hidden_places_are_taken_away() {
-        toys(false, 0.7);
+        for is_complete in [true, false] {
+            toys(is_complete, 0.7);
+        }
     }
 }
