@@ -29,7 +29,7 @@ const PICKS: usize = 8;
 pub(in crate::subsurface::transport) trait Picking: Receiver {
     type Response;
 
-    /// What K is evaluated with, for all places.
+    /// The receiver's own numbers for evaluating K, the same at all places.
     fn response(&self) -> Self::Response;
 
     /// K times the light at a place and a factor.
@@ -41,7 +41,7 @@ pub(in crate::subsurface::transport) trait Picking: Receiver {
 
 /// Sums for which some terms stand.
 pub(in crate::subsurface::transport) struct PickedSums<F> {
-    /// Of places in two parts, those that each half of the receivers has found.
+    /// Weights of all places; each part holds those that one half of the receivers has found.
     weights: Weights<F>,
     /// Place that each receiver has found.
     own: Vec<Option<usize>>,

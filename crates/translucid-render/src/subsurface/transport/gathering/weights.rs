@@ -26,7 +26,7 @@ pub(super) fn half_of(row: usize) -> usize {
 /// Places in two parts, each filled up to whole [`LANES`], and what they are worth.
 pub(super) struct Weights<F> {
     pub(super) found: Vec<F>,
-    /// The same by coordinate.
+    /// Coordinates of the places, a column each.
     points: [Vec<f32>; COORDINATES],
     /// Where the second part begins.
     pub(super) split: usize,
@@ -35,7 +35,7 @@ pub(super) struct Weights<F> {
     /// w_i W_i, and that times the light, by channel.
     pub(super) coefficients: Vec<f32>,
     pub(super) bright: [Vec<f32>; 3],
-    /// What each receiver has filled, so many numbers each.
+    /// Rows of nearness, [`stride`](Self::stride) numbers for each receiver.
     nearness: Vec<f32>,
     stride: usize,
     /// Worth of each place to one receiver.
@@ -72,7 +72,7 @@ impl<F: Found> Weights<F> {
         self.points.each_ref().map(Vec::as_slice)
     }
 
-    /// What the receiver of a row has filled.
+    /// Nearness of all places to the receiver of a row, as it has filled it.
     pub(super) fn row(&self, row: usize) -> &[f32] {
         &self.nearness[row * self.stride..(row + 1) * self.stride]
     }

@@ -48,7 +48,7 @@ struct Expected {
 
 /// Sums of all terms.
 pub(in crate::subsurface::transport) struct WholeSums<F> {
-    /// Of places in two parts, inside and on surfaces.
+    /// Weights of all places; the parts are those inside and those on surfaces.
     weights: Weights<F>,
     /// The first receiver of each complete kind in the cohort, and what light it lets expect.
     known: Vec<(usize, Expected)>,

@@ -345,10 +345,18 @@ impl<'a> Walk<'a> {
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
         let sigma_t = self.flights.sigma_t();
         let part = sharing.sample / PART;
-        let (exit, most) = (ExitKind::new(sharing.exit, path), self.most_events);
-        let kind = ((exit, bits(sigma_t), bits(self.alpha), most, sharing.is_matte()), part);
+        let exit = sharing.exit;
+        let kind = (
+            (
+                ExitKind::new(exit, path),
+                bits(sigma_t),
+                bits(self.alpha),
+                self.most_events,
+                sharing.is_matte(),
+            ),
+            part,
+        );
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
-        let exit = &sharing.exit;
         let plane =
             ExitPlane::new(exit.point.position, exit.point.geometric_normal * exit.side, self.at.position);
         let is_complete = sharing.is_matte() && self.body.is_bounded();
