@@ -21,19 +21,13 @@ pub(in crate::subsurface::transport) struct Evenness {
 }
 
 impl Evenness {
-    pub(super) fn of(found: &impl Found) -> Self {
+    /// Adds a place, so many times.
+    pub(super) fn add(&mut self, times: f32, found: &impl Found) {
         let light = found.light();
-        Self { count: 1.0, light, light_squared: light.element_sum().powi(2), normal: found.normal() }
-    }
-
-    /// These and as many times others.
-    pub(super) fn plus(self, factor: f32, other: Self) -> Self {
-        Self {
-            count: self.count + factor * other.count,
-            light: self.light + factor * other.light,
-            light_squared: self.light_squared + factor * other.light_squared,
-            normal: self.normal + factor * other.normal,
-        }
+        self.count += times;
+        self.light += times * light;
+        self.light_squared += times * light.element_sum().powi(2);
+        self.normal += times * found.normal();
     }
 
     /// Whether there are no places.

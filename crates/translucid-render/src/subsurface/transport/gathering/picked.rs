@@ -16,7 +16,7 @@
 
 use glam::Vec3;
 
-use super::weights::{Weights, half_of};
+use super::weights::{Places, Weights, half_of, worth_of_channels};
 use super::{Alike, Evenness, Found, Receiver, Sums};
 use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
 
@@ -91,7 +91,12 @@ impl<R: Picking> Sums<R> for PickedSums<R::Found> {
             [None, _] => 0..weights.split,
             _ => weights.split..width,
         };
-        weights.add_terms(row, receiver.color(), &range);
+        let (Places { near, bright: [red, green, blue], .. }, terms) = weights.places_and_terms(row);
+        in_widest_vectors(Terms {
+            of: [red, green, blue, near].map(|row| &row[range.clone()]),
+            color: worth_of_channels(receiver.color()),
+            terms: &mut terms[range.clone()],
+        });
         let sum = weights.add_up(&range);
         if !(sum > 0.0 && sum.is_finite()) {
             return light;
@@ -115,35 +120,18 @@ impl<F: Found> PickedSums<F> {
     fn find_alone<R: Picking<Found = F>>(&mut self, alike: &Alike<'_, R>) {
         let mut evenness = [Evenness::default(); 2];
         for (row, found) in alike.found().enumerate() {
-            let evenness = &mut evenness[half_of(row)];
-            for found in found {
-                *evenness = evenness.plus(1.0, Evenness::of(found));
-            }
+            found.iter().for_each(|found| evenness[half_of(row)].add(1.0, found));
         }
         self.alone.clear();
         for (row, (receiver, found)) in alike.receivers().zip(alike.found()).enumerate() {
             let own = found.last();
             let mut known = evenness;
             if let Some(own) = own {
-                known[half_of(row)] = known[half_of(row)].plus(-1.0, Evenness::of(own));
+                known[half_of(row)].add(-1.0, own);
             }
             // Each half by what the other knows
             self.alone.push(receiver.alone([known[1], known[0]], own));
         }
-    }
-}
-
-impl<F: Found> Weights<F> {
-    /// Worth of the places of a range to the receiver of a row.
-    fn add_terms(&mut self, row: usize, color: Vec3, range: &std::ops::Range<usize>) {
-        let most = color.max_element();
-        // What has none of this receiver's color is worth nothing to it
-        let color = if most > 0.0 { color / most } else { Vec3::ONE };
-        let mut terms = std::mem::take(&mut self.terms);
-        let [red, green, blue] = self.bright.each_ref().map(Vec::as_slice);
-        let of = [red, green, blue, self.row(row)].map(|row| &row[range.clone()]);
-        in_widest_vectors(Terms { of, color: color.to_array(), terms: &mut terms[range.clone()] });
-        self.terms = terms;
     }
 }
 

@@ -23,6 +23,13 @@ pub(super) fn half_of(row: usize) -> usize {
     row % 2
 }
 
+/// Worth of each channel of the light that a receiver of some color gathers, at most 1.
+pub(super) fn worth_of_channels(color: Vec3) -> [f32; 3] {
+    let most = color.max_element();
+    // What has none of this receiver's color is worth nothing to it
+    if most > 0.0 { (color / most).to_array() } else { [1.0; 3] }
+}
+
 /// Places in two parts, each filled up to whole [`LANES`], and what they are worth.
 pub(super) struct Weights<F> {
     pub(super) found: Vec<F>,
@@ -34,7 +41,7 @@ pub(super) struct Weights<F> {
     pub(super) sums: [Vec<f32>; 2],
     /// w_i W_i, and that times the light, by channel.
     pub(super) coefficients: Vec<f32>,
-    pub(super) bright: [Vec<f32>; 3],
+    bright: [Vec<f32>; 3],
     /// Rows of nearness, [`stride`](Self::stride) numbers for each receiver.
     nearness: Vec<f32>,
     stride: usize,
@@ -42,6 +49,16 @@ pub(super) struct Weights<F> {
     pub(super) terms: Vec<f32>,
     /// Sums of these up to the end of each [`GROUP`].
     partial: Vec<f32>,
+}
+
+/// Places as a receiver sees them.
+pub(super) struct Places<'a> {
+    /// How near they are, as it has filled it.
+    pub(super) near: &'a [f32],
+    /// w_i W_i times the light, by channel.
+    pub(super) bright: [&'a [f32]; 3],
+    /// w_i W_i.
+    pub(super) coefficients: &'a [f32],
 }
 
 impl<F> Default for Weights<F> {
@@ -72,9 +89,14 @@ impl<F: Found> Weights<F> {
         self.points.each_ref().map(Vec::as_slice)
     }
 
-    /// Nearness of all places to the receiver of a row, as it has filled it.
-    pub(super) fn row(&self, row: usize) -> &[f32] {
-        &self.nearness[row * self.stride..(row + 1) * self.stride]
+    /// All places as the receiver of a row sees them, and the terms to be made of that.
+    pub(super) fn places_and_terms(&mut self, row: usize) -> (Places<'_>, &mut [f32]) {
+        let places = Places {
+            near: &self.nearness[row * self.stride..(row + 1) * self.stride],
+            bright: self.bright.each_ref().map(Vec::as_slice),
+            coefficients: &self.coefficients,
+        };
+        (places, &mut self.terms)
     }
 
     /// Puts in the places of one part after those of the other, with the number of the receiver that has found each.

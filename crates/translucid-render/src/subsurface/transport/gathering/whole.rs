@@ -17,7 +17,7 @@
 
 use glam::Vec3;
 
-use super::weights::Weights;
+use super::weights::{Places, Weights, worth_of_channels};
 use super::{Alike, COORDINATES, Evenness, Found, LANES, Receiver, Sums};
 use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
 
@@ -81,8 +81,7 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         for alike in kinds.filter(|alike| alike.receivers().take(1).all(R::is_complete)) {
             let mut evenness = [Evenness::default(); 2];
             for found in alike.found().flatten() {
-                let evenness = &mut evenness[usize::from(is_on_surface(found))];
-                *evenness = evenness.plus(1.0, Evenness::of(found));
+                evenness[usize::from(is_on_surface(found))].add(1.0, found);
             }
             let inside = evenness[0].expected();
             let at_surfaces = if evenness[1].is_empty() { inside } else { evenness[1].expected() };
@@ -118,19 +117,11 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         if width == 0 {
             return light;
         }
-        let color = receiver.color();
-        let color = color / color.max_element().max(f32::MIN_POSITIVE);
-        let mut terms = std::mem::take(&mut weights.terms);
+        let (places, terms) = weights.places_and_terms(row);
+        let color = worth_of_channels(receiver.color());
+        let expected = (!is_level).then_some((&**part, more.to_array()));
         let mut whole = [0.0; 3];
-        in_widest_vectors(Terms {
-            near: weights.row(row),
-            bright: weights.bright.each_ref().map(Vec::as_slice),
-            expected: (!is_level).then_some((&*part, &weights.coefficients, more.to_array())),
-            color: color.to_array(),
-            terms: &mut terms,
-            whole: &mut whole,
-        });
-        weights.terms = terms;
+        in_widest_vectors(Terms { places, expected, color, terms, whole: &mut whole });
         let whole = Vec3::from_array(whole);
         let sum = weights.add_up(&(0..width));
         // Only extreme light is not finite
@@ -140,13 +131,13 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         light += whole;
         let [place] = weights.find_places(&(0..width), [receiver.account().random * sum]);
         if receiver.is_hidden(&weights.found[place]) {
-            let near = weights.row(row);
+            let (Places { near, bright, coefficients }, terms) = weights.places_and_terms(row);
             let term = |c: usize| {
                 let i = c * width + place;
-                let expected = if is_level { 0.0 } else { part[i] * (weights.coefficients[place] * more[c]) };
-                near[i] * (weights.bright[c][place] - expected)
+                let expected = if is_level { 0.0 } else { part[i] * (coefficients[place] * more[c]) };
+                near[i] * (bright[c][place] - expected)
             };
-            light -= Vec3::new(term(0), term(1), term(2)) * (sum / weights.terms[place]);
+            light -= Vec3::new(term(0), term(1), term(2)) * (sum / terms[place]);
         }
         light
     }
@@ -154,11 +145,10 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
 
 /// Light of all places for a receiver.
 struct Terms<'a> {
-    /// K, one channel after the other.
-    near: &'a [f32],
-    bright: [&'a [f32]; 3],
-    /// φ, one channel after the other, w W and ΔĒ.
-    expected: Option<(&'a [f32], &'a [f32], [f32; 3])>,
+    /// K of one channel after the other is how near they are.
+    places: Places<'a>,
+    /// φ, one channel after the other, and ΔĒ.
+    expected: Option<(&'a [f32], [f32; 3])>,
     /// Worth of each channel.
     color: [f32; 3],
     /// Worth of each place.
@@ -170,11 +160,11 @@ impl Loop for Terms<'_> {
     #[inline(always)]
     fn run(mut self) {
         let n = self.terms.len() / LANES;
-        let near = in_lanes(self.near, n);
-        let bright = self.bright.map(|bright| &bright.as_chunks::<LANES>().0[..n]);
-        if let Some((part, coefficients, more)) = self.expected {
+        let near = in_lanes(self.places.near, n);
+        let bright = self.places.bright.map(|bright| &bright.as_chunks::<LANES>().0[..n]);
+        if let Some((part, more)) = self.expected {
             let part = in_lanes(part, n);
-            let coefficients = &coefficients.as_chunks::<LANES>().0[..n];
+            let coefficients = &self.places.coefficients.as_chunks::<LANES>().0[..n];
             self.add(n, |c, i, k| {
                 near[c][i][k] * (bright[c][i][k] - part[c][i][k] * (coefficients[i][k] * more[c]))
             });
