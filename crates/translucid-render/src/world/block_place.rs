@@ -23,23 +23,34 @@ pub(crate) struct BlockPlace {
 }
 
 impl BlockPlace {
+    /// A random way off, up to so many pixels along each axis, by random bits of which the lowest 32 count.
+    pub(crate) fn offset(&self, spread: f32, bits: u64) -> [f32; 2] {
+        let spread = spread.min(BLOCK_SIZE as f32);
+        [bits as u16, (bits >> 16) as u16].map(|u| spread * (f32::from(u) / 32768.0 - 1.0))
+    }
+
     /// Number of the rectangle whose pixels a pixel shares with: that of the place so far from it, up to [`BLOCK_SIZE`] pixels,
     /// as seen in mirrors that stand at the block's edges.
     ///
     /// A block that the picture cuts has fewer of them rather than smaller ones: with 12 × 12 pixels in place of 24 × 24 the
     /// error of regions of a small picture was 1.07 times as great.
     pub(crate) fn cohort(&self, offset: [f32; 2]) -> usize {
-        let [column, row] = [0, 1].map(|axis| {
+        let [column, row] = self.rectangle([COHORT_SIZE; 2], offset);
+        row * (BLOCK_SIZE / COHORT_SIZE) as usize + column
+    }
+
+    /// Column and row of the rectangle of about this size.
+    pub(crate) fn rectangle(&self, edges: [u32; 2], offset: [f32; 2]) -> [usize; 2] {
+        [0, 1].map(|axis| {
             let size = self.size[axis] as f32;
-            let count = (self.size[axis] / COHORT_SIZE).max(1) as f32;
+            let count = (self.size[axis] / edges[axis]).max(1) as f32;
             let mut at = (self.at[axis] as f32 + 0.5 + offset[axis]).abs();
             // Not a remainder, which would take long: most blocks are as wide as anyone goes
             while at > 2.0 * size {
                 at -= 2.0 * size;
             }
             (at.min(2.0 * size - at) * count / size).min(count - 1.0) as usize
-        });
-        row * (BLOCK_SIZE / COHORT_SIZE) as usize + column
+        })
     }
 }
 

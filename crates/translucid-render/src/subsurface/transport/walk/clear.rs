@@ -14,7 +14,7 @@ use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
 use crate::surface::WalkMedium;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
-use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
+use crate::world::{BlockPlace, Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 /// Sets of four numbers that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
 const STRATIFIED: u32 = 5;
@@ -27,7 +27,7 @@ impl WalkMedium {
         world: &'a World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
-        number: Option<usize>,
+        place: Option<BlockPlace>,
         sampler: &mut Sampler,
     ) -> bool {
         let normal = exit.point.geometric_normal * exit.side;
@@ -37,16 +37,15 @@ impl WalkMedium {
         let mut random = WalkRandom::new(sampler, STRATIFIED);
         let Some(mut walk) = Walk::enter(world, path, exit, self, direction) else { return false };
         let entered = walk.throughput.element_sum();
-        let [flight, of_choice, ..] = random.next_4d(sampler);
-        let number =
-            number.filter(|_| self.eta == 1.0 && !is_last(world, path) && walk.can_share(tracer, path));
+        let [flight, ..] = random.next_4d(sampler);
         let mut onward = ThroughClear { world, exit, random, entered };
-        let Some(sample) = number else {
+        let place = place.filter(|_| self.eta == 1.0 && !is_last(world, path));
+        let Some(place) = place.and_then(|place| walk.shared_place(tracer, path, sampler, place)) else {
             return onward.finish(&mut walk, path, sampler, flight);
         };
         let of_light = OfLight::AtCollision(onward.random.next_4d(sampler));
         let of_flight = onward.random.next_4d(sampler);
-        let sharing = Sharing { world, exit, sample, of_first: flight, of_choice, of_light, of_flight };
+        let sharing = Sharing { world, exit, place, of_first: flight, of_light, of_flight };
         let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| walk.leave(world, path, exit, &hit))
     }

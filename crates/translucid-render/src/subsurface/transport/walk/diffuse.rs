@@ -17,7 +17,7 @@ use crate::subsurface::kernel::DirectionalWeight;
 use crate::subsurface::transport::Tracing;
 use crate::surface::bsdf::{Ggx, refract, sample_cosine};
 use crate::surface::{self, WalkMedium};
-use crate::world::{PathState, World};
+use crate::world::{BlockPlace, PathState, World};
 
 /// Sets of four numbers that a walk takes from the sampler; the rest of a vertex's sets are the surface's, here and at the
 /// walk's end.
@@ -31,7 +31,7 @@ impl WalkMedium {
         world: &'a World,
         path: &mut PathState,
         exit: &ExitPoint<'_>,
-        number: Option<usize>,
+        place: Option<BlockPlace>,
         sampler: &mut Sampler,
     ) -> bool {
         let at_the_end = [sampler.reserve(), sampler.reserve()];
@@ -42,13 +42,13 @@ impl WalkMedium {
         let Some(mut walk) = walk else { return false };
         let entered = walk.throughput.element_sum();
         let mut onward = ToMatteEnd { world, random, at_the_end, entered };
-        let Some(sample) = number.filter(|_| walk.can_share(tracer, path)) else {
+        let Some(place) = place.and_then(|place| walk.shared_place(tracer, path, sampler, place)) else {
             return onward.finish(&mut walk, path, sampler, u[2]);
         };
         let of_flight = onward.random.next_4d(sampler);
-        let [_, _, of_first, of_choice] = u;
+        let of_first = u[2];
         let of_light = OfLight::AtSurface(at_the_end);
-        let sharing = Sharing { world, exit, sample, of_first, of_choice, of_light, of_flight };
+        let sharing = Sharing { world, exit, place, of_first, of_light, of_flight };
         let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| onward.enter(&walk, path, &hit))
     }

@@ -65,11 +65,10 @@ impl Walks {
         // Through a hole in one mesh of a body its others are seen from inside: walks from there count one mesh less than
         // those that come through the first, and leave where those go on
         let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
-        let number = place.map(|place| place.number);
         match self.medium.surface {
-            WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, number, sampler),
+            WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, place, sampler),
             WalkSurface::Diffuse | WalkSurface::Rough | WalkSurface::Skin => {
-                self.medium.scatter_diffuse(tracer, world, path, exit, number, sampler)
+                self.medium.scatter_diffuse(tracer, world, path, exit, place, sampler)
             }
         }
     }
