@@ -126,7 +126,7 @@ mod tests {
     const SIGMA_T: Vec3 = Vec3::new(0.5, 2.0, 9.0);
 
     fn kernel(share: f32) -> FlightKernel {
-        let tilt = Tilt::toward(Vec3::X, 0.5);
+        let tilt = Tilt::toward(Vec3::X, 0.8, 0.5);
         FlightKernel::new(Vec3::new(1.0, -2.0, 0.5), SIGMA_T, Vec3::new(0.7, 0.1, 0.4), tilt, share)
     }
 
@@ -198,7 +198,8 @@ mod tests {
     #[test]
     fn extremes_stay_finite() {
         for sigma_t in [Vec3::splat(1e5), Vec3::splat(1e-5), Vec3::new(0.0, 1e-5, 1e5)] {
-            let kernel = FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, Tilt::toward(Vec3::X, 0.0), 1.0);
+            let kernel =
+                FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, Tilt::toward(Vec3::X, 0.8, 0.0), 1.0);
             for distance in [0.0, 1e-30, 1e-12, 1.0, 1e10, 1e18] {
                 for normal in [Vec3::ZERO, Vec3::X] {
                     let place = Place { position: Vec3::X * distance, normal };

@@ -121,6 +121,9 @@ pub(super) trait Onward<'a> {
     /// Generations of collisions that light is gathered at, of [`MOST_GENERATIONS`].
     const GENERATIONS: usize;
 
+    /// How far flights lean back to the surface, see [`Tilt::toward`].
+    const LEANING: f32;
+
     /// Probability with which `turn` goes on.
     fn survival(&self, walk: &Walk<'a>) -> f32;
 
@@ -294,17 +297,17 @@ impl<'a> Walk<'a> {
 
     /// Goes through the body with the light that the block shares. Returns where the body ends if some of the first flight
     /// gets there without a collision.
-    pub(super) fn share<T: Tracing<'a>>(
+    pub(super) fn share<T: Tracing<'a>, W: Onward<'a>>(
         &mut self,
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
         sharing: &Sharing<'_, 'a>,
-        onward: &mut impl Onward<'a>,
+        onward: &mut W,
     ) -> Option<Hit> {
         let (within, part) = ((sharing.of_first * FIRST as f32).fract(), 1.0 / FIRST as f32);
         let alpha = (self.alpha * self.throughput).element_sum() / self.throughput.element_sum();
-        self.tilt = Tilt::toward(sharing.exit.point.geometric_normal * sharing.exit.side, alpha);
+        self.tilt = Tilt::toward(sharing.exit.point.geometric_normal * sharing.exit.side, W::LEANING, alpha);
         if let OfLight::AtCollision(u) = sharing.of_light {
             self.add_light_at_first_collision(sharing.world, path, u);
         }

@@ -16,12 +16,6 @@ use glam::Vec3;
 
 use crate::sampling::Frame;
 
-/// β, less than half of the √3 of the series.
-///
-/// Error times CPU time with it over those with 0: 0.88 on the head and 1.02 on the dragon, between matte surfaces
-/// (`benches/peers/programs.py`).
-const STRENGTH: f32 = 0.8;
-
 /// A vector t, shorter than 1, of isotropic scattering's directions drawn with the density (1 + t·ω)/4π.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Tilt(Vec3);
@@ -30,9 +24,10 @@ impl Tilt {
     /// Directions as they are.
     pub(super) const NONE: Self = Self(Vec3::ZERO);
 
-    /// Toward the surface with an outward normal, in a medium of a mean single-scattering albedo.
-    pub(super) fn toward(normal: Vec3, alpha: f32) -> Self {
-        Self(normal * (STRENGTH * (1.0 - alpha.clamp(0.0, 1.0)).sqrt()))
+    /// Toward the surface with an outward normal by a strength β, which is √3 in the series, in a medium of a mean
+    /// single-scattering albedo.
+    pub(super) fn toward(normal: Vec3, strength: f32, alpha: f32) -> Self {
+        Self(normal * (strength * (1.0 - alpha.clamp(0.0, 1.0)).sqrt()))
     }
 
     /// Density of the direction of a vector over that of isotropic scattering, by the vector's reciprocal length.
@@ -63,9 +58,12 @@ mod tests {
     #[test]
     fn directions_are_tilted() {
         let normal = Vec3::new(0.48, -0.6, 0.64);
-        for tilt in
-            [Tilt::NONE, Tilt::toward(normal, 1.0), Tilt::toward(normal, 0.9), Tilt::toward(normal, 0.0)]
-        {
+        for tilt in [
+            Tilt::NONE,
+            Tilt::toward(normal, 0.8, 1.0),
+            Tilt::toward(normal, 0.8, 0.9),
+            Tilt::toward(normal, 0.8, 0.0),
+        ] {
             let n = 400_u16;
             let number = |i: u16| (f32::from(i) + 0.5) / f32::from(n);
             let (mut mean, mut counted) = (glam::DVec3::ZERO, 0.0);
@@ -87,7 +85,7 @@ mod tests {
     fn extremes_are_directions() {
         for alpha in [0.0, 1.0, 2.0, -1.0] {
             for u in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
-                let tilt = Tilt::toward(Vec3::NEG_Z, alpha);
+                let tilt = Tilt::toward(Vec3::NEG_Z, 0.8, alpha);
                 let direction = tilt.sample([u, u]);
                 assert!(
                     direction.is_normalized() && tilt.factor(direction.to_array(), 1.0) > 0.1,
