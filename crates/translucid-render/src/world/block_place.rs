@@ -24,22 +24,23 @@ pub(crate) struct BlockPlace {
 
 impl BlockPlace {
     /// A random way off, up to so many pixels along each axis, by random bits of which the lowest 32 count.
-    pub(crate) fn offset(&self, spread: f32, bits: u64) -> [f32; 2] {
+    pub(crate) fn offset(spread: f32, bits: u64) -> [f32; 2] {
         let spread = spread.min(BLOCK_SIZE as f32);
         [bits as u16, (bits >> 16) as u16].map(|u| spread * (f32::from(u) / 32768.0 - 1.0))
     }
 
-    /// Number of the rectangle whose pixels a pixel shares with: that of the place so far from it, up to [`BLOCK_SIZE`] pixels,
-    /// as seen in mirrors that stand at the block's edges.
-    ///
-    /// A block that the picture cuts has fewer of them rather than smaller ones: with 12 × 12 pixels in place of 24 × 24 the
-    /// error of regions of a small picture was 1.07 times as great.
+    /// Number of the square of [`COHORT_SIZE`] pixels that the place so far from the pixel is in, as
+    /// [`rectangle`](Self::rectangle) says.
     pub(crate) fn cohort(&self, offset: [f32; 2]) -> usize {
         let [column, row] = self.rectangle([COHORT_SIZE; 2], offset);
         row * (BLOCK_SIZE / COHORT_SIZE) as usize + column
     }
 
-    /// Column and row of the rectangle of about this size.
+    /// Column and row of the rectangle whose pixels a pixel shares with: that of the place so far from it, up to
+    /// [`BLOCK_SIZE`] pixels, as seen in mirrors that stand at the block's edges.
+    ///
+    /// Rectangles have edges of about so many pixels. A block that the picture cuts has fewer of them rather than smaller ones:
+    /// with 12 × 12 pixels in place of 24 × 24 the error of regions of a small picture was 1.07 times as great.
     pub(crate) fn rectangle(&self, edges: [u32; 2], offset: [f32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| {
             let size = self.size[axis] as f32;
@@ -75,6 +76,14 @@ mod tests {
         assert_eq!(widths(31), [31]);
         assert_eq!(widths(32), [16; 2]);
         assert_eq!(widths(1), [1]);
+    }
+
+    #[test]
+    fn rectangles_count_from_the_corner() {
+        let of = |at, size| BlockPlace { number: 0, at, size }.rectangle([16, 8], [0.0; 2]);
+        assert_eq!([of([0, 0], [64; 2]), of([15, 7], [64; 2])], [[0, 0]; 2]);
+        assert_eq!([of([16, 7], [64; 2]), of([63, 63], [64; 2])], [[1, 0], [3, 7]]);
+        assert_eq!([of([20, 19], [21, 20]), of([20, 9], [21, 20])], [[0, 1], [0, 0]]);
     }
 
     #[test]

@@ -65,9 +65,9 @@ const PART: [u32; 2] = [COHORT_SIZE, COHORT_SIZE / 2];
 /// 1.02 times as great with 0.25 on head and dragon, 1.07 and 1.05 times with 0.5, 1.18 and 1.16 times with 1.
 const SPREAD: f32 = 0.5;
 
-/// Places along an exit's first flight at which its walk may collide first; which of more than two it is would not be even by
-/// [`of_first`](Sharing::of_first).
+/// Places along an exit's first flight at which its walk may collide first.
 ///
+/// Two at most, or [`Sharing::of_first`] would not choose evenly between those of them that are in the body.
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
 
@@ -277,7 +277,7 @@ impl<'a> Walk<'a> {
         &self,
         tracer: &T,
         path: &PathState,
-        sampler: &mut Sampler,
+        sampler: &Sampler,
         place: BlockPlace,
     ) -> Option<SharedPlace> {
         let sigma_t = self.flights.sigma_t();
@@ -290,7 +290,7 @@ impl<'a> Walk<'a> {
             && self.throughput.max_element() > LEAST_THROUGHPUT
             && pixels >= LEAST_PIXELS;
         may_share.then(|| {
-            let part = place.rectangle(PART, place.offset(SPREAD * pixels, sampler.fork()));
+            let part = place.rectangle(PART, BlockPlace::offset(SPREAD * pixels, sampler.fork()));
             SharedPlace { sample: place.number, part }
         })
     }
