@@ -63,7 +63,7 @@ struct ThroughClear<'s, 'a> {
 impl<'a> Onward<'a> for ThroughClear<'_, 'a> {
     /// With three the means of regions in the test `sharing` are 1.11 to 1.16 times as uncertain as without sharing.
     const GENERATIONS: usize = 2;
-    /// With 0.8 the variance of means of regions in the test `sharing` is 1.06 times as great.
+    /// With 0.8 the means of regions in the test `sharing` are too uncertain.
     const LEANING: f32 = 0.4;
 
     fn survival(&self, walk: &Walk<'a>) -> f32 {

@@ -61,8 +61,8 @@ const PART: [u32; 2] = [COHORT_SIZE, COHORT_SIZE / 2];
 
 /// How far from its own place a walk may go, over the longest mean free path, to find those that it shares with.
 ///
-/// Parts have errors of their own, and with 0 their borders show where light comes from behind. Error at 4 samples is 1.03 and
-/// 1.02 times as great with 0.25 on head and dragon, 1.07 and 1.05 times with 0.5, 1.18 and 1.16 times with 1.
+/// Parts have errors of their own, and with 0 their borders show where light comes from behind. The greater it is, the less
+/// close together are those who share, and the noisier are pixels.
 const SPREAD: f32 = 0.5;
 
 /// Places along an exit's first flight at which its walk may collide first.
@@ -88,7 +88,7 @@ pub(super) struct Sharing<'s, 'a> {
     pub(super) world: &'a World,
     pub(super) exit: &'s ExitPoint<'s>,
     pub(super) place: SharedPlace,
-    /// Of the first flight, as of that of a walk that shares nothing: stratified against other samples of the pixel.
+    /// A number in [0, 1) that draws the first flight, stratified against those of the pixel's other samples.
     pub(super) of_first: f32,
     pub(super) of_light: OfLight,
     /// Of the direction after a first collision, the length of the flight, and the place that is looked at.
@@ -373,16 +373,9 @@ impl<'a> Walk<'a> {
         let bits = |v: Vec3| v.to_array().map(f32::to_bits);
         let sigma_t = self.flights.sigma_t();
         let exit = sharing.exit;
-        let kind = (
-            (
-                ExitKind::new(exit, path),
-                bits(sigma_t),
-                bits(self.alpha),
-                self.most_events,
-                sharing.is_matte(),
-            ),
-            sharing.place.part,
-        );
+        let of_exit = ExitKind::new(exit, path);
+        let of_walk = (of_exit, bits(sigma_t), bits(self.alpha), self.most_events, sharing.is_matte());
+        let kind = (of_walk, sharing.place.part);
         let kernel = FlightKernel::new(self.at.position, sigma_t, self.throughput, self.tilt, share);
         let plane =
             ExitPlane::new(exit.point.position, exit.point.geometric_normal * exit.side, self.at.position);

@@ -13,7 +13,7 @@ use crate::world::{PathState, World};
 
 /// Share of the light that entered below which walks end at random.
 ///
-/// With 0.4 the means of regions of the head are a tenth more uncertain, in a hardly shorter time.
+/// The greater it is, the less certain are the means of regions where walks share.
 const ROULETTE_BELOW: f32 = 0.25;
 
 /// A walk under way.
