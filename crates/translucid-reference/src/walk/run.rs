@@ -212,6 +212,8 @@ fn into_inner<T>(mutex: Mutex<T>) -> T {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::mpsc;
+
     use super::super::trace;
     use super::super::{Layout, OrderBins, Parameters, PhotonRange, Problem, Region, Side};
     use super::*;
@@ -356,28 +358,34 @@ mod tests {
         }
     }
 
-    /// Whoever waits for a stop waits for the photons under way alone, not for a piece of work.
+    /// Whoever waits for a stop waits for the photons under way alone, not for a piece of work: asked for as a piece
+    /// has just begun, it comes long before the piece's end.
     #[test]
     fn stop_is_seen_within_a_piece() {
         for albedo in [0.5, 0.99, 0.99999] {
             let attempt = |seed| {
                 let stop = AtomicBool::new(false);
+                let (has_ended, ends) = mpsc::channel();
+                let stop_within_a_piece = || {
+                    // Pieces have grown to their size by then
+                    ends.iter().nth(7).unwrap();
+                    std::thread::sleep(PIECE_TIME / 10);
+                    stop.store(true, Ordering::Relaxed);
+                    Instant::now()
+                };
+                let progress = |_| has_ended.send(()).unwrap_or(());
+                let control = Control { stop: &stop, progress: &progress, deadline: None };
                 let mut table = empty(albedo);
                 std::thread::scope(|scope| {
-                    let stopped = scope.spawn(|| {
-                        std::thread::sleep(2 * PIECE_TIME);
-                        stop.store(true, Ordering::Relaxed);
-                        Instant::now()
-                    });
-                    let control = Control { stop: &stop, ..Control::default() };
-                    table.run(seed, u64::MAX / 2, &control).unwrap();
+                    let asked = scope.spawn(stop_within_a_piece);
+                    on_threads(1, || table.run(seed, u64::MAX / 2, &control)).unwrap();
                     let end = Instant::now();
-                    end - stopped.join().unwrap()
+                    end - asked.join().unwrap()
                 })
             };
-            // The least of some, on a machine that may be busy
-            let least = (0..3).map(attempt).min().unwrap();
-            assert!(least < PIECE_TIME / 4, "albedo {albedo}: {least:?}");
+            // A machine that is busy at every attempt is not expected: a stop at the piece's end is late at each
+            let waits: Vec<_> = (0..20).map(attempt).take_while(|wait| *wait >= PIECE_TIME / 4).collect();
+            assert!(waits.len() < 20, "albedo {albedo}: {waits:?}");
         }
     }
 
