@@ -364,9 +364,9 @@ mod tests {
     fn stop_is_seen_within_a_piece() {
         for albedo in [0.5, 0.99, 0.99999] {
             let attempt = |seed| {
-                let stop = AtomicBool::new(false);
+                let stop = &AtomicBool::new(false);
                 let (has_ended, ends) = mpsc::channel();
-                let stop_within_a_piece = || {
+                let stop_within_a_piece = move || {
                     // Pieces have grown to their size by then
                     ends.iter().nth(7).unwrap();
                     std::thread::sleep(PIECE_TIME / 10);
@@ -374,7 +374,7 @@ mod tests {
                     Instant::now()
                 };
                 let progress = |_| has_ended.send(()).unwrap_or(());
-                let control = Control { stop: &stop, progress: &progress, deadline: None };
+                let control = Control { stop, progress: &progress, deadline: None };
                 let mut table = empty(albedo);
                 std::thread::scope(|scope| {
                     let asked = scope.spawn(stop_within_a_piece);
