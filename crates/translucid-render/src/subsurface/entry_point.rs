@@ -89,6 +89,17 @@ impl<'a> EntryPoint<'a> {
         (weight != Vec3::ZERO).then_some((direction, weight))
     }
 
+    /// Mean light of so many sampled lights that enters here, by numbers a fixed way apart.
+    pub(crate) fn mean_direct_light(&self, absorption: Vec3, of_light: Reserved, lights: u16) -> Vec3 {
+        let part = 1.0 / f32::from(lights);
+        let u = of_light.numbers();
+        let light = |k| {
+            let shifted = u.map(|u| (u + f32::from(k) * part).fract());
+            self.direct_light(absorption, shifted).map_or(Vec3::ZERO, |arrival| arrival.light)
+        };
+        (0..lights).map(light).sum::<Vec3>() * part
+    }
+
     /// Light from one sampled light that enters here, whatever its direction changes.
     pub(crate) fn direct_light(&self, absorption: Vec3, u: [f32; 4]) -> Option<Arrival> {
         let Self { world, ref point, normal, geometric, ref bsdf } = *self;

@@ -179,9 +179,8 @@ fn can_share(subsurface: &Subsurface, throughput: Vec3) -> bool {
     (0..3).all(usual) && throughput.max_element() > 1e-15
 }
 
-/// Light that enters at an entry point: from a sampled light and from a path, followed as far as it is `worth` to the path
-/// that has found the point.
-pub(super) fn arrivals<'a, T: Tracing<'a>>(
+/// Light that enters at an entry point: from a sampled light, and what [`arrival_along`] a path brings.
+fn arrivals<'a, T: Tracing<'a>>(
     tracer: &mut T,
     path: &PathState,
     entry: &EntryPoint<'_>,
@@ -190,14 +189,26 @@ pub(super) fn arrivals<'a, T: Tracing<'a>>(
     [of_light, of_direction]: [Reserved; 2],
 ) -> [Arrival; 2] {
     let direct = entry.direct_light(path.absorption, of_light.numbers()).unwrap_or(Arrival::NONE);
+    [direct, arrival_along(tracer, path, entry, worth, sampler, of_direction)]
+}
+
+/// Light that enters at an entry point along a path, followed as far as it is `worth` to the one that has found the point.
+pub(super) fn arrival_along<'a, T: Tracing<'a>>(
+    tracer: &mut T,
+    path: &PathState,
+    entry: &EntryPoint<'_>,
+    worth: Vec3,
+    sampler: &mut Sampler,
+    of_direction: Reserved,
+) -> Arrival {
     let worth = worth_to_all(worth);
     let mut onward = path.branch(worth);
     let Some((direction, weight)) = entry.head_off(&mut onward, of_direction.numbers()) else {
-        return [direct, Arrival::NONE];
+        return Arrival::NONE;
     };
     onward.throughput *= weight;
     tracer.follow(&mut onward, sampler);
-    [direct, Arrival { direction, light: onward.sample.radiance() / worth }]
+    Arrival { direction, light: onward.sample.radiance() / worth }
 }
 
 /// Least part of the brightest channel that every channel is worth: other exits may see more of a color.

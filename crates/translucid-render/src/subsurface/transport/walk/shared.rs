@@ -44,7 +44,7 @@ use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
 use crate::subsurface::transport::gathering::whole::{Adding, WholeSums};
 use crate::subsurface::transport::gathering::{Account, COORDINATES, ExitKind, Found, Gathering, Receiver};
-use crate::subsurface::transport::shared::arrivals;
+use crate::subsurface::transport::shared::arrival_along;
 use crate::world::{BlockPlace, COHORT_SIZE, Layer, PathState, World};
 
 /// Longest mean free path, in pixels, from which on walks share.
@@ -73,6 +73,11 @@ const FIRST: usize = 2;
 
 /// Generations of collisions that light is gathered at, at the most.
 pub(super) const MOST_GENERATIONS: usize = 3;
+
+/// Lights that are sampled where a flight of each generation enters light through a matte surface: all walks nearby see them.
+///
+/// Error times CPU time are 0.9 on the head and 1.0 on the dragon of those with one.
+const LIGHTS: [u16; MOST_GENERATIONS] = [2, 2, 1];
 
 /// Where in a block of pixels a walk is that shares.
 #[derive(Clone, Copy)]
@@ -423,11 +428,12 @@ impl<'a> Walk<'a> {
             let throughput = self.flights.pass(self.throughput, distance);
             if let OfLight::AtSurface(numbers) = sharing.of_light {
                 let entry = EntryPoint::new(world, world.surface_point(&hit), self.side);
-                let arrivals = arrivals(tracer, path, &entry, throughput, sampler, numbers);
+                let [of_light, of_direction] = numbers;
+                let direct = entry.mean_direct_light(path.absorption, of_light, LIGHTS[generation]);
+                let along = arrival_along(tracer, path, &entry, throughput, sampler, of_direction);
                 // In its plane, which the flight's length is not exact enough for in a thin body
                 let place = Place { position: entry.point.position, normal: self.body.normal(&hit) };
-                let light = arrivals.iter().map(|arrival| arrival.light).sum();
-                entered = Some(FlightLight { place, own_weight: ends as f32, light });
+                entered = Some(FlightLight { place, own_weight: ends as f32, light: direct + along.light });
             } else {
                 self.throughput = throughput;
                 let mut branch = path.branch(Vec3::ONE);
