@@ -74,7 +74,7 @@ const FIRST: usize = 2;
 /// Generations of collisions that light is gathered at, at the most.
 pub(super) const MOST_GENERATIONS: usize = 3;
 
-/// Lights that are sampled where a flight of each generation enters light through a matte surface: all walks nearby see them.
+/// Lights that are sampled where flights of each generation end at a matte surface: what enters there serves all walks nearby.
 ///
 /// Error times CPU time are 0.9 on the head and 1.0 on the dragon of those with one.
 const LIGHTS: [u16; MOST_GENERATIONS] = [2, 2, 1];
