@@ -90,13 +90,13 @@ class Translucid:
         self.program, self.options = program or built(), options
         self.binary_hash = hashlib.sha256(Path(self.program).read_bytes()).hexdigest()
 
-    def image(self, scene, size, spp, seed, options=None):
+    def image(self, scene, size, spp, seed, options=None, lines=""):
         options = self.options if options is None else options
         with tempfile.TemporaryDirectory() as folder:
             out, file = Path(folder) / "image.exr", Path(folder) / "scene.toml"
             # As many bounces as Cycles has
             bounces = "[integrator]\nmax_depth = 12\nmax_diffuse_depth = 4\n"
-            file.write_text(f"extends = {json.dumps(str(ROOT / 'scenes' / f'{scene}.toml'))}\n{bounces}")
+            file.write_text(f"extends = {json.dumps(str(ROOT / 'scenes' / f'{scene}.toml'))}\n{bounces}{lines}\n")
             command = [self.program, "render", file]
             command += ["--mesh", SHARED / "assets" / MESHES[scene], "--size", f"{size}x{size}", "--spp", str(spp)]
             command += ["--seed", str(seed), "--threads", "2", "--quiet", "-o", out, *options]

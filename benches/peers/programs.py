@@ -2,10 +2,11 @@
 """Error and CPU time of several builds of translucid on the head or the dragon, in turns.
 
     python3 benches/peers/programs.py [--scene head] [--model random-walk-rough] [--spp 4] [--pairs 4] [--size 512]
-                                      "PROGRAM OPTION…" "PROGRAM OPTION…" …
+                                      [--lines TEXT] "PROGRAM OPTION…" "PROGRAM OPTION…" …
 
-Each program may have further options of `translucid render`. What a change of sampling is worth: its relMSE times its CPU
-time over those of the first program, and that its light is the same. relMSE is that of peers.py, from pairs of seeds.
+Each program may have further options of `translucid render`, and the scene further lines of a scene file. What a change of
+sampling is worth: its relMSE times its CPU time over those of the first program, and that its light is the same. relMSE is
+that of peers.py, from pairs of seeds.
 """
 
 import argparse
@@ -19,6 +20,7 @@ def main():
     parser.add_argument("programs", nargs="+")
     parser.add_argument("--scene", default="head", choices=peers.MESHES)
     parser.add_argument("--model", default="random-walk-rough")
+    parser.add_argument("--lines", default="")
     for name, value in (("--spp", 4), ("--pairs", 4), ("--size", 512)):
         parser.add_argument(name, default=value, type=int)
     arguments = parser.parse_args()
@@ -26,8 +28,10 @@ def main():
     systems = []
     for words in map(shlex.split, arguments.programs):
         systems.append(peers.Translucid(["--subsurface", arguments.model, *words[1:]], program=words[0]))
-    picture = lambda system, *rest: system.image(arguments.scene, arguments.size, *rest)
-    reference = picture(systems[0], 64, 77, ["--subsurface", "normalized-diffusion-refined"])[0]
+    picture = lambda system, *rest, **options: system.image(
+        arguments.scene, arguments.size, *rest, lines=arguments.lines, **options
+    )
+    reference = picture(systems[0], 64, 77, options=["--subsurface", "normalized-diffusion-refined"])[0]
     errors, seconds, light = (np.zeros((arguments.pairs, len(systems), *shape)) for shape in ((), (2,), (3,)))
     for pair in range(arguments.pairs):
         for place, system in enumerate(systems):

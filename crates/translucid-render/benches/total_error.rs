@@ -1,11 +1,11 @@
 //! The total error, bias and noise, of profiles and of walks at equal CPU time: which model pictures should have by default.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --write]
+//! cargo bench -p translucid-render --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
 //! ```
 //!
 //! Prints the tables of `docs/accuracy/total-error.md`, which says what their columns are; `--write` puts them there, if no
-//! scenes are named.
+//! scenes are named. With `--eta` all materials have that index under their surface.
 //! Every model makes two pictures a, of seeds of their own, and so does every truth t:
 //!
 //! ```text
@@ -32,12 +32,8 @@ use translucid_testing::{asset, cpu_seconds, write_measured};
 
 /// The models that are compared; budgets are counted in samples of the first, the profile of scenes that ask for one and name
 /// none.
-const MODELS: [SubsurfaceModel; 4] = [
-    SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
-    SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined),
-    SubsurfaceModel::RandomWalk(WalkSurface::Clear),
-    SubsurfaceModel::RandomWalk(WalkSurface::Diffuse),
-];
+type Models = [SubsurfaceModel; MODELS];
+const MODELS: usize = 4;
 const PROFILES: [usize; 2] = [0, 1];
 /// The walks, each the truth for its own boundary.
 const TRUTHS: [usize; 2] = [2, 3];
@@ -48,6 +44,16 @@ const BLOCK: u32 = 16;
 /// Surface albedo of spheres and slabs.
 const ALBEDO: f64 = 0.8;
 
+/// Two profiles and two walks, of which the second is between matte surfaces; those that refract are rough.
+fn models(eta: Option<f32>) -> Models {
+    [
+        SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
+        SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined),
+        SubsurfaceModel::RandomWalk(WalkSurface::Clear),
+        SubsurfaceModel::RandomWalk(if eta.is_some() { WalkSurface::Rough } else { WalkSurface::Diffuse }),
+    ]
+}
+
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     let value = |option: &str| arguments.get(arguments.iter().position(|a| a == option)? + 1);
@@ -56,21 +62,24 @@ fn main() {
     let named = |case: &Case| arguments.contains(&case.name);
     let cases = cases();
     let is_chosen = |case: &&Case| !cases.iter().any(named) || named(case);
+    let eta = value("--eta").map(|eta| eta.parse().expect("a number"));
+    let models = models(eta);
     let start = cpu_seconds();
     let mut results = Vec::new();
     for case in cases.iter().filter(is_chosen) {
-        match case.load(size) {
-            Some(scene) => results.push((case.name.as_str(), Findings::of(&scene, samples))),
+        match case.load(size, eta) {
+            Some(scene) => results.push((case.name.as_str(), Findings::of(&scene, &models, samples))),
             None => println!("{}: skipped, its mesh is not in ../shared/assets", case.name),
         }
     }
-    let tables = [summary(&results), details(&results)].concat();
+    let tables = [summary(&models, &results), details(&models, &results)].concat();
     println!("{tables}\n{size} pixels wide, {samples} samples, {:.0} CPU s", cpu_seconds() - start);
     if arguments.iter().any(|argument| argument == "--write") {
         assert_eq!(results.len(), cases.len(), "the document has all scenes");
+        let of_eta = eta.map_or(String::new(), |eta| format!("--eta {eta} "));
         write_measured(
             "docs/accuracy/total-error.md",
-            "cargo bench -p translucid-render --bench total_error -- --write",
+            &format!("cargo bench -p translucid-render --bench total_error -- {of_eta}--write"),
             &tables,
         );
     }
@@ -117,8 +126,9 @@ fn cases() -> Vec<Case> {
 }
 
 impl Case {
-    /// The scene in a picture of this width; `None` where its mesh is missing.
-    fn load(&self, width: u32) -> Option<Scene> {
+    /// The scene in a picture of this width, with this index under all surfaces or the scene's own; `None` where its mesh is
+    /// missing.
+    fn load(&self, width: u32, eta: Option<f32>) -> Option<Scene> {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
         let sized = |size: [u32; 2]| LoadOptions { size: Some(size), ..LoadOptions::default() };
         let loaded = match &self.source {
@@ -143,6 +153,9 @@ impl Case {
         let mut scene = loaded.unwrap_or_else(|error| panic!("{error}"));
         // Some of the files limit paths
         scene.integrator = Integrator::default();
+        if let Some(eta) = eta {
+            scene.materials.iter_mut().for_each(|material| material.subsurface_eta = eta);
+        }
         Some(scene)
     }
 }
@@ -220,11 +233,11 @@ subsurface_radius_scale = 1
 /// Noise, bias and cost of all models in a scene.
 struct Findings {
     /// Noise of a sample of each model over the light of each truth, with its standard error.
-    noise: [[(f64, f64); MODELS.len()]; TRUTHS.len()],
+    noise: [[(f64, f64); MODELS]; TRUTHS.len()],
     /// Bias² of each model against each truth, with its standard error.
-    bias: [[(f64, f64); MODELS.len()]; TRUTHS.len()],
+    bias: [[(f64, f64); MODELS]; TRUTHS.len()],
     /// CPU time of a sample, over that of the first model.
-    cost: [f64; MODELS.len()],
+    cost: [f64; MODELS],
 }
 
 /// Two pictures of a model, with the CPU time they took \[s\].
@@ -234,18 +247,18 @@ struct Pair {
 }
 
 impl Findings {
-    fn of(scene: &Scene, samples: u32) -> Self {
-        let renderers: [[PreparedScene; 2]; MODELS.len()] = std::array::from_fn(|m| {
+    fn of(scene: &Scene, models: &Models, samples: u32) -> Self {
+        let renderers: [[PreparedScene; 2]; MODELS] = std::array::from_fn(|m| {
             [0, 1].map(|picture| {
                 let mut scene = scene.clone();
-                scene.materials.iter_mut().for_each(|material| material.subsurface_model = MODELS[m]);
+                scene.materials.iter_mut().for_each(|material| material.subsurface_model = models[m]);
                 // No two pictures of any models share their random numbers
                 scene.integrator.seed = 1 + 2 * m as u64 + picture;
                 PreparedScene::new(scene).expect("a valid scene")
             })
         });
         let (width, height) = (scene.film.width, scene.film.height);
-        let mut pairs: Vec<Pair> = MODELS
+        let mut pairs: Vec<Pair> = models
             .iter()
             .map(|_| Pair { films: [0, 1].map(|_| FilmSums::new(width, height)), seconds: 0.0 })
             .collect();
@@ -269,7 +282,7 @@ impl Findings {
             });
             (noise, bias)
         };
-        let found: [[_; MODELS.len()]; TRUTHS.len()] =
+        let found: [[_; MODELS]; TRUTHS.len()] =
             TRUTHS.map(|truth| std::array::from_fn(|model| against(truth, model)));
         Self {
             noise: found.map(|models| models.map(|(noise, _)| noise)),
@@ -329,14 +342,14 @@ fn mean(truth: &[FilmSums; 2], quantity: impl Fn(&Place) -> f64) -> (f64, f64) {
 }
 
 /// For each truth its total error over those of the profiles in the same time.
-fn summary(results: &[(&str, Findings)]) -> String {
+fn summary(models: &Models, results: &[(&str, Findings)]) -> String {
     let mut text = String::new();
     let columns: Vec<(usize, f64)> =
         PROFILES.iter().flat_map(|&p| BUDGETS.map(|budget| (p, budget))).collect();
     for (t, truth) in TRUTHS.into_iter().enumerate() {
         let budgets = BUDGETS.map(|samples| format!("{samples}")).join(" | ");
-        let heads = PROFILES.map(|profile| format!("over `{}`: {budgets}", MODELS[profile].name()));
-        let _ = writeln!(text, "| `{}` | {} |", MODELS[truth].name(), heads.join(" | "));
+        let heads = PROFILES.map(|profile| format!("over `{}`: {budgets}", models[profile].name()));
+        let _ = writeln!(text, "| `{}` | {} |", models[truth].name(), heads.join(" | "));
         let _ = writeln!(text, "|---|{}", "---|".repeat(columns.len()));
         let ratio = |findings: &Findings, (profile, budget)| {
             findings.total(t, truth, budget) / findings.total(t, profile, budget)
@@ -354,15 +367,15 @@ fn summary(results: &[(&str, Findings)]) -> String {
     text
 }
 
-fn details(results: &[(&str, Findings)]) -> String {
+fn details(models: &Models, results: &[(&str, Findings)]) -> String {
     let budgets = BUDGETS.map(|samples| format!("{samples}")).join(" | ");
     let mut text = String::from("| scene | model | CPU |");
     for truth in TRUTHS {
-        let _ = write!(text, " `{}`: noise | bias² | {budgets} |", MODELS[truth].name());
+        let _ = write!(text, " `{}`: noise | bias² | {budgets} |", models[truth].name());
     }
     let _ = writeln!(text, "\n|---|---|---|{}", "---|".repeat(TRUTHS.len() * (2 + BUDGETS.len())));
     for (name, result) in results {
-        for (m, model) in MODELS.iter().enumerate() {
+        for (m, model) in models.iter().enumerate() {
             let _ = write!(text, "| {name} | `{}` | {:.2} |", model.name(), result.cost[m]);
             for (t, &truth) in TRUTHS.iter().enumerate() {
                 let (bias, error) = result.bias[t][m];

@@ -4,7 +4,7 @@
 //! loop
 //!   follow the ray to the nearest surface or light; add its emission, weighted by MIS
 //!   at a surface: add light from one sampled light, weighted by MIS
-//!   draw what happens next:
+//!   draw what happens next, where the camera sees a translucent surface what is reflected beside what comes from below:
 //!     a direction            → go on from here
 //!     subsurface scattering  → draw the entry point by a probe, add light from one sampled light there,
 //!                              draw a cosine direction, go on from there

@@ -185,14 +185,19 @@ impl<'a> PathTracer<'a> {
 
         // Draw the next direction from the BSDF
         let v = sampler.next_4d();
-        match bsdf.sample(v[0], [v[1], v[2]]) {
-            None => false,
-            Some(BsdfSample::Direction { .. }) if is_over => false,
-            Some(BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted }) => {
-                let layer = Layer::Surface(diffuse_share);
-                let next = Next { wi, weight, pdf, layer, is_diffuse: lobe == Lobe::Diffuse, transmitted };
-                follow_surface(path, &vertex, &next)
+        let mut drawn = bsdf.sample(v[0], [v[1], v[2]]);
+        if is_over && matches!(drawn, Some(BsdfSample::Direction { .. })) {
+            drawn = None;
+        }
+        let below = bsdf.below();
+        if path.depth == 0 && below != Vec3::ZERO {
+            if let Some(drawn) = drawn {
+                self.follow_beside(path, &vertex, &drawn, sampler);
             }
+            drawn = Some(BsdfSample::Subsurface { weight: below });
+        }
+        match drawn {
+            None => false,
             Some(BsdfSample::Subsurface { weight }) => {
                 path.throughput *= weight;
                 let side = if path.ray.direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
@@ -200,7 +205,26 @@ impl<'a> PathTracer<'a> {
                 let transport = &self.subsurface.transports()[index];
                 transport.scatter(self, world, path, &exit, sampler)
             }
+            Some(direction) => follow_surface(path, &vertex, &direction),
         }
+    }
+
+    /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
+    ///
+    /// What the camera sees of a translucent surface is mostly light from below: it comes with every sample, and the rest
+    /// with those that draw it. If each sample drew one of the two, that choice would be most of a glossy picture's noise.
+    fn follow_beside(
+        &mut self,
+        path: &mut PathState,
+        vertex: &Vertex<'_>,
+        drawn: &BsdfSample,
+        sampler: &Sampler,
+    ) {
+        let mut beside = path.beside();
+        if follow_surface(&mut beside, vertex, drawn) {
+            self.follow(&mut beside, &mut sampler.clone());
+        }
+        path.sample = beside.sample;
     }
 
     /// Light from one sampled light, reflected or transmitted by a surface.
@@ -287,42 +311,33 @@ impl Choices {
     }
 }
 
-/// Goes on in a direction drawn from the surface's BSDF.
-fn follow_surface(path: &mut PathState, vertex: &Vertex<'_>, next: &Next) -> bool {
-    let direction = vertex.frame.to_world(next.wi).normalize();
+/// Goes on in a direction drawn from the surface's BSDF; false where the path is over.
+fn follow_surface(path: &mut PathState, vertex: &Vertex<'_>, drawn: &BsdfSample) -> bool {
+    let BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted } = *drawn else {
+        return false;
+    };
+    let direction = vertex.frame.to_world(wi).normalize();
     let geometric = vertex.point.geometric_normal;
     let to = direction.dot(geometric);
     // The shading normal promised one side, the geometry has another: such light cannot be.
-    if (-path.ray.direction.dot(geometric) * to < 0.0) != next.transmitted {
+    if (-path.ray.direction.dot(geometric) * to < 0.0) != transmitted {
         return false;
     }
-    if next.transmitted {
+    if transmitted {
         path.absorption = absorption_behind(vertex.material, vertex.point, direction);
     }
     let origin = Origin {
         point: vertex.point.position,
         normal: vertex.light_normal(path.ray.direction),
-        pdf: if next.pdf > 0.0 { next.pdf } else { f32::INFINITY },
+        pdf: if pdf > 0.0 { pdf } else { f32::INFINITY },
         is_bent: false,
     };
     let ray = Ray::new(vertex.point.ray_origin(direction), direction);
-    path.diffuse_depth += u32::from(next.is_diffuse);
+    path.diffuse_depth += u32::from(lobe == Lobe::Diffuse);
     // A mirror direction takes no part in MIS and sees clear bodies as they are.
-    path.soft |= vertex.soft && next.pdf > 0.0;
-    path.scatter(next.layer, ray, next.weight, origin);
+    path.soft |= vertex.soft && pdf > 0.0;
+    path.scatter(Layer::Surface(diffuse_share), ray, weight, origin);
     path.throughput != Vec3::ZERO
-}
-
-/// A direction to go on in.
-struct Next {
-    /// Local direction.
-    wi: Vec3,
-    weight: Vec3,
-    /// Solid-angle density, 0 for a mirror direction.
-    pdf: f32,
-    layer: Layer,
-    is_diffuse: bool,
-    transmitted: bool,
 }
 
 /// A surface point with what was worked out about it.

@@ -10,6 +10,9 @@ use crate::ray::{Ray, SurfacePoint};
 /// Surfaces that a path may pass straight through in a row, against endless loops.
 const MOST_PASSES: u32 = 256;
 
+/// What the vertices of a path [beside](PathState::beside) another are numbered higher: more than there are surfaces on most.
+const BESIDE: u32 = 1 << 16;
+
 /// Layer of the image that a path brings light to: the first scattering event decides.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Layer {
@@ -97,6 +100,11 @@ impl PathState {
     /// A path that goes on from here under a surface and is worth `throughput`; its light is counted by itself.
     pub(crate) fn branch(&self, throughput: Vec3) -> Self {
         Self { throughput, layer: Layer::Subsurface, sample: PixelSample::default(), in_block: None, ..*self }
+    }
+
+    /// The path itself, to go on from here in another way, with random numbers of its own.
+    pub(crate) fn beside(&self) -> Self {
+        Self { vertex: self.vertex + BESIDE, ..*self }
     }
 
     /// Adds light of the given radiance at the path's end to its layer.

@@ -353,6 +353,33 @@ fn furnace_returns_all_light() {
     }
 }
 
+/// Light from below comes with every sample that the camera takes of a glossy surface, whatever else is reflected there: if a
+/// sample had one of the two, that choice alone would have a relative variance of 1/p − 1 = 0.6.
+#[test]
+fn gloss_adds_little_noise_to_light_from_below() {
+    let [bare, glossy] = [0.0, 1.0].map(|weight| {
+        let material = Material {
+            specular_weight: ScalarInput::constant(weight),
+            specular_ior: 2.0,
+            subsurface_color: ColorInput::constant(GRAY),
+            ..translucent()
+        };
+        let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], material);
+        scene.environment = uniform_environment(Vec3::ONE);
+        let renderer = prepare(scene);
+        let samples: Vec<_> =
+            (0..4096).map(|seed| sample_ray(&renderer, Vec3::Z, Vec3::NEG_Z, seed, 0)).collect();
+        let reflects = samples.iter().filter(|sample| sample.specular.x > 0.0).count();
+        assert_eq!(reflects > 0, weight > 0.0);
+        let mean = |value: fn(f64) -> f64| {
+            samples.iter().map(|sample| value(sample.subsurface.x.into())).sum::<f64>() / 4096.0
+        };
+        let mean_light = mean(|light| light);
+        mean(|light| light * light) / mean_light.powi(2) - 1.0
+    });
+    assert!(glossy < bare + 0.1, "{glossy} {bare}");
+}
+
 /// Objects of different groups share no light, of the same group they do.
 #[test]
 fn groups_keep_light_apart() {
