@@ -189,12 +189,13 @@ impl<'a> PathTracer<'a> {
         if is_over && matches!(drawn, Some(BsdfSample::Direction { .. })) {
             drawn = None;
         }
-        let below = bsdf.below();
-        if path.depth == 0 && below != Vec3::ZERO {
+        if path.depth == 0
+            && let Some(below) = bsdf.sample_below(v[0])
+        {
             if let Some(drawn) = drawn {
                 self.follow_beside(path, &vertex, &drawn, sampler);
             }
-            drawn = Some(BsdfSample::Subsurface { weight: below });
+            drawn = Some(below);
         }
         match drawn {
             None => false,
@@ -212,7 +213,7 @@ impl<'a> PathTracer<'a> {
     /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
     ///
     /// What the camera sees of a translucent surface is mostly light from below: it comes with every sample, and the rest
-    /// with those that draw it. If each sample drew one of the two, that choice would be most of a glossy picture's noise.
+    /// with those that draw it. If each sample drew one of the two, that choice would be much of a glossy picture's noise.
     fn follow_beside(
         &mut self,
         path: &mut PathState,

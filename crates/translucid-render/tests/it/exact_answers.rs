@@ -57,6 +57,20 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     }
 }
 
+/// A fifth of light from below is followed twice as often as chance would have it, beside the rest.
+#[test]
+fn plane_of_two_lobes_returns_both() {
+    let material = Material {
+        base_color: ColorInput::constant(ALBEDO),
+        subsurface_weight: ScalarInput::constant(0.2),
+        ..translucent()
+    };
+    let mut scene = scene(vec![quad(Vec3::ZERO, Vec3::X * 1e3, Vec3::Y * 1e3)], material);
+    scene.environment = uniform_environment(Vec3::ONE);
+    let result = measure(&prepare(scene), Vec3::Z, Vec3::NEG_Z, samples(1 << 16));
+    assert_within("plane of two lobes", result, ALBEDO);
+}
+
 /// Energy of the unit profile beyond r, cut at `tail` and renormalized.
 fn beyond(r: f64, d: f64, tail: f64) -> f64 {
     let full = 0.25 * (-r / d).exp() + 0.75 * (-r / (3.0 * d)).exp();

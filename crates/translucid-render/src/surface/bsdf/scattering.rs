@@ -443,6 +443,13 @@ impl<'a> Bsdf<'a> {
         if s.facets > 0.0 { self.sample_facets((u / s.facets).clamp(0.0, 1.0), v) } else { None }
     }
 
+    /// Light from under the surface, for those who follow it beside what [`sample`](Self::sample) chooses by the same number
+    /// `u`: whenever that chooses it, and as often again, as long as that is not more than always.
+    pub(crate) fn sample_below(&self, u: f32) -> Option<BsdfSample> {
+        let probability = (2.0 * self.strategies.subsurface).min(1.0);
+        (u < probability).then(|| BsdfSample::Subsurface { weight: self.subsurface / probability })
+    }
+
     fn sample_coat(&self, v: [f32; 2]) -> Option<BsdfSample> {
         if self.coat_ggx.is_smooth() {
             let f = self.coat_weight * fresnel_dielectric(self.wo.z, self.tables.coat_ior());
