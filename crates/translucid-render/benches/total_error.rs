@@ -341,18 +341,25 @@ fn mean(truth: &[FilmSums; 2], quantity: impl Fn(&Place) -> f64) -> (f64, f64) {
     (mean, squares.sqrt() / count)
 }
 
-/// For each truth its total error over those of the profiles in the same time.
+/// For each walk its total error over those of the profiles in the same time, held against itself, and for a rough one also
+/// against the other.
 fn summary(models: &Models, results: &[(&str, Findings)]) -> String {
     let mut text = String::new();
     let columns: Vec<(usize, f64)> =
         PROFILES.iter().flat_map(|&p| BUDGETS.map(|budget| (p, budget))).collect();
-    for (t, truth) in TRUTHS.into_iter().enumerate() {
+    let mut walks = vec![(0, TRUTHS[0]), (1, TRUTHS[1])];
+    if models[TRUTHS[1]] == SubsurfaceModel::RandomWalk(WalkSurface::Rough) {
+        walks.push((0, TRUTHS[1]));
+    }
+    for (t, walk) in walks {
         let budgets = BUDGETS.map(|samples| format!("{samples}")).join(" | ");
         let heads = PROFILES.map(|profile| format!("over `{}`: {budgets}", models[profile].name()));
-        let _ = writeln!(text, "| `{}` | {} |", models[truth].name(), heads.join(" | "));
+        let truth = format!(", held against `{}`", models[TRUTHS[t]].name());
+        let truth = if walk == TRUTHS[t] { "" } else { &truth };
+        let _ = writeln!(text, "| `{}`{truth} | {} |", models[walk].name(), heads.join(" | "));
         let _ = writeln!(text, "|---|{}", "---|".repeat(columns.len()));
         let ratio = |findings: &Findings, (profile, budget)| {
-            findings.total(t, truth, budget) / findings.total(t, profile, budget)
+            findings.total(t, walk, budget) / findings.total(t, profile, budget)
         };
         for (name, findings) in results {
             let ratios = columns.iter().map(|&column| format!("{:.2}", ratio(findings, column)));

@@ -206,11 +206,13 @@ fn default_renders_what_it_stands_for() {
     };
     let plain = material(SubsurfaceModel::Default);
     let both = Material { subsurface_texture_at: SubsurfaceTextureAt::Both, ..plain.clone() };
-    let glazed = Material { subsurface_eta: 1.4, ..plain.clone() };
+    let [glazed, glazed_both] =
+        [&plain, &both].map(|material| Material { subsurface_eta: 1.4, ..material.clone() });
     for (material, model) in [
         (plain, SubsurfaceModel::RandomWalk(WalkSurface::Clear)),
         (both, OBLIQUE),
-        (glazed, SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined)),
+        (glazed, SubsurfaceModel::RandomWalk(WalkSurface::Rough)),
+        (glazed_both, SubsurfaceModel::Profile(Model::NormalizedDiffusionRefined)),
     ] {
         let mut scene = slab(material, 1.0);
         scene.lights.push(distant(Vec3::Z));

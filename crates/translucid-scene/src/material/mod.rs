@@ -102,7 +102,9 @@ impl SubsurfaceModel {
     /// What the model is, in a line.
     pub const fn description(self) -> &'static str {
         match self {
-            Self::Default => "random-walk, or a profile where a scene asks for what walks do not do",
+            Self::Default => {
+                "random-walk (-rough if η is not 1), or a profile where a scene asks for what walks do not do"
+            }
             Self::Profile(model) => model.description(),
             Self::Tabulated(_) => "The profile of a file",
             Self::RandomWalk(surface) => surface.description_of_walk(),
@@ -281,10 +283,11 @@ impl Default for Material {
 
 impl Material {
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
-    /// picture in the same time, but a profile where walks cannot do what is asked for, or it is not known which is better.
+    /// picture in the same time, but a profile where walks cannot do what is asked for.
     ///
-    /// Of the profiles, oblique light is solved for isotropic scattering without a boundary only; the refined one knows the
-    /// rest.
+    /// Where the index changes, the walk is that between rough surfaces: it is nearer to the one that is reflected inside than
+    /// that one is in the same time, and than profiles are. Of those, oblique light is solved for isotropic scattering without a
+    /// boundary only; the refined one knows the rest.
     ///
     /// ```
     /// use translucid_scene::{Integrator, Material, SubsurfaceMethod};
@@ -294,16 +297,20 @@ impl Material {
     /// let points = Integrator { subsurface_method: SubsurfaceMethod::PointBased, ..probes };
     /// assert_eq!(marble.model(&points).name(), "normalized-diffusion-oblique");
     /// let glazed = Material { subsurface_eta: 1.4, ..marble };
-    /// assert_eq!(glazed.model(&probes).name(), "normalized-diffusion-refined");
+    /// assert_eq!(glazed.model(&probes).name(), "random-walk-rough");
+    /// assert_eq!(glazed.model(&points).name(), "normalized-diffusion-refined");
     /// ```
     pub fn model(&self, integrator: &Integrator) -> SubsurfaceModel {
         if self.subsurface_model != SubsurfaceModel::Default {
             return self.subsurface_model;
         }
         let is_matched = self.subsurface_eta == 1.0;
-        // What walks through a boundary that refracts are worth in the same time has not been measured
-        if is_matched && self.keys_of_profiles(integrator).is_empty() {
-            return SubsurfaceModel::RandomWalk(WalkSurface::Clear);
+        if self.keys_of_profiles(integrator).is_empty() {
+            return SubsurfaceModel::RandomWalk(if is_matched {
+                WalkSurface::Clear
+            } else {
+                WalkSurface::Rough
+            });
         }
         let is_isotropic = self.subsurface_scatter_anisotropy == 0.0;
         SubsurfaceModel::Profile(if is_isotropic && is_matched {

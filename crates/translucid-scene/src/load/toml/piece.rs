@@ -546,7 +546,7 @@ mod tests {
         assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
         // The scene had decided on the model, and does so again; a model that is named stays.
         let model = |material: &Material| material.model(&Integrator::default()).name();
-        assert_eq!([model(&wax), model(&edited)], ["random-walk", "normalized-diffusion-refined"]);
+        assert_eq!([model(&wax), model(&edited)], ["random-walk", "random-walk-rough"]);
         let named = Piece::new("material wax", "subsurface_model = 'random-walk'");
         let named = named.material(&wax, Unit::Millimeter).unwrap();
         assert_eq!(model(&edit.material(&named, Unit::Millimeter).unwrap()), "random-walk");

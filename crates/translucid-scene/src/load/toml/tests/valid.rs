@@ -205,8 +205,8 @@ fn material_reads_every_constant() {
     assert_eq!(material(""), Material { name: String::from("m"), ..Material::default() });
 }
 
-/// The walk; where a key asks for profiles or there is a boundary, the profile that knows the medium: oblique light is solved
-/// without phase function and boundary, the round profile knows both.
+/// The walk, between rough surfaces where there is a boundary; where a key asks for profiles, the one that knows the medium:
+/// oblique light is solved without phase function and boundary, the round profile knows both.
 #[test]
 fn material_without_a_model_walks_but_where_it_asks_for_a_profile() {
     let probes = Integrator::default();
@@ -218,8 +218,9 @@ fn material_without_a_model_walks_but_where_it_asks_for_a_profile() {
         ("subsurface_model = \"default\"", "random-walk", oblique),
         ("subsurface_configuration = \"searchlight\"", "random-walk", oblique),
         ("subsurface_scatter_anisotropy = 0.5", "random-walk", refined),
-        ("subsurface_eta = 1.4", refined, refined),
-        ("subsurface_eta = 0.9", refined, refined),
+        ("subsurface_eta = 1.4", "random-walk-rough", refined),
+        ("subsurface_eta = 0.9", "random-walk-rough", refined),
+        ("subsurface_eta = 1.4\nsubsurface_texture_at = \"both\"", refined, refined),
         ("subsurface_texture_at = \"entry\"", oblique, oblique),
         ("subsurface_texture_at = \"both\"\nsubsurface_scatter_anisotropy = 0.5", refined, refined),
         ("subsurface_normalization = \"energy\"", oblique, oblique),
