@@ -131,7 +131,7 @@ pub(crate) struct Arguments {
     checkpoint: Option<Duration>,
     /// Model under surfaces (see `translucid models`), or several
     ///
-    /// By default the scene's, which for materials that name none is random-walk, random-walk-rough if η is not 1, or a
+    /// By default the scene's, which for materials that name none is random-walk, random-walk-rough if η is above 1, or a
     /// profile where they ask for what walks do not do.
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',', hide_possible_values = true)]
     subsurface: Vec<ModelName>,

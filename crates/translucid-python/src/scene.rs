@@ -202,7 +202,7 @@ impl Scene {
     ///     As in a ``[[material]]`` of a scene file: ``base_color``, ``specular_roughness``, ``subsurface_weight``,
     ///     ``subsurface_color`` (the surface albedo), ``subsurface_radius`` and ``subsurface_radius_scale`` (the
     ///     mean free path, in the scene's unit), ``subsurface_model`` (by default ``"random-walk"``,
-    ///     ``"random-walk-rough"`` if η is not 1, or a profile where the material or the integrator asks for what walks do
+    ///     ``"random-walk-rough"`` if η is above 1, or a profile where the material or the integrator asks for what walks do
     ///     not do) …; ``preset`` begins with a measured material.
     ///     Colors and scalars may be textures: an array, or a dictionary with the keys ``image`` (an array) or
     ///     ``file``, ``factor``, ``color_space``, ``channel``, ``uv_scale``, ``uv_offset``, ``uv_rotation``, ``wrap``.

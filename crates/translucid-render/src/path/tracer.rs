@@ -129,7 +129,9 @@ impl<'a> PathTracer<'a> {
             if material.camera_visibility == CameraVisibility::None {
                 return path.pass(point, Vec3::ONE);
             }
-            path.sample.alpha = missing_light(world, path, point, sampler.next_4d());
+            // As far as it is seen: a body that light passes may lie before it
+            let seen = (path.throughput.element_sum() / 3.0).min(1.0);
+            path.sample.alpha = 1.0 - seen * (1.0 - missing_light(world, path, point, sampler.next_4d()));
             return false;
         }
 
@@ -212,8 +214,8 @@ impl<'a> PathTracer<'a> {
 
     /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
     ///
-    /// What the camera sees of a translucent surface is mostly light from below: it comes with every sample, and the rest
-    /// with those that draw it. If each sample drew one of the two, that choice would be much of a glossy picture's noise.
+    /// What the camera sees of a translucent surface is mostly light from below: it comes with every sample where it can, and
+    /// the rest with those that draw it. If each drew one of the two, that choice would be much of a glossy picture's noise.
     fn follow_beside(
         &mut self,
         path: &mut PathState,

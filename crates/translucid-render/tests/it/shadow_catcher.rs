@@ -1,9 +1,15 @@
 //! Surfaces of which the camera sees only the shadows, or nothing.
 
 use glam::Vec3;
-use translucid_scene::{CameraVisibility, Material, Scene};
+use translucid_render::layer;
+use translucid_scene::{
+    Camera, CameraVisibility, ColorInput, Material, Projection, ScalarInput, Scene, SubsurfaceModel,
+    WalkSurface,
+};
 
-use crate::common::{PreparedScene, distant, prepare, quad, sample_ray, scene, sphere, uniform_environment};
+use crate::common::{
+    PreparedScene, distant, pictures, prepare, quad, sample_ray, scene, sphere, uniform_environment,
+};
 
 const SAMPLES: u32 = 4096;
 
@@ -73,6 +79,37 @@ fn surfaces_that_the_camera_does_not_see_light_others_all_the_same() {
         assert_eq!(through(visibility).2, 0.0, "{visibility:?}");
     }
     assert!(seen.2 > 0.0);
+}
+
+/// Of a floor without shadow the camera sees what comes straight through a ball: e^(−2r/ℓ).
+#[test]
+fn bodies_hide_as_much_as_they_keep() {
+    let mut scene = ball_above(CameraVisibility::Shadow);
+    scene.materials[1] = Material {
+        specular_weight: ScalarInput::constant(0.0),
+        subsurface_weight: ScalarInput::constant(1.0),
+        subsurface_radius: ScalarInput::constant(4.0),
+        subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
+        subsurface_model: SubsurfaceModel::RandomWalk(WalkSurface::Clear),
+        ..Material::default()
+    };
+    scene.lights = vec![distant(Vec3::new(1.0, 0.0, 0.4))];
+    scene.camera = Camera {
+        position: Vec3::new(0.0, 0.0, 20.0),
+        projection: Projection::Perspective { horizontal_fov: 0.5 },
+        ..scene.camera
+    };
+    let (pixels, samples) = (scene.film.width * scene.film.height, 64);
+    for shared in [false, true] {
+        scene.integrator.subsurface_sharing = shared;
+        let films = pictures(&prepare(scene.clone()), 0..1, samples);
+        let places = (0..pixels).map(|i| (i % films[0].width, i / films[0].width));
+        let mean = places.map(|(x, y)| films[0].mean(x, y)[layer::ALPHA]).sum::<f64>() / f64::from(pixels);
+        let expected = 1.0 - (-0.5_f64).exp();
+        // Five standard errors of a binomial, false alarm 6e-7
+        let bound = 5.0 * (expected * (1.0 - expected) / f64::from(pixels * samples)).sqrt();
+        assert!((mean - expected).abs() < bound, "{shared}: {mean} for {expected}");
+    }
 }
 
 #[test]

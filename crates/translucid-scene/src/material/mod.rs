@@ -103,7 +103,7 @@ impl SubsurfaceModel {
     pub const fn description(self) -> &'static str {
         match self {
             Self::Default => {
-                "random-walk (-rough if η is not 1), or a profile where a scene asks for what walks do not do"
+                "random-walk (-rough if η > 1), or a profile where a scene asks for what walks do not do"
             }
             Self::Profile(model) => model.description(),
             Self::Tabulated(_) => "The profile of a file",
@@ -285,9 +285,9 @@ impl Material {
     /// The model of the transport under the surface: the one that is named; where none is, the walk, which makes the better
     /// picture in the same time, but a profile where walks cannot do what is asked for.
     ///
-    /// Where the index changes, the walk is that between rough surfaces: it is nearer to the one that is reflected inside than
-    /// that one is in the same time, and than profiles are. Of those, oblique light is solved for isotropic scattering without a
-    /// boundary only; the refined one knows the rest.
+    /// Where η is above 1, the walk is that between rough surfaces: in most scenes its picture is nearer to the truth of a smooth
+    /// boundary than one that is reflected inside is in the same time, or a profile's. Of the profiles, oblique light is solved
+    /// for isotropic scattering without a boundary only; the refined one knows the rest.
     ///
     /// ```
     /// use translucid_scene::{Integrator, Material, SubsurfaceMethod};
@@ -305,11 +305,14 @@ impl Material {
             return self.subsurface_model;
         }
         let is_matched = self.subsurface_eta == 1.0;
-        if self.keys_of_profiles(integrator).is_empty() {
-            return SubsurfaceModel::RandomWalk(if is_matched {
-                WalkSurface::Clear
-            } else {
+        // Walks take a lesser index for 1, and those between rough surfaces are for diffuse light
+        let is_rough = self.subsurface_eta > 1.0;
+        let is_for_walks = !is_rough || self.subsurface_configuration == Configuration::Diffuse;
+        if is_for_walks && self.keys_of_profiles(integrator).is_empty() {
+            return SubsurfaceModel::RandomWalk(if is_rough {
                 WalkSurface::Rough
+            } else {
+                WalkSurface::Clear
             });
         }
         let is_isotropic = self.subsurface_scatter_anisotropy == 0.0;
