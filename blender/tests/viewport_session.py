@@ -46,14 +46,22 @@ def shown():
     return found[-1] if found else None
 
 
-def wait_until_finished(limit=1200.0):
+def is_settled():
+    """Whether the picture of the last edit is there.
+
+    A function of its own, for a viewport that is remembered while Blender goes on outlives its engine, and is never finished.
+    """
+    viewport = shown()
+    if viewport is not None and viewport._failure is not None:
+        raise RuntimeError(viewport._failure)
+    return viewport is not None and viewport.is_finished and viewport._target is viewport._followed
+
+
+def wait_until_finished(limit=300.0):
     begun = time.perf_counter()
     yield 0.1
     while time.perf_counter() - begun < limit:
-        viewport = shown()
-        if viewport is not None and viewport._failure is not None:
-            raise RuntimeError(viewport._failure)
-        if viewport is not None and viewport.is_finished and viewport._target is viewport._followed:
+        if is_settled():
             return
         yield 0.05
     state = {key: value for key, value in vars(shown()).items() if key not in {"_target", "_followed"}} if shown() else None
