@@ -214,8 +214,8 @@ impl<'a> PathTracer<'a> {
 
     /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
     ///
-    /// What the camera sees of a translucent surface is mostly light from below: it comes with every sample where it can, and
-    /// the rest with those that draw it. If each drew one of the two, that choice would be much of a glossy picture's noise.
+    /// Light from below is most of what the camera sees of a translucent surface. If each sample drew either that or a
+    /// reflection, the choice would be much of a glossy picture's noise.
     fn follow_beside(
         &mut self,
         path: &mut PathState,

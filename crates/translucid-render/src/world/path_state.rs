@@ -10,7 +10,8 @@ use crate::ray::{Ray, SurfacePoint};
 /// Surfaces that a path may pass straight through in a row, against endless loops.
 const MOST_PASSES: u32 = 256;
 
-/// What the vertices of a path [beside](PathState::beside) another are numbered higher: more than there are surfaces on most.
+/// Difference between the vertex numbers of a path and of one [beside](PathState::beside) it, so that they draw other random
+/// numbers; few paths have as many vertices.
 const BESIDE: u32 = 1 << 16;
 
 /// Layer of the image that a path brings light to: the first scattering event decides.

@@ -81,7 +81,7 @@ fn surfaces_that_the_camera_does_not_see_light_others_all_the_same() {
     assert!(seen.2 > 0.0);
 }
 
-/// Of a floor without shadow the camera sees what comes straight through a ball: e^(−2r/ℓ).
+/// Alpha of a ball before a floor without shadow is the share of the view that the ball keeps, 1 − e^(−2r/ℓ).
 #[test]
 fn bodies_hide_as_much_as_they_keep() {
     let mut scene = ball_above(CameraVisibility::Shadow);
