@@ -13,9 +13,10 @@ mod common;
 use std::fmt::Write;
 
 use common::{bumpy_ball, scene};
+use glam::Vec3;
 use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, layer, measure};
-use translucid_scene::{Scene, SubsurfaceModel, WalkSurface};
+use translucid_scene::{ColorInput, Light, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::write_measured;
 
 /// Edge of the pictures in pixels.
@@ -81,6 +82,20 @@ fn cases() -> Vec<(String, Scene)> {
             scene.materials[0].subsurface_model = model;
             cases.push((format!("{name}, {pixels} pixels"), scene));
         }
+    }
+    for pixels in [8.0, 16.0] {
+        let mut scene = scene(bumpy_ball(20_000), 2.0 * pixels / BALL, SIZE);
+        scene.materials[0].subsurface_model = walk;
+        scene.materials[0].subsurface_color = ColorInput::constant(Vec3::new(0.95, 0.9, 0.8));
+        scene.environment = None;
+        scene.lights = vec![Light::Rectangle {
+            center: Vec3::new(2.0, 5.0, 3.0),
+            edge_x: Vec3::X,
+            edge_y: Vec3::new(0.0, -0.5, 0.8),
+            radiance: Vec3::splat(400.0),
+            visible: false,
+        }];
+        cases.push((format!("walk from behind, {pixels} pixels"), scene));
     }
     cases
 }
