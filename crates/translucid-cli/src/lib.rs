@@ -41,7 +41,7 @@ use crate::messages::Verbosity;
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
 /// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in about
-/// half a minute on two cores.
+/// half a minute on two cores; interrupted, it goes on with --resume.
 #[derive(Parser)]
 #[command(name = "translucid", version, after_help = EXAMPLES)]
 struct Cli {
@@ -102,9 +102,11 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     let is_bare = words
         .iter()
         .skip(1)
-        .all(|word| ["-q", "--quiet", "-v", "--verbose"].map(OsString::from).contains(word));
+        .all(|word| ["-q", "--quiet", "-v", "--verbose", "--resume"].map(OsString::from).contains(word));
     if is_bare {
+        let options = words.split_off(words.len().min(1));
         words.extend(FIRST_PICTURE.map(OsString::from));
+        words.extend(options);
     }
     let matches = with_foreign_options(Cli::command()).try_get_matches_from(&words);
     let cli = match matches.and_then(|matches| Cli::from_arg_matches(&matches)) {

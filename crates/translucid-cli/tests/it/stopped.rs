@@ -238,13 +238,19 @@ fn too_little_memory_is_an_error_with_numbers() {
 }
 
 #[test]
-fn bare_command_is_short_for_a_small_still_life() {
+fn bare_command_is_short_for_a_small_still_life_and_goes_on() {
     let directory = tempfile::tempdir().unwrap();
-    let mut child = start(directory.path(), "exec", "");
-    let mut said = String::new();
-    BufReader::new(child.stderr.take().unwrap()).read_line(&mut said).unwrap();
-    wait_for(&directory.path().join(".still-life.png.lock"));
-    child.kill().unwrap();
-    child.wait().unwrap();
-    assert_eq!(said, "this is short for: translucid render --size 640x360 --spp 20\n");
+    for (words, options, then) in
+        [("", "", ""), ("--resume", " --resume", "there is no still-life.exr.checkpoint yet")]
+    {
+        let mut child = start(directory.path(), "exec", words);
+        let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+        let short = format!("this is short for: translucid render --size 640x360 --spp 20{options}");
+        assert_eq!(lines.next(), Some(short));
+        assert!(lines.any(|line| line.starts_with(then)), "{words}");
+        wait_for(&directory.path().join(".still-life.png.lock"));
+        child.kill().unwrap();
+        child.wait().unwrap();
+        fs::remove_file(directory.path().join(".still-life.png.lock")).unwrap();
+    }
 }
