@@ -27,6 +27,8 @@ const BALL: f32 = 110.0;
 const BLOCK: u32 = 16;
 /// Edge of a region in pixels; regions lie half a region off the blocks.
 const REGION: u32 = 16;
+/// Samples of the picture that errors are relative to: its own noise, which their mean has more of, would hide their largest.
+const REFERENCE_SAMPLES: u32 = 256;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
@@ -42,10 +44,15 @@ fn main() {
         if !words.is_empty() && !words.iter().any(|word| name.contains(word.as_str())) {
             continue;
         }
+        let reference = picture(&scene, true, u64::MAX, REFERENCE_SAMPLES);
         for count in samples.map_or(vec![1, 16], |count| vec![count]) {
             // 96, 24 and 12 for 1, 16 and 64
             let pictures = pictures.unwrap_or((96.0 / f64::from(count).sqrt()) as u32).max(3);
-            let [shared, alone] = [true, false].map(|shares| Noise::of(&scene, shares, count, pictures));
+            let [shared, alone] = [true, false].map(|shares| {
+                let films: Vec<FilmSums> =
+                    (0..u64::from(pictures)).map(|seed| picture(&scene, shares, seed, count)).collect();
+                Noise::of(&films, &reference)
+            });
             let _ = writeln!(
                 table,
                 "| {name} | {count} | {:.2} | {:.2} | {:.2} | {:.2}, {:.2}, {:.2} | {:.2} | {:.2} | {:.2} ± {:.2} |",
@@ -100,7 +107,17 @@ fn cases() -> Vec<(String, Scene)> {
     cases
 }
 
-/// What there is to say of the errors of pictures, relative to the mean of all.
+fn picture(scene: &Scene, shares: bool, seed: u64, samples: u32) -> FilmSums {
+    let mut scene = scene.clone();
+    scene.integrator.seed = seed;
+    scene.integrator.subsurface_sharing = shares;
+    let prepared = PreparedScene::new(scene).expect("a valid scene");
+    let mut film = FilmSums::new(SIZE, SIZE);
+    measure::add_samples(&prepared, &mut film, samples).expect("a valid view");
+    film
+}
+
+/// What there is to say of the errors of pictures, relative to a picture of many samples.
 struct Noise {
     /// Root mean square of a pixel.
     pixel: f64,
@@ -115,19 +132,8 @@ struct Noise {
 }
 
 impl Noise {
-    fn of(scene: &Scene, shares: bool, samples: u32, pictures: u32) -> Self {
-        let films: Vec<FilmSums> = (0..u64::from(pictures))
-            .map(|seed| {
-                let mut scene = scene.clone();
-                scene.integrator.seed = seed;
-                scene.integrator.subsurface_sharing = shares;
-                let prepared = PreparedScene::new(scene).expect("a valid scene");
-                let mut film = FilmSums::new(SIZE, SIZE);
-                measure::add_samples(&prepared, &mut film, samples).expect("a valid view");
-                film
-            })
-            .collect();
-        let channels: [Vec<Errors>; 3] = [0, 1, 2].map(|channel| Errors::of(&films, channel));
+    fn of(films: &[FilmSums], reference: &FilmSums) -> Self {
+        let channels: [Vec<Errors>; 3] = [0, 1, 2].map(|channel| Errors::of(films, reference, channel));
         let mean_of = |pictures: std::ops::Range<usize>, of: &dyn Fn(&Errors, u32, u32) -> Option<f64>| {
             let (mut sum, mut count) = (0.0, 0.0);
             for errors in channels.iter().flat_map(|errors| &errors[pictures.clone()]) {
@@ -185,27 +191,27 @@ impl Noise {
     }
 }
 
-/// Errors of a channel of a picture relative to the mean, where the ball fills the pixel.
+/// Errors of a channel of a picture from the mean of all, relative to the reference, where the ball fills the pixel.
 struct Errors(Vec<Option<f64>>);
 
 impl Errors {
-    fn of(films: &[FilmSums], channel: usize) -> Vec<Self> {
+    fn of(films: &[FilmSums], reference: &FilmSums, channel: usize) -> Vec<Self> {
         let n = films.len() as f64;
         let pixels = || (0..SIZE * SIZE).map(|i| (i % SIZE, i / SIZE));
-        let means: Vec<Option<f64>> = pixels()
+        let means_and_units: Vec<Option<(f64, f64)>> = pixels()
             .map(|(x, y)| {
                 let mean = films.iter().map(|film| film.radiance(x, y)[channel]).sum::<f64>() / n;
-                films.iter().all(|film| film.mean(x, y)[layer::ALPHA] == 1.0).then_some(mean)
+                let unit = reference.radiance(x, y)[channel].max(0.02);
+                films.iter().all(|film| film.mean(x, y)[layer::ALPHA] == 1.0).then_some((mean, unit))
             })
             .collect();
         // What the mean has of a picture's own error
         let scale = (n / (n - 1.0)).sqrt();
         let of_film = |film: &FilmSums| {
-            let error = |((x, y), mean): ((u32, u32), &Option<f64>)| {
-                let mean = mean.filter(|mean| *mean > 0.0)?;
-                Some((film.radiance(x, y)[channel] - mean) / mean.max(0.02) * scale)
+            let error = |((x, y), of_pixel): ((u32, u32), &Option<(f64, f64)>)| {
+                of_pixel.map(|(mean, unit)| (film.radiance(x, y)[channel] - mean) / unit * scale)
             };
-            Self(pixels().zip(&means).map(error).collect())
+            Self(pixels().zip(&means_and_units).map(error).collect())
         };
         films.iter().map(of_film).collect()
     }
