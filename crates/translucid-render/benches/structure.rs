@@ -121,7 +121,7 @@ fn picture(scene: &Scene, shares: bool, seed: u64, samples: u32) -> FilmSums {
 struct Noise {
     /// Root mean square of a pixel.
     pixel: f64,
-    /// … of the difference of neighbors across a border over that elsewhere.
+    /// Mean difference of neighbors across a border over that elsewhere.
     step: f64,
     /// Correlation along rows and columns.
     correlation: [f64; 3],
@@ -157,10 +157,10 @@ impl Noise {
                         return None;
                     }
                     let (px, py) = if horizontal { (x - 1, y) } else { (x, y - 1) };
-                    Some((e.at(x, y)? - e.at(px, py)?).powi(2))
+                    Some((e.at(x, y)? - e.at(px, py)?).abs())
                 })
             };
-            (along(true) + along(false)).sqrt()
+            along(true) + along(false)
         };
         let correlation = [1, 8, 24].map(|lag| {
             let rows = mean(&|e, x, y| Some(e.at(x, y)? * e.at(x + lag, y)?));

@@ -24,7 +24,7 @@ use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::pairing::{PairedExit, Stated};
 use crate::subsurface::parameters::Subsurface;
-use crate::world::{BlockPlace, Layer, PathState, World};
+use crate::world::{Layer, PathState, World};
 use entries::{EntryLight, WaitingExit};
 use nearness::Nearness;
 
@@ -132,7 +132,7 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
     }
     let bits = sampler.fork();
     let random = (bits >> 40) as f32 * (1.0 / (1 << 24) as f32);
-    let offset = BlockPlace::offset(SPREAD * mean_radius, bits);
+    let offset = place.offset(SPREAD * mean_radius, bits);
     let throughput = path.throughput * tracer.shape_factor(exit);
     let entry = found.map(|(hit, weight)| {
         let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);

@@ -295,7 +295,7 @@ impl<'a> Walk<'a> {
             && self.throughput.max_element() > LEAST_THROUGHPUT
             && pixels >= LEAST_PIXELS;
         may_share.then(|| {
-            let part = place.rectangle(PART, BlockPlace::offset(SPREAD * pixels, sampler.fork()));
+            let part = place.rectangle(PART, place.offset(SPREAD * pixels, sampler.fork()));
             SharedPlace { sample: place.number, part }
         })
     }
