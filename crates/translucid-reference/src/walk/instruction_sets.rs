@@ -1,13 +1,13 @@
 //! The instruction sets that the walk is compiled for.
 
-/// Does something with the vectors of a level, as `fearless_simd::dispatch!`, but on x86-64 with AVX-512, AVX2
-/// and SSE2 alone: `dispatched!(level, simd => f(simd))`.
+/// Does something with the vectors of a level, as `fearless_simd::dispatch!`, but on x86-64 with AVX-512 and AVX2 alone, and
+/// something else with SSE2: `dispatched!(level, simd => f(simd), narrow => g(simd))`.
 ///
 /// A machine with SSE4.2 and without AVX2, mostly one from before 2013, takes the code for SSE2. Code of its own was
 /// 300 kB of the kernel, more than that for AVX2 and AVX-512 together, and a third of the crate's compile time.
 #[cfg(target_arch = "x86_64")]
 macro_rules! dispatched {
-    ($level:expr, $simd:ident => $call:expr) => {
+    ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {
         match $level {
             fearless_simd::Level::Avx512($simd) => fearless_simd::Simd::vectorize(
                 $simd,
@@ -20,11 +20,7 @@ macro_rules! dispatched {
                 || $call,
             ),
             level => match level.as_sse2() {
-                Some($simd) => fearless_simd::Simd::vectorize(
-                    $simd,
-                    #[inline(always)]
-                    || $call,
-                ),
+                Some($simd) => $narrow,
                 None => unreachable!("SSE2 is part of x86-64, this is {level:?}"),
             },
         }
@@ -33,7 +29,7 @@ macro_rules! dispatched {
 
 #[cfg(not(target_arch = "x86_64"))]
 macro_rules! dispatched {
-    ($level:expr, $simd:ident => $call:expr) => {
+    ($level:expr, $simd:ident => $call:expr, narrow => $narrow:expr) => {
         fearless_simd::dispatch!($level, $simd => $call)
     };
 }

@@ -122,6 +122,45 @@ impl Scatter for Rayleigh {
     }
 }
 
+/// Any of them, for vectors that are not worth a kernel for each.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum AnyScatter {
+    Isotropic(Isotropic),
+    HenyeyGreenstein(HenyeyGreenstein),
+    Rayleigh(Rayleigh),
+}
+
+impl From<Isotropic> for AnyScatter {
+    fn from(isotropic: Isotropic) -> Self {
+        Self::Isotropic(isotropic)
+    }
+}
+
+impl From<HenyeyGreenstein> for AnyScatter {
+    fn from(henyey_greenstein: HenyeyGreenstein) -> Self {
+        Self::HenyeyGreenstein(henyey_greenstein)
+    }
+}
+
+impl From<Rayleigh> for AnyScatter {
+    fn from(rayleigh: Rayleigh) -> Self {
+        Self::Rayleigh(rayleigh)
+    }
+}
+
+impl Scatter for AnyScatter {
+    const REMEMBERS: bool = true;
+
+    #[inline(always)]
+    fn scatter<S: Simd>(self, simd: S, before: Directions<S>, words: [Words<S>; 2]) -> Directions<S> {
+        match self {
+            Self::Isotropic(isotropic) => isotropic.scatter(simd, before, words),
+            Self::HenyeyGreenstein(henyey_greenstein) => henyey_greenstein.scatter(simd, before, words),
+            Self::Rayleigh(rayleigh) => rayleigh.scatter(simd, before, words),
+        }
+    }
+}
+
 /// Turns directions by an angle, towards a point of the circle.
 ///
 /// Not by a rotation but by a reflection (A. S. Householder 1958) that exchanges u with the z axis: as the

@@ -56,7 +56,7 @@ use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons};
 use super::problem::{PhaseFunction, Problem};
 use super::random::{Key, LANES, Stream};
-use super::scatter::{Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
+use super::scatter::{AnyScatter, Directions, HenyeyGreenstein, Isotropic, Rayleigh, Scatter};
 
 /// Walks the photons of a range; once `stop` is true, it launches no more and ends with the last of those under way.
 ///
@@ -115,7 +115,7 @@ pub(crate) fn trace_at_level(
 
 /// Walks by one phase function. The kernel is compiled apart for each, for media with and without a reflecting
 /// boundary, and for each instruction set.
-fn walk<P: Scatter>(
+fn walk<P: Scatter + Into<AnyScatter>>(
     level: Level,
     scatter: P,
     setup: Setup,
@@ -124,10 +124,32 @@ fn walk<P: Scatter>(
     exits: &mut dyn FnMut(&[PhotonExit]),
 ) -> PhotonCounts {
     if setup.boundary.matched {
-        dispatched!(level, simd => Walk::<_, _, true>::new(simd, scatter, setup, stop, photons, exits).run())
+        dispatched!(
+            level,
+            simd => Walk::<_, _, true>::new(simd, scatter, setup, stop, photons, exits).run(),
+            narrow => walk_narrow::<_, true>(simd, scatter.into(), setup, stop, photons, exits)
+        )
     } else {
-        dispatched!(level, simd => Walk::<_, _, false>::new(simd, scatter, setup, stop, photons, exits).run())
+        dispatched!(
+            level,
+            simd => Walk::<_, _, false>::new(simd, scatter, setup, stop, photons, exits).run(),
+            narrow => walk_narrow::<_, false>(simd, scatter.into(), setup, stop, photons, exits)
+        )
     }
+}
+
+/// [`walk`] with narrow vectors: sixteen lanes of them are so much code that one kernel has to do for all phase functions.
+#[cfg(target_arch = "x86_64")]
+#[inline(never)]
+fn walk_narrow<S: Simd, const MATCHED: bool>(
+    simd: S,
+    scatter: AnyScatter,
+    setup: Setup,
+    stop: &AtomicBool,
+    photons: Range<u64>,
+    exits: &mut dyn FnMut(&[PhotonExit]),
+) -> PhotonCounts {
+    Walk::<_, _, MATCHED>::new(simd, scatter, setup, stop, photons, exits).run()
 }
 
 /// −1/ln α: the number of collisions survived is the whole part of this times an exponential variate.
