@@ -40,8 +40,8 @@ use crate::messages::Verbosity;
 
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
-/// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in about
-/// half a minute on two cores; interrupted, it goes on with --resume.
+/// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in less
+/// than a minute on two cores; interrupted, it goes on with --resume.
 #[derive(Parser)]
 #[command(name = "translucid", version, after_help = EXAMPLES)]
 struct Cli {

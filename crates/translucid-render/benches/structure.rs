@@ -117,7 +117,7 @@ fn picture(scene: &Scene, shares: bool, seed: u64, samples: u32) -> FilmSums {
     film
 }
 
-/// What there is to say of the errors of pictures, relative to a picture of many samples.
+/// Noise of pictures: statistics of their errors, relative to a picture of many samples.
 struct Noise {
     /// Root mean square of a pixel.
     pixel: f64,

@@ -39,7 +39,7 @@
 //! | compiled apart for η = 1 | 5.5 | 2.57 | 1.39 |
 //! | that with xoshiro128++ instead of sfc32 | 5.6 | 2.73 | 1.46 |
 //! | with sfc32 and AVX2 | 8.3 | 4.26 | 2.11 |
-//! | with sfc32 and SSE2, refills one photon at a time, one kernel for all phase functions | 52 | 24.9 | 18.9 |
+//! | with sfc32 and SSE2, refills one photon at a time, one kernel for all phase functions | 53 | 25.7 | 19.2 |
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
