@@ -5,7 +5,7 @@
     python3 contrib/scaling.py --program target/release/translucid --write \\
         scenes/head.toml=path/to/head_70k.ply scenes/dragon.toml=path/to/dragon_870k.ply
 
-Prints the tables of docs/guide/many-machines.md, and with `--write` puts them there and draws its figure.
+Prints the tables of docs/speed/many-machines.md, and with `--write` puts them there and draws its figure.
 `--keep FILE` keeps what was measured, and `--from FILE` takes it from there instead of measuring: another model of the
 same measurements.
 
@@ -25,7 +25,7 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-PAGE = ROOT / "docs/guide/many-machines.md"
+PAGE = ROOT / "docs/speed/many-machines.md"
 FIGURE = ROOT / "docs/images/many-machines.svg"
 MARKS = ("<!-- measured: contrib/scaling.py -->", "<!-- end of what was measured -->")
 
