@@ -1,5 +1,7 @@
 //! Words and signs of Rust code, without comments, strings and tests.
 
+use std::collections::BTreeSet;
+
 /// A word or a sign, and where it stands.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Token {
@@ -7,6 +9,8 @@ pub(super) struct Token {
     pub(super) text: String,
     /// From 1.
     pub(super) line: usize,
+    /// The line that it ends on, which is another one for a literal of several lines.
+    last_line: usize,
 }
 
 impl Token {
@@ -23,9 +27,20 @@ impl Token {
 const ITEMS: [&str; 12] =
     ["const", "enum", "extern", "fn", "impl", "mod", "static", "struct", "trait", "type", "union", "use"];
 
-/// Tokens of a file but for items under `#[cfg(test)]` and `#[cfg(doctest)]`.
+/// Stands for every literal and lifetime.
+const LITERAL: &str = "\"\"";
+
+/// Tokens of a file but for literals and for items under `#[cfg(test)]` and `#[cfg(doctest)]`.
 pub(super) fn tokens(text: &str) -> Vec<Token> {
-    without_tests(&all_tokens(text))
+    let mut tokens = all_tokens(text);
+    tokens.retain(|token| !token.is(LITERAL));
+    without_tests(&tokens)
+}
+
+/// Number of lines of a file that hold code: more than space, comments and items under `#[cfg(test)]`.
+pub(crate) fn lines_of_code(text: &str) -> usize {
+    let tokens = without_tests(&all_tokens(text));
+    tokens.iter().flat_map(|token| token.line..=token.last_line).collect::<BTreeSet<usize>>().len()
 }
 
 fn is_of_word(c: char) -> bool {
@@ -38,20 +53,22 @@ fn all_tokens(text: &str) -> Vec<Token> {
     let (mut i, mut line) = (0, 1);
     while i < chars.len() {
         let end = end_of_piece(&chars, i);
+        let last_line = line + chars[i..end].iter().filter(|c| **c == '\n').count();
         if let Some(text) = token(&chars[i..end]) {
-            tokens.push(Token { text, line });
+            tokens.push(Token { text, line, last_line });
         }
-        line += chars[i..end].iter().filter(|c| **c == '\n').count();
+        line = last_line;
         i = end;
     }
     tokens
 }
 
-/// The token that a piece of code is, unless it is a space, a comment or a literal.
+/// The token that a piece of code is, unless it is a space or a comment.
 fn token(piece: &[char]) -> Option<String> {
-    let is_text = piece.len() > 1 && !is_of_word(piece[0]) && piece != [':', ':'];
+    let is_comment = matches!(piece, ['/', '/' | '*', ..]);
     let is_literal = piece.iter().any(|c| matches!(c, '"' | '\'')) && piece.len() > 1;
-    (!is_text && !is_literal && !piece[0].is_whitespace()).then(|| piece.iter().collect())
+    let text = || if is_literal { LITERAL.to_owned() } else { piece.iter().collect() };
+    (!is_comment && !piece[0].is_whitespace()).then(text)
 }
 
 /// End of the comment, literal, word or sign that begins at `start`.
