@@ -267,7 +267,9 @@ fn tev_that_reads_nothing_stops_nothing() {
         drop(stream);
     });
     // More than the system takes for a connection
-    let words = format!("render ball.toml --tev=127.0.0.1:{port} --size 1600x1200 --spp 1 -o a.png -q");
+    let words = format!(
+        "render ball.toml --subsurface none --tev=127.0.0.1:{port} --size 1600x1200 --spp 1 -o a.png -q"
+    );
     let output = run(&directory, &words);
     drop(until);
     tev.join().unwrap();

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, mask32x16};
 
-use super::lanes::Floats;
+use super::lanes::{Floats, FusedMulAdd};
 use super::{Problem, Side};
 
 /// A smooth boundary between two media, seen from one of them.
@@ -37,7 +37,7 @@ impl Interface {
     #[inline(always)]
     pub(crate) fn reflectance<S: Simd>(&self, simd: S, mu: Floats<S>) -> Floats<S> {
         let squared =
-            (mu * mu).mul_add_precise(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
+            (mu * mu).fused_mul_add(self.eta * self.eta, Floats::splat(simd, self.one_minus_square));
         let refracted = squared.max(0.0).min(1.0).sqrt();
         let perpendicular = (mu * self.eta - refracted) / (mu * self.eta + refracted);
         let parallel = (refracted * self.eta - mu) / (refracted * self.eta + mu);

@@ -1,8 +1,7 @@
 //! Functions of random words that a walk needs, in 16 single-precision lanes.
 //!
 //! Each function turns one word per lane into one variate, without a branch, and with the same operations on
-//! every instruction set: the bits are the same everywhere. A multiply-add is fused, an instruction of AVX2, AVX-512
-//! and NEON and a few dozen of plain SSE (`mul_add_precise`).
+//! every instruction set: the bits are the same everywhere. A multiply-add is fused ([`FusedMulAdd`]).
 //!
 //! A word's last bit is set before use: the odd numbers are the midpoints of 2³¹ cells, so that u is never 0,
 //! its mean is exactly ½, and the logarithm reaches to 22 mean free paths.
@@ -11,12 +10,48 @@
 //! anew.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x16, i32x16, u32x16};
+use fearless_simd::{Level, Simd, SimdInto, f32x16, i32x16, u32x16};
 
 /// 16 numbers.
 pub(crate) type Floats<S> = f32x16<S>;
 /// 16 words.
 pub(crate) type Words<S> = u32x16<S>;
+
+/// Multiplies and adds with one rounding.
+///
+/// That is an instruction of AVX2, AVX-512 and NEON, and a few dozen of plain SSE: there it is a function that is called, or
+/// the kernel would be ten times as much code, most of what the compiler does for this crate.
+pub(crate) trait FusedMulAdd<S: Simd>: Sized {
+    /// `self` · `factor` + `term`.
+    fn fused_mul_add(self, factor: impl SimdInto<Self, S>, term: impl SimdInto<Self, S>) -> Self;
+}
+
+impl<S: Simd> FusedMulAdd<S> for Floats<S> {
+    #[inline(always)]
+    fn fused_mul_add(self, factor: impl SimdInto<Self, S>, term: impl SimdInto<Self, S>) -> Self {
+        let simd = self.simd;
+        if is_narrow(simd) {
+            return called_mul_add(self, factor.simd_into(simd), term.simd_into(simd));
+        }
+        self.mul_add_precise(factor, term)
+    }
+}
+
+#[inline(never)]
+fn called_mul_add<S: Simd>(a: Floats<S>, b: Floats<S>, c: Floats<S>) -> Floats<S> {
+    a.mul_add_precise(b, c)
+}
+
+/// Tells whether the vectors of an instruction set are so narrow, and its instructions so few, that sixteen lanes are much code.
+#[inline(always)]
+pub(crate) fn is_narrow<S: Simd>(simd: S) -> bool {
+    let level = simd.level();
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if matches!(level, Level::Sse2(_) | Level::Sse4_2(_)) {
+        return true;
+    }
+    level.is_fallback()
+}
 
 /// ln(1 + t)/t on [√½ − 1, √2 − 1]: worst relative error 3.0e-8.
 const LOG: [f32; 9] = [
@@ -47,7 +82,7 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(
 ) -> Floats<S> {
     let mut value = Floats::splat(simd, coefficients[N - 1]);
     for i in (0..N - 1).rev() {
-        value = value.mul_add_precise(x, coefficients[i]);
+        value = value.fused_mul_add(x, coefficients[i]);
     }
     value
 }
@@ -56,12 +91,12 @@ pub(crate) fn polynomial<S: Simd, const N: usize>(
 /// eight before it.
 #[inline(always)]
 fn polynomial_8<S: Simd>(simd: S, x: Floats<S>, c: [f32; 9]) -> Floats<S> {
-    let pair = |i: usize| x.mul_add_precise(c[i + 1], Floats::splat(simd, c[i]));
+    let pair = |i: usize| x.fused_mul_add(c[i + 1], Floats::splat(simd, c[i]));
     let x2 = x * x;
     let x4 = x2 * x2;
-    let low = x2.mul_add_precise(pair(2), pair(0));
-    let high = x2.mul_add_precise(pair(6), pair(4));
-    x4.mul_add_precise(x4.mul_add_precise(c[8], high), low)
+    let low = x2.fused_mul_add(pair(2), pair(0));
+    let high = x2.fused_mul_add(pair(6), pair(4));
+    x4.fused_mul_add(x4.fused_mul_add(c[8], high), low)
 }
 
 /// Uniform in (0, 1].
@@ -89,7 +124,7 @@ pub(crate) fn exponential<S: Simd>(simd: S, word: Words<S>) -> Floats<S> {
     let k = (32 - (above >> 23)).bitcast::<i32x16<S>>().to_float::<Floats<S>>();
 
     let t = factor - 1.0;
-    k.mul_add_precise(std::f32::consts::LN_2, -(t * polynomial_8(simd, t, LOG)))
+    k.fused_mul_add(std::f32::consts::LN_2, -(t * polynomial_8(simd, t, LOG)))
 }
 
 /// Uniform on the unit circle.
@@ -113,12 +148,12 @@ pub(crate) fn circle<S: Simd>(simd: S, word: Words<S>) -> (Floats<S>, Floats<S>)
 #[inline(always)]
 pub(crate) fn complement<S: Simd>(x: Floats<S>) -> Floats<S> {
     // A fused product leaves at most a rounding below 0
-    (-x).mul_add_precise(x, 1.0).max(0.0).sqrt()
+    (-x).fused_mul_add(x, 1.0).max(0.0).sqrt()
 }
 
 #[cfg(test)]
 mod tests {
-    use fearless_simd::{Level, dispatch};
+    use fearless_simd::dispatch;
 
     use super::*;
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{Simd, mask32x16};
 
-use super::lanes::{Floats, Words, exponential};
+use super::lanes::{Floats, FusedMulAdd, Words, exponential};
 use super::random::{LANES, Stream};
 use super::scatter::{Directions, Scatter};
 
@@ -133,8 +133,8 @@ impl<S: Simd> Group<S> {
     #[inline(always)]
     pub(super) fn fly(&mut self, simd: S) {
         let flight = exponential(simd, self.streams.next());
-        self.x = flight.mul_add_precise(self.directions.x, self.x);
-        self.y = flight.mul_add_precise(self.directions.y, self.y);
-        self.z = flight.mul_add_precise(self.directions.z, self.z);
+        self.x = flight.fused_mul_add(self.directions.x, self.x);
+        self.y = flight.fused_mul_add(self.directions.y, self.y);
+        self.z = flight.fused_mul_add(self.directions.z, self.z);
     }
 }

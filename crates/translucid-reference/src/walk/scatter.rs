@@ -3,7 +3,7 @@
 use fearless_simd::Simd;
 use fearless_simd::prelude::*;
 
-use super::lanes::{Floats, Words, circle, complement, polynomial, signed, unit};
+use super::lanes::{Floats, FusedMulAdd, Words, circle, complement, polynomial, signed, unit};
 
 /// Unit vectors.
 #[derive(Clone, Copy, Debug)]
@@ -106,7 +106,7 @@ impl Rayleigh {
         let start = x * polynomial(simd, x * x, RAYLEIGH);
         let square = start * start;
         let third_slope = square + 1.0;
-        let f = start.mul_add_precise(square + 3.0, x * -4.0);
+        let f = start.fused_mul_add(square + 3.0, x * -4.0);
         let cosine = start - f * third_slope / (third_slope * third_slope * 3.0 - f * start);
         let cosine = cosine.max(-1.0).min(1.0);
         (cosine, complement(cosine))
@@ -182,16 +182,16 @@ fn turn<S: Simd>(
 ) -> Directions<S> {
     let Directions { x: ux, y: uy, z: uz } = before;
     let (p, q) = (sine * x, sine * y);
-    let d = p.mul_add_precise(ux, q * uy);
+    let d = p.fused_mul_add(ux, q * uy);
     let k = cosine + d / (uz.abs() + 1.0);
-    let (vx, vy) = (k.mul_add_precise(ux, -p), k.mul_add_precise(uy, -q));
+    let (vx, vy) = (k.fused_mul_add(ux, -p), k.fused_mul_add(uy, -q));
     // s d as d with the sign of u_z put upon it
     let sign = uz.bitcast::<Words<S>>() & 0x8000_0000;
     let signed_d: Floats<S> = (d.bitcast::<Words<S>>() ^ sign).bitcast();
-    let vz = cosine.mul_add_precise(uz, signed_d);
+    let vz = cosine.fused_mul_add(uz, signed_d);
 
-    let square = vx.mul_add_precise(vx, vy.mul_add_precise(vy, vz * vz));
-    let shrink = square.mul_add_precise(-0.5, 1.5);
+    let square = vx.fused_mul_add(vx, vy.fused_mul_add(vy, vz * vz));
+    let shrink = square.fused_mul_add(-0.5, 1.5);
     Directions { x: vx * shrink, y: vy * shrink, z: vz * shrink }
 }
 

@@ -50,7 +50,7 @@ use fearless_simd::{Level, Simd, mask32x16};
 use super::boundary::{Boundary, Ray};
 use super::exit_buffer::ExitBuffer;
 use super::instruction_sets::dispatched;
-use super::lanes::{Floats, Words, exponential, unit};
+use super::lanes::{Floats, FusedMulAdd, Words, exponential, unit};
 use super::photon_exit::{PhotonCounts, PhotonExit, Side};
 use super::photon_source::PhotonSource;
 use super::photons::{BLOCK, Group, Photons};
@@ -331,7 +331,7 @@ impl<'a, S: Simd, P: Scatter, const MATCHED: bool> Walk<'a, S, P, MATCHED> {
         let Directions { x: ux, y: uy, z: uz } = photons.directions;
         let beyond = (photons.z - face) / uz;
         let places =
-            [(-beyond).mul_add_precise(ux, photons.x), (-beyond).mul_add_precise(uy, photons.y), uz.abs()];
+            [(-beyond).fused_mul_add(ux, photons.x), (-beyond).fused_mul_add(uy, photons.y), uz.abs()];
         let order = photons.budget - photons.left;
         let transmitted = transmitted.select(Words::splat(simd, 1), Words::splat(simd, 0));
         if moves_lanes(simd) {
