@@ -106,12 +106,12 @@ def dielectric_albedo(alpha, eta):
 
 
 @functools.cache
-def alpha_of(albedo):
-    """The single-scattering albedo of a matched isotropic half space."""
+def alpha_of(albedo, of_alpha=searchlight_albedo):
+    """The single-scattering albedo of a matched isotropic half space with an albedo, for a pencil of light or as `of_alpha` says."""
     low, high = 0.0, 1 - 1e-9
     for _ in range(60):
         middle = (low + high) / 2
-        low, high = (middle, high) if searchlight_albedo(middle) < albedo else (low, middle)
+        low, high = (middle, high) if of_alpha(middle) < albedo else (low, middle)
     return (low + high) / 2
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures the material of known shapes in pictures of Mitsuba 3, and prints how far from the truth the numbers are.
 
-    python3 benches/measure/shapes.py [--assets ../shared/assets] [--write]
+    TRANSLUCID_ASSETS=… python3 benches/measure/shapes.py [--write]
 
 README.md says what is measured and how. --write puts the table into docs/accuracy/measure.md.
 """
@@ -9,6 +9,7 @@ README.md says what is measured and how. --write puts the table into docs/accura
 import argparse
 import json
 import math
+import os
 import subprocess
 import tempfile
 import time
@@ -152,7 +153,6 @@ def cpu_of_children():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--program", type=Path, default=ROOT / "target" / "release" / "translucid")
-    parser.add_argument("--assets", type=Path, default=ROOT.parent / "shared" / "assets", help="folder of the head's mesh")
     parser.add_argument("--samples", type=int, default=32, help="per pixel of the fit's pictures [32]")
     parser.add_argument("--shape", choices=SHAPES, help="this one alone")
     parser.add_argument("--write", action="store_true", help="into docs/accuracy/measure.md")
@@ -160,9 +160,9 @@ def main():
     lines, worst = [], 0.0
     for name in [arguments.shape] if arguments.shape else SHAPES:
         shape = SHAPES[name]
-        mesh = shape["mesh"] and (arguments.assets / shape["mesh"]).resolve()
+        mesh = shape["mesh"] and Path(os.environ.get("TRANSLUCID_ASSETS", ""), shape["mesh"]).resolve()
         if mesh and not mesh.exists():
-            print(f"skipped: {name}, as {mesh} is not there")
+            print(f"skipped: {name}, as {shape['mesh']} is not in TRANSLUCID_ASSETS")
             continue
         with tempfile.TemporaryDirectory() as directory:
             rows, cpu = measured(name, mesh, arguments.program.resolve(), Path(directory), arguments.samples)

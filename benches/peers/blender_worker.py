@@ -1,6 +1,6 @@
 """Blender Cycles as a worker: reads one JSON command a line, answers one JSON line.
 
-    {"do": "render", "scene": "head.json", "assets": "…", "method": "BURLEY", "size": 512, "spp": 16, "seed": 1,
+    {"do": "render", "scene": "head.toml", "mesh": "head.ply", "method": "BURLEY", "size": 512, "spp": 16, "seed": 1,
      "out": "a.npy"}        renders and answers {"cpu": seconds of CPU of the render call}
     {"do": "edge", "albedo": [r, g, b], "mfp": [r, g, b], "spp": 256, "out": "a.npy"}
                             half of a plane is lit from the front: rows across the edge, for the profile's width
@@ -15,6 +15,7 @@ import os
 import struct
 import sys
 import tempfile
+import tomllib
 
 # Blender prints to stdout: keep that free for answers.
 answers = os.fdopen(os.dup(1), "w")
@@ -105,30 +106,28 @@ def looking(origin, target, up):
     return matrix
 
 
-def build(description, assets, method):
+def build(description, mesh, method):
+    """The scene file of a mesh, of one light, and of a square floor in y = 0 or none."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    materials = {
-        name: subsurface(name, m["surface_albedo"], m["mfp"], method) for name, m in description["materials"].items()
-    }
-    for mesh in description["meshes"]:
-        add_mesh(mesh["file"], *read_ply(os.path.join(assets, mesh["file"])), materials[mesh["material"]])
-    if "floor" in description:
-        floor = description["floor"]
-        half = floor["edge"] / 2
-        corners = [[-half, floor["y"], half], [half, floor["y"], half], [half, floor["y"], -half], [-half, floor["y"], -half]]
+    body = description["material"][0]
+    material = subsurface(body["name"], body["subsurface_color"], body["subsurface_radius_scale"], method)
+    add_mesh(body["name"], *read_ply(mesh), material)
+    for floor in description["object"][1:]:
+        half = floor["width"] / 2
+        corners = [[-half, 0, half], [half, 0, half], [half, 0, -half], [-half, 0, -half]]
         material, node = shader("floor", "ShaderNodeBsdfDiffuse")
-        node.inputs["Color"].default_value = (*floor["reflectance"], 1.0)
+        node.inputs["Color"].default_value = (*description["material"][1]["base_color"], 1.0)
         triangles = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.int32)
         add_mesh("floor", np.array(corners, dtype=np.float32), None, triangles, material)
-    for number, area in enumerate(description["area"]):
+    for number, area in enumerate(description["light"]):
         light = bpy.data.lights.new(f"area{number}", "AREA")
         light.shape = "RECTANGLE"
         light.size, light.size_y = area["size"]
         # Blender states the power; a Lambertian emitter of radiance L has L π A.
-        power = max(area["L"]) * math.pi * area["size"][0] * area["size"][1]
+        power = max(area["radiance"]) * math.pi * area["size"][0] * area["size"][1]
         light.energy = power
-        light.color = [value / max(area["L"]) for value in area["L"]]
+        light.color = [value / max(area["radiance"]) for value in area["radiance"]]
         owner = bpy.data.objects.new(light.name, light)
         owner.matrix_world = looking(area["center"], area["target"], [0, 1, 0])
         owner.visible_camera = False
@@ -136,13 +135,13 @@ def build(description, assets, method):
     world = bpy.data.worlds.new("world")
     scene.world = world
     world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (*description["env"], 1.0)
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (*description["environment"]["radiance"], 1.0)
     camera = bpy.data.cameras.new("camera")
     camera.sensor_fit = "HORIZONTAL"
     camera.angle = math.radians(description["camera"]["fov"])
     camera.clip_start, camera.clip_end = 1.0, 1e5
     owner = bpy.data.objects.new("camera", camera)
-    owner.matrix_world = looking(*(description["camera"][key] for key in ("origin", "target", "up")))
+    owner.matrix_world = looking(*(description["camera"][key] for key in ("position", "target", "up")))
     scene.collection.objects.link(owner)
     scene.camera = owner
     configure(scene)
@@ -203,8 +202,8 @@ class Worker:
     def render(self, command):
         key = (command["scene"], command["method"])
         if self.built != key:
-            with open(command["scene"]) as file:
-                build(json.load(file), command["assets"], command["method"])
+            with open(command["scene"], "rb") as file:
+                build(tomllib.load(file), command["mesh"], command["method"])
             self.built = key
         scene = bpy.context.scene
         scene.render.resolution_x = scene.render.resolution_y = command["size"]

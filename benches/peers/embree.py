@@ -4,8 +4,8 @@
     python3 benches/peers/embree.py [--meshes dragon_198k,dragon_870k] [--rounds 7] [--rays 400000]
 
 README.md says what is measured and how. The first run installs embreex from PyPI, whose wheel brings Embree along, into
-target/peers and compiles embree_rays.c against it; where these or the meshes of ../shared can't be had, it says so and
-ends well.
+target/peers and compiles embree_rays.c against it; where these can't be had, or the meshes are not in the folder
+TRANSLUCID_ASSETS, it says so and ends well.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SHARED = ROOT.parent / "shared"
+DRAGONS = Path(os.environ.get("TRANSLUCID_ASSETS", ""), "dragon")
 CACHE = ROOT / "target" / "peers"
 PACKAGES = ["embreex==4.4.0.post1", "numpy"]
 NEAREST, ANY, EVERY = 0, 1, 2
@@ -166,9 +166,9 @@ def main():
     parser.add_argument("--rounds", type=int, default=7)
     parser.add_argument("--rays", type=int, default=400_000)
     options = parser.parse_args()
-    meshes = [mesh for mesh in options.meshes.split(",") if (SHARED / "assets" / "dragon" / f"{mesh}.ply").is_file()]
+    meshes = [mesh for mesh in options.meshes.split(",") if (DRAGONS / f"{mesh}.ply").is_file()]
     if not meshes:
-        skip(f"there is no dragon in {SHARED / 'assets' / 'dragon'}")
+        skip(f"{options.meshes} is not in the folder dragon of TRANSLUCID_ASSETS")
     enter_environment()
     global np
     import numpy as np

@@ -5,8 +5,8 @@
                                    [--reference-samples 1024,2048] [--ours "--subsurface-method point-based"]
                                    [--model random-walk-rough]
 
-README.md says what is measured and how. The first run installs bpy from PyPI into target/peers; where that or the
-meshes of ../shared can't be had, it says so and ends well.
+README.md says what is measured and how. The first run installs bpy from PyPI into target/peers; where that can't be had, or
+the meshes are not in the folder TRANSLUCID_ASSETS, it says so and ends well.
 """
 
 import argparse
@@ -19,10 +19,11 @@ import shlex
 import subprocess
 import sys
 import tempfile
+import tomllib
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
-SHARED = ROOT.parent / "shared"
+ASSETS = Path(os.environ.get("TRANSLUCID_ASSETS", ""))
 CACHE = ROOT / "target" / "peers"
 PACKAGES = ["bpy==5.0.1", "OpenEXR==3.5.3"]
 MESHES = {"head": "head/head_70k.ply", "dragon": "dragon/dragon_198k.ply"}
@@ -31,6 +32,13 @@ MESHES = {"head": "head/head_70k.ply", "dragon": "dragon/dragon_198k.ply"}
 def skip(why):
     print(f"skipped: {why}")
     sys.exit(0)
+
+
+def require_scans():
+    """Ends where the meshes are not there."""
+    for mesh in MESHES.values():
+        if not (ASSETS / mesh).is_file():
+            skip(f"{mesh} is not in the folder TRANSLUCID_ASSETS")
 
 
 def enter_environment():
@@ -75,8 +83,8 @@ class Cycles:
 
     def image(self, scene, size, spp, seed):
         out = str(CACHE / "cycles.npy")
-        file = str(SHARED / "scenes" / f"{scene}.json")
-        command = dict(scene=file, assets=str(SHARED / "assets"), method=self.method, size=size, spp=spp, seed=seed)
+        file, mesh = str(ROOT / "scenes" / f"{scene}.toml"), str(ASSETS / MESHES[scene])
+        command = dict(scene=file, mesh=mesh, method=self.method, size=size, spp=spp, seed=seed)
         seconds = self.ask(do="render", out=out, **command)["cpu"]
         return np.load(out), seconds
 
@@ -98,7 +106,7 @@ class Translucid:
             bounces = "[integrator]\nmax_depth = 12\nmax_diffuse_depth = 4\n"
             file.write_text(f"extends = {json.dumps(str(ROOT / 'scenes' / f'{scene}.toml'))}\n{bounces}{lines}\n")
             command = [self.program, "render", file]
-            command += ["--mesh", SHARED / "assets" / MESHES[scene], "--size", f"{size}x{size}", "--spp", str(spp)]
+            command += ["--mesh", ASSETS / MESHES[scene], "--size", f"{size}x{size}", "--spp", str(spp)]
             command += ["--seed", str(seed), "--threads", "2", "--quiet", "-o", out, *options]
             process = subprocess.Popen(list(map(str, command)))
             _, status, usage = os.wait4(process.pid, 0)
@@ -241,17 +249,17 @@ def equal_error(rows, systems):
 
 def check_widths(cycles):
     """Fits the width of Cycles' profile to its picture of an edge of light on a plane."""
-    with open(SHARED / "scenes" / "head.json") as file:
-        skin = json.load(file)["materials"]["skin"]
+    skin = tomllib.loads((ROOT / "scenes" / "head.toml").read_text())["material"][0]
+    albedos, lengths = skin["subsurface_color"], skin["subsurface_radius_scale"]
     out, columns, width = str(CACHE / "edge.npy"), 256, 24.0
-    command = dict(albedo=skin["surface_albedo"], mfp=skin["mfp"], columns=columns, width=width, spp=1024)
+    command = dict(albedo=albedos, mfp=lengths, columns=columns, width=width, spp=1024)
     cycles.ask(do="edge", out=out, **command)
     picture = np.load(out)[..., :3].mean(axis=0)
     x = (np.arange(columns) + 0.5) / columns * width - width / 2
     print("\n## Widths\n\nWidth d of the profile in mm, fitted to the light across an edge.\n")
     print("| channel | meant, ℓ/s(A) | Cycles | difference |\n|---|---|---|---|")
     for channel, name in enumerate("RGB"):
-        albedo, mfp = skin["surface_albedo"][channel], skin["mfp"][channel]
+        albedo, mfp = albedos[channel], lengths[channel]
         meant = mfp / (1.9 - albedo + 3.5 * (albedo - 0.8) ** 2)
         found = fit_width(x, picture[:, channel])
         print(f"| {name} | {meant:.4f} | {found:.4f} | {100 * (found / meant - 1):+.2f} % |")
@@ -303,8 +311,7 @@ def main():
 
 
 if __name__ == "__main__":
-    if not (SHARED / "assets").is_dir():
-        skip(f"{SHARED / 'assets'} is not there")
+    require_scans()
     enter_environment()
     import numpy as np
     import OpenEXR

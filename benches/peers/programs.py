@@ -51,8 +51,7 @@ def main():
 
 
 if __name__ == "__main__":
-    if not (peers.SHARED / "assets").is_dir():
-        peers.skip(f"{peers.SHARED / 'assets'} is not there")
+    peers.require_scans()
     peers.enter_environment()
     import numpy as np
     import OpenEXR

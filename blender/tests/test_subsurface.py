@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Light below surfaces as Cycles has it: an edge of light, and two scans."""
 
-import json
 import math
 import os
+import tomllib
 from pathlib import Path
 
 import bpy
@@ -12,7 +12,8 @@ import pytest
 from harness import Nodes, add_camera, add_light, add_mesh, combined, link, matte, messages, new_scene, regions, render_cycles, set_world
 from mathutils import Matrix, Vector
 
-SHARED = Path(os.environ.get("TRANSLUCID_SHARED", Path(__file__).parents[3] / "shared"))
+SCENES = Path(__file__).parents[2] / "scenes"
+ASSETS = Path(os.environ.get("TRANSLUCID_ASSETS", ""))
 METHODS = ("BURLEY", "RANDOM_WALK", "RANDOM_WALK_SKIN")
 
 
@@ -63,33 +64,33 @@ def looking(origin, target, up):
 
 
 def scan(name, method, size, samples):
-    """A scene of the folder `shared`, its meshes with a Subsurface Scattering node."""
-    description = json.loads((SHARED / "scenes" / f"{name}.json").read_text())
+    """A scan's scene file, its mesh with a Subsurface Scattering node."""
+    description = tomllib.loads((SCENES / f"{name}.toml").read_text())
     new_scene(size, size, samples, transparent=True)
     bpy.context.scene.translucid.use_caustics = True
-    for mesh in description["meshes"]:
-        bpy.ops.wm.ply_import(filepath=str(SHARED / "assets" / mesh["file"]), forward_axis="Y", up_axis="Z")
-        values = description["materials"][mesh["material"]]
-        lengths = [4 * math.pi * length for length in values["mfp"]]
-        bpy.context.object.data.materials.clear()
-        bpy.context.object.data.materials.append(scattering(method, values["surface_albedo"], lengths))
-        bpy.ops.object.shade_smooth()
-    if "floor" in description:
-        half, y = description["floor"]["edge"] / 2, description["floor"]["y"]
-        corners = [(-half, y, half), (half, y, half), (half, y, -half), (-half, y, -half)]
-        add_mesh("floor", corners, [(0, 1, 2, 3)], matte(description["floor"]["reflectance"], "floor"))
-    for area in description["area"]:
+    body, *floors = description["object"]
+    bpy.ops.wm.ply_import(filepath=str(ASSETS / name / body["file"]), forward_axis="Y", up_axis="Z")
+    values = description["material"][0]
+    lengths = [4 * math.pi * length for length in values["subsurface_radius_scale"]]
+    bpy.context.object.data.materials.clear()
+    bpy.context.object.data.materials.append(scattering(method, values["subsurface_color"], lengths))
+    bpy.ops.object.shade_smooth()
+    for floor in floors:
+        half = floor["width"] / 2
+        corners = [(-half, 0, half), (half, 0, half), (half, 0, -half), (-half, 0, -half)]
+        add_mesh("floor", corners, [(0, 1, 2, 3)], matte(description["material"][1]["base_color"], "floor"))
+    for area in description["light"]:
         across, down = area["size"]
         lamp = add_light("AREA", shape="RECTANGLE", size=across, size_y=down)
-        lamp.data.energy = max(area["L"]) * math.pi * across * down
-        lamp.data.color = [value / max(area["L"]) for value in area["L"]]
+        lamp.data.energy = max(area["radiance"]) * math.pi * across * down
+        lamp.data.color = [value / max(area["radiance"]) for value in area["radiance"]]
         lamp.matrix_world = looking(area["center"], area["target"], (0, 1, 0))
-    set_world(description["env"])
+    set_world(description["environment"]["radiance"])
     camera = bpy.data.cameras.new("camera")
     camera.sensor_fit, camera.angle = "HORIZONTAL", math.radians(description["camera"]["fov"])
     camera.clip_start, camera.clip_end = 1.0, 1e5
     owner = link("camera", camera)
-    owner.matrix_world = looking(*(description["camera"][key] for key in ("origin", "target", "up")))
+    owner.matrix_world = looking(*(description["camera"][key] for key in ("position", "target", "up")))
     bpy.context.scene.camera = owner
 
 
@@ -100,8 +101,8 @@ SCANS = {"head": 1024, "dragon": 9216}
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize("name", SCANS)
 def test_scans_are_as_bright_as_in_cycles(name, method):
-    if not (SHARED / "scenes").is_dir():
-        pytest.skip("the folder shared with the scans is not beside this repository")
+    if not (ASSETS / name).is_dir():
+        pytest.skip("the scans of docs/inside/scans.md are not in the folder TRANSLUCID_ASSETS")
     if name == "dragon" and "TRANSLUCID_THOROUGH" not in os.environ:
         pytest.skip("the dragon takes minutes: it is for .ci/thorough")
     scan(name, method, 64, SCANS[name])

@@ -21,7 +21,7 @@ def mesh():
     }
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/guide/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/guide/python.md"])
 def test_pages(page, tmp_path, monkeypatch):
     """Each block goes on where the one before it on the page has ended."""
     pytest.importorskip("matplotlib").use("Agg")

@@ -12,8 +12,7 @@
 //! With `--curve` it prints the table of `docs/speed/noise.md` instead, which says what its columns are: errors up to 4,096
 //! samples, and how they fall. `--write` puts it there.
 //!
-//! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and
-//! skips.
+//! The meshes are scans, which are not part of the project (`docs/inside/scans.md`). A mesh that is not there is skipped.
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
@@ -53,7 +52,7 @@ fn main() {
                 scene.integrator.subsurface_sharing &= !arguments.iter().any(|a| a == "--alone");
                 run(case, &scene, reference_samples);
             }
-            None => println!("{}: skipped, ../shared/assets/{} is not there", case.name, case.mesh),
+            None => println!("{}: skipped, {} is not in TRANSLUCID_ASSETS", case.name, case.mesh),
         }
     }
 }
@@ -67,10 +66,7 @@ fn root() -> PathBuf {
 }
 
 fn load(case: &Case, model: Option<SubsurfaceModel>) -> Option<Scene> {
-    let mesh = asset(case.mesh);
-    if !mesh.is_file() {
-        return None;
-    }
+    let mesh = asset(case.mesh)?;
     let options =
         LoadOptions { mesh_overrides: vec![(None, mesh)], subsurface_model: model, ..LoadOptions::default() };
     match load_scene(&root().join(case.scene), &options, &mut Vec::new()) {
@@ -139,7 +135,7 @@ fn curve(is_to_write: bool) {
     let curves: Option<Vec<Curve>> =
         kinds.iter().map(|&(model, shares)| Some(Curve::of(load(&CASES[0], Some(model))?, shares))).collect();
     let Some(curves) = curves else {
-        return println!("skipped, ../shared/assets/{} is not there", CASES[0].mesh);
+        return println!("skipped, {} is not in TRANSLUCID_ASSETS", CASES[0].mesh);
     };
     let mut table = String::from(
         "| samples | normalized-diffusion-oblique | the same without sharing | random-walk |\n|---|---|---|---|\n",

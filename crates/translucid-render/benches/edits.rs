@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-render --bench edits
 //! ```
 //!
-//! For the built-in still life and, where `../shared/assets` is there, for a head of 71k triangles and a dragon of 870k.
+//! For the built-in still life and, where the scans are there (`docs/inside/scans.md`), for a head of 71k triangles and a dragon of 870k.
 //! Each figure is the median of 21 runs, in milliseconds of wall time, with the first ray through the picture's middle.
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
@@ -19,6 +19,7 @@ use translucid_render::{Edit, PreparedScene, View};
 use translucid_scene::{
     Camera, LoadOptions, Material, Projection, Scene, SubsurfaceModel, load_scene, still_life,
 };
+use translucid_testing::asset;
 
 const RUNS: usize = 21;
 
@@ -33,11 +34,10 @@ fn main() {
         ("dragon-870k", "scenes/dragon.toml", "dragon/dragon_870k.ply"),
     ] {
         let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let mesh = root.join("../shared/assets").join(mesh);
-        if !mesh.is_file() {
-            println!("| {name} | its mesh is not there |");
+        let Some(mesh) = asset(mesh) else {
+            println!("| {name} | {mesh} is not in TRANSLUCID_ASSETS |");
             continue;
-        }
+        };
         let options = LoadOptions { mesh_overrides: vec![(None, mesh)], ..LoadOptions::default() };
         report(name, load_scene(&root.join(file), &options, &mut Vec::new()).expect("a scene"));
     }

@@ -23,12 +23,12 @@
 //! only adds to it.
 //! `--write` writes meshes and rays as plain numbers, and `--serve` answers kind after kind from standard input, for
 //! `benches/peers/embree.py`.
-//! The meshes are not part of the project: where `../shared/assets` is absent, the bench says so and skips.
+//! The meshes are scans, which are not part of the project (`docs/inside/scans.md`). A mesh that is not there is skipped.
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
@@ -36,7 +36,7 @@ use translucid_profile::NormalizedDiffusion;
 use translucid_render::measure::Frame;
 use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
 use translucid_scene::{Mesh, Object, load_ply};
-use translucid_testing::{SplitMix, thread_cpu_seconds};
+use translucid_testing::{SplitMix, asset, thread_cpu_seconds};
 
 const MESHES: [&str; 2] = ["dragon_198k", "dragon_870k"];
 
@@ -60,7 +60,7 @@ fn main() {
     let all = !MESHES.iter().any(|&name| is_named(name));
     for name in MESHES.into_iter().filter(|&name| all || is_named(name)) {
         let Some(bench) = Bench::load(name, count) else {
-            println!("{name}: skipped, ../shared/assets/dragon/{name}.ply is not there");
+            println!("{name}: skipped, dragon/{name}.ply is not in TRANSLUCID_ASSETS");
             continue;
         };
         if let Some(folder) = value("--write") {
@@ -102,11 +102,7 @@ struct Bench {
 
 impl Bench {
     fn load(name: &str, count: usize) -> Option<Self> {
-        let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
-        let path: PathBuf = root.join("../shared/assets/dragon").join(name).with_extension("ply");
-        if !path.is_file() {
-            return None;
-        }
+        let path = asset(&format!("dragon/{name}.ply"))?;
         let mesh = load_ply(&path, &mut Vec::new()).unwrap_or_else(|error| panic!("{error}"));
         let object = Object {
             name: name.into(),

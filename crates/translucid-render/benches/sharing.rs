@@ -5,7 +5,8 @@
 //! ```
 //!
 //! Prints the table of `docs/speed/how-fast.md`, which says what its columns are; `--write` puts it there.
-//! Planes and balls are made here. Head and dragon are left out where `../shared/assets` is absent.
+//! Planes and balls are made here. Head and dragon are scans, and left out where they are not
+//! there (`docs/inside/scans.md`).
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
@@ -161,10 +162,10 @@ fn lit_plane(pixels: f32, lamp: f32) -> Scene {
 }
 
 fn load(name: &str, mesh: Option<&str>) -> Option<Scene> {
-    let mesh = mesh.map(asset);
-    if mesh.as_ref().is_some_and(|mesh| !mesh.is_file()) {
-        return None;
-    }
+    let mesh = match mesh {
+        Some(mesh) => Some(asset(mesh)?),
+        None => None,
+    };
     let options = LoadOptions {
         size: Some([SIZE; 2]),
         subsurface_model: mesh.is_none().then_some(PROFILE),

@@ -4,9 +4,8 @@
 //! cargo bench -p translucid-render --bench startup [-- still-life head dragon dragon-870k spheres busts --runs 7 --shapes]
 //! ```
 //!
-//! For the built-in still life, a thousand spheres, a hundred busts and, where `../shared/assets` is there, for the scenes
-//! of a head and of a dragon,
-//! prints the wall time and the CPU time of loading, of preparing and of the first sample of each pixel at
+//! For the built-in still life, a thousand spheres, a hundred busts and, where the scans are there (`docs/inside/scans.md`), for the
+//! scenes of a head and of a dragon, prints the wall time and the CPU time of loading, of preparing and of the first sample of each pixel at
 //! 96×54, on all processors, and what the tables of the materials alone take.
 //! Each figure is the least of `--runs` runs, which are in one process, whose most memory so far is that of a scene only
 //! where it is the first; `--shapes` adds each shape of the still life.
@@ -27,6 +26,7 @@ use translucid_scene::{
     LoadOptions, Scene, SceneFile, ShapeParameters, SubsurfaceModel, build_shape, load_scene, shape_names,
     still_life,
 };
+use translucid_testing::asset;
 
 /// A scene by name.
 struct Case {
@@ -102,11 +102,7 @@ fn options(case: &Case) -> Option<LoadOptions> {
         ..LoadOptions::default()
     };
     if let Source::Files([_, mesh]) = case.source {
-        let mesh = root().join("../shared/assets").join(mesh);
-        if !mesh.is_file() {
-            return None;
-        }
-        options.mesh_overrides = vec![(None, mesh)];
+        options.mesh_overrides = vec![(None, asset(mesh)?)];
     }
     Some(options)
 }

@@ -16,7 +16,7 @@
 //!
 //! each the mean over all channels of all pixels that are not background. The products have no noise on average, as no
 //! two of their factors share a picture; their standard error is that of the means of blocks of 16 × 16 pixels.
-//! Where `../shared/assets` is absent, the bench leaves its meshes out and says so.
+//! Scenes of scans that are not there are skipped (`docs/inside/scans.md`).
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
@@ -69,7 +69,7 @@ fn main() {
     for case in cases.iter().filter(is_chosen) {
         match case.load(size, eta) {
             Some(scene) => results.push((case.name.as_str(), Findings::of(&scene, &models, samples))),
-            None => println!("{}: skipped, its mesh is not in ../shared/assets", case.name),
+            None => println!("{}: skipped, its mesh is not in TRANSLUCID_ASSETS", case.name),
         }
     }
     let tables = [summary(&models, &results), details(&models, &results)].concat();
@@ -92,12 +92,12 @@ struct Case {
 }
 
 enum Source {
-    /// A file of `scenes/` whose object is a mesh of the assets.
+    /// A file of `scenes/` whose object is a scan.
     Mesh {
         scene: &'static str,
         mesh: &'static str,
     },
-    /// A file of `scenes/` that finds its mesh and textures in a folder of the assets.
+    /// A file of `scenes/` that finds its mesh and textures in a folder of the scans.
     Folder {
         scene: &'static str,
         folder: &'static str,
@@ -133,17 +133,13 @@ impl Case {
         let sized = |size: [u32; 2]| LoadOptions { size: Some(size), ..LoadOptions::default() };
         let loaded = match &self.source {
             Source::Mesh { scene, mesh } => {
-                let mesh = asset(mesh);
-                let options = LoadOptions { mesh_overrides: vec![(None, mesh.clone())], ..sized([width; 2]) };
-                mesh.is_file().then(|| load_scene(&folder.join(scene), &options, &mut Vec::new()))?
+                let options = LoadOptions { mesh_overrides: vec![(None, asset(mesh)?)], ..sized([width; 2]) };
+                load_scene(&folder.join(scene), &options, &mut Vec::new())
             }
             Source::Folder { scene, folder: assets } => {
-                let beside = asset(assets);
+                let beside = asset(assets)?;
                 let text = std::fs::read_to_string(folder.join(scene)).expect("a scene of the repository");
-                let file = SceneFile::parse(&text, &beside.join(scene));
-                beside
-                    .is_dir()
-                    .then_some(file)?
+                SceneFile::parse(&text, &beside.join(scene))
                     .and_then(|file| file.load(&sized([width, width * 5 / 4]), &mut Vec::new()))
             }
             Source::StillLife => still_life(&sized([width * 5 / 4, width * 5 / 4 * 9 / 16])),

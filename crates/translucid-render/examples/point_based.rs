@@ -15,7 +15,7 @@
 //! Mean free paths are longer than in the files of the scenes, so that the points of all tolerances are made in minutes.
 //! Paths may be long here (`max_depth` 64): where they end early, points are lit by as many events as a surface that
 //! is seen directly, and probes in a reflection by fewer.
-//! The head is not part of the project: where `../shared/assets` is absent, it is left out.
+//! The head is a scan, and left out where it is not there (`docs/inside/scans.md`).
 
 #![allow(clippy::print_stdout, reason = "the table is the example's output")]
 
@@ -26,7 +26,7 @@ use translucid_image::DisplayTransform;
 use translucid_profile::Model;
 use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, layer, measure};
 use translucid_scene::{LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, load_scene, still_life};
-use translucid_testing::cpu_seconds;
+use translucid_testing::{asset, cpu_seconds};
 
 const MODELS: [Model; 2] = [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined];
 const TOLERANCES: [f32; 3] = [0.8, 0.2, 0.05];
@@ -51,7 +51,7 @@ fn main() {
         for model in MODELS {
             match load(name, model, options.size) {
                 Some(scene) => compare(name, model, &scene, &options),
-                None => println!("{name}: left out, ../shared/assets is not there"),
+                None => println!("{name}: left out, its mesh is not in TRANSLUCID_ASSETS"),
             }
         }
     }
@@ -88,11 +88,7 @@ fn load(name: &str, model: Model, size: u32) -> Option<Scene> {
         "bust" => load_scene(&root.join("scenes/marble.toml"), &options, &mut Vec::new()),
         "still-life" => still_life(&options),
         "head" => {
-            let mesh = root.join("../shared/assets/head/head_70k.ply");
-            if !mesh.is_file() {
-                return None;
-            }
-            options.mesh_overrides = vec![(None, mesh)];
+            options.mesh_overrides = vec![(None, asset("head/head_70k.ply")?)];
             load_scene(&root.join("scenes/head.toml"), &options, &mut Vec::new())
         }
         _ => panic!("the scenes are bust, still-life and head"),

@@ -1,4 +1,5 @@
-//! How much the project's tests count, the meshes that some of them need, and what tests and benches of several crates share.
+//! How much the project's tests count, the scans that some of them need, and helpers that tests and benches of several
+//! crates share.
 //!
 //! A test whose power is a number of photons, samples or repeats runs at an eighth of it, with bounds that are wider
 //! in proportion, unless the environment variable `TRANSLUCID_THOROUGH` is `1`.
@@ -45,35 +46,24 @@ pub fn bound(thorough: f64) -> f64 {
     if is_thorough() { thorough } else { thorough * f64::from(QUICK).sqrt() }
 }
 
-/// Path of a file in the folder `shared/assets` beside the workspace, which tests in [`with_shared_assets!`] may
-/// expect to be there.
-#[must_use]
-pub fn asset(name: &str) -> PathBuf {
-    PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../../shared/assets")).join(name)
-}
-
-/// Defines tests that need the folder `shared/assets` beside the workspace; where it is missing, they are ignored and
-/// say so.
+/// Path of a file or folder of the scans that are not part of the project, in the folder that the environment variable
+/// `TRANSLUCID_ASSETS` names; `None` where that is not set, or nothing is there.
 ///
-/// ```
-/// translucid_testing::with_shared_assets! {
-///     fn head_has_its_triangles() {
-///         assert!(translucid_testing::asset("head/head_70k.ply").exists());
-///     }
-/// }
-/// ```
-#[cfg(shared_assets)]
-#[macro_export]
-macro_rules! with_shared_assets {
-    ($($test:item)*) => { $(#[test] $test)* };
+/// `docs/inside/scans.md` lists the files and their sources. Tests of scans are ignored unless they are asked for, as
+/// `.ci/scans` does, so that the variable changes nothing of what is compiled.
+#[must_use]
+pub fn asset(name: &str) -> Option<PathBuf> {
+    let path = PathBuf::from(std::env::var_os("TRANSLUCID_ASSETS")?).join(name);
+    path.exists().then_some(path)
 }
 
-/// Defines tests that need the folder `shared/assets` beside the workspace; where it is missing, they are ignored and
-/// say so.
-#[cfg(not(shared_assets))]
-#[macro_export]
-macro_rules! with_shared_assets {
-    ($($test:item)*) => { $(#[test] #[ignore = "needs the folder shared/assets beside the workspace"] $test)* };
+/// Path of a file that [`asset`] finds, for a test that cannot do without.
+///
+/// # Panics
+/// The file is not there.
+#[must_use]
+pub fn scan(name: &str) -> PathBuf {
+    asset(name).unwrap_or_else(|| panic!("{name} is not in TRANSLUCID_ASSETS, the absolute path of a folder"))
 }
 
 #[cfg(test)]
@@ -85,11 +75,5 @@ mod tests {
         let repeats = power(8000) as f64 / 8000.0;
         assert!((bound(0.1) - 0.1 / repeats.sqrt()).abs() < 1e-12);
         assert_eq!(power(3), if is_thorough() { 3 } else { 1 });
-    }
-
-    with_shared_assets! {
-        fn asset_is_found() {
-            assert!(asset("head").is_dir());
-        }
     }
 }

@@ -3,4 +3,4 @@
 #![allow(missing_docs, reason = "a test binary has no public items")]
 
 mod gltf;
-mod shared_files;
+mod scans;

@@ -4,8 +4,8 @@
 //! flat or packed by runs: the old scheme repeats the pixel before, the new one packs each channel of a
 //! scan line by itself.
 //!
-//! zune-hdr 0.5 reads two of the eight orientations, no flat pixels and no old runs, and goes on over runs that are
-//! too long; and it takes a mantissa's low end for its middle.
+//! A reader of our own, since files with any of the eight orientations, flat pixels and old runs are read, runs must fit
+//! their line, and a mantissa stands for the middle of its interval.
 
 use super::Decoded;
 use super::file_bytes::ImageBytes;
