@@ -29,9 +29,9 @@ struct Brightness {
     error: Vec3,
 }
 
-/// Brightness of the regions of a square scene, of those pixels that `counts` admits.
+/// Brightness of the regions of a scene's picture, of those pixels that `counts` admits.
 fn rendered(scene: &Scene, samples: u32, counts: impl Fn(usize, usize) -> bool) -> Vec<Brightness> {
-    let size = scene.film.width as usize;
+    let size = [scene.film.width, scene.film.height].map(|pixels| pixels as usize);
     let means = |film: FilmSums| {
         regions(size, |x, y| {
             let radiance = film.radiance(x as u32, y as u32).map(|value| value as f32);
@@ -48,13 +48,13 @@ fn rendered(scene: &Scene, samples: u32, counts: impl Fn(usize, usize) -> bool) 
     (0..ACROSS * ACROSS).map(brightness).collect()
 }
 
-/// Means over the regions of a picture with edges of `size` pixels.
-fn regions(size: usize, pixel: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
-    let edge = size / ACROSS;
+/// Means over the regions of a picture of so many pixels.
+fn regions(size: [usize; 2], pixel: impl Fn(usize, usize) -> Vec3) -> Vec<Vec3> {
+    let [width, height] = size.map(|pixels| pixels / ACROSS);
     let mean = |region: usize| {
-        let (left, top) = (region % ACROSS * edge, region / ACROSS * edge);
-        let sum: Vec3 = (0..edge * edge).map(|i| pixel(left + i % edge, top + i / edge)).sum();
-        sum / (edge * edge) as f32
+        let (left, top) = (region % ACROSS * width, region / ACROSS * height);
+        let sum: Vec3 = (0..width * height).map(|i| pixel(left + i % width, top + i / width)).sum();
+        sum / (width * height) as f32
     };
     (0..ACROSS * ACROSS).map(mean).collect()
 }
@@ -103,7 +103,7 @@ fn bust_truth() -> Vec<Brightness> {
 
 #[test]
 fn bust_agrees_with_an_independent_renderer() {
-    assert_as_bright(&rendered(&bust(), 16, |_, _| true), &bust_truth(), 0.0, 0.012);
+    assert_as_bright(&rendered(&bust(), 32, |_, _| true), &bust_truth(), 0.0, 0.012);
 }
 
 /// Meshes and pictures that are not part of the project.
@@ -182,7 +182,7 @@ mod scans {
 
     fn compare(scene: &Scene, truth: &[Vec3], samples: u32) {
         let counts = |x, y| !is_speck(truth, x, y);
-        let means = regions(SIZE, |x, y| if counts(x, y) { truth[y * SIZE + x] } else { Vec3::ZERO });
+        let means = regions([SIZE; 2], |x, y| if counts(x, y) { truth[y * SIZE + x] } else { Vec3::ZERO });
         let truth: Vec<_> = means.into_iter().map(|mean| Brightness { mean, error: Vec3::ZERO }).collect();
         assert_as_bright(&rendered(scene, samples, counts), &truth, 0.015, 0.02);
     }
