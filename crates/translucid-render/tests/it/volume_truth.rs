@@ -68,7 +68,10 @@ fn assert_as_bright(found: &[Brightness], truth: &[Brightness], share: f32, shar
             let allowed = 5.0 * found.error[c].hypot(truth.error[c]) + share * truth.mean[c];
             let off = found.mean[c] - truth.mean[c];
             if off.abs() > allowed + 1e-5 {
-                wrong.push(format!("region {region}, channel {c}: {} is not {}", found.mean[c], truth.mean[c]));
+                wrong.push(format!(
+                    "region {region}, channel {c}: {} is not {}",
+                    found.mean[c], truth.mean[c]
+                ));
             }
             compared += u32::from(allowed < 0.2 * truth.mean[c]);
         }
@@ -216,7 +219,8 @@ mod scans {
             // The same paths: their noise is the same, too, as far as they go
             let all = light(&scene);
             let mut limited = scene.clone();
-            (limited.integrator.max_depth, limited.integrator.max_diffuse_depth) = (max_depth, max_diffuse_depth);
+            (limited.integrator.max_depth, limited.integrator.max_diffuse_depth) =
+                (max_depth, max_diffuse_depth);
             let lost = Vec3::ONE - light(&limited) / all;
             println!("{}: {lost} lost", model.name());
             assert!(lost.abs().max_element() < 3e-3, "{}: {lost}", model.name());

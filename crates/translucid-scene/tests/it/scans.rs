@@ -92,7 +92,10 @@ fn example_head_is_the_scene_of_the_comparisons() {
     assert_eq!(material.specular_weight.factor, 0.0);
     assert_eq!(material.subsurface_parameter, SubsurfaceParameter::Mfp);
     assert_eq!(material.subsurface_configuration, Configuration::Diffuse);
-    assert_eq!((scene.camera.projection, scene.camera.target), (Projection::Perspective { horizontal_fov: 22.0 }, Vec3::new(6.0, 72.0, 0.0)));
+    assert_eq!(
+        (scene.camera.projection, scene.camera.target),
+        (Projection::Perspective { horizontal_fov: 22.0 }, Vec3::new(6.0, 72.0, 0.0))
+    );
     assert!(scene.environment.is_some_and(|e| !e.visible && e.radiance == Vec3::new(0.05, 0.055, 0.07)));
 }
 
