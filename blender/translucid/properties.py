@@ -28,18 +28,18 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
         name="Viewport Samples", description="Samples per pixel of the viewport", default=64, min=1, max=1 << 24, update=_changed
     )
     time_limit: bpy.props.FloatProperty(
-        name="Time Limit", description="Longest time to render a picture; 0 is no limit", default=0.0, min=0.0, unit="TIME_ABSOLUTE"
+        name="Time Limit", description="Maximum time to render a picture; 0 is no limit", default=0.0, min=0.0, unit="TIME_ABSOLUTE"
     )
     seed: bpy.props.IntProperty(name="Seed", description="Seed of the random numbers", default=0, min=0, update=_changed)
     use_animated_seed: bpy.props.BoolProperty(
-        name="Animate Seed", description="Another noise in each frame", default=True, update=_changed
+        name="Animate Seed", description="Different noise in each frame", default=True, update=_changed
     )
     model: bpy.props.EnumProperty(
         name="Model", description="Transport of light below surfaces", items=_MODELS, default="NODE", update=_changed
     )
     method: bpy.props.EnumProperty(
         name="Method",
-        description="How light below surfaces is found; walks are always traced",
+        description="Method to find entry points of light; walks are always traced",
         items=[
             ("ray-traced", "Ray-Traced", "Every path looks for the place where its light entered"),
             ("point-based", "Point-Based", "The light that enters is computed at points beforehand and summed; the rendered view is ray-traced all the same"),
@@ -48,11 +48,11 @@ class TranslucidSceneSettings(bpy.types.PropertyGroup):
         update=_changed,
     )
     use_sharing: bpy.props.BoolProperty(
-        name="Share between Pixels", description="Light that entered below one pixel serves those around it", default=True, update=_changed
+        name="Share between Pixels", description="Pixels share light below the surface, which reduces noise", default=True, update=_changed
     )
-    max_bounces: bpy.props.IntProperty(name="Bounces", description="Most scattering events on a path after the first", default=12, min=0, max=1023, update=_changed)
+    max_bounces: bpy.props.IntProperty(name="Bounces", description="Maximum number of scattering events on a path after the first", default=12, min=0, max=1023, update=_changed)
     use_caustics: bpy.props.BoolProperty(
-        name="Caustics", description="Light that glossy surfaces throw onto matte ones: noisy", default=False, update=_changed
+        name="Caustics", description="Light that glossy surfaces throw onto matte ones; noisy", default=False, update=_changed
     )
     use_denoising: bpy.props.BoolProperty(
         name="Denoise", description="By Open Image Denoise, if Blender's library is found", default=False
