@@ -5,7 +5,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use translucid_profile::{NormalizedDiffusion, NormalizedDiffusionF32};
+use translucid_profile::NormalizedDiffusion;
 use translucid_testing::golden_uniforms;
 
 const COUNT: usize = 4096;
@@ -18,22 +18,14 @@ fn profile() -> NormalizedDiffusion {
     NormalizedDiffusion::from_d(0.8, black_box(0.7)).expect("valid parameters")
 }
 
-fn twin() -> NormalizedDiffusionF32 {
-    NormalizedDiffusionF32::from_d(black_box(0.7))
-}
-
 fn radii() -> Vec<f64> {
     let mut radii = vec![0.0; COUNT];
     profile().quantile_slice(&golden_uniforms(COUNT), &mut radii);
     radii
 }
 
-fn narrowed(values: &[f64]) -> Vec<f32> {
-    values.iter().map(|v| *v as f32).collect()
-}
-
 /// Calls f on every element, one at a time: `black_box` keeps the loop from becoming vector code.
-fn one_by_one<T: Copy>(bencher: Bencher<'_, '_>, arguments: &[T], f: impl Fn(T) -> T) {
+fn call_each(bencher: Bencher<'_, '_>, arguments: &[f64], f: impl Fn(f64) -> f64) {
     bencher.counter(ItemsCount::new(arguments.len())).bench_local(|| {
         for argument in arguments {
             black_box(f(black_box(*argument)));
@@ -42,7 +34,7 @@ fn one_by_one<T: Copy>(bencher: Bencher<'_, '_>, arguments: &[T], f: impl Fn(T) 
 }
 
 /// Calls f on the whole slice.
-fn together<T: Copy>(bencher: Bencher<'_, '_>, arguments: &[T], f: impl Fn(&[T], &mut [T])) {
+fn call_on_all(bencher: Bencher<'_, '_>, arguments: &[f64], f: impl Fn(&[f64], &mut [f64])) {
     let mut results = arguments.to_vec();
     bencher.counter(ItemsCount::new(arguments.len())).bench_local(|| {
         f(black_box(arguments), &mut results);
@@ -65,104 +57,49 @@ fn newton_quantile(u: f64, three_d: f64) -> f64 {
     three_d * t
 }
 
-fn newton_quantile_f32(u: f32, three_d: f32) -> f32 {
-    let mut t = if u < 0.9 { 0.66 * u / (1.0 - 0.8 * u) } else { -((1.0 - u) * (4.0 / 3.0)).ln() };
-    for _ in 0..20 {
-        let x = (-t).exp();
-        let step = (0.25 * x * (3.0 + x * x) - (1.0 - u)) / (0.75 * x * (1.0 + x * x));
-        t += step;
-        if step.abs() <= 1e-6 * t {
-            break;
-        }
-    }
-    three_d * t
-}
-
-mod f64_one_by_one {
+mod one_by_one {
     use super::*;
 
     #[divan::bench]
     fn eval(bencher: Bencher<'_, '_>) {
         let p = profile();
-        one_by_one(bencher, &radii(), |r| p.eval(r));
+        call_each(bencher, &radii(), |r| p.eval(r));
     }
 
     #[divan::bench]
     fn quantile(bencher: Bencher<'_, '_>) {
         let p = profile();
-        one_by_one(bencher, &golden_uniforms(COUNT), |u| p.quantile(u));
+        call_each(bencher, &golden_uniforms(COUNT), |u| p.quantile(u));
     }
 
     #[divan::bench]
     fn quantile_by_newton(bencher: Bencher<'_, '_>) {
         let three_d = black_box(2.1);
-        one_by_one(bencher, &golden_uniforms(COUNT), |u| newton_quantile(u, three_d));
+        call_each(bencher, &golden_uniforms(COUNT), |u| newton_quantile(u, three_d));
     }
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
         let p = profile();
-        one_by_one(bencher, &golden_uniforms(COUNT), |u| p.sample(u));
+        call_each(bencher, &golden_uniforms(COUNT), |u| p.sample(u));
     }
 }
 
-mod f64_slices {
+mod slices {
     use super::*;
 
     #[divan::bench]
     fn eval(bencher: Bencher<'_, '_>) {
-        together(bencher, &radii(), |from, to| profile().eval_slice(from, to));
+        call_on_all(bencher, &radii(), |from, to| profile().eval_slice(from, to));
     }
 
     #[divan::bench]
     fn quantile(bencher: Bencher<'_, '_>) {
-        together(bencher, &golden_uniforms(COUNT), |from, to| profile().quantile_slice(from, to));
+        call_on_all(bencher, &golden_uniforms(COUNT), |from, to| profile().quantile_slice(from, to));
     }
 
     #[divan::bench]
     fn sample(bencher: Bencher<'_, '_>) {
-        together(bencher, &golden_uniforms(COUNT), |from, to| profile().sample_slice(from, to));
-    }
-}
-
-mod f32_one_by_one {
-    use super::*;
-
-    #[divan::bench]
-    fn pdf_area(bencher: Bencher<'_, '_>) {
-        let p = twin();
-        one_by_one(bencher, &narrowed(&radii()), |r| p.pdf_area(r));
-    }
-
-    #[divan::bench]
-    fn quantile_complement(bencher: Bencher<'_, '_>) {
-        let p = twin();
-        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| p.quantile_complement(u));
-    }
-
-    #[divan::bench]
-    fn quantile_by_newton(bencher: Bencher<'_, '_>) {
-        let three_d = black_box(2.1);
-        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| newton_quantile_f32(u, three_d));
-    }
-
-    #[divan::bench]
-    fn sample(bencher: Bencher<'_, '_>) {
-        let p = twin();
-        one_by_one(bencher, &narrowed(&golden_uniforms(COUNT)), |u| p.sample(u));
-    }
-}
-
-mod f32_slices {
-    use super::*;
-
-    #[divan::bench]
-    fn pdf_area(bencher: Bencher<'_, '_>) {
-        together(bencher, &narrowed(&radii()), |from, to| twin().pdf_area_slice(from, to));
-    }
-
-    #[divan::bench]
-    fn sample(bencher: Bencher<'_, '_>) {
-        together(bencher, &narrowed(&golden_uniforms(COUNT)), |from, to| twin().sample_slice(from, to));
+        call_on_all(bencher, &golden_uniforms(COUNT), |from, to| profile().sample_slice(from, to));
     }
 }

@@ -4,8 +4,8 @@
 //! enters. Domains and errors are those of the profiles that the numbers belong to.
 
 use crate::Configuration;
-use crate::math::elementary::{LOWER_START_3, UPPER_START_3};
 use crate::medium::length_coefficients;
+use crate::model::burley::kernel::{LOWER_START_3, UPPER_START_3};
 use crate::model::oblique::{coefficients as oblique, kernel};
 use crate::model::refined::coefficients as refined;
 

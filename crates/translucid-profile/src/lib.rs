@@ -5,7 +5,7 @@
 //! This crate holds what a renderer, a fit or a reference needs to know about profiles:
 //!
 //! - [`NormalizedDiffusion`]: Burley's profile with evaluation, densities, closed-form cdf and quantile, exact
-//!   sampling and moments; [`NormalizedDiffusionF32`] is its twin for inner loops.
+//!   sampling and moments.
 //! - [`RefinedDiffusion`]: the same with four exponentials and an error of 0.3 %.
 //! - [`ObliqueDiffusion`]: the same for a beam at any angle, a profile over radius and azimuth;
 //!   [`ObliqueDiffusionTable`] is its twin for inner loops.
@@ -97,7 +97,6 @@ pub use medium::scaling::{
 pub use medium::similarity::Similarity;
 pub use model::Model;
 pub use model::burley::NormalizedDiffusion;
-pub use model::burley::single_precision::NormalizedDiffusionF32;
 pub use model::dipole::better::BetterDipole;
 pub use model::dipole::standard::StandardDipole;
 pub use model::directional_dipole::DirectionalDipole;
@@ -109,7 +108,6 @@ pub use model::oblique::single_precision::{ObliqueDiffusionF32, ObliqueDiffusion
 pub use model::photon_beam_diffusion::{BeamMultipleScattering, BeamSingleScattering, PhotonBeamDiffusion};
 pub use model::quantized_diffusion::QuantizedDiffusion;
 pub use model::refined::RefinedDiffusion;
-pub use model::refined::single_precision::RefinedDiffusionF32;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
 pub use profile::{Profile, Quantity};

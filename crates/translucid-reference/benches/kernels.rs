@@ -14,8 +14,8 @@ use std::hint::black_box;
 use fearless_simd::prelude::*;
 use fearless_simd::{Level, Simd, dispatch};
 use translucid_profile::{
-    AlbedoTable, AlbedoTableF32, Appearance, BetterDipole, NormalizedDiffusion, NormalizedDiffusionF32,
-    ParameterError, Parameterization, Profile, TabulatedProfile,
+    AlbedoTable, AlbedoTableF32, Appearance, BetterDipole, NormalizedDiffusion, ParameterError,
+    Parameterization, Profile, TabulatedProfile,
 };
 use translucid_reference::walk::{Parameters, Problem, Walker};
 use translucid_testing::{golden_uniforms, thread_cpu_seconds, write_measured};
@@ -23,10 +23,11 @@ use translucid_testing::{golden_uniforms, thread_cpu_seconds, write_measured};
 /// Vector instructions of the walk's step for 16 photons of η = 1 and g = 0, counted in its source: three random
 /// words 27, exponential flight 21, circle 20, polar angle 7, direction and place 5, end of the flight 4.
 const OPERATIONS_OF_WALK: f64 = 84.0;
-/// Vector instructions of normalized diffusion for one element of a slice, counted in its source: argument, exponential
+/// Vector instructions of normalized diffusion's `eval` for one element of a slice, counted in its source: argument, exponential
 /// or logarithm with its polynomial, factors. Comparisons and selections count, divisions count once.
-const OPERATIONS_OF_PROFILE: [(&str, f64); 4] =
-    [("eval", 52.0), ("sample", 55.0), ("pdf_area", 45.0), ("sample", 45.0)];
+const OPERATIONS_OF_EVAL: f64 = 52.0;
+/// The same for a sample.
+const OPERATIONS_OF_SAMPLE: f64 = 55.0;
 
 /// A line of the cache: a table's cell is one, in either precision.
 const BYTES_OF_LINE: f64 = 64.0;
@@ -250,47 +251,34 @@ fn walk_row(name: &str, albedo: f64, ns: f64, collisions: u64, bound: Option<f64
 
 fn profile_table(rates: &Rates) -> String {
     let profile = NormalizedDiffusion::from_d(0.8, black_box(0.7)).expect("valid parameters");
-    let twin = NormalizedDiffusionF32::from_d(black_box(0.7));
     let uniforms = golden_uniforms(COUNT);
     let mut radii = vec![0.0; COUNT];
     profile.quantile_slice(&uniforms, &mut radii);
-    let narrow = |values: &[f64]| values.iter().map(|v| *v as f32).collect::<Vec<f32>>();
-    let (uniforms32, radii32) = (narrow(&uniforms), narrow(&radii));
 
-    let [eval, sample, pdf_area, sample32] = OPERATIONS_OF_PROFILE.map(|(_, count)| count / rates.double);
     let rows = [
         (
             "eval, f64",
             one_by_one(&radii, |r| profile.eval(r)),
-            Some((slice(&radii, |f, t| profile.eval_slice(f, t)), eval)),
+            slice(&radii, |from, to| profile.eval_slice(from, to)),
+            OPERATIONS_OF_EVAL,
         ),
         (
             "sample, f64",
             one_by_one(&uniforms, |u| profile.sample(u)),
-            Some((slice(&uniforms, |f, t| profile.sample_slice(f, t)), sample)),
-        ),
-        (
-            "pdf_area, f32",
-            one_by_one(&radii32, |r| twin.pdf_area(r)),
-            Some((slice(&radii32, |f, t| twin.pdf_area_slice(f, t)), pdf_area)),
-        ),
-        (
-            "sample, f32",
-            one_by_one(&uniforms32, |u| twin.sample(u)),
-            Some((slice(&uniforms32, |f, t| twin.sample_slice(f, t)), sample32)),
+            slice(&uniforms, |from, to| profile.sample_slice(from, to)),
+            OPERATIONS_OF_SAMPLE,
         ),
     ];
     let mut text = String::from(
         "| normalized diffusion | alone, ns | in a slice, ns | roofline, ns | reached | million per s, one core |\n|---|---|---|---|---|---|\n",
     );
-    for (name, alone, together) in rows {
-        if let Some((ns, bound)) = together {
-            text += &format!(
-                "| {name} | {alone:.2} | {ns:.2} | {bound:.2} | {:.0} % | {:.0} |\n",
-                100.0 * bound / ns,
-                1e3 / ns
-            );
-        }
+    for (name, alone, ns, operations) in rows {
+        let bound = operations / rates.double;
+        text += &format!(
+            "| {name} | {alone:.2} | {ns:.2} | {bound:.2} | {:.0} % | {:.0} |\n",
+            100.0 * bound / ns,
+            1e3 / ns
+        );
     }
     text + &table_rows(&uniforms, rates)
 }

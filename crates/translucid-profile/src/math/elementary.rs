@@ -3,7 +3,7 @@
 //! The standard library's `exp` and `ln` are calls into the platform's library: no compiler vectorizes
 //! them, and their last digit depends on the platform.
 //! These two cost the same alone, several times less in a loop, and give the same bits everywhere.
-//! Each comes in two lengths of polynomial, [`Double`] for `f64` and [`Single`] for results that will be
+//! The exponential comes in two lengths of polynomial, [`Double`] for `f64` and [`Single`] for results that will be
 //! rounded to `f32`.
 
 /// ln 2 to 32 bits: its product with an exponent is exact.
@@ -17,21 +17,16 @@ const FRACTION: u64 = (1 << 52) - 1;
 /// Arguments beyond this give 0: e^−708 is the last whole power of e that is a normal number.
 const GREATEST_EXPONENT: f64 = 708.0;
 
-/// Lengths of the polynomials.
+/// Lengths of the exponential's polynomial.
 pub(crate) trait Accuracy {
     /// (e^g − 1 − g) / g² for |g| ≤ ½ ln 2.
     fn exp_tail(g: f64) -> f64;
-    /// (atanh(s)/s − 1) / z with z = s² ≤ 0.0295.
-    fn atanh_tail(z: f64) -> f64;
-    /// Start for the root of normalized diffusion's cubic for v ∈ [0, ½], divided by v: below the median that
-    /// of 1 − 2 sinh(asinh(2 − 2v)/3), above it that of 2 sinh(asinh(2v)/3).
-    fn root_start(below: bool, v: f64) -> f64;
 }
 
-/// Polynomials for results in double precision.
+/// The polynomial for results in double precision.
 pub(crate) struct Double;
 
-/// Polynomials for results that are rounded to single precision: truncation below 3e-9.
+/// The polynomial for results that are rounded to single precision: truncation below 1e-9.
 pub(crate) struct Single;
 
 impl Accuracy for Double {
@@ -39,28 +34,12 @@ impl Accuracy for Double {
     fn exp_tail(g: f64) -> f64 {
         polynomial(&INVERSE_FACTORIALS, g)
     }
-    #[inline(always)]
-    fn atanh_tail(z: f64) -> f64 {
-        polynomial(&INVERSE_ODDS, z)
-    }
-    #[inline(always)]
-    fn root_start(below: bool, v: f64) -> f64 {
-        polynomial(&select(below, &LOWER_START_7, &UPPER_START_7), v)
-    }
 }
 
 impl Accuracy for Single {
     #[inline(always)]
     fn exp_tail(g: f64) -> f64 {
         polynomial(const { &leading::<7, 12>(&INVERSE_FACTORIALS) }, g)
-    }
-    #[inline(always)]
-    fn atanh_tail(z: f64) -> f64 {
-        polynomial(const { &leading::<4, 10>(&INVERSE_ODDS) }, z)
-    }
-    #[inline(always)]
-    fn root_start(below: bool, v: f64) -> f64 {
-        polynomial(&select(below, &LOWER_START_3, &UPPER_START_3), v)
     }
 }
 
@@ -80,7 +59,8 @@ const INVERSE_FACTORIALS: [f64; 12] = [
     1.0 / 6_227_020_800.0,
 ];
 
-/// 1/n for odd n from 3: ten terms leave 7e-18, four leave 3e-9 of the value at the ends.
+/// 1/n for odd n from 3, the coefficients of (atanh(s)/s − 1) / z in z = s² ≤ 0.0295: ten terms leave 7e-18 of the value
+/// at the ends.
 const INVERSE_ODDS: [f64; 10] = [
     1.0 / 3.0,
     1.0 / 5.0,
@@ -93,38 +73,6 @@ const INVERSE_ODDS: [f64; 10] = [
     1.0 / 19.0,
     1.0 / 21.0,
 ];
-
-/// Interpolates the upper root, divided by v, at 7 Chebyshev nodes of [0, ½]; relative error 9.6e-7.
-/// The test `starts_interpolate_the_closed_form` generates this and the three below.
-const UPPER_START_7: [f64; 7] = [
-    1.333334667377,
-    -0.000264753174,
-    -0.781116505208,
-    -0.120348233635,
-    2.203447830642,
-    -2.794490533996,
-    1.208069000754,
-];
-/// Interpolates as [`UPPER_START_7`] at 3 nodes; relative error 2.1e-3.
-pub(crate) const UPPER_START_3: [f64; 3] = [1.335729962834, -0.084045038434, -0.415636555539];
-/// Interpolates the lower root, divided by v, at 7 Chebyshev nodes of [0, ½]; relative error 6.7e-8.
-const LOWER_START_7: [f64; 7] = [
-    0.666666624525,
-    0.222230458705,
-    0.098505670234,
-    0.044179572342,
-    -0.005445474776,
-    0.039452466490,
-    -0.061855209920,
-];
-/// Interpolates as [`LOWER_START_7`] at 3 nodes; relative error 2.6e-4.
-pub(crate) const LOWER_START_3: [f64; 3] = [0.666836310006, 0.216112787158, 0.131340762512];
-
-/// One of two coefficient sets, chosen number by number: a branch here would keep a loop from being vectorized.
-#[inline(always)]
-fn select<const N: usize>(first: bool, a: &[f64; N], b: &[f64; N]) -> [f64; N] {
-    std::array::from_fn(|i| if first { a[i] } else { b[i] })
-}
 
 /// The first N of M coefficients.
 const fn leading<const N: usize, const M: usize>(all: &[f64; M]) -> [f64; N] {
@@ -139,7 +87,7 @@ const fn leading<const N: usize, const M: usize>(all: &[f64; M]) -> [f64; N] {
 
 /// Σ cᵢ xⁱ, even and odd terms apart: half the latency of one Horner chain.
 #[inline(always)]
-fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
+pub(crate) fn polynomial<const N: usize>(c: &[f64; N], x: f64) -> f64 {
     let z = x * x;
     let (mut high, mut low) = (c[N - 1], c[N - 2]);
     let mut i = N - 2;
@@ -170,7 +118,7 @@ pub(crate) fn exp_negative<P: Accuracy>(t: f64) -> (f64, f64) {
 
 /// −ln x for a normal number x ≤ 1 given beside y = 1 − x, whose digits count where x is near 1.
 #[inline(always)]
-pub(crate) fn negative_log<P: Accuracy>(x: f64, y: f64) -> f64 {
+pub(crate) fn negative_log(x: f64, y: f64) -> f64 {
     // Split x = 2^k m with m ∈ [√½, √2)
     let root_half = std::f64::consts::FRAC_1_SQRT_2.to_bits();
     let biased = x.to_bits().wrapping_add(1.0f64.to_bits() - root_half);
@@ -182,58 +130,13 @@ pub(crate) fn negative_log<P: Accuracy>(x: f64, y: f64) -> f64 {
     let f = if k == 0.0 { -y } else { m - 1.0 };
     let s = f / (2.0 + f);
     let z = s * s;
-    let log_m = f - s * (f - 2.0 * z * P::atanh_tail(z));
+    let log_m = f - s * (f - 2.0 * z * polynomial(&INVERSE_ODDS, z));
     0.0 - (k * LN_2_HIGH + (log_m + k * LN_2_LOW))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    /// Polynomial of n terms through f(v)/v at the Chebyshev nodes of [0, ½], by Newton's divided differences.
-    fn chebyshev_interpolant(n: usize, f: impl Fn(f64) -> f64) -> Vec<f64> {
-        let node = |k: usize| 0.25 + 0.25 * (std::f64::consts::PI * (k as f64 + 0.5) / n as f64).cos();
-        let mut differences: Vec<f64> = (0..n).map(|k| f(node(k)) / node(k)).collect();
-        for order in 1..n {
-            for k in (order..n).rev() {
-                differences[k] = (differences[k] - differences[k - 1]) / (node(k) - node(k - order));
-            }
-        }
-        let mut coefficients = vec![0.0; n];
-        for k in (0..n).rev() {
-            for i in (1..n).rev() {
-                coefficients[i] = coefficients[i - 1] - node(k) * coefficients[i];
-            }
-            coefficients[0] = differences[k] - node(k) * coefficients[0];
-        }
-        coefficients
-    }
-
-    fn upper_root(v: f64) -> f64 {
-        2.0 * ((2.0 * v).asinh() / 3.0).sinh()
-    }
-
-    fn lower_root(v: f64) -> f64 {
-        1.0 - upper_root(1.0 - v)
-    }
-
-    #[test]
-    fn starts_interpolate_the_closed_form() {
-        let check = |found: &[f64], f: fn(f64) -> f64, worst_stated: f64| {
-            let expected = chebyshev_interpolant(found.len(), f);
-            for (found, expected) in found.iter().zip(&expected) {
-                assert!((found - expected).abs() < 1e-9, "{found} is not {expected} of {expected:?}");
-            }
-            let value = |v: f64| found.iter().rev().fold(0.0, |sum, c| sum * v + c) * v;
-            let worst = (1..=1000).map(|i| f64::from(i) / 2000.0).map(|v| (value(v) / f(v) - 1.0).abs());
-            let worst = worst.fold(0.0, f64::max);
-            assert!(worst < worst_stated, "{worst:e} against {worst_stated:e}");
-        };
-        check(&UPPER_START_7, upper_root, 9.6e-7);
-        check(&UPPER_START_3, upper_root, 2.1e-3);
-        check(&LOWER_START_7, lower_root, 6.7e-8);
-        check(&LOWER_START_3, lower_root, 2.6e-4);
-    }
 
     /// Worst relative error of e^−t and of 1 − e^−t over t ∈ (0, 700].
     fn worst_of_exp<P: Accuracy>() -> (f64, f64) {
@@ -264,14 +167,14 @@ mod tests {
     }
 
     /// Worst relative error of −ln x over x = 1 − y for y from 1e-18 and x from 1e-300.
-    fn worst_of_log<P: Accuracy>() -> f64 {
+    fn worst_of_log() -> f64 {
         let mut worst = 0.0f64;
         for i in 1..200_000 {
             let y = (-f64::from(i) / 5e3).exp();
-            worst = worst.max((negative_log::<P>(1.0 - y, y) / -(-y).ln_1p() - 1.0).abs());
+            worst = worst.max((negative_log(1.0 - y, y) / -(-y).ln_1p() - 1.0).abs());
             let x = (-f64::from(i) / 300.0).exp();
             if x > 1e-300 && x < 0.5 {
-                worst = worst.max((negative_log::<P>(x, 1.0 - x) / -x.ln() - 1.0).abs());
+                worst = worst.max((negative_log(x, 1.0 - x) / -x.ln() - 1.0).abs());
             }
         }
         worst
@@ -279,10 +182,8 @@ mod tests {
 
     #[test]
     fn negative_log_agrees_with_the_platform() {
-        let worst = worst_of_log::<Double>();
+        let worst = worst_of_log();
         assert!(worst < 5e-16, "{worst:e}");
-        let worst = worst_of_log::<Single>();
-        assert!(worst < 6e-9, "{worst:e}");
-        assert_eq!(negative_log::<Double>(1.0, 0.0).to_bits(), 0);
+        assert_eq!(negative_log(1.0, 0.0).to_bits(), 0);
     }
 }

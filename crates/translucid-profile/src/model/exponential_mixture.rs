@@ -1,6 +1,6 @@
 //! A sum of exponentials as a distribution of radii, which the refined profiles are made of.
 
-use crate::math::elementary::{Accuracy, Double, exp_negative, negative_log};
+use crate::math::elementary::{Double, exp_negative, negative_log};
 
 /// Far more steps than any argument needs.
 const MOST_STEPS: u32 = 200;
@@ -22,26 +22,26 @@ pub(crate) struct ExponentialMixture<const N: usize> {
 impl<const N: usize> ExponentialMixture<N> {
     /// Density per length p(r) \[L⁻¹\].
     #[inline(always)]
-    pub(crate) fn density<P: Accuracy>(&self, r: f64) -> f64 {
-        self.sum(|k| self.rates[k] * exp_negative::<P>(self.rates[k] * r).0)
+    pub(crate) fn density(&self, r: f64) -> f64 {
+        self.sum(|k| self.rates[k] * exp_negative::<Double>(self.rates[k] * r).0)
     }
 
     /// Share within r, Σ w_k (1 − e^{−λ_k r}), with the digits of a small r.
     #[inline(always)]
-    pub(crate) fn within<P: Accuracy>(&self, r: f64) -> f64 {
-        self.sum(|k| exp_negative::<P>(self.rates[k] * r).1)
+    pub(crate) fn within(&self, r: f64) -> f64 {
+        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).1)
     }
 
     /// Share beyond r, Σ w_k e^{−λ_k r}, with the digits of a large r.
     #[inline(always)]
-    pub(crate) fn beyond<P: Accuracy>(&self, r: f64) -> f64 {
-        self.sum(|k| exp_negative::<P>(self.rates[k] * r).0)
+    pub(crate) fn beyond(&self, r: f64) -> f64 {
+        self.sum(|k| exp_negative::<Double>(self.rates[k] * r).0)
     }
 
     /// Radius for a random number u ∈ [0, 1], where all weights are positive: −ln(1 − u')/λ_k with probability w_k,
     /// where u' is u rescaled.
     #[inline(always)]
-    pub(crate) fn sample<P: Accuracy>(&self, u: f64) -> f64 {
+    pub(crate) fn sample(&self, u: f64) -> f64 {
         // Choose a term, number by number: a branch would keep a loop from being vectorized
         let (mut start, mut weight, mut rate) = (0.0, self.weights[0], self.rates[0]);
         let mut end = weight;
@@ -54,19 +54,19 @@ impl<const N: usize> ExponentialMixture<N> {
         }
         // The greatest u below a term's end may round up to 1
         let rescaled = ((u - start) / weight).min(1.0 - f64::EPSILON / 2.0);
-        negative_log::<P>(1.0 - rescaled, rescaled) / rate
+        negative_log(1.0 - rescaled, rescaled) / rate
     }
 
     /// Radius within which the share u is; u is clamped to [0, 1], NaN counts as 0.
     pub(crate) fn quantile(&self, u: f64) -> f64 {
         let u = u.max(0.0).min(1.0);
-        self.radius(negative_log::<Double>((1.0 - u).max(f64::MIN_POSITIVE), u))
+        self.radius(negative_log((1.0 - u).max(f64::MIN_POSITIVE), u))
     }
 
     /// Radius beyond which the share v is; v is clamped to [2.2e-308, 1], NaN counts as 1.
     pub(crate) fn quantile_complement(&self, v: f64) -> f64 {
         let v = v.min(1.0).max(f64::MIN_POSITIVE);
-        self.radius(negative_log::<Double>(v, 1.0 - v))
+        self.radius(negative_log(v, 1.0 - v))
     }
 
     /// Mean radius Σ w_k/λ_k \[L\].
@@ -106,7 +106,7 @@ impl<const N: usize> ExponentialMixture<N> {
         // Start where a lower bound of positive weights says: e^{−Σ w λ r} lies below the mixture, and so does its
         // slowest term
         let of_first = self.weights[0].min(1.0);
-        let of_first = negative_log::<Double>(of_first, 1.0 - of_first);
+        let of_first = negative_log(of_first, 1.0 - of_first);
         let mean_rate = self.sum(|k| rates[k]).max(slowest);
         let mut r = (depth / mean_rate).max((depth - of_first) / rates[0]).max(low).min(high);
         for _ in 0..MOST_STEPS {
@@ -119,7 +119,7 @@ impl<const N: usize> ExponentialMixture<N> {
             let slope = if slope > 0.0 { slope } else { slowest };
             let variance = self.sum(|k| rates[k] * rates[k] * parts[k].0) / beyond - slope * slope;
 
-            let missing = depth - negative_log::<Double>(beyond, within);
+            let missing = depth - negative_log(beyond, within);
             if missing > 0.0 {
                 low = r;
             } else {

@@ -122,7 +122,7 @@ impl QuantizedDiffusion {
 
     /// Σ factorᵢ f(1/2vᵢ), the terms first, so that they become vector code, and then four sums side by side.
     #[inline(always)]
-    fn sum(&self, factors: &[f64; COUNT], f: impl Elementwise<f64>) -> f64 {
+    fn sum(&self, factors: &[f64; COUNT], f: impl Elementwise) -> f64 {
         let mut terms = [0.0; COUNT];
         map_slice(&self.rates, &mut terms, f);
         let mut sums = [0.0; 4];
@@ -177,7 +177,7 @@ struct Kept {
     square: f64,
 }
 
-impl Elementwise<f64> for Kept {
+impl Elementwise for Kept {
     #[inline(always)]
     fn at(&self, rate: f64) -> f64 {
         exp_negative::<Double>(self.square * rate).0
@@ -189,7 +189,7 @@ struct Lost {
     square: f64,
 }
 
-impl Elementwise<f64> for Lost {
+impl Elementwise for Lost {
     #[inline(always)]
     fn at(&self, rate: f64) -> f64 {
         exp_negative::<Double>(self.square * rate).1

@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require};
-use crate::math::elementary::Double;
 use crate::model::exponential_mixture::ExponentialMixture;
 use crate::profile::finite_quotient;
 use crate::{Appearance, Configuration, Medium, Parameterization, Profile, RefinedDiffusion, Similarity};
@@ -162,7 +161,7 @@ impl Profile for SimilarRefinedDiffusion {
     }
 
     fn pdf(&self, r: f64) -> f64 {
-        self.mixture.density::<Double>(r.max(0.0)).max(0.0)
+        self.mixture.density(r.max(0.0)).max(0.0)
     }
 
     fn pdf_area(&self, r: f64) -> f64 {
@@ -170,11 +169,11 @@ impl Profile for SimilarRefinedDiffusion {
     }
 
     fn cdf(&self, r: f64) -> f64 {
-        self.mixture.within::<Double>(r.max(0.0)).max(0.0).min(1.0)
+        self.mixture.within(r.max(0.0)).max(0.0).min(1.0)
     }
 
     fn complementary_cdf(&self, r: f64) -> f64 {
-        self.mixture.beyond::<Double>(r.max(0.0)).max(0.0).min(1.0)
+        self.mixture.beyond(r.max(0.0)).max(0.0).min(1.0)
     }
 
     fn quantile(&self, u: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use translucid_profile::{NormalizedDiffusion, NormalizedDiffusionF32};
+use translucid_profile::NormalizedDiffusion;
 use translucid_testing::SplitMix;
 
 const D: f64 = 0.7;
@@ -155,21 +155,7 @@ fn sample_follows_the_cdf() {
 }
 
 #[test]
-fn sample_of_f32_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix(2));
-    let twin = NormalizedDiffusionF32::from_d(D as f32);
-    assert_distributed(&p, || f64::from(twin.sample(random.uniform_f32())));
-}
-
-#[test]
 fn quantile_of_a_random_number_follows_the_cdf() {
     let (p, mut random) = (profile(0.8), SplitMix(3));
     assert_distributed(&p, || p.quantile(random.uniform()));
-}
-
-#[test]
-fn quantile_complement_of_f32_follows_the_cdf() {
-    let (p, mut random) = (profile(0.8), SplitMix(4));
-    let twin = NormalizedDiffusionF32::from_d(D as f32);
-    assert_distributed(&p, || f64::from(twin.quantile_complement(random.uniform_f32())));
 }

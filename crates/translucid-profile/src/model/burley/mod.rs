@@ -4,13 +4,11 @@
 //! course notes; P. H. Christensen and B. Burley, *Approximate Reflectance Profiles for Efficient
 //! Subsurface Scattering*, Pixar Technical Memo 15-04, 2015, equation 3.
 
-mod kernel;
-pub(crate) mod single_precision;
+pub(crate) mod kernel;
 
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require, require_fraction, require_non_negative};
-use crate::math::elementary::Double;
 use crate::math::slices::{elementwise, map_slice};
 use crate::medium::similarity::is_plain;
 use crate::profile::{apply_each, finite_quotient, methods_of};
@@ -164,7 +162,7 @@ impl NormalizedDiffusion {
     /// Density per length p(r) = 2πr R(r)/A \[L⁻¹\]; 1/(2d) at r = 0. It does not depend on A.
     #[inline(always)]
     pub fn pdf(&self, r: f64) -> f64 {
-        kernel::density::<Double>(self.t(r)) * self.inverse_3d
+        kernel::density(self.t(r)) * self.inverse_3d
     }
 
     /// Density per area p_a(r) = R(r)/A \[L⁻²\], at r = 0 as [`eval`](Self::eval). It does not depend on A.
@@ -176,7 +174,7 @@ impl NormalizedDiffusion {
     /// Share of the energy that leaves within r: 1 − ¼e^{−r/d} − ¾e^{−r/3d}, exact for small r too.
     #[inline(always)]
     pub fn cdf(&self, r: f64) -> f64 {
-        kernel::within::<Double>(self.t(r))
+        kernel::within(self.t(r))
     }
 
     /// Share of the energy that leaves beyond r: ¼e^{−r/d} + ¾e^{−r/3d}, exact for large r too.
@@ -184,7 +182,7 @@ impl NormalizedDiffusion {
     /// It falls to 0 at r = 2124 d, where it leaves the range of normal numbers.
     #[inline]
     pub fn complementary_cdf(&self, r: f64) -> f64 {
-        kernel::beyond::<Double>(self.t(r))
+        kernel::beyond(self.t(r))
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr' = A cdf(r).
@@ -205,7 +203,7 @@ impl NormalizedDiffusion {
     #[inline(always)]
     pub fn quantile(&self, u: f64) -> f64 {
         let u = u.max(0.0).min(1.0);
-        3.0 * self.d * kernel::quantile::<Double>(u, (1.0 - u).max(f64::MIN_POSITIVE))
+        3.0 * self.d * kernel::quantile(u, (1.0 - u).max(f64::MIN_POSITIVE))
     }
 
     /// Radius beyond which the share u ∈ [0, 1] of the energy leaves \[L\]: `quantile(1 − u)` with every digit
@@ -225,7 +223,7 @@ impl NormalizedDiffusion {
     #[inline(always)]
     pub fn quantile_complement(&self, u: f64) -> f64 {
         let u = u.min(1.0).max(f64::MIN_POSITIVE);
-        3.0 * self.d * kernel::quantile::<Double>(1.0 - u, u)
+        3.0 * self.d * kernel::quantile(1.0 - u, u)
     }
 
     /// Radius of density p(r) for a random number u uniform on [0, 1) \[L\].
@@ -236,7 +234,7 @@ impl NormalizedDiffusion {
     /// u is clamped to [0, 1]; NaN counts as 0.
     #[inline(always)]
     pub fn sample(&self, u: f64) -> f64 {
-        3.0 * self.d * kernel::sample::<Double>(u.max(0.0).min(1.0))
+        3.0 * self.d * kernel::sample(u.max(0.0).min(1.0))
     }
 
     /// Mean radius ∫ r p dr = 5d/2 \[L\].
@@ -253,17 +251,17 @@ impl NormalizedDiffusion {
 
     /// [`eval`](Self::eval) of every radius, as far as the shorter slice goes.
     pub fn eval_slice(&self, radii: &[f64], reflectances: &mut [f64]) {
-        map_slice(radii, reflectances, elementwise!(*self, NormalizedDiffusion, f64, eval));
+        map_slice(radii, reflectances, elementwise!(*self, NormalizedDiffusion, eval));
     }
 
     /// [`quantile`](Self::quantile) of every share, as far as the shorter slice goes.
     pub fn quantile_slice(&self, shares: &[f64], radii: &mut [f64]) {
-        map_slice(shares, radii, elementwise!(*self, NormalizedDiffusion, f64, quantile));
+        map_slice(shares, radii, elementwise!(*self, NormalizedDiffusion, quantile));
     }
 
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(&self, randoms: &[f64], radii: &mut [f64]) {
-        map_slice(randoms, radii, elementwise!(*self, NormalizedDiffusion, f64, sample));
+        map_slice(randoms, radii, elementwise!(*self, NormalizedDiffusion, sample));
     }
 
     /// r/3d, the argument of the kernel.

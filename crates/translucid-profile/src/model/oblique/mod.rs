@@ -189,7 +189,7 @@ impl ObliqueDiffusion {
         }
         // The greatest u below a term's end may round up to 1
         let rescaled = ((u - start) / weights[k]).max(0.0).min(1.0 - f64::EPSILON / 2.0);
-        let r = negative_log::<Double>(1.0 - rescaled, rescaled) / rates[k];
+        let r = negative_log(1.0 - rescaled, rescaled) / rates[k];
         let phi = 2.0 * libm::atan(cosines[k] / (1.0 + sines[k]) * libm::tan(PI * (turn - 0.5)));
         (r, phi)
     }

@@ -6,12 +6,10 @@
 //! error falls from 6 % to 0.3 %, and cdf and sampling stay in closed form.
 
 pub(crate) mod coefficients;
-pub(crate) mod single_precision;
 
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require, require_fraction, require_positive};
-use crate::math::elementary::Double;
 use crate::math::polynomial::polynomial;
 use crate::math::slices::{elementwise, map_slice};
 use crate::medium::scaling::mfp_per_dmfp;
@@ -146,7 +144,7 @@ impl RefinedDiffusion {
     /// Density per length p(r) = 2πr R(r)/A = Σ w_k λ_k e^{−λ_k r} \[L⁻¹\].
     #[inline(always)]
     pub fn pdf(&self, r: f64) -> f64 {
-        self.mixture.density::<Double>(r.max(0.0))
+        self.mixture.density(r.max(0.0))
     }
 
     /// Density per area p_a(r) = R(r)/A \[L⁻²\], at r = 0 as [`eval`](Self::eval).
@@ -158,7 +156,7 @@ impl RefinedDiffusion {
     /// Share of the energy that leaves within r: Σ w_k (1 − e^{−λ_k r}), exact for small r too.
     #[inline(always)]
     pub fn cdf(&self, r: f64) -> f64 {
-        self.mixture.within::<Double>(r.max(0.0))
+        self.mixture.within(r.max(0.0))
     }
 
     /// Share of the energy that leaves beyond r: Σ w_k e^{−λ_k r}, exact for large r too.
@@ -166,7 +164,7 @@ impl RefinedDiffusion {
     /// It falls to 0 where the slowest exponential leaves the range of normal numbers, at λ_1 r = 708.
     #[inline]
     pub fn complementary_cdf(&self, r: f64) -> f64 {
-        self.mixture.beyond::<Double>(r.max(0.0))
+        self.mixture.beyond(r.max(0.0))
     }
 
     /// Energy that leaves within r: ∫₀^r R(r') 2πr' dr' = A cdf(r).
@@ -200,7 +198,7 @@ impl RefinedDiffusion {
     /// u is clamped to [0, 1]; NaN counts as 0.
     #[inline(always)]
     pub fn sample(&self, u: f64) -> f64 {
-        self.mixture.sample::<Double>(u.max(0.0).min(1.0))
+        self.mixture.sample(u.max(0.0).min(1.0))
     }
 
     /// Mean radius ∫ r p dr = Σ w_k/λ_k \[L\].
@@ -217,12 +215,12 @@ impl RefinedDiffusion {
 
     /// [`eval`](Self::eval) of every radius, as far as the shorter slice goes.
     pub fn eval_slice(&self, radii: &[f64], reflectances: &mut [f64]) {
-        map_slice(radii, reflectances, elementwise!(*self, RefinedDiffusion, f64, eval));
+        map_slice(radii, reflectances, elementwise!(*self, RefinedDiffusion, eval));
     }
 
     /// [`sample`](Self::sample) of every random number, as far as the shorter slice goes.
     pub fn sample_slice(&self, randoms: &[f64], radii: &mut [f64]) {
-        map_slice(randoms, radii, elementwise!(*self, RefinedDiffusion, f64, sample));
+        map_slice(randoms, radii, elementwise!(*self, RefinedDiffusion, sample));
     }
 }
 

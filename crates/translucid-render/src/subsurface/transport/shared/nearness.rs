@@ -117,7 +117,7 @@ impl Loop for Row<'_> {
 mod tests {
     use std::f32::consts::TAU;
 
-    use translucid_profile::NormalizedDiffusionF32;
+    use translucid_profile::NormalizedDiffusion;
 
     use super::*;
 
@@ -135,12 +135,12 @@ mod tests {
     #[test]
     fn nearness_is_like_normalized_diffusion() {
         let d = 0.7;
-        let profile = NormalizedDiffusionF32::from_d(d);
-        let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(TAIL), 5.0, 0.0], TAIL);
+        let profile = NormalizedDiffusion::from_d(1.0, f64::from(d)).unwrap();
+        let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(f64::from(TAIL)) as f32, 5.0, 0.0], TAIL);
         let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
         for (r, value) in radii.iter().zip(values(&nearness, &radii, |row| row.run())) {
             // Weights are relative: 3/a is the height of a density
-            let ratio = 3.0 * value / (TAU * profile.pdf_area(*r));
+            let ratio = 3.0 * value / (TAU * profile.pdf_area(f64::from(*r)) as f32);
             assert!((0.89..1.12).contains(&ratio), "{ratio} at {} d", r / d);
         }
     }
