@@ -1,18 +1,12 @@
 //! Random numbers that are functions of a seed and an index, so that no order and no thread shows in them.
 
+use translucid_profile::split_mix::{STEP, mix};
+
 /// Random number of a seed and an index, uniform on (0, 1), both ends excluded.
 pub fn random(seed: u64, index: u64) -> f64 {
     // The middles of 2⁵² intervals: neither 0 nor 1, every one exact.
-    let bits = mix(index.wrapping_add(mix(seed)).wrapping_mul(0x9e37_79b9_7f4a_7c15)) >> 12;
+    let bits = mix(index.wrapping_add(mix(seed)).wrapping_mul(STEP)) >> 12;
     (bits as f64 + 0.5) * 2.0_f64.powi(-52)
-}
-
-/// A bijection of 64 bits that leaves no pattern of its input: the finalizer of SplitMix64, variant 13
-/// [D. Stafford 2011, "Better Bit Mixing"; Steele, Lea, Flood 2014].
-fn mix(mut z: u64) -> u64 {
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    z ^ (z >> 31)
 }
 
 #[cfg(test)]

@@ -81,6 +81,8 @@ mod profile;
 mod table;
 
 pub use error::{ParameterError, require};
+#[doc(hidden)]
+pub use math::split_mix;
 pub use math::{quadrature, roots};
 pub use medium::albedo_inversion::AlbedoInversion;
 pub use medium::fresnel::{

@@ -1,6 +1,8 @@
 //! Random numbers for the slow and obvious walks.
 
-/// SplitMix64 (G. L. Steele, D. Lea and C. H. Flood, *Fast Splittable Pseudorandom Number Generators*, 2014).
+use translucid_profile::split_mix::{STEP, split_mix};
+
+/// SplitMix64.
 pub(crate) struct SplitMix(u64);
 
 impl SplitMix {
@@ -11,11 +13,9 @@ impl SplitMix {
     }
 
     fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
+        let bits = split_mix(self.0);
+        self.0 = self.0.wrapping_add(STEP);
+        bits
     }
 
     /// Uniform in (0, 1).

@@ -8,4 +8,5 @@ pub mod quadrature;
 pub mod roots;
 pub(crate) mod scaled_erfc;
 pub(crate) mod slices;
+pub mod split_mix;
 pub(crate) mod square_matrix;

@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use translucid_profile::split_mix::split_mix;
 
 use super::{Account, COORDINATES, Found, Gathering, Receiver};
-use crate::sampling::split_mix;
 use crate::world::Layer;
 
 /// A place with light.

@@ -11,13 +11,13 @@ use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayon::prelude::*;
+use translucid_profile::split_mix::split_mix;
 use translucid_scene::Scene;
 
 use super::hash_grid::HashGrid;
 use super::patches::Patch;
 use super::plan::GroupPlan;
 use crate::ray::Geometry;
-use crate::sampling::split_mix;
 
 /// Disc radius over spacing: saturated darts then stand for the square of the spacing on average.
 const DISC: f64 = 0.79;

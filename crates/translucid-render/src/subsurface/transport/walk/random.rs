@@ -1,6 +1,8 @@
 //! Random numbers of a walk: well distributed at first, then independent.
 
-use crate::sampling::{SPLIT_MIX_STEP, Sampler, split_mix};
+use translucid_profile::split_mix::{STEP, split_mix};
+
+use crate::sampling::Sampler;
 
 /// Random numbers, four at a time: those of the sampler for the first collisions, on which pictures depend most, then
 /// S. Vigna's SplitMix64, for walks have no greatest length.
@@ -33,7 +35,7 @@ impl WalkRandom {
 
     fn next_u64(&mut self) -> u64 {
         let bits = split_mix(self.state);
-        self.state = self.state.wrapping_add(SPLIT_MIX_STEP);
+        self.state = self.state.wrapping_add(STEP);
         bits
     }
 }

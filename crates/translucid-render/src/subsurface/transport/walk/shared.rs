@@ -32,13 +32,14 @@
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
+use translucid_profile::split_mix::split_mix;
 
 use super::exit_plane::ExitPlane;
 use super::flight_kernel::{FlightKernel, Place};
 use super::state::Walk;
 use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
-use crate::sampling::{Reserved, Sampler, split_mix};
+use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::transport::Tracing;
