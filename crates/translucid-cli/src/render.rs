@@ -80,7 +80,6 @@ Examples:
   translucid render scene.toml --tev
   translucid render scene.toml --preview so-far.png --stats statistics.json
   translucid render scene.toml --subsurface normalized-diffusion,photon-beam-diffusion,exact -o models
-  translucid render scene.toml --subsurface-method point-based --points scene.points
   translucid render --preset list";
 
 /// Renders a scene file or a mesh; without one the built-in still life
@@ -146,11 +145,6 @@ pub(crate) struct Arguments {
     /// Whether light below a pixel serves those around: true or false
     #[arg(long, value_name = "BOOL", hide_possible_values = true)]
     subsurface_sharing: Option<bool>,
-    /// File of the point-based method's points
-    ///
-    /// They are made and kept there, or taken from there for another view.
-    #[arg(long, value_name = "FILE")]
-    points: Option<PathBuf>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME", help_heading = MESH_AND_VIEW)]
     pub(crate) preset: Option<String>,
@@ -204,7 +198,6 @@ impl Arguments {
             (self.time.is_some(), "--time"),
             (self.resume, "--resume"),
             (self.denoise, "--denoise"),
-            (self.points.is_some(), "--points"),
             (self.tev.is_some(), "--tev"),
             (self.look.turntable.is_some(), "--turntable"),
             (self.watch.stats.is_some(), "--stats"),
@@ -241,7 +234,6 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
         for (given, option) in [
             (arguments.region.is_some(), "--region"),
             (arguments.samples.is_some(), "--samples"),
-            (arguments.points.is_some(), "--points"),
             (arguments.denoise, "--denoise"),
             (arguments.watch.stats.is_some(), "--stats"),
             (arguments.look.turntable.is_some(), "--turntable"),
@@ -280,7 +272,6 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
     check_samples(arguments, &scene)?;
     outputs.spare(inputs(arguments, &scene))?;
     arguments.watch.spare(inputs(arguments, &scene))?;
-    points::check(&scene, arguments.points.as_deref())?;
     if messages::is_verbose() {
         let triangles: usize = scene.objects.iter().map(|object| object.mesh.triangles.len()).sum();
         let seconds = start.elapsed().as_secs_f64();
@@ -459,8 +450,7 @@ fn inputs<'a>(arguments: &'a Arguments, scene: &'a Scene) -> impl Iterator<Item 
     let images = scene.images.iter().filter_map(|image| image.path.as_deref());
     let meshes = arguments.mesh.iter().map(|(_, path)| path.as_path());
     let tables = scene.profile_tables.iter().map(|table| table.path.as_path());
-    let points = arguments.points.as_deref();
-    arguments.scene.as_deref().into_iter().chain(meshes).chain(images).chain(tables).chain(points)
+    arguments.scene.as_deref().into_iter().chain(meshes).chain(images).chain(tables)
 }
 
 fn scene_name(arguments: &Arguments) -> String {

@@ -90,7 +90,7 @@ pub(crate) fn render(scene: Scene, task: &Task<'_>) -> Result<Rendering, Failure
     }
     let view = prepared.view()?;
     let view = arguments.region.map_or(Ok(view.clone()), |region| view.with_region(region))?;
-    let prepared = points::prepare(prepared, &view, arguments.points.as_deref())?;
+    let prepared = points::prepare(prepared, &view)?;
     Work::start(Session::new(prepared, view), task, start.elapsed())?.finish()
 }
 

@@ -20,13 +20,9 @@ pub(super) fn run(
     outputs: &Outputs,
     count: u32,
 ) -> Result<(), Failure> {
-    for (given, option) in
-        [(arguments.points.is_some(), "--points"), (arguments.watch.stats.is_some(), "--stats")]
-    {
-        if given {
-            let message = format!("{option} is for one picture, but --turntable makes several");
-            return Err(Failure::input(message).with_help("leave one of them out"));
-        }
+    if arguments.watch.stats.is_some() {
+        let message = "--stats is for one picture, but --turntable makes several";
+        return Err(Failure::input(message).with_help("leave one of them out"));
     }
     let all = (1..=count).map(|number| outputs.numbered(number)).collect::<Result<Vec<_>, _>>()?;
     for outputs in &all {

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-use crate::common::{BALL, directory_with_ball, exr_values, files, stderr, stdout, translucid};
-use translucid_render::{PointCloud, ShardReader};
+use crate::common::{directory_with_ball, exr_values, files, stderr, stdout, translucid};
+use translucid_render::ShardReader;
 
 /// Options to go on from where a rendering was killed, and to save it all the time.
 const GOING_ON: &str = "--checkpoint 0.01 --resume";
@@ -84,36 +84,6 @@ fn killed_renderings_side_by_side_leave_whole_files_and_resume_to_the_same_bits(
         }
     }
     assert!(files(&killed).iter().all(|name| extension(name) != "part"), "{:?}", files(&killed));
-}
-
-#[test]
-fn killed_renderings_by_points_leave_whole_files_and_resume_to_the_same_bits() {
-    let (_keep, directory) = directory_with_ball();
-    // Some hundred points, so that there are kills before, while and after they are kept
-    let far = BALL.replace("subsurface_radius = 0.2", "subsurface_radius = 2.0");
-    let few = "[integrator]\nsubsurface_method = \"point-based\"\npoint_tolerance = 0.2";
-    fs::write(directory.join("ball.toml"), far.replace("[integrator]", few)).unwrap();
-    let rendering = "render ball.toml -q --size 64x48 --spp 16";
-    let start = Instant::now();
-    stdout(&directory, &format!("{rendering} --points whole.points -o whole.exr"));
-    let duration = start.elapsed();
-
-    let words = format!("{rendering} {GOING_ON} --points killed.points -o killed.exr");
-    let mut attempts = Attempts::new(duration);
-    while attempts.kills < kills([3, 15]) {
-        if !attempts.attempt(&directory, &words) {
-            for name in files(&directory).iter().filter(|name| name.starts_with("killed")) {
-                fs::remove_file(directory.join(name)).unwrap();
-            }
-        }
-        check_files(&directory);
-    }
-    stdout(&directory, &words);
-    let bytes = |name: &str| fs::read(directory.join(name)).unwrap();
-    assert!(bytes("killed.png") == bytes("whole.png"));
-    assert!(bytes("killed.points") == bytes("whole.points"));
-    assert_eq!(exr_values(&directory.join("killed.exr")), exr_values(&directory.join("whole.exr")));
-    assert!(files(&directory).iter().all(|name| extension(name) != "part"));
 }
 
 /// Each of three shards is killed at random moments; the rest is rendered, and all merge to the picture.
@@ -242,19 +212,12 @@ fn check_files(directory: &Path) -> usize {
             "exr" => assert!(!exr_values(&path).is_empty()),
             "png" => check_png(&path),
             "checkpoint" | "shard" => drop(ShardReader::open(&path).and_then(ShardReader::film).unwrap()),
-            "points" => drop(PointCloud::load(&path, fingerprint(&path)).unwrap()),
             "toml" | "html" | "csv" => assert!(fs::metadata(&path).unwrap().len() > 0, "{name}"),
             // A draft, or what kept others off the output
             other => assert!(["part", "lock"].contains(&other), "{name}"),
         }
     }
     names.iter().filter(|name| extension(name) == "checkpoint").count()
-}
-
-/// Fingerprint that a file of points says that it belongs to.
-fn fingerprint(path: &Path) -> u64 {
-    let bytes = fs::read(path).unwrap();
-    u64::from_le_bytes(std::array::from_fn(|i| bytes[12 + i]))
 }
 
 fn check_png(path: &Path) {

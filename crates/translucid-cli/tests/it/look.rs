@@ -85,7 +85,6 @@ fn options_for_a_mesh_are_refused_where_there_is_none() {
         ("a.obj --camera front --view left", "cannot be used with"),
         ("a.obj --environment absent.hdr", "absent.hdr"),
         ("a.obj --turntable 1", "2..=3600"),
-        ("a.obj --turntable 3 --points p", "--points is for one picture, but --turntable makes several"),
         ("a.obj --turntable 3 --stats s.json", "--stats is for one picture"),
         ("a.obj --exposure bright", "stops in [-32, 32], or auto"),
         ("a.obj --tone-mapping aces", "the curves are srgb, neutral, agx"),

@@ -1,4 +1,4 @@
-//! `translucid render` with the point-based method: files of points, other views, too little memory.
+//! `translucid render` with the point-based method: options, and too little memory.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,47 +24,14 @@ fn refusal(directory: &Path, words: &str) -> String {
 }
 
 #[test]
-fn points_are_kept_and_used_again() {
+fn points_are_made_before_the_picture_and_announced() {
     let (_keep, directory) = directory();
-    let output = run(&directory, "render ball.toml --points ball.points --threads 1 -o one.exr");
+    let output = run(&directory, "render ball.toml --threads 1 -o one.exr");
     let said = stderr(&output);
     assert_eq!(output.status.code(), Some(0), "{said}");
-    assert!(
-        said.contains("points over surfaces")
-            && said.contains("points with their light")
-            && said.contains("kept them in ball.points"),
-        "{said}"
-    );
-    let bytes = |name: &str| fs::read(directory.join(name)).unwrap();
-    let points = bytes("ball.points");
-
-    let output = run(&directory, "render ball.toml --points ball.points -o two.exr");
-    assert!(stderr(&output).contains("from ball.points"), "{}", stderr(&output));
-    stdout(&directory, "render ball.toml -q --threads 2 -o fresh.exr");
-    for other in ["two.exr", "fresh.exr"] {
-        assert_eq!(exr_values(&directory.join("one.exr")), exr_values(&directory.join(other)), "{other}");
-    }
-    assert_eq!(bytes("ball.points"), points);
-
-    // Another film may use them, another seed not
-    stdout(&directory, "render ball.toml -q --points ball.points --size 20x20 --spp 1 -o small.png");
-    let said = refusal(&directory, "render ball.toml --points ball.points --seed 3");
-    assert!(said.contains("another scene or other settings") && said.contains("delete"), "{said}");
-    assert_eq!(bytes("ball.points"), points);
-}
-
-#[test]
-fn points_for_wide_pixels_serve_no_narrow_ones() {
-    let (_keep, directory) = directory();
-    let text = fs::read_to_string(directory.join("ball.toml")).unwrap();
-    fs::write(directory.join("fine.toml"), text.replace("subsurface_radius = 2", "subsurface_radius = 0.1"))
-        .unwrap();
-    let words = "render fine.toml --points fine.points --spp 1";
-    let said = stderr(&run(&directory, &format!("{words} --size 12x9 -o small.png")));
-    assert!(said.contains("because of the width of pixels; their light takes"), "{said}");
-    stdout(&directory, &format!("{words} --size 12x9 -o again.png"));
-    let said = refusal(&directory, &format!("{words} --size 64x48 -o large.png"));
-    assert!(said.contains("made for wider pixels") && said.contains("delete it"), "{said}");
+    assert!(said.contains("laying points") && said.contains("points with their light in"), "{said}");
+    stdout(&directory, "render ball.toml -q --threads 2 -o two.exr");
+    assert_eq!(exr_values(&directory.join("one.exr")), exr_values(&directory.join("two.exr")));
 }
 
 #[test]
@@ -90,7 +57,7 @@ fn points_that_do_not_fit_are_refused_before_any_work() {
     let text = fs::read_to_string(directory.join("ball.toml")).unwrap();
     let fine = text.replace("point_tolerance = 0.5", "point_tolerance = 0.001\npoint_memory = 1");
     fs::write(directory.join("fine.toml"), fine).unwrap();
-    let said = refusal(&directory, "render fine.toml -o fine.exr --points fine.points");
+    let said = refusal(&directory, "render fine.toml -o fine.exr");
     for part in [
         "points need",
         "may take 1.00 MiB",
@@ -110,19 +77,8 @@ fn points_that_do_not_fit_are_refused_before_any_work() {
 }
 
 #[test]
-fn options_of_points_have_to_fit() {
+fn methods_are_named_where_one_is_unknown() {
     let (_keep, directory) = directory();
-    let said = refusal(&directory, "render ball.toml --points a.points --subsurface-method ray-traced");
-    assert!(said.contains("the method is ray-traced"), "{said}");
-    let said = refusal(&directory, "render ball.toml --points nowhere/a.points");
-    assert!(said.contains("nowhere"), "{said}");
-    let said = refusal(&directory, "render ball.toml --points ball.toml -o ball.exr");
-    assert!(said.contains("no file of points"), "{said}");
-    for file in ["ball.exr", "./ball.png", "ball.exr.checkpoint"] {
-        let said = refusal(&directory, &format!("render ball.toml --points {file} -o ball.exr"));
-        assert!(said.contains("written over"), "{said}");
-    }
-    assert_eq!(files(&directory), ["ball.toml"]);
     let said = refusal(&directory, "render ball.toml --subsurface-method points");
     assert!(said.contains("ray-traced, point-based and cycles-disk"), "{said}");
 }

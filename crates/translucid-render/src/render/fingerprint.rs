@@ -59,16 +59,6 @@ pub(super) fn fingerprint(scene: &Scene, view: &View) -> Fingerprint {
     found
 }
 
-/// A hash of all of a scene that decides its points and the light that enters there, whoever looks at them.
-pub(super) fn fingerprint_of_points(scene: &Scene) -> u64 {
-    let mut content = content(scene, scene.integrator.seed);
-    // How much memory they may take does not change them
-    content.0.remove("point_memory");
-    let mut hash = Fnv::new();
-    content.0.iter().for_each(|(key, value)| hash.text(&format!("{key} {value}")));
-    hash.0
-}
-
 /// All but camera and film.
 fn content(scene: &Scene, seed: u64) -> Fingerprint {
     let mut found = Fingerprint::default();

@@ -9,7 +9,7 @@ use translucid_scene::{
     Environment, Image, Integrator, Light, Material, Object, Scene, SceneError, SubsurfaceMethod,
 };
 
-use super::fingerprint::{Fingerprint, fingerprint, fingerprint_of_points};
+use super::fingerprint::{Fingerprint, fingerprint};
 use super::picker::Picker;
 use super::pixel_widths::pixel_widths;
 use super::view::View;
@@ -284,11 +284,6 @@ impl PreparedScene {
             && !self.subsurface.has_points()
     }
 
-    /// A number that differs when the points would: clouds with the same one may stand in for each other.
-    pub fn points_fingerprint(&self) -> u64 {
-        fingerprint_of_points(&self.world.scene)
-    }
-
     /// The points that pictures of a view need.
     ///
     /// Their spacing follows the mean free path, and no less the width of a pixel.
@@ -296,37 +291,10 @@ impl PreparedScene {
         PointPlan::new(&self.world, self.subsurface.transports(), &pixel_widths(&self.world, view))
     }
 
-    /// Lays the points of the point-based method on the current rayon pool, without their light; `None` when stopped.
+    /// Lays the points that a view needs and computes the light that enters there, on the current rayon pool; `None` when
+    /// stopped.
     ///
     /// The points do not depend on the number of threads.
-    ///
-    /// # Errors
-    /// The points would take more than so many bytes of memory.
-    pub fn lay_points(
-        &self,
-        plan: &PointPlan,
-        memory: u64,
-        progress: &(dyn Fn(PointProgress) + Sync),
-        stop: &AtomicBool,
-    ) -> Result<Option<PointCloud>, SceneError> {
-        let making = Making { fingerprint: self.points_fingerprint(), memory, progress, stop };
-        PointCloud::laid(&self.world, plan, &making)
-    }
-
-    /// Goes on with the light of points, which are this scene's, on the current rayon pool until it is finished or stopped.
-    ///
-    /// The light does not depend on the number of threads, nor on how often it was stopped.
-    pub fn light_points(
-        &self,
-        points: PointCloud,
-        progress: &(dyn Fn(PointProgress) + Sync),
-        stop: &AtomicBool,
-    ) -> PointCloud {
-        // Paths that begin at entry points are in no pixel
-        points.lit(&self.world, || self.tracer(PixelWidth::default()), progress, stop)
-    }
-
-    /// Lays and lights the points that a view needs; `None` when stopped.
     ///
     /// # Errors
     /// The points would take more than so many bytes of memory.
@@ -337,8 +305,11 @@ impl PreparedScene {
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
     ) -> Result<Option<PointCloud>, SceneError> {
-        let laid = self.lay_points(&self.plan_points(view), memory, progress, stop)?;
-        Ok(laid.map(|points| self.light_points(points, progress, stop)).filter(PointCloud::is_finished))
+        let laid =
+            PointCloud::laid(&self.world, &self.plan_points(view), &Making { memory, progress, stop })?;
+        // Paths that begin at entry points are in no pixel
+        let tracer = || self.tracer(PixelWidth::default());
+        Ok(laid.and_then(|points| points.lit(&self.world, tracer, progress, stop)))
     }
 
     /// Whether points, which are this scene's, lie close enough for a view: those made for much wider pixels do not.
@@ -357,11 +328,9 @@ impl PreparedScene {
 
     /// Gathers light under surfaces from points, which are this scene's, in place of probing for it.
     ///
-    /// Where points leave a subsurface group out, probes find the light. Points whose light is not finished are not taken.
+    /// Where points leave a subsurface group out, probes find the light.
     pub fn set_points(&mut self, points: &PointCloud) {
-        if points.is_finished() {
-            self.subsurface.set_points(&self.world, points);
-        }
+        self.subsurface.set_points(&self.world, points);
     }
 
     /// A tracer of paths through pixels of a width.

@@ -46,7 +46,7 @@ impl Normalizer {
         }
         let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
         let never = AtomicBool::new(false);
-        let making = Making { fingerprint: 0, memory, progress: &|_| {}, stop: &never };
+        let making = Making { memory, progress: &|_| {}, stop: &never };
         // The factors serve every view
         let plan = PointPlan::new(world, transports, &PixelWidths::default());
         let cloud = PointCloud::laid(world, &plan, &making)?;

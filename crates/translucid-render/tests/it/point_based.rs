@@ -3,6 +3,7 @@
 //! The light on the test scenes is such that the points' irradiance has no noise, or hardly any: what is measured is
 //! the sum over points.
 
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
@@ -253,38 +254,25 @@ fn making_points_stops_when_asked() {
     }
 }
 
-/// A lit ball to be gathered from points, whose light is stopped a dozen times.
 #[test]
-fn light_of_points_that_was_stopped_goes_on_to_the_same_bits_and_its_progress_never_falls() {
+fn progress_of_points_never_falls() {
     let mut scene = scene(vec![sphere(2.0, 24)], translucent(Model::NormalizedDiffusionRefined));
     scene.lights.push(distant(Vec3::new(1.0, 0.0, 1.0)));
     scene.environment = uniform_environment(Vec3::splat(0.1));
     scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
     scene.integrator.point_tolerance = 0.2;
     let renderer = prepare(scene);
-    let whole = make_points(&renderer, MEMORY).expect("enough memory");
-    let never = AtomicBool::new(false);
-    let plan = renderer.plan_points(&renderer.view().expect("a valid view"));
-    let mut points =
-        renderer.lay_points(&plan, MEMORY, &|_| {}, &never).expect("memory").expect("not stopped");
-    let mut stops = 0;
-    on_threads(1, || {
-        while !points.is_finished() {
-            let told = std::sync::Mutex::new(None);
-            let stop = AtomicBool::new(false);
-            let stop_soon = |progress: PointProgress| {
-                let mut told = told.lock().expect("no panic");
-                let (first, last) = told.unwrap_or((progress.part, 0.0));
-                assert!(progress.part >= last && progress.part <= 1.0, "{} after {last}", progress.part);
-                *told = Some((first, progress.part));
-                stop.fetch_or(progress.part > first + 0.05, Ordering::Relaxed);
-            };
-            points = renderer.light_points(points.clone(), &stop_soon, &stop);
-            stops += 1;
-        }
-    });
-    assert!(stops > 5, "{stops}");
-    assert!(points == whole);
+    let view = renderer.view().expect("a valid view");
+    let told = Mutex::new(Vec::new());
+    let hear = |progress: PointProgress| told.lock().expect("no panic").push(progress);
+    on_threads(1, || renderer.make_points(&view, MEMORY, &hear, &AtomicBool::new(false)).map(drop))
+        .expect("enough memory");
+    for pass in [PointPass::Points, PointPass::Irradiance] {
+        let told = told.lock().expect("no panic");
+        let parts: Vec<f64> = told.iter().filter(|at| at.pass == pass).map(|at| at.part).collect();
+        assert!(parts.len() > 5 && parts.is_sorted(), "{pass:?}: {parts:?}");
+        assert!(parts[0] >= 0.0 && parts.last().is_some_and(|part| (0.9..=1.0).contains(part)), "{parts:?}");
+    }
 }
 
 /// Points lie no closer than half a pixel, where that is wider than the profile asks for, and serve pixels as wide.

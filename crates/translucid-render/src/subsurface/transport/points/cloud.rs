@@ -2,14 +2,13 @@
 
 use std::sync::atomic::AtomicBool;
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use translucid_scene::SceneError;
 
 use super::super::{SubsurfaceTransport, Tracing};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
-use super::irradiance::{BegunLight, PointLight, irradiance};
+use super::irradiance::irradiance;
 use super::plan::{GroupPlan, PixelWidths, PointPlan};
 use super::surfels::{Surfel, Unfinished, cover};
 use crate::world::World;
@@ -19,17 +18,15 @@ use crate::world::World;
 /// It belongs to a scene but for its camera, film and samples per pixel: other views of the scene can use it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCloud {
-    /// Fingerprint of all that decides the points and their light.
-    pub(super) fingerprint: u64,
     pub(super) groups: Vec<CloudGroup>,
     /// Group by group, in the order of the hierarchy.
     pub(super) surfels: Vec<Surfel>,
-    pub(super) light: PointLight,
+    /// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; empty until it is computed.
+    irradiance: Vec<Vec3>,
 }
 
 /// The points of a subsurface group.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct CloudGroup {
     pub(super) number: u32,
     pub(super) count: u32,
@@ -62,8 +59,6 @@ pub struct PointProgress {
 /// How points are made.
 #[derive(Clone, Copy)]
 pub(crate) struct Making<'a> {
-    /// Fingerprint of all that decides the points and their light.
-    pub(crate) fingerprint: u64,
     /// Most bytes that they may take.
     pub(crate) memory: u64,
     pub(crate) progress: &'a (dyn Fn(PointProgress) + Sync),
@@ -107,29 +102,23 @@ impl PointCloud {
         self.surfels.is_empty()
     }
 
-    /// Whether each point has its light.
-    pub fn is_finished(&self) -> bool {
-        matches!(self.light, PointLight::Finished(_))
-    }
-
     /// The groups that it covers.
     pub(crate) fn groups(&self) -> &[CloudGroup] {
         &self.groups
     }
 
-    /// Goes on with the light of the points, which paths of tracers bring, until it is finished or stopped.
+    /// The points with their light, which paths of tracers bring; `None` when stopped.
     pub(crate) fn lit<'a, T: Tracing<'a>>(
         self,
         world: &World,
         tracer: impl Fn() -> T + Sync,
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
-    ) -> Self {
-        let PointLight::Begun(begun) = &self.light else { return self };
+    ) -> Option<Self> {
         let counts: Vec<usize> = self.groups.iter().map(|group| group.count as usize).collect();
         let report = |part, total| progress(PointProgress { pass: PointPass::Irradiance, part, total });
-        let light = irradiance(world, tracer, &counts, &self.surfels, begun, &report, stop);
-        Self { light, ..self }
+        let irradiance = irradiance(world, tracer, &counts, &self.surfels, &report, stop)?;
+        Some(Self { irradiance, ..self })
     }
 
     /// Lays points over the surfaces of a scene, as if light of 1 entered everywhere; `None` when stopped.
@@ -138,12 +127,11 @@ impl PointCloud {
         plan: &PointPlan,
         making: &Making<'_>,
     ) -> Result<Option<Self>, SceneError> {
-        let Making { fingerprint, memory, progress, stop } = *making;
+        let Making { memory, progress, stop } = *making;
         let scene = &world.scene;
         require_few(world.geometry.triangles(), scene.objects.len())?;
         plan.require_memory(scene, memory)?;
-        let light = PointLight::Begun(BegunLight::default());
-        let mut cloud = Self { fingerprint, groups: Vec::new(), surfels: Vec::new(), light };
+        let mut cloud = Self { groups: Vec::new(), surfels: Vec::new(), irradiance: Vec::new() };
         for group in &plan.groups {
             let most = PointPlan::most_points(memory) - cloud.surfels.len();
             let report = |part: f64| {
@@ -176,10 +164,6 @@ impl PointCloud {
             GroupOfPoints { number: group.number, spacing: group.spacing, surfels }
         };
         let groups: Vec<GroupOfPoints<'_>> = self.groups.iter().map(group).collect();
-        let irradiance: &[Vec3] = match &self.light {
-            PointLight::Finished(light) => light,
-            PointLight::Begun(_) => &[],
-        };
-        Gatherer::new(&world.scene, transports, &groups, irradiance)
+        Gatherer::new(&world.scene, transports, &groups, &self.irradiance)
     }
 }

@@ -602,7 +602,7 @@ mod tests {
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, set) = prepared.parts();
         let never = AtomicBool::new(false);
-        let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let making = Making { memory: 1 << 30, progress: &|_| {}, stop: &never };
         let plan = PointPlan::new(world, set.transports(), &PixelWidths::default());
         let cloud = PointCloud::laid(world, &plan, &making);
         let gatherer = cloud.expect("memory").expect("not stopped").gatherer(world, set.transports());

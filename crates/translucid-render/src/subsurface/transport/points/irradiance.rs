@@ -22,97 +22,65 @@ use crate::world::{PathState, World};
 /// Points whose mean has to be exact, neighbors in the order of the tree.
 const CLUSTER: usize = 64;
 /// Samples that each half of a point has at most.
-pub(super) const MOST_SAMPLES: u32 = 4096;
+const MOST_SAMPLES: u32 = 4096;
 /// Standard error of a cluster's mean for a tolerance of 1, relative to the mean. It goes with the root of the
 /// tolerance: the number of points within reach of a profile goes with its inverse.
 const NOISE: f64 = 0.04;
 /// Clusters darker than this part of the group's mean may be as inexact as one that is as bright.
 const DARK: f64 = 0.05;
 
-/// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) enum PointLight {
-    Finished(Vec<Vec3>),
-    Begun(BegunLight),
-}
-
-/// The light of points as far as it has come.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct BegunLight {
-    /// Irradiance that counts as dark in each group; empty until all points have their least number of samples.
-    pub(super) dark: Vec<DVec3>,
-    /// Samples that each half of each point of a cluster has; empty if no point has any.
-    pub(super) counts: Vec<u32>,
-    /// Sums of both halves of each point.
-    pub(super) sums: Vec<[DVec3; 2]>,
-}
-
-impl BegunLight {
-    /// Number of clusters that groups of so many points have.
-    pub(super) fn clusters(groups: impl Iterator<Item = usize>) -> usize {
-        groups.map(|points| points.div_ceil(CLUSTER)).sum()
-    }
-}
-
-/// Goes on with the light of points until it is finished or stopped. `groups` are the numbers of the groups' points,
-/// `progress` hears the part that is done, which never falls, and about how many samples there are in all.
+/// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; `None` when stopped. `groups` are the numbers of the
+/// groups' points, `progress` hears the part that is done, which never falls, and about how many samples there are in all.
 pub(super) fn irradiance<'a, T: Tracing<'a>>(
     world: &World,
     tracer: impl Fn() -> T + Sync,
     groups: &[usize],
     surfels: &[Surfel],
-    begun: &BegunLight,
     progress: &(dyn Fn(f64, u64) + Sync),
     stop: &AtomicBool,
-) -> PointLight {
-    let mut dark = begun.dark.clone();
-    let mut clusters = clusters(groups, surfels, begun);
-    if dark.is_empty() {
-        // Nobody knows yet how many samples it takes: as many again
-        let rounds = Rounds::new(0.0, clusters.iter().map(|_| LEAST_SAMPLES), &clusters, progress);
-        clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
-            if cluster.count < LEAST_SAMPLES && !stop.load(Ordering::Relaxed) {
-                cluster.sample(world, tracer, LEAST_SAMPLES);
-                rounds.add(cluster.samples(LEAST_SAMPLES));
-            }
-        });
-        if !stop.load(Ordering::Relaxed) {
-            dark = means(groups.len(), &clusters);
+) -> Option<Vec<Vec3>> {
+    let is_stopped = || stop.load(Ordering::Relaxed);
+    let mut clusters = clusters(groups, surfels);
+    // How many samples it takes is not known yet: as many again
+    let rounds = Rounds::new(0.0, clusters.iter().map(|_| LEAST_SAMPLES), &clusters, progress);
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        if !is_stopped() {
+            cluster.sample(world, tracer, LEAST_SAMPLES);
+            rounds.add(cluster.samples(LEAST_SAMPLES));
         }
+    });
+    if is_stopped() {
+        return None;
     }
-    if !dark.is_empty() {
-        let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
-        let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
-        let rounds = Rounds::new(0.5, clusters.iter().map(wanted), &clusters, progress);
-        clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
-            let expected = wanted(cluster);
-            loop {
-                let count = cluster.count;
-                // The first estimates are rough: not too far at once
-                let next = wanted(cluster).min(4 * count);
-                if stop.load(Ordering::Relaxed) {
-                    return;
-                }
-                if next <= count {
-                    // All that was expected is done, whether it took more or less
-                    rounds.add(cluster.samples(expected.saturating_sub(count)));
-                    return;
-                }
-                cluster.sample(world, tracer, next);
-                rounds.add(cluster.samples(next.min(expected).saturating_sub(count)));
+    let dark = means(groups.len(), &clusters);
+    let tolerance = NOISE * f64::from(world.scene.integrator.point_tolerance).sqrt();
+    let wanted = |cluster: &Cluster<'_>| cluster.wanted(tolerance, dark[cluster.group]);
+    let rounds = Rounds::new(0.5, clusters.iter().map(wanted), &clusters, progress);
+    clusters.par_iter_mut().for_each_init(&tracer, |tracer, cluster| {
+        let expected = wanted(cluster);
+        loop {
+            let count = cluster.count;
+            // The first estimates are rough: not too far at once
+            let next = wanted(cluster).min(4 * count);
+            if is_stopped() {
+                return;
             }
-        });
+            if next <= count {
+                // All that was expected is done, whether it took more or less
+                rounds.add(cluster.samples(expected.saturating_sub(count)));
+                return;
+            }
+            cluster.sample(world, tracer, next);
+            rounds.add(cluster.samples(next.min(expected).saturating_sub(count)));
+        }
+    });
+    if is_stopped() {
+        return None;
     }
-    if stop.load(Ordering::Relaxed) {
-        return PointLight::Begun(BegunLight {
-            dark,
-            counts: clusters.iter().map(|cluster| cluster.count).collect(),
-            sums: clusters.into_iter().flat_map(|cluster| cluster.sums).collect(),
-        });
-    }
-    let light =
-        |cluster: &Cluster<'_>| (0..cluster.surfels.len()).map(|i| cluster.mean(i).as_vec3()).collect();
-    PointLight::Finished(clusters.iter().map(light).collect::<Vec<Vec<Vec3>>>().concat())
+    let light = |cluster: &Cluster<'_>| -> Vec<Vec3> {
+        (0..cluster.surfels.len()).map(|i| cluster.mean(i).as_vec3()).collect()
+    };
+    Some(clusters.iter().flat_map(light).collect())
 }
 
 /// One half of the work, and how much of it is done.
@@ -157,15 +125,13 @@ struct Cluster<'a> {
     sums: Vec<[DVec3; 2]>,
 }
 
-fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel], begun: &BegunLight) -> Vec<Cluster<'a>> {
-    let mut clusters = Vec::with_capacity(BegunLight::clusters(groups.iter().copied()));
+fn clusters<'a>(groups: &[usize], surfels: &'a [Surfel]) -> Vec<Cluster<'a>> {
+    let mut clusters = Vec::new();
     let mut first = 0;
     for (group, &length) in groups.iter().enumerate() {
         for surfels in surfels[first..first + length].chunks(CLUSTER) {
-            let count = begun.counts.get(clusters.len()).copied().unwrap_or(0);
-            let sums = begun.sums.get(first..first + surfels.len());
-            let sums = sums.map_or_else(|| vec![[DVec3::ZERO; 2]; surfels.len()], <[_]>::to_vec);
-            clusters.push(Cluster { group, first: first as u32, surfels, count, sums });
+            let sums = vec![[DVec3::ZERO; 2]; surfels.len()];
+            clusters.push(Cluster { group, first: first as u32, surfels, count: 0, sums });
             first += surfels.len();
         }
     }

@@ -6,7 +6,7 @@
 //! plan.rs            how close the points of each subsurface group have to lie, and whether they fit into memory
 //! surfels.rs         pass 1: points in blue noise, each with the area that it stands for
 //! irradiance.rs      pass 2: transmitted irradiance at each point by the path tracer, as exact as need be
-//! cloud.rs           both together: what is kept, and (cloud_file.rs) saved
+//! cloud.rs           both together
 //! smooth_profile.rs  profiles as smooth tables with bounds of their curvature
 //! hierarchy.rs       clusters of points: their light and its moments
 //! gather.rs          the sum at a point that light leaves, refined until its error bound is small enough
@@ -15,7 +15,6 @@
 //! One number, `point_tolerance`, drives all: the error of each step is about in proportion to it.
 
 mod cloud;
-mod cloud_file;
 mod gather;
 mod hash_grid;
 mod hierarchy;

@@ -112,21 +112,6 @@ impl PointPlan {
         self.groups.iter().map(GroupPlan::points).sum()
     }
 
-    /// The work in words: how many points, how far apart and why, and about how many paths light them.
-    pub fn describe(&self, scene: &Scene) -> String {
-        let Some(finest) = self.groups.iter().min_by(|a, b| a.spacing.total_cmp(&b.spacing)) else {
-            return String::from("no points: no light travels under any surface by a profile");
-        };
-        format!(
-            "about {} points over surfaces, {} {} apart because of {}; their light takes {} paths or more",
-            significant(self.points()),
-            significant(finest.spacing),
-            scene.unit.name(),
-            if finest.pixel_width > 0.0 { "the width of pixels" } else { "the mean free path" },
-            significant(self.points() * f64::from(2 * LEAST_SAMPLES)),
-        )
-    }
-
     /// Refuses points that do not fit into so many bytes.
     pub(super) fn require_memory(&self, scene: &Scene, limit: u64) -> Result<(), SceneError> {
         let bytes = self.points() * BYTES_PER_POINT;

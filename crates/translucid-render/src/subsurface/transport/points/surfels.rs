@@ -8,7 +8,6 @@
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
-use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 use rayon::prelude::*;
 use translucid_profile::split_mix::split_mix;
@@ -27,8 +26,7 @@ const PLACE_AREA: f64 = 1.0 / 4.0;
 const PATCH_AREA: f64 = 1.0 / 16.0;
 
 /// A point of a surface that stands for the area around it.
-#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Surfel {
     pub(crate) position: [f32; 3],
     /// Area that it stands for \[L²\].
@@ -293,7 +291,7 @@ mod tests {
         let prepared = PreparedScene::new(scene).expect("a valid scene");
         let (world, set) = prepared.parts();
         let never = AtomicBool::new(false);
-        let making = Making { fingerprint: 0, memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let making = Making { memory: 1 << 30, progress: &|_| {}, stop: &never };
         let plan = PointPlan::new(world, set.transports(), &PixelWidths::default());
         let cloud = PointCloud::laid(world, &plan, &making);
         let cloud = cloud.expect("memory").expect("not stopped");
