@@ -23,7 +23,7 @@ The medium is a half space of isotropic scatterers (g = 0) without a boundary (e
 paths. Every model is made from the same surface albedo and judged by the exact solution; photons that walk
 through the same medium are an independent check in every figure.
 
-DIR/index.html shows and explains everything and needs no other file. Beside it, NAME.svg, NAME.png and NAME.csv
+DIR/index.html shows and explains everything and needs no other file. Beside it, NAME.svg and NAME.csv
 for each figure NAME, and tables with stable columns:
   errors.csv       model, configuration, medium, surface_albedo, r_max, error
                    the area-weighted L1 distance from the exact solution: the integral of |R_model - R| 2 pi r dr

@@ -36,7 +36,7 @@ of (fit - reflectance)/error; without errors each line has the same error relati
 has there. Columns: fit, parameter, value, standard_error, empty where nothing limits the parameter; a warning
 names those that the file does not determine, whose error exceeds a third of the value. Lengths are in the unit
 of r. With -o the files are parameters.csv, residuals.csv (fit - reflectance in units of the error; without
-errors, of the reflectance), the same drawn over r as residuals.svg and residuals.png, and report.txt.
+errors, of the reflectance), the same drawn over r as residuals.svg, and report.txt.
 
 With --table and --family half-space the exact half space of isotropic scatterers is fitted to the file:
 sigma_a and sigma_s_prime, in 1 over the unit of r, and what follows from them, the mean free path mfp and the

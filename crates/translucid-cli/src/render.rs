@@ -66,7 +66,7 @@ Several models after --subsurface render the scene with each and write to a dire
   MODEL.exr, MODEL.png   the picture with each MODEL; same seed and samples, --time is for each
   MODEL-flip.png         what a viewer sees who flips between it and the judge (ꟻLIP), from black to nearly white
   MODEL-difference.png   darker (blue) or brighter (orange) than the judge, white where there is no difference
-  sheet.png, index.html  all of them side by side with times and errors; neither needs another file
+  sheet.svg, index.html  all of them side by side with times and errors; neither needs another file
   errors.csv             model, against, samples, seconds, cpu_seconds, relative_mse, noise, mean_flip, max_flip
                          relative_mse: mean of (x - ref)^2 / (ref^2 + 0.01) over channels and pixels that are not
                          background; noise: how much of it is noise, estimated from halves of the samples,

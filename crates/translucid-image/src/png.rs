@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use ::png::{BitDepth, ColorType, Encoder, PixelDimensions, SrgbRenderingIntent, Unit};
+use ::png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
 use rayon::prelude::*;
 
 use crate::picture::invalid;
@@ -50,7 +50,6 @@ impl Picture<'_> {
             has_alpha: !is_opaque,
             codes: &codes,
             texts: software.into_iter().chain(notes).collect(),
-            pixels_per_meter: None,
         }
         .write(out)
     }
@@ -153,14 +152,12 @@ pub struct CodedPicture<'a> {
     pub codes: &'a [u8],
     /// Keywords and texts.
     pub texts: Vec<(String, String)>,
-    /// Resolution on paper.
-    pub pixels_per_meter: Option<u32>,
 }
 
 impl<'a> CodedPicture<'a> {
     /// An opaque picture of three codes a pixel, without texts.
     pub fn rgb(size: [usize; 2], codes: &'a [u8]) -> Self {
-        Self { size, has_alpha: false, codes, texts: Vec::new(), pixels_per_meter: None }
+        Self { size, has_alpha: false, codes, texts: Vec::new() }
     }
 
     /// Adds a text under a keyword of 1 to 79 Latin letters.
@@ -192,9 +189,6 @@ impl<'a> CodedPicture<'a> {
         encoder.set_color(if self.has_alpha { ColorType::Rgba } else { ColorType::Rgb });
         encoder.set_depth(BitDepth::Eight);
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
-        if let Some(density) = self.pixels_per_meter {
-            encoder.set_pixel_dims(Some(PixelDimensions { xppu: density, yppu: density, unit: Unit::Meter }));
-        }
         for (keyword, text) in &self.texts {
             encoder.add_itxt_chunk(keyword.clone(), text.replace('\0', "?")).map_err(io::Error::other)?;
         }
@@ -314,8 +308,7 @@ mod tests {
     #[test]
     fn coded_picture_gives_its_codes_back() {
         let codes: Vec<u8> = (0..24).collect();
-        let mut picture = CodedPicture::rgb([4, 2], &codes).with_text("Software", "a brush");
-        picture.pixels_per_meter = Some(7559);
+        let picture = CodedPicture::rgb([4, 2], &codes).with_text("Software", "a brush");
         let (info, read, texts) = read_back(&picture.encode().unwrap());
         assert_eq!((info.width, info.height, read), (4, 2, codes.clone()));
         assert_eq!(texts, [(String::from("Software"), String::from("a brush"))]);

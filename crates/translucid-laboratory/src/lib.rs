@@ -2,8 +2,8 @@
 //!
 //! - [`comparison`]: the numbers, of every model against the exact solution.
 //! - [`figures`]: the charts, tables and the page of a comparison.
-//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG,
-//!   a PNG for print, and a [`DataTable`] of its numbers.
+//! - [`Chart`]: curves, points with error bars, histograms and bands over two [`Axis`]es; it becomes an SVG
+//!   and a [`DataTable`] of its numbers.
 //! - [`Ink`]: what a series stands for; a model has one color, dash pattern and marker in every figure.
 //! - [`DataTable`]: words and numbers, as CSV or HTML.
 //! - [`picture`]: rendered pictures beside each other, how far they are apart, and a sheet that shows it.
@@ -40,7 +40,6 @@ mod markup;
 mod model_pages;
 mod page;
 pub mod picture;
-mod png_bytes;
 mod random;
 
 pub use chart::{Axis, Chart, Ink, Mark, ResidualScale, Residuals, Scale, Series, residual_chart};

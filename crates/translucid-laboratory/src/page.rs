@@ -83,7 +83,7 @@ impl Page {
     /// The page as one HTML file that needs nothing else: no script, no font, no network.
     ///
     /// Charts are inside as SVG, pictures as PNG; charts and the text turn dark where the reader's system is, and light in print.
-    /// Below each stand links to its files, NAME.svg, NAME.png and NAME.csv, and below a table to NAME.csv; they
+    /// Below each stand links to its files, NAME.svg and NAME.csv, and below a table to NAME.csv; they
     /// are expected beside the page.
     /// The text is XML, too.
     pub fn html(&self) -> String {
@@ -161,7 +161,7 @@ fn part(block: &Block, ids: &mut HashSet<String>, counts: &mut Counts) -> (Strin
             counts.figures += 1;
             let id = unique(ids, "figure", &chart.name);
             let number = counts.figures;
-            let files = links(&chart.name, &chart.title, &["svg", "png", "csv"]);
+            let files = links(&chart.name, &chart.title, &["svg", "csv"]);
             let html = format!(
                 "<figure id=\"{id}\">\n{}\n<figcaption><b>Figure {number}.</b> {} {files}</figcaption>\n</figure>\n",
                 chart.svg(),

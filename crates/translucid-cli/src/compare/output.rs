@@ -33,7 +33,7 @@ pub(super) fn check(directory: &Directory) -> Result<(), Failure> {
     }
 }
 
-/// Draws everything: the page, three files a chart, one a table. The page comes first: it says whose the others are.
+/// Draws everything: the page, two files a chart, one a table. The page comes first: it says whose the others are.
 pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<Vec<NamedFile>, Failure> {
     let charts: Vec<&Chart> = report.page.charts().collect();
     let done = AtomicUsize::new(0);
@@ -41,17 +41,12 @@ pub(super) fn draw(report: &Report, progress: &(dyn Fn(f64) + Sync)) -> Result<V
         if interrupt::STOP.load(Ordering::Relaxed) {
             return Err(stopped(Stopped));
         }
-        let png = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         let file = |end: &str, content: Vec<u8>| (format!("{}.{end}", chart.name), content);
-        let files = [
-            file("svg", chart.svg().into_bytes()),
-            file("png", png),
-            file("csv", chart.table().csv().into_bytes()),
-        ];
+        let files = [file("svg", chart.svg().into_bytes()), file("csv", chart.table().csv().into_bytes())];
         progress((done.fetch_add(1, Ordering::Relaxed) + 1) as f64 / charts.len() as f64);
         Ok(files)
     });
-    let drawn: Vec<[NamedFile; 3]> = drawn.collect::<Result<_, Failure>>()?;
+    let drawn: Vec<[NamedFile; 2]> = drawn.collect::<Result<_, Failure>>()?;
     let mut files = vec![(String::from(PAGE), report.page.html().into_bytes())];
     files.extend(drawn.into_iter().flatten());
     let tables = report.page.tables().chain(&report.tables);

@@ -57,12 +57,10 @@ impl OutputArguments {
         Ok(())
     }
 
-    /// Writes a chart to the directory, if there is one, as SVG and as PNG.
-    pub(super) fn write_chart(&self, chart: &Chart, [svg, png]: [&str; 2]) -> Result<(), Failure> {
+    /// Writes a chart to the directory, if there is one, as SVG.
+    pub(super) fn write_chart(&self, chart: &Chart, file: &str) -> Result<(), Failure> {
         let Some(directory) = &self.output else { return Ok(()) };
-        write_file(&directory.join(svg), chart.svg().as_bytes())?;
-        let picture = chart.png().map_err(|error| Failure::work(error.to_string()))?;
-        write_file(&directory.join(png), &picture)
+        write_file(&directory.join(file), chart.svg().as_bytes())
     }
 }
 

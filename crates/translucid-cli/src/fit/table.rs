@@ -25,7 +25,7 @@ const MOST_BYTES: u64 = 1 << 26;
 /// Least error of a sample.
 const LEAST_ERROR: f64 = 1e-250;
 /// Files that -o has beside the report.
-const FILES: [&str; 4] = ["parameters.csv", "residuals.csv", "residuals.svg", "residuals.png"];
+const FILES: [&str; 3] = ["parameters.csv", "residuals.csv", "residuals.svg"];
 /// Most samples.
 const MOST_SAMPLES: usize = 100_000;
 
@@ -159,7 +159,7 @@ fn write(
     let text = report(path, samples, errors, fits);
     let chart = chart(samples, errors, fits);
     arguments.output.write(&text, &[parameters, residuals])?;
-    arguments.output.write_chart(&chart, [FILES[2], FILES[3]])?;
+    arguments.output.write_chart(&chart, FILES[2])?;
     warn(path, errors, fits);
     Ok(())
 }

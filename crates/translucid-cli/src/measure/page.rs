@@ -84,9 +84,7 @@ fn files(
         ],
     };
     for chart in page.charts() {
-        let png = chart.png().map_err(|error| Failure::work(error.to_string()))?;
         files.push((format!("{}.svg", chart.name), chart.svg().into_bytes()));
-        files.push((format!("{}.png", chart.name), png));
         files.push((format!("{}.csv", chart.name), chart.table().csv().into_bytes()));
     }
     files.extend(page.tables().map(|table| (format!("{}.csv", table.name), table.csv().into_bytes())));

@@ -221,10 +221,7 @@ fn table_goes_to_a_directory() {
     let printed = stdout(directory.path(), "fit --table table.csv --terms 1");
     assert_eq!(stdout(directory.path(), "fit --table table.csv --terms 1 -o out"), "");
     let out = directory.path().join("out");
-    assert_eq!(
-        files(&out),
-        ["parameters.csv", "report.txt", "residuals.csv", "residuals.png", "residuals.svg"]
-    );
+    assert_eq!(files(&out), ["parameters.csv", "report.txt", "residuals.csv", "residuals.svg"]);
     assert_eq!(fs::read_to_string(out.join("parameters.csv")).unwrap(), printed);
     let residuals = fs::read_to_string(out.join("residuals.csv")).unwrap();
     let header = "r,reflectance,error,normalized_diffusion_residual,exponentials_residual,gaussians_residual";
@@ -236,7 +233,6 @@ fn table_goes_to_a_directory() {
     for words in ["normalized-diffusion", "exponentials", "gaussians", "±1 standard error"] {
         assert!(drawn.contains(&format!(">{words}<")), "{words} is not in the figure");
     }
-    assert!(fs::read(out.join("residuals.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
 #[test]

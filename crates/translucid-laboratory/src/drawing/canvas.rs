@@ -1,4 +1,4 @@
-//! Shapes and text, for [`svg`](super::svg) and [`bitmap`](super::bitmap).
+//! Shapes, pictures and text, for [`svg`](super::svg).
 
 use std::f64::consts::TAU;
 
@@ -18,6 +18,7 @@ pub(super) enum Shape {
     Polygon { corners: Vec<[f64; 2]>, fill: Fill },
     Disc { center: [f64; 2], radius: f64, fill: Fill },
     Words { text: String, label: Label<'static> },
+    Picture { png: Vec<u8>, at: [f64; 2], size: [f64; 2] },
 }
 
 /// Filling of an area.
@@ -111,6 +112,11 @@ impl Canvas {
             let ends = [[x - size * dx, y - size * dy], [x + size * dx, y + size * dy]];
             self.line(&ends, &Pen::solid(shade, 2.0));
         }
+    }
+
+    /// Shows a PNG with its upper left corner at a place, stretched to a size.
+    pub(crate) fn picture(&mut self, png: Vec<u8>, at: [f64; 2], size: [f64; 2]) {
+        self.shapes.push(Shape::Picture { png, at, size });
     }
 
     /// Writes text in the color of text.

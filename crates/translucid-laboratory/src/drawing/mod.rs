@@ -1,24 +1,20 @@
 //! From a chart to a picture: what goes where is decided here, so that the figures of a page have one size and one
-//! look, as an SVG and as a bitmap.
+//! look.
 
 mod area;
-pub(crate) mod bitmap;
 pub(crate) mod canvas;
 mod legend;
 mod marks;
 mod plot;
 mod span;
-mod svg;
+pub(crate) mod svg;
 pub(crate) mod text;
 mod ticks;
 mod words;
 
-use std::io;
-
 use translucid_profile::Model;
 
 use area::Area;
-use bitmap::Bitmap;
 use canvas::{Anchor, Canvas, Label};
 use legend::Legend;
 use plot::Plot;
@@ -26,13 +22,9 @@ use text::Font;
 
 use crate::chart::Ink;
 use crate::chart::{Chart, Mark, Series};
-use crate::png_bytes::encode_png;
 
 /// Width and height of every chart \[px\].
 const SIZE: [f64; 2] = [760.0, 470.0];
-/// Pixels of a PNG for one of those, and for a meter of paper: 192 for an inch.
-const PNG_SCALE: f32 = 2.0;
-const PIXELS_PER_METER: u32 = 7559;
 /// Around everything \[px\].
 const MARGIN: f64 = 14.0;
 const TITLE: Font = Font::bold(16.0);
@@ -43,15 +35,6 @@ impl Chart {
     /// The chart as an SVG document that needs no font of its own.
     pub fn svg(&self) -> String {
         svg::svg(&draw(self), &self.title, &self.caption)
-    }
-
-    /// The chart as a PNG on white, with twice the pixels that the SVG is wide and high, for print.
-    ///
-    /// # Errors
-    /// The picture cannot be encoded, which would be a defect.
-    pub fn png(&self) -> io::Result<Vec<u8>> {
-        let bitmap = Bitmap::new(&draw(self), PNG_SCALE)?;
-        encode_png(bitmap.size(), &bitmap.codes(), Some(PIXELS_PER_METER))
     }
 }
 

@@ -1,17 +1,20 @@
 //! A canvas as an SVG document.
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
 use super::canvas::{Anchor, Canvas, Fill, Label, Shape};
 use super::text::Weight;
 use crate::chart::Shade;
 use crate::markup::escape;
 
-/// Fonts of the text, the first the one of bitmaps.
+/// Fonts of the text, the first the one whose widths the layout goes by.
 const FONTS: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
 /// The canvas as an SVG document with a title and a description for those who cannot see it.
 ///
 /// Each color stands in an attribute of its own, by which a page turns it dark.
-pub(super) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
+pub(crate) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
     let [width, height] = canvas.size;
     let (text, background) = (Shade::TEXT.light, Shade::BACKGROUND.light);
     let [title, description] = [title, description].map(escape);
@@ -40,6 +43,7 @@ pub(super) fn svg(canvas: &Canvas, title: &str, description: &str) -> String {
                 format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{radius}\"{}/>\n", filled(fill))
             }
             Shape::Words { text, label } => words(text, label),
+            Shape::Picture { png, at, size } => picture(png, *at, *size),
         };
     }
     svg + "</svg>\n"
@@ -58,6 +62,16 @@ fn words(text: &str, label: &Label<'_>) -> String {
     let attributes: String = attributes.iter().map(|(name, value)| attribute(name, value)).collect();
     let size = label.font.size;
     format!("<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"{attributes}>{}</text>\n", escape(text))
+}
+
+/// A picture inside the document. `xlink:href` is what the oldest readers know.
+fn picture(png: &[u8], at: [f64; 2], size: [f64; 2]) -> String {
+    let ([x, y], [width, height]) = (at.map(rounded), size.map(rounded));
+    format!(
+        "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+         xmlns:xlink=\"http://www.w3.org/1999/xlink\" xlink:href=\"data:image/png;base64,{}\"/>\n",
+        STANDARD.encode(png)
+    )
 }
 
 /// An attribute, or nothing where it has no value.

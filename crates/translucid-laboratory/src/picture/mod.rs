@@ -5,7 +5,7 @@
 //!   of light, in numbers and from pixel to pixel.
 //! - [`FlipMap`]: the difference that a viewer sees, ꟻLIP.
 //! - [`Raster`]: pixels to show, of a picture or of a map; they become a PNG.
-//! - [`Sheet`]: pictures and their maps in columns with words below them.
+//! - [`Sheet`]: pictures and their maps in columns with words below them, as an SVG.
 
 mod errors;
 mod flip;

@@ -2,8 +2,9 @@
 
 use std::io;
 
+use translucid_image::CodedPicture;
+
 use crate::chart::Shade;
-use crate::png_bytes::encode_png;
 
 /// Relative difference at which [`difference_color`] is at its end: half as bright again as the reference.
 pub const DIFFERENCE_RANGE: f32 = 0.5;
@@ -38,27 +39,8 @@ impl Raster {
         self.height
     }
 
-    /// The pixels in another size: each new one has the mean light of what it covers.
-    pub fn resized(&self, width: usize, height: usize) -> Self {
-        if (width, height) == (self.width, self.height) || self.pixels.is_empty() {
-            return Self::new(width, height, self.pixels.clone());
-        }
-        let linear: Vec<[f32; 3]> = self.pixels.iter().map(|color| color.map(decode)).collect();
-        let [columns, rows] = [covers(self.width, width), covers(self.height, height)];
-        // Each old row in the new width, then the new rows of those
-        let narrow: Vec<[f32; 3]> = linear
-            .chunks_exact(self.width)
-            .flat_map(|row| columns.iter().map(|cover| cover.mean(|x| row[x])))
-            .collect();
-        let pixels = rows.iter().flat_map(|span| {
-            let narrow = &narrow;
-            (0..width).map(move |x| span.mean(|y| narrow[y * width + x]).map(encode))
-        });
-        Self::new(width, height, pixels.collect())
-    }
-
     /// Codes of 8 bits, three a pixel.
-    pub(crate) fn codes(&self) -> impl Iterator<Item = [u8; 3]> {
+    fn codes(&self) -> impl Iterator<Item = [u8; 3]> {
         self.pixels.iter().map(|color| color.map(|value| (value.clamp(0.0, 1.0) * 255.0).round() as u8))
     }
 
@@ -68,7 +50,8 @@ impl Raster {
     /// There is no pixel, or more than the format can hold.
     pub fn png(&self) -> io::Result<Vec<u8>> {
         let codes: Vec<u8> = self.codes().flatten().collect();
-        encode_png([self.width, self.height], &codes, None)
+        let software = concat!("translucid ", env!("CARGO_PKG_VERSION"));
+        CodedPicture::rgb([self.width, self.height], &codes).with_text("Software", software).encode()
     }
 }
 
@@ -87,79 +70,10 @@ pub fn difference_color(difference: f32) -> [f32; 3] {
     [0, 1, 2].map(|c| middle[c] + part.abs() * (end[c] - middle[c]))
 }
 
-/// Part of the old pixels along an axis that a new one covers.
-struct Cover {
-    first: usize,
-    /// Weights that add up to 1.
-    weights: Vec<f32>,
-}
-
-impl Cover {
-    fn mean(&self, color: impl Fn(usize) -> [f32; 3]) -> [f32; 3] {
-        let mut sum = [0.0; 3];
-        for (i, &weight) in self.weights.iter().enumerate() {
-            let color = color(self.first + i);
-            for c in 0..3 {
-                sum[c] += weight * color[c];
-            }
-        }
-        sum
-    }
-}
-
-/// The covers of `new` pixels over `old` ones.
-fn covers(old: usize, new: usize) -> Vec<Cover> {
-    let scale = old as f64 / new as f64;
-    let cover_of = |i: usize| {
-        let [left, right] = [i, i + 1].map(|edge| edge as f64 * scale);
-        let first = (left as usize).min(old - 1);
-        let last = (right.ceil() as usize).clamp(first + 1, old);
-        let cover = |j: usize| ((j + 1) as f64).min(right) - (j as f64).max(left);
-        let weights: Vec<f64> = (first..last).map(|j| cover(j).max(0.0)).collect();
-        let sum: f64 = weights.iter().sum();
-        Cover { first, weights: weights.into_iter().map(|weight| (weight / sum) as f32).collect() }
-    };
-    (0..new).map(cover_of).collect()
-}
-
-/// sRGB to linear \[IEC 61966-2-1\].
-fn decode(value: f32) -> f32 {
-    if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
-}
-
-/// Linear to sRGB.
-fn encode(value: f32) -> f32 {
-    if value <= 0.003_130_8 { 12.92 * value } else { 1.055 * value.powf(1.0 / 2.4) - 0.055 }
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::tests::noise;
     use super::*;
-
-    fn mean(raster: &Raster) -> f32 {
-        raster.pixels.as_flattened().iter().map(|&value| decode(value)).sum::<f32>()
-            / (3 * raster.pixels.len()) as f32
-    }
-
-    #[test]
-    fn resized_keeps_the_mean_of_light() {
-        let raster = Raster::new(37, 23, noise(37, 23, 1).display().to_vec());
-        for (width, height) in [(12, 9), (80, 50), (1, 1), (37, 100), (200, 3)] {
-            let other = raster.resized(width, height);
-            assert_eq!((other.width(), other.height()), (width, height));
-            assert!((mean(&other) - mean(&raster)).abs() < 1e-4, "{width}x{height}");
-        }
-        assert_eq!(raster.resized(37, 23), raster);
-    }
-
-    #[test]
-    fn resized_repeats_pixels_where_it_grows_by_a_whole_number() {
-        let raster = Raster::new(2, 1, vec![[0.0, 0.5, 1.0], [1.0, 0.0, 0.25]]);
-        let grown: Vec<[u8; 3]> = raster.resized(4, 2).codes().collect();
-        let [a, b] = [[0, 128, 255], [255, 0, 64]];
-        assert_eq!(grown, [a, a, b, b, a, a, b, b]);
-    }
 
     #[test]
     fn colors_of_maps_meet_their_ends() {

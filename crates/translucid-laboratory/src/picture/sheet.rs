@@ -4,13 +4,10 @@ use std::io;
 
 use super::raster::{DIFFERENCE_RANGE, Raster, difference_color, flip_color};
 use crate::chart::Shade;
-use crate::drawing::bitmap::Bitmap;
 use crate::drawing::canvas::{Anchor, Canvas, Label, Pen};
+use crate::drawing::svg::svg;
 use crate::drawing::text::Font;
-use crate::png_bytes::encode_png;
 
-/// Pixels of the sheet for one of the layout.
-const SCALE: f32 = 2.0;
 /// Width of a column, and the greatest height of a picture \[px\].
 const COLUMN: f64 = 340.0;
 const TALLEST: f64 = 480.0;
@@ -57,28 +54,22 @@ pub struct Sheet {
 }
 
 impl Sheet {
-    /// The sheet as a PNG.
+    /// The sheet as an SVG document with the pictures inside, which needs no other file and no font of its own.
     ///
     /// # Errors
-    /// There is no column, a picture is empty, or the sheet cannot be drawn.
-    pub fn png(&self) -> io::Result<Vec<u8>> {
+    /// There is no column, or a picture is empty or too large for a PNG.
+    pub fn svg(&self) -> io::Result<String> {
         let layout = Layout::new(self).ok_or_else(|| io::Error::other("there is no picture to show"))?;
         let mut canvas = Canvas::new(layout.size());
         self.draw_title(&mut canvas);
         for (index, column) in self.columns.iter().enumerate() {
-            layout.draw_words(&mut canvas, index, column);
+            layout.draw(&mut canvas, index, column)?;
         }
         for band in 0..layout.bands {
             self.draw_headings(&mut canvas, &layout, band);
         }
-        draw_legend(&mut canvas, layout.legend(), &self.judge);
-
-        let mut bitmap = Bitmap::new(&canvas, SCALE)?;
-        for (index, column) in self.columns.iter().enumerate() {
-            layout.paste(&mut bitmap, index, column);
-        }
-        paste_bars(&mut bitmap, layout.legend());
-        encode_png(bitmap.size(), &bitmap.codes(), None)
+        draw_legend(&mut canvas, layout.legend(), &self.judge)?;
+        Ok(svg(&canvas, &self.title, &self.subtitle))
     }
 
     fn draw_title(&self, canvas: &mut Canvas) {
@@ -161,9 +152,13 @@ impl Layout {
         MARGIN + (index % self.abreast) as f64 * (COLUMN + GAP)
     }
 
-    /// Draws the name and the lines below a picture, and the frames of its maps.
-    fn draw_words(&self, canvas: &mut Canvas, index: usize, column: &SheetColumn) {
+    /// Draws a picture with its name and lines below it, and its maps in their frames.
+    fn draw(&self, canvas: &mut Canvas, index: usize, column: &SheetColumn) -> io::Result<()> {
         let (left, band) = (self.left(index), index / self.abreast);
+        canvas.picture(column.picture.png()?, [left, self.top(band)], self.picture);
+        for (row, map) in column.maps.iter().flatten().enumerate() {
+            canvas.picture(map.png()?, [left, self.map_top(band, row)], self.picture);
+        }
         let top = self.top(band) + self.picture[1];
         let name = NAME.wrap(&column.name, COLUMN, 1).concat();
         canvas.text(Label { text: &name, at: [left, top + LINE], font: NAME, ..PLAIN });
@@ -175,6 +170,7 @@ impl Layout {
             let words = if column.maps.is_none() { "the judge" } else { "" };
             self.draw_frame(canvas, [left, self.map_top(band, row)], words);
         }
+        Ok(())
     }
 
     /// A frame around a map, which may have the color of the sheet, or around words in its place.
@@ -187,60 +183,44 @@ impl Layout {
             canvas.text(Label { text: words, at, anchor: Anchor::Middle, ..PLAIN });
         }
     }
-
-    fn paste(&self, bitmap: &mut Bitmap, index: usize, column: &SheetColumn) {
-        let (left, band) = (self.left(index), index / self.abreast);
-        let [width, height] = self.picture.map(pixels);
-        let mut paste = |raster: &Raster, top: f64| {
-            bitmap.paste([pixels(left), pixels(top)], width, raster.resized(width, height).codes());
-        };
-        paste(&column.picture, self.top(band));
-        for (row, map) in column.maps.iter().flatten().enumerate() {
-            paste(map, self.map_top(band, row));
-        }
-    }
 }
 
-/// Pixels of the sheet for a length of the layout.
-fn pixels(length: f64) -> usize {
-    (length * f64::from(SCALE)).round() as usize
-}
-
-/// The words of both scales of colors.
-fn draw_legend(canvas: &mut Canvas, top: f64, judge: &str) {
+/// Both scales of colors with their words.
+fn draw_legend(canvas: &mut Canvas, top: f64, judge: &str) -> io::Result<()> {
+    let difference = |part: f32| difference_color((2.0 * part - 1.0) * DIFFERENCE_RANGE);
     let percent = (100.0 * DIFFERENCE_RANGE).round();
     let scales = [
-        (0.0, [String::from("0"), String::from("1")], String::from("ꟻLIP")),
+        (0.0, bar(flip_color), [String::from("0"), String::from("1")], String::from("ꟻLIP")),
         (
             BAR[0] + 60.0,
+            bar(difference),
             [format!("−{percent} %"), format!("+{percent} %")],
             format!("luminance against {judge}"),
         ),
     ];
-    for (offset, ends, title) in &scales {
+    for (offset, bar, ends, title) in &scales {
         let left = MARGIN + offset;
+        canvas.picture(bar.png()?, [left, top + 24.0], BAR);
         canvas.text(Label { text: title, at: [left, top + 14.0], ..PLAIN });
         let below = top + 24.0 + BAR[1] + 18.0;
         canvas.text(Label { text: &ends[0], at: [left, below], ..PLAIN });
         canvas.text(Label { text: &ends[1], at: [left + BAR[0], below], anchor: Anchor::End, ..PLAIN });
     }
+    Ok(())
 }
 
-/// The colors of both scales.
-fn paste_bars(bitmap: &mut Bitmap, top: f64) {
-    let [width, height] = BAR.map(pixels);
-    let bar = |color: &dyn Fn(f32) -> [f32; 3]| {
-        let row: Vec<[f32; 3]> = (0..width).map(|x| color((x as f32 + 0.5) / width as f32)).collect();
-        Raster::new(width, height, row.repeat(height))
-    };
-    let difference = |part: f32| difference_color((2.0 * part - 1.0) * DIFFERENCE_RANGE);
-    for (offset, raster) in [(0.0, bar(&flip_color)), (BAR[0] + 60.0, bar(&difference))] {
-        bitmap.paste([pixels(MARGIN + offset), pixels(top + 24.0)], width, raster.codes());
-    }
+/// Colors from one end of a scale to the other.
+fn bar(color: impl Fn(f32) -> [f32; 3]) -> Raster {
+    const STEPS: usize = 256;
+    let colors = (0..STEPS).map(|step| color((step as f32 + 0.5) / STEPS as f32));
+    Raster::new(STEPS, 1, colors.collect())
 }
 
 #[cfg(test)]
 mod tests {
+    use base64::Engine;
+    use base64::engine::general_purpose::STANDARD;
+
     use super::*;
 
     fn column(name: &str, color: [f32; 3], is_judge: bool) -> SheetColumn {
@@ -259,24 +239,23 @@ mod tests {
         Sheet { title, subtitle, judge, columns }
     }
 
-    /// Number of pixels of a color on the sheet, and its size.
-    fn count(png: &[u8], color: [u8; 3]) -> (usize, [u32; 2]) {
-        let mut reader = png::Decoder::new(io::Cursor::new(png)).read_info().unwrap();
-        let mut codes = vec![0; reader.output_buffer_size().unwrap()];
-        let frame = reader.next_frame(&mut codes).unwrap();
-        (codes.chunks(3).filter(|code| *code == color).count(), [frame.width, frame.height])
-    }
-
     #[test]
     fn sheet_has_every_picture_and_map_once() {
         for number in [2, 7] {
-            let png = sheet(number).png().unwrap();
-            let area = 680 * 408; // as many pixels as 40×24 get
-            let (red, [width, height]) = count(&png, [255, 0, 0]);
-            assert_eq!(red, number * area, "{number}");
-            assert_eq!(count(&png, [0, 0, 255]).0, (number - 1) * area, "{number}");
-            assert_eq!(count(&png, [255, 255, 0]).0, (number - 1) * area, "{number}");
-            assert!(width < 4000 && height < 8000, "{width}x{height}");
+            let svg = sheet(number).svg().unwrap();
+            let document = roxmltree::Document::parse(&svg).unwrap();
+            let images = || {
+                document
+                    .descendants()
+                    .filter(|node| node.has_tag_name(("http://www.w3.org/2000/svg", "image")))
+            };
+            // Pictures, two maps for each but the judge, two scales
+            assert_eq!(images().count(), number + 2 * (number - 1) + 2);
+            let places: std::collections::HashSet<_> =
+                images().map(|image| (image.attribute("x"), image.attribute("y"))).collect();
+            assert_eq!(places.len(), images().count());
+            let png = sheet(number).columns[0].picture.png().unwrap();
+            assert_eq!(svg.matches(&STANDARD.encode(png)).count(), number);
         }
     }
 
@@ -288,11 +267,11 @@ mod tests {
                 column.picture = Raster::new(width, height, Vec::new());
                 column.name = "long-".repeat(100);
             }
-            sheet.png().unwrap();
+            sheet.svg().unwrap();
         }
-        assert!(sheet(0).png().is_err());
+        assert!(sheet(0).svg().is_err());
         let mut empty = sheet(2);
         empty.columns[1].picture = Raster::new(0, 5, Vec::new());
-        assert!(empty.png().is_err());
+        assert!(empty.svg().is_err());
     }
 }

@@ -36,15 +36,6 @@ fn texts(svg: &str) -> Vec<String> {
     texts.filter_map(words).collect()
 }
 
-/// Width, height and the distinct colors of a PNG.
-fn colors(bytes: &[u8]) -> (u32, u32, usize) {
-    let mut reader = png::Decoder::new(std::io::Cursor::new(bytes)).read_info().unwrap();
-    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
-    let frame = reader.next_frame(&mut pixels).unwrap();
-    let distinct: std::collections::HashSet<&[u8]> = pixels[..frame.buffer_size()].chunks_exact(3).collect();
-    (frame.width, frame.height, distinct.len())
-}
-
 #[test]
 fn svg_has_every_word() {
     let chart = chart();
@@ -59,18 +50,9 @@ fn svg_has_every_word() {
 }
 
 #[test]
-fn svg_and_png_are_the_same_every_time() {
+fn svg_is_the_same_every_time() {
     let chart = chart();
     assert_eq!(chart.svg(), chart.svg());
-    assert_eq!(chart.png().unwrap(), chart.png().unwrap());
-}
-
-#[test]
-fn png_has_twice_the_pixels_and_all_inks() {
-    let (width, height, count) = colors(&chart().png().unwrap());
-    let svg = chart().svg();
-    assert!(svg.contains(&format!("viewBox=\"0 0 {} {}\"", width / 2, height / 2)));
-    assert!(count > 100, "{count} colors");
 }
 
 #[test]
@@ -150,21 +132,6 @@ fn no_numbers_make_a_chart_fail() {
 }
 
 #[test]
-fn no_numbers_make_a_png_fail() {
-    let points =
-        vec![[1e-300, 1e300], [f64::NAN, 1.0], [1.0, f64::INFINITY], [1e300, -1e300], [-1e300, 5e-324]];
-    for axis in [Axis::linear("x", ""), Axis::logarithmic("x", "").between(1.0, 1.0 + 1e-12)] {
-        let marks =
-            [Mark::Line, Mark::Steps, Mark::PointsWithErrors(vec![1e300; 5]), Mark::Band(vec![1.0; 5])];
-        let mut chart = Chart::new("x", "", axis.clone(), axis);
-        for mark in marks {
-            chart.series.push(Series::new(&"W".repeat(5000), Ink::Talk, mark, points.clone()));
-        }
-        assert!(colors(&chart.png().unwrap()).2 > 10);
-    }
-}
-
-#[test]
 fn strange_words_stay_words() {
     let strange = "a\u{0}b\u{7}\u{fffe}]]>\u{202e}$\\frac{1}{0}$ \\$ <script>alert(1)</script> &amp; 字";
     let chart = Chart::new("../x", strange, Axis::linear(strange, strange), Axis::linear(strange, ""))
@@ -178,5 +145,4 @@ fn strange_words_stay_words() {
     let svg = chart.svg();
     let document = roxmltree::Document::parse(&svg).unwrap();
     assert!(document.descendants().all(|node| node.tag_name().name() != "script"));
-    assert!(chart.png().is_ok());
 }

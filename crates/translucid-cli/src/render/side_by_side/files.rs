@@ -13,7 +13,7 @@ use crate::files::{Directory, input_among, is_own, is_own_page, refusal};
 /// The files that are there once.
 pub(super) const PAGE: &str = "index.html";
 pub(super) const ERRORS: &str = "errors.csv";
-pub(super) const SHEET: &str = "sheet.png";
+pub(super) const SHEET: &str = "sheet.svg";
 /// Beginning of the page's title.
 pub(super) const TITLE: &str = "Side by side";
 
@@ -39,7 +39,7 @@ pub(super) fn check<'a>(
     models: &[SubsurfaceModel],
     inputs: impl Iterator<Item = &'a Path>,
 ) -> Result<(), Failure> {
-    let texts = [PAGE, ERRORS].map(|name| directory.file(name));
+    let texts = [PAGE, ERRORS, SHEET].map(|name| directory.file(name));
     let (mut images, mut kept) = (Vec::new(), Vec::new());
     for model in models.iter().map(|model| model.name()) {
         let pictures = outputs(directory, model);
@@ -47,7 +47,6 @@ pub(super) fn check<'a>(
         images.extend(map_names(model).map(|name| directory.file(&name)));
         kept.extend([pictures.checkpoint, first_half(directory, model)]);
     }
-    images.push(directory.file(SHEET));
     images.iter().chain(&texts).chain(&kept).try_for_each(|path| check_writable(path))?;
     let image = images.iter().find(|path| path.exists() && !is_own(path));
     let text = || texts.iter().find(|path| path.exists() && !is_own_page(&texts[0], TITLE));

@@ -67,7 +67,7 @@ impl Report {
         let pictures: Vec<Raster> = self.entries.iter().map(|entry| shown(&entry.picture)).collect();
         let plates = self.plates(&pictures, &files, &distances)?;
         let sheet = self.sheet(pictures, rasters, &distances);
-        files.push((SHEET.to_owned(), sheet.png().map_err(work)?));
+        files.push((SHEET.to_owned(), sheet.svg().map_err(work)?.into_bytes()));
         files.push((ERRORS.to_owned(), table.csv().into_bytes()));
         files.insert(0, (PAGE.to_owned(), self.page(table, plates).html().into_bytes()));
         Ok(files)

@@ -136,7 +136,11 @@ mod tests {
     fn nearness_is_like_normalized_diffusion() {
         let d = 0.7;
         let profile = NormalizedDiffusion::from_d(1.0, f64::from(d)).unwrap();
-        let nearness = Nearness::new([1.0, 0.0, 0.0], [profile.quantile_complement(f64::from(TAIL)) as f32, 5.0, 0.0], TAIL);
+        let nearness = Nearness::new(
+            [1.0, 0.0, 0.0],
+            [profile.quantile_complement(f64::from(TAIL)) as f32, 5.0, 0.0],
+            TAIL,
+        );
         let radii: Vec<f32> = (0..160).map(|i| i as f32 / 16.0 * d + 1e-3).collect();
         for (r, value) in radii.iter().zip(values(&nearness, &radii, |row| row.run())) {
             // Weights are relative: 3/a is the height of a density
