@@ -6,7 +6,7 @@ use translucid_laboratory::comparison::Reference;
 use translucid_laboratory::{Axis, Chart, Ink, Mark, Series};
 use translucid_profile::{Model, Profile, SampledProfile};
 
-use super::generated::References;
+use super::references::References;
 use super::tables;
 
 /// Radii of curves in mean free paths.

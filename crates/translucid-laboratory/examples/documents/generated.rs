@@ -3,15 +3,12 @@
 use std::collections::BTreeMap;
 
 use translucid_laboratory::Chart;
-use translucid_laboratory::comparison::{Comparison, Reference, Settings};
+use translucid_laboratory::comparison::{Comparison, Settings};
 use translucid_laboratory::figures::Report;
-use translucid_profile::{Configuration, Model};
+use translucid_profile::Model;
 
+use super::references::References;
 use super::{charts, tables};
-
-/// Surface albedos of the talk, which all tables and figures show.
-pub(crate) const ALBEDOS: [f64; 3] = [0.2, 0.5, 0.8];
-pub(crate) const CONFIGURATIONS: [Configuration; 2] = [Configuration::Searchlight, Configuration::Diffuse];
 
 /// Photons that walk for the figures, in each configuration: as many as leave error bars that one can see.
 const PHOTONS: u64 = 1_000_000;
@@ -107,21 +104,5 @@ impl Generated {
         let image = format!("![{}](docs/figures/{}.svg)\n\n{caption}", chart.title, chart.name);
         self.blocks.insert(name.clone(), image);
         self.figures.insert(name, chart.svg());
-    }
-}
-
-/// The exact solution at [`ALBEDOS`].
-pub(crate) struct References {
-    pub(crate) searchlight: Vec<Reference>,
-    pub(crate) diffuse: Vec<Reference>,
-}
-
-impl References {
-    fn new() -> Result<Self, String> {
-        let of = |configuration| -> Result<Vec<Reference>, String> {
-            let made = ALBEDOS.iter().map(|a| Reference::new(*a, configuration));
-            made.collect::<Result<_, _>>().map_err(|error| error.to_string())
-        };
-        Ok(Self { searchlight: of(Configuration::Searchlight)?, diffuse: of(Configuration::Diffuse)? })
     }
 }

@@ -15,6 +15,7 @@ mod blocks;
 mod charts;
 mod generated;
 mod pages;
+mod references;
 mod tables;
 
 use std::path::Path;

@@ -7,7 +7,7 @@ use translucid_profile::{
     Configuration, Model, Parameterization, Profile, RefinedDiffusion, SampledProfile, TabulatedProfile,
 };
 
-use super::generated::{ALBEDOS, CONFIGURATIONS, References};
+use super::references::{ALBEDOS, CONFIGURATIONS, References};
 
 /// The tables of all errors: name, how models find their medium, and how light enters.
 pub(crate) const ALL_ERRORS: [(&str, Inversion, Configuration); 3] = [

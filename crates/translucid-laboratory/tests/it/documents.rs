@@ -11,6 +11,8 @@ pub(crate) mod generated;
 #[path = "../../examples/documents/pages.rs"]
 #[allow(dead_code, reason = "the example writes files, this looks at them")]
 mod pages;
+#[path = "../../examples/documents/references.rs"]
+mod references;
 #[path = "../../examples/documents/tables.rs"]
 mod tables;
 

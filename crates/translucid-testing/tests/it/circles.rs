@@ -1,4 +1,4 @@
-//! No circle of imports between the files of a crate, but for a module with those below it.
+//! No circle of imports between the files of a crate or of an example, but for a module with those below it.
 
 use crate::imports::{self, Graph, Sources};
 
@@ -19,6 +19,21 @@ fn circles_are_in_no_crate() {
     let circles: String =
         imports::crate_names().iter().map(|name| described(name, &imports::of_crate(name))).collect();
     assert!(circles.is_empty(), "\n{circles}");
+}
+
+#[test]
+fn circles_are_in_no_example() {
+    let names = imports::crate_names();
+    let examples = names.iter().flat_map(|name| imports::of_examples(name)).collect::<Vec<_>>();
+    let circles: String = examples.iter().map(|(name, graph)| described(name, graph)).collect();
+    assert!(circles.is_empty(), "\n{circles}");
+    // Those with modules have been read with them
+    for (name, module) in [("documents", "tables.rs"), ("fit_oblique", "shape_fit.rs")] {
+        let found = examples
+            .iter()
+            .any(|(example, graph)| example == name && graph.files().any(|(file, _)| file == module));
+        assert!(found, "{name} is not read with its {module}");
+    }
 }
 
 /// Imports between synthetic files.

@@ -47,6 +47,32 @@ pub(crate) fn lines_of_code(name: &str) -> usize {
     of_sources(&sources).files().map(|(file, _)| lines_of_code_in(&sources[file])).sum()
 }
 
+/// Imports between the files of each example of a crate of the workspace, by the example's name.
+///
+/// An example is a file, which may have modules in a folder of its own name, or a folder with a `main.rs`.
+pub(crate) fn of_examples(name: &str) -> Vec<(String, Graph)> {
+    let folder = crates().join(name).join("examples");
+    let Ok(entries) = std::fs::read_dir(&folder) else { return Vec::new() };
+    let mut files: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut examples = Vec::new();
+    for path in files {
+        let modules = path.with_extension("");
+        let mut sources = Sources::new();
+        if modules.is_dir() {
+            read(&modules, "", &mut sources);
+        }
+        if path.extension().is_some_and(|extension| extension == "rs") {
+            sources.insert(String::from("main.rs"), std::fs::read_to_string(&path).unwrap());
+        }
+        if sources.contains_key("main.rs") {
+            let example = modules.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            examples.push((example, of_sources(&sources)));
+        }
+    }
+    examples
+}
+
 /// Imports between files, from `lib.rs` or `main.rs` on.
 pub(crate) fn of_sources(sources: &Sources) -> Graph {
     let mut graph = Graph::default();
