@@ -28,7 +28,6 @@ Examples:
   translucid export --to c --what profile,sampler --model normalized-diffusion-refined -o refined.h
   translucid export --to hlsl --what profile --preset skin1 --unit cm
   translucid export --to wgsl --what profile --surface-albedo 0.8,0.5,0.4 --mfp 1.3,0.9,0.7
-  translucid export --to spirv --what sampler -o burley.spv
   translucid export --to glsl --what sampler --model gaussians --preset skin1
   translucid export --to cpp --what probe,fresnel -o probe.hpp
   translucid export --to osl --what inversion --g 0.8 --eta 1.4

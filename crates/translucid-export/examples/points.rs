@@ -2,7 +2,7 @@
 //! double precision says there.
 //!
 //! `cargo run -p translucid-export --example points -- DIRECTORY` makes in it a directory for each configuration, with
-//! - `export.LANGUAGE`, `export.spirv`: every function in every language;
+//! - `export.LANGUAGE`: every function in every language, in WGSL with an entry point for each;
 //! - `functions.json`: for each function its name, the number of its arguments and results, its call in each language,
 //!   and its largest relative error;
 //! - `NAME.arguments`: rows of f32; `NAME.least`, `NAME.greatest`: rows of f64 that results lie between, but for the
@@ -10,12 +10,11 @@
 
 use std::error::Error;
 use std::f64::consts::TAU;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use translucid_export::{
-    Export, Function, Language, Material, Sizes, Subject, Target, entry_points, exponentials,
-};
+use translucid_export::{Export, Function, Language, Material, Sizes, Subject, Target, exponentials};
 use translucid_fit::{Exponential, Mixture};
 use translucid_profile::{
     AlbedoInversion, Appearance, Configuration, Model, NormalizedDiffusion, ObliqueDiffusion,
@@ -85,11 +84,50 @@ fn write(directory: &Path, configuration: Configuration) -> Result<(), Box<dyn E
         }
         fs::write(directory.join(format!("export.{}", target.name())), bytes)?;
     }
-    let functions = export(Target::Spirv).functions()?;
+    let functions = export(Target::Text(Language::Wgsl)).functions()?;
     let entries: Vec<String> = functions.iter().map(json).collect();
     fs::write(directory.join("functions.json"), format!("[{}]\n", entries.join(",\n")))?;
     let doubles = Doubles::new(configuration)?;
     functions.iter().try_for_each(|function| write_points(directory, function, &doubles))
+}
+
+/// Threads of a workgroup.
+const WORKGROUP: usize = 64;
+
+/// Entry points in WGSL that compute each function for every row of a buffer: `each_NAME`.
+///
+/// Binding 0 of group 0 has the arguments of all calls one after the other, binding 1 takes the results.
+fn entry_points(functions: &[Function]) -> String {
+    let mut text = String::from(
+        "
+@group(0) @binding(0) var<storage, read> arguments_of_all: array<f32>;
+@group(0) @binding(1) var<storage, read_write> results_of_all: array<f32>;
+",
+    );
+    for Function { name, arguments, call, outputs, .. } in functions {
+        let (inputs, results) = (arguments.len(), outputs.len());
+        // Writing to a string cannot fail
+        let _ = writeln!(
+            text,
+            "
+@compute @workgroup_size({WORKGROUP})
+fn each_{name}(@builtin(global_invocation_id) id: vec3<u32>) {{
+    let i: u32 = id.x;
+    if (i * {results}u >= arrayLength(&results_of_all)) {{
+        return;
+    }}"
+        );
+        for (j, argument) in arguments.iter().enumerate() {
+            let _ = writeln!(text, "    let {argument}: f32 = arguments_of_all[{inputs}u * i + {j}u];");
+        }
+        let _ = writeln!(text, "    let result = {call};");
+        for (j, output) in outputs.iter().enumerate() {
+            let field = if output.is_empty() { String::new() } else { format!(".{output}") };
+            let _ = writeln!(text, "    results_of_all[{results}u * i + {j}u] = result{field};");
+        }
+        text += "}\n";
+    }
+    text
 }
 
 /// What the functions of a configuration are in double precision, where it is not made of arguments alone.

@@ -20,7 +20,6 @@ use crate::language::Language;
 use crate::material::Material;
 use crate::materialx;
 use crate::number::literal;
-use crate::spirv;
 use crate::subject::Subject;
 use crate::sum::{Sum, Terms};
 use crate::target::Target;
@@ -94,7 +93,6 @@ impl Export<'_> {
         }
         let formulas = formulas(&roots, self.configuration, &made) + &self.constants()?;
         match self.target {
-            Target::Spirv => spirv::compile(&(formulas + &spirv::entry_points(&functions))),
             Target::Text(language) => {
                 let tables = self.tables(language)?;
                 let subjects = self.subjects.iter().map(|subject| subject.name());
@@ -314,5 +312,53 @@ impl Export<'_> {
         }
         paragraphs.push(header::origin(self.command));
         header::comment(&paragraphs)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use naga::valid::{Capabilities, ValidationFlags, Validator};
+
+    use super::*;
+
+    /// Refuses a text that is no valid WGSL.
+    fn check(wgsl: &str) {
+        let module = naga::front::wgsl::parse_str(wgsl);
+        let module = module.unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
+        let valid = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
+        valid.unwrap_or_else(|error| panic!("{}", error.emit_to_string(wgsl)));
+    }
+
+    #[test]
+    fn wgsl_is_valid_for_every_subject_and_kind_of_model() {
+        let target = Target::Text(Language::Wgsl);
+        let material = Material {
+            surface_albedo: [0.9, 0.5, 0.1],
+            length: [2.0, 0.3, 1e-3],
+            parameterization: Parameterization::Mfp,
+        };
+        let kinds = [&MODELS[..], &[Model::Gaussians, Model::Exact]].concat();
+        for configuration in [Configuration::Searchlight, Configuration::Diffuse] {
+            for subject in Subject::ALL.into_iter().filter(|subject| subject.goes_to(target)) {
+                for model in &kinds {
+                    let export = Export {
+                        target,
+                        subjects: &[subject],
+                        models: &[*model],
+                        material: Some(material),
+                        configuration,
+                        g: if subject == Subject::Inversion { 0.5 } else { 0.0 },
+                        eta: if subject == Subject::Inversion { 1.3 } else { 1.0 },
+                        sizes: Sizes::default(),
+                        command: "a test",
+                    };
+                    match export.bytes() {
+                        Ok(bytes) => check(std::str::from_utf8(&bytes).unwrap()),
+                        // Its profile is no function of the radius alone, as tables need
+                        Err(error) => assert_eq!(*model, Model::NormalizedDiffusionOblique, "{error}"),
+                    }
+                }
+            }
+        }
     }
 }

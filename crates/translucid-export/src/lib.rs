@@ -5,8 +5,7 @@
 //! WGSL has one spelling for everything that the formulas need, so [`Language`] translates them into GLSL, HLSL, MSL,
 //! OSL, C and C++ word by word, with their comments and names. naga could write three of these languages; but it drops
 //! comments, renames what ends in a digit and flattens expressions into temporaries, and what people paste they want to
-//! read. naga makes the SPIR-V, in tests it checks the WGSL, and for MaterialX it reads the formulas, which are then run
-//! with nodes in the place of numbers.
+//! read. For MaterialX the formulas are run with nodes in the place of numbers.
 //!
 //! # Units
 //! Lengths are in any one unit that the caller keeps to.
@@ -51,7 +50,6 @@ mod material;
 mod materialx;
 mod node_graph;
 mod number;
-mod spirv;
 mod subject;
 mod sum;
 mod symbolic;
@@ -65,7 +63,6 @@ pub use function::{Function, functions};
 pub use image::ImageFormat;
 pub use language::Language;
 pub use material::Material;
-pub use spirv::entry_points;
 pub use subject::Subject;
 pub use sum::exponentials;
 pub use target::Target;

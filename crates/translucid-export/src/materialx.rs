@@ -2,17 +2,14 @@
 
 use std::fmt::Write as _;
 
-use naga::Module;
 use translucid_profile::{Configuration, RefinedDiffusion};
 
 use crate::error::ExportError;
-
 use crate::function::Function;
 use crate::material::Material;
 use crate::node_graph::{NodeGraph, Operand};
 use crate::number::literal;
-use crate::spirv;
-use crate::symbolic::{Unknown, Value, run};
+use crate::symbolic::{Source, Unknown, Value, field, number};
 
 /// A whole document.
 pub(crate) fn document(comment: &str, made_by: &str, definitions: &str) -> String {
@@ -36,49 +33,23 @@ fn escaped(text: &str) -> String {
 pub(crate) fn definitions(formulas: &str, functions: &[Function]) -> Result<String, ExportError> {
     // A failure is a defect of the formulas, which tests of every text rule out
     let defect = |Unknown(what): Unknown| ExportError::new("to", "materialx", format!("another: {what}"));
-    let wrapped = formulas.to_owned() + &wrappers(functions);
-    let (module, _) = spirv::checked(&wrapped, "materialx")?;
+    let source = Source::new(formulas);
     let mut text = String::new();
     for function in functions {
-        text += &definition(&module, function, &comment_of(formulas, function.name)).map_err(defect)?;
+        text += &definition(&source, function, &comment_of(formulas, function.name)).map_err(defect)?;
     }
     Ok(text)
 }
 
-/// A function in WGSL for each output of each function: its result is a number.
-fn wrappers(functions: &[Function]) -> String {
-    let mut text = String::new();
-    for Function { name, arguments, call, outputs, .. } in functions {
-        let inputs: Vec<String> = arguments.iter().map(|argument| format!("{argument}: f32")).collect();
-        for (i, output) in outputs.iter().enumerate() {
-            let field = if output.is_empty() { String::new() } else { format!(".{output}") };
-            // Writing to a string cannot fail
-            let _ = write!(
-                text,
-                "\nfn output_{i}_of_{name}({}) -> f32 {{\n    let result = {call};\n    return result{field};\n}}\n",
-                inputs.join(", ")
-            );
-        }
-    }
-    text
-}
-
-fn definition(module: &Module, function: &Function, doc: &str) -> Result<String, Unknown> {
-    let Function { name, arguments, outputs, .. } = function;
-    let inputs: Vec<Value> =
-        arguments.iter().map(|argument| Value::Number(Operand::Input(input(argument)))).collect();
+fn definition(source: &Source<'_>, function: &Function, doc: &str) -> Result<String, Unknown> {
+    let Function { name, arguments, call, outputs, .. } = function;
+    let inputs = arguments.iter().map(|argument| (*argument, Value::Number(Operand::Input(input(argument)))));
     let mut graph = NodeGraph::default();
+    let value = source.evaluate(&mut graph, call, inputs.collect())?;
     let mut results = Vec::new();
-    for (i, output) in outputs.iter().enumerate() {
-        let wrapper = format!("output_{i}_of_{name}");
-        let wrapper = module.functions.iter().find(|(_, f)| f.name.as_ref() == Some(&wrapper));
-        let Some((_, wrapper)) = wrapper else {
-            return Err(Unknown(format!("no {name}")));
-        };
-        match run(&mut graph, module, wrapper, &inputs)? {
-            Value::Number(operand) => results.push((if output.is_empty() { "out" } else { output }, operand)),
-            other => return Err(Unknown(format!("{other:?}"))),
-        }
+    for output in outputs.iter().copied() {
+        let result = if output.is_empty() { value.clone() } else { field(value.clone(), output)? };
+        results.push((if output.is_empty() { "out" } else { output }, number(result)?));
     }
     let mut text = format!(
         "  <nodedef name=\"ND_translucid_{name}\" node=\"translucid_{name}\" nodegroup=\"math\" doc=\"{}\">\n",

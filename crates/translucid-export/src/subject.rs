@@ -90,7 +90,7 @@ impl Subject {
         match (self, target) {
             (_, Target::Image(_)) => self == Self::Lut,
             (Self::Material, _) => target == Target::MaterialX,
-            (_, Target::Spirv | Target::MaterialX | Target::Text(Language::Osl)) => !self.is_table(),
+            (_, Target::MaterialX | Target::Text(Language::Osl)) => !self.is_table(),
             (Self::Lut, Target::Text(language)) => matches!(language, Language::C | Language::Cpp),
             (_, Target::Text(_)) => true,
         }

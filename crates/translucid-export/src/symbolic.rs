@@ -1,22 +1,23 @@
-//! Formulas as graphs of nodes: a function of WGSL is run with names in the place of numbers.
+//! Formulas as graphs of nodes: their WGSL is run with nodes in the place of numbers.
 //!
+//! Formulas use a small part of WGSL: functions of numbers and of structs of numbers, `let` and `var` with a type, `if`,
+//! `select` and a `return` at the end.
 //! Calls are run where they stand. Of an `if` both branches are, and every variable takes what the condition chooses.
 
 use std::collections::HashMap;
 
-use naga::{
-    BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, MathFunction, Module,
-    Statement, TypeInner, UnaryOperator,
-};
-
 use crate::node_graph::{NodeGraph, Operand};
+use crate::token::{Token, tokens};
 
 /// What an expression is.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Value {
+pub(crate) enum Value<'a> {
+    /// A number of the text, or what is made of some: it becomes one of single precision where it meets others.
+    Literal(f64),
     Number(Operand),
     Truth(Condition),
-    Fields(Vec<Value>),
+    /// Fields of a struct, with their names.
+    Fields(Vec<(&'a str, Value<'a>)>),
 }
 
 /// A comparison, or what is made of some.
@@ -37,287 +38,468 @@ fn unknown<T>(what: impl std::fmt::Debug) -> Result<T, Unknown> {
     Err(Unknown(format!("{what:?}")))
 }
 
-/// Runs a function for arguments.
-pub(crate) fn run(
-    graph: &mut NodeGraph,
-    module: &Module,
-    function: &Function,
-    arguments: &[Value],
-) -> Result<Value, Unknown> {
-    let mut run =
-        Run { graph, module, function, arguments, values: HashMap::new(), variables: HashMap::new() };
-    for (handle, variable) in function.local_variables.iter() {
-        let value = match variable.init {
-            Some(init) => run.value(init)?,
-            None => run.zero(variable.ty)?,
-        };
-        run.variables.insert(handle, value);
-    }
-    match run.block(&function.body)? {
-        Some(value) => Ok(value),
-        None => unknown("a function without a result"),
-    }
+/// Functions and structs of a text, by their names.
+pub(crate) struct Source<'a> {
+    functions: HashMap<&'a str, Function<'a>>,
+    /// Names of the fields of each struct; all are numbers.
+    structs: HashMap<&'a str, Vec<&'a str>>,
 }
 
-struct Run<'a> {
-    graph: &'a mut NodeGraph,
-    module: &'a Module,
-    function: &'a Function,
-    arguments: &'a [Value],
-    /// Values of expressions that were met.
-    values: HashMap<Handle<Expression>, Value>,
-    variables: HashMap<Handle<LocalVariable>, Value>,
+struct Function<'a> {
+    parameters: Vec<&'a str>,
+    body: Vec<Token<'a>>,
 }
 
-impl Run<'_> {
-    /// Runs statements; what they return.
-    fn block(&mut self, block: &Block) -> Result<Option<Value>, Unknown> {
-        for statement in block {
-            match statement {
-                Statement::Emit(range) => {
-                    for handle in range.clone() {
-                        if !self.is_pointer(handle) {
-                            let value = self.evaluate(handle)?;
-                            self.values.insert(handle, value);
-                        }
-                    }
-                }
-                Statement::Block(block) => {
-                    if let Some(value) = self.block(block)? {
-                        return Ok(Some(value));
-                    }
-                }
-                Statement::If { condition, accept, reject } => self.branch(*condition, accept, reject)?,
-                Statement::Return { value: Some(value) } => return self.value(*value).map(Some),
-                Statement::Store { pointer, value } => {
-                    let value = self.value(*value)?;
-                    *self.place(*pointer)? = value;
-                }
-                Statement::Call { function, arguments, result: Some(result) } => {
-                    let arguments: Vec<Value> =
-                        arguments.iter().map(|argument| self.value(*argument)).collect::<Result<_, _>>()?;
-                    let called = &self.module.functions[*function];
-                    let value = run(self.graph, self.module, called, &arguments)?;
-                    self.values.insert(*result, value);
-                }
-                other => return unknown(other),
+impl<'a> Source<'a> {
+    /// Reads a text. Constants outside of functions are left out.
+    pub(crate) fn new(text: &'a str) -> Self {
+        let mut source = Self { functions: HashMap::new(), structs: HashMap::new() };
+        let code = code(text);
+        let mut rest = &code[..];
+        while let Some(start) = rest.iter().position(|token| is_keyword(*token)) {
+            let [keyword, Token::Word(name), item @ ..] = &rest[start..] else { break };
+            let Some(open) = item.iter().position(|token| *token == Token::Sign("{")) else { break };
+            let (head, body) = (&item[..open], braced(&item[open..]));
+            if *keyword == Token::Word("fn") {
+                let function = Function { parameters: before_colons(head), body: body.to_vec() };
+                source.functions.insert(name, function);
+            } else {
+                source.structs.insert(name, before_colons(body));
             }
+            rest = &item[open + body.len()..];
+        }
+        source
+    }
+
+    /// The value of an expression with variables of given names.
+    pub(crate) fn evaluate(
+        &self,
+        graph: &mut NodeGraph,
+        expression: &'a str,
+        variables: Vec<(&'a str, Value<'a>)>,
+    ) -> Result<Value<'a>, Unknown> {
+        Run { source: self, graph, code: &code(expression), next: 0, variables }.expression()
+    }
+}
+
+/// The words, numbers and signs of a text.
+fn code(text: &str) -> Vec<Token<'_>> {
+    let is_code = |token: &Token<'_>| !matches!(token, Token::Space(_) | Token::Comment(_));
+    tokens(text).into_iter().filter(is_code).collect()
+}
+
+fn is_keyword(token: Token<'_>) -> bool {
+    matches!(token, Token::Word("fn" | "struct"))
+}
+
+/// What is within the braces that a text begins with.
+fn braced<'c, 'a>(code: &'c [Token<'a>]) -> &'c [Token<'a>] {
+    let mut depth = 0;
+    let end = code.iter().position(|token| {
+        depth += i32::from(*token == Token::Sign("{")) - i32::from(*token == Token::Sign("}"));
+        depth == 0
+    });
+    &code[1..end.unwrap_or(code.len())]
+}
+
+/// Names before a colon: those of parameters or fields.
+fn before_colons<'a>(code: &[Token<'a>]) -> Vec<&'a str> {
+    let named = code.windows(2).filter_map(|window| match window {
+        [Token::Word(name), Token::Sign(":")] => Some(*name),
+        _ => None,
+    });
+    named.collect()
+}
+
+/// The run of a piece of code.
+struct Run<'a, 'r> {
+    source: &'r Source<'a>,
+    graph: &'r mut NodeGraph,
+    code: &'r [Token<'a>],
+    next: usize,
+    variables: Vec<(&'a str, Value<'a>)>,
+}
+
+impl<'a> Run<'a, '_> {
+    fn take(&mut self) -> Option<Token<'a>> {
+        let token = self.code.get(self.next).copied();
+        self.next += 1;
+        token
+    }
+
+    fn name(&mut self) -> Result<&'a str, Unknown> {
+        match self.take() {
+            Some(Token::Word(name)) => Ok(name),
+            other => unknown(other),
+        }
+    }
+
+    /// Whether signs stand here; if so, they are taken.
+    fn takes(&mut self, signs: &[&str]) -> bool {
+        let stand = |(i, sign): (usize, &&str)| self.code.get(self.next + i) == Some(&Token::Sign(sign));
+        let all = signs.iter().enumerate().all(stand);
+        self.next += if all { signs.len() } else { 0 };
+        all
+    }
+
+    fn expect(&mut self, sign: &str) -> Result<(), Unknown> {
+        if self.takes(&[sign]) { Ok(()) } else { unknown((sign, self.take())) }
+    }
+
+    /// Runs statements up to the end of their block; what they return.
+    fn block(&mut self) -> Result<Option<Value<'a>>, Unknown> {
+        while !self.takes(&["}"]) {
+            let Some(Token::Word(word)) = self.take() else { return Ok(None) };
+            match word {
+                "let" | "var" => {
+                    let name = self.name()?;
+                    self.expect(":")?;
+                    let kind = self.name()?;
+                    let value = if self.takes(&["="]) { self.value()? } else { self.zero(kind)? };
+                    self.variables.push((name, value));
+                }
+                "return" => return self.value().map(Some),
+                "if" => {
+                    self.branch()?;
+                    continue;
+                }
+                name => {
+                    let field = if self.takes(&["."]) { Some(self.name()?) } else { None };
+                    self.expect("=")?;
+                    let value = self.value()?;
+                    *self.place(name, field)? = value;
+                }
+            }
+            self.expect(";")?;
         }
         Ok(None)
     }
 
-    fn branch(
-        &mut self,
-        condition: Handle<Expression>,
-        accept: &Block,
-        reject: &Block,
-    ) -> Result<(), Unknown> {
-        let Value::Truth(condition) = self.value(condition)? else {
-            return unknown("a condition that is none");
-        };
+    /// Runs what follows an `if`.
+    fn branch(&mut self) -> Result<(), Unknown> {
+        let condition = self.expression()?;
         let before = self.variables.clone();
-        let accepted = self.block(accept)?;
-        let after = std::mem::replace(&mut self.variables, before);
-        let rejected = self.block(reject)?;
-        if accepted.is_some() || rejected.is_some() {
-            return unknown("a return within an if");
+        self.nested_block()?;
+        let accepted = std::mem::replace(&mut self.variables, before);
+        let count = self.variables.len();
+        if self.code.get(self.next) == Some(&Token::Word("else")) {
+            self.next += 1;
+            if self.code.get(self.next) == Some(&Token::Word("if")) {
+                self.next += 1;
+                self.branch()?;
+            } else {
+                self.nested_block()?;
+            }
         }
-        for (handle, value) in after {
-            let other = self.variables[&handle].clone();
-            let chosen = self.choose(&condition, &value, &other)?;
-            self.variables.insert(handle, chosen);
+        self.variables.truncate(count);
+        let condition = truth(condition)?;
+        for (i, (_, accept)) in accepted.into_iter().take(count).enumerate() {
+            let reject = self.variables[i].1.clone();
+            self.variables[i].1 = self.choose(&condition, accept, reject)?;
         }
         Ok(())
     }
 
+    fn nested_block(&mut self) -> Result<(), Unknown> {
+        self.expect("{")?;
+        match self.block()? {
+            None => Ok(()),
+            Some(_) => unknown("a return within an if"),
+        }
+    }
+
+    /// Where a variable, or a field of one, is kept.
+    fn place(&mut self, name: &str, field: Option<&str>) -> Result<&mut Value<'a>, Unknown> {
+        let variable = self.variables.iter_mut().rev().find(|(known, _)| *known == name);
+        match (variable, field) {
+            (Some((_, value)), None) => Ok(value),
+            (Some((_, Value::Fields(fields))), Some(field)) => {
+                let found = fields.iter_mut().find(|(known, _)| *known == field);
+                found.map_or_else(|| unknown(field), |(_, value)| Ok(value))
+            }
+            _ => unknown(name),
+        }
+    }
+
+    /// What an expression is, a literal as a number of single precision.
+    fn value(&mut self) -> Result<Value<'a>, Unknown> {
+        match self.expression()? {
+            Value::Literal(number) => Ok(Value::Number(Operand::Number(number as f32))),
+            other => Ok(other),
+        }
+    }
+
+    fn expression(&mut self) -> Result<Value<'a>, Unknown> {
+        let mut left = self.comparison()?;
+        while self.takes(&["|", "|"]) {
+            let right = self.comparison()?;
+            left = self.choose(&truth(left)?, Value::Truth(Condition::Is(true)), right)?;
+        }
+        Ok(left)
+    }
+
+    fn comparison(&mut self) -> Result<Value<'a>, Unknown> {
+        const OPERATORS: [(&[&str], &str, bool); 5] = [
+            (&["=", "="], "ifequal", false),
+            (&["<", "="], "ifgreatereq", true),
+            (&[">", "="], "ifgreatereq", false),
+            (&["<"], "ifgreater", true),
+            (&[">"], "ifgreater", false),
+        ];
+        let left = self.sum()?;
+        for (signs, category, is_turned) in OPERATORS {
+            if self.takes(signs) {
+                let (left, right) = (number(left)?, number(self.sum()?)?);
+                let (left, right) = if is_turned { (right, left) } else { (left, right) };
+                return Ok(Value::Truth(Condition::Compared(category, left, right)));
+            }
+        }
+        Ok(left)
+    }
+
+    fn sum(&mut self) -> Result<Value<'a>, Unknown> {
+        let mut left = self.product()?;
+        loop {
+            if self.takes(&["+"]) {
+                let right = self.product()?;
+                left = self.arithmetic("add", |a, b| a + b, left, right)?;
+            } else if self.takes(&["-"]) {
+                let right = self.product()?;
+                left = self.arithmetic("subtract", |a, b| a - b, left, right)?;
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn product(&mut self) -> Result<Value<'a>, Unknown> {
+        let mut left = self.factor()?;
+        loop {
+            if self.takes(&["*"]) {
+                let right = self.factor()?;
+                left = self.arithmetic("multiply", |a, b| a * b, left, right)?;
+            } else if self.takes(&["/"]) {
+                let right = self.factor()?;
+                left = self.arithmetic("divide", |a, b| a / b, left, right)?;
+            } else {
+                return Ok(left);
+            }
+        }
+    }
+
+    fn arithmetic(
+        &mut self,
+        category: &'static str,
+        of_literals: fn(f64, f64) -> f64,
+        left: Value<'a>,
+        right: Value<'a>,
+    ) -> Result<Value<'a>, Unknown> {
+        if let (Value::Literal(left), Value::Literal(right)) = (&left, &right) {
+            return Ok(Value::Literal(of_literals(*left, *right)));
+        }
+        let operands = [number(left)?, number(right)?];
+        Ok(Value::Number(self.graph.node(category, &operands)))
+    }
+
+    fn factor(&mut self) -> Result<Value<'a>, Unknown> {
+        let mut value = match self.take() {
+            Some(Token::Sign("-")) => {
+                let operand = self.factor()?;
+                return match operand {
+                    Value::Literal(number) => Ok(Value::Literal(-number)),
+                    other => self.arithmetic("subtract", |a, b| a - b, Value::Literal(0.0), other),
+                };
+            }
+            Some(Token::Sign("(")) => {
+                let inner = self.expression()?;
+                self.expect(")")?;
+                inner
+            }
+            Some(Token::Number(text)) => match text.parse() {
+                Ok(number) => Value::Literal(number),
+                Err(_) => return unknown(text),
+            },
+            Some(Token::Word(name)) if self.takes(&["("]) => self.call(name)?,
+            Some(Token::Word(name)) => self.place(name, None)?.clone(),
+            other => return unknown(other),
+        };
+        while self.takes(&["."]) {
+            let name = self.name()?;
+            value = field(value, name)?;
+        }
+        Ok(value)
+    }
+
+    /// Runs a call behind its opening parenthesis.
+    fn call(&mut self, name: &'a str) -> Result<Value<'a>, Unknown> {
+        let mut arguments = Vec::new();
+        while !self.takes(&[")"]) {
+            arguments.push(self.value()?);
+            if !self.takes(&[","]) {
+                self.expect(")")?;
+                break;
+            }
+        }
+        let source = self.source;
+        if let Some(Function { parameters, body }) = source.functions.get(name) {
+            let variables = parameters.iter().copied().zip(arguments).collect();
+            let mut run = Run { source, graph: self.graph, code: body, next: 0, variables };
+            return run.block()?.map_or_else(|| unknown("a function without a result"), Ok);
+        }
+        if name == "select"
+            && let [reject, accept, condition] = &arguments[..]
+        {
+            return self.choose(&truth(condition.clone())?, accept.clone(), reject.clone());
+        }
+        let category = match name {
+            "abs" => "absval",
+            "log" => "ln",
+            "pow" => "power",
+            "cos" => "cos",
+            "exp" => "exp",
+            "max" => "max",
+            "min" => "min",
+            "sin" => "sin",
+            "sqrt" => "sqrt",
+            other => return unknown(other),
+        };
+        let operands: Vec<Operand> = arguments.into_iter().map(number).collect::<Result<_, _>>()?;
+        Ok(Value::Number(self.graph.node(category, &operands)))
+    }
+
     /// One value or the other.
-    fn choose(&mut self, condition: &Condition, accept: &Value, reject: &Value) -> Result<Value, Unknown> {
+    fn choose(
+        &mut self,
+        condition: &Condition,
+        accept: Value<'a>,
+        reject: Value<'a>,
+    ) -> Result<Value<'a>, Unknown> {
         if accept == reject {
-            return Ok(accept.clone());
+            return Ok(accept);
         }
         match (condition, accept, reject) {
-            (Condition::Is(is), ..) => Ok(if *is { accept.clone() } else { reject.clone() }),
-            (Condition::Chosen(parts), ..) => {
+            (Condition::Is(is), accept, reject) => Ok(if *is { accept } else { reject }),
+            (Condition::Chosen(parts), accept, reject) => {
                 let [first, accepted, rejected] = &**parts;
-                let accept_first = self.choose(accepted, accept, reject)?;
+                let accept_first = self.choose(accepted, accept.clone(), reject.clone())?;
                 let reject_first = self.choose(rejected, accept, reject)?;
-                self.choose(first, &accept_first, &reject_first)
+                self.choose(first, accept_first, reject_first)
             }
             (Condition::Compared(category, a, b), Value::Number(accept), Value::Number(reject)) => {
-                Ok(Value::Number(self.graph.node(category, &[*a, *b, *accept, *reject])))
+                Ok(Value::Number(self.graph.node(category, &[*a, *b, accept, reject])))
             }
             (_, Value::Truth(accept), Value::Truth(reject)) => {
-                let parts = [condition.clone(), accept.clone(), reject.clone()];
-                Ok(Value::Truth(Condition::Chosen(Box::new(parts))))
+                Ok(Value::Truth(Condition::Chosen(Box::new([condition.clone(), accept, reject]))))
             }
             (_, Value::Fields(accept), Value::Fields(reject)) => {
-                let fields = accept.iter().zip(reject).map(|(a, r)| self.choose(condition, a, r));
+                let fields = accept.into_iter().zip(reject);
+                let fields = fields.map(|((name, a), (_, r))| Ok((name, self.choose(condition, a, r)?)));
                 Ok(Value::Fields(fields.collect::<Result<_, _>>()?))
             }
             _ => unknown("a choice between different things"),
         }
     }
 
-    fn is_pointer(&self, handle: Handle<Expression>) -> bool {
-        match &self.function.expressions[handle] {
-            Expression::LocalVariable(_) => true,
-            Expression::AccessIndex { base, .. } => self.is_pointer(*base),
-            _ => false,
-        }
-    }
-
-    /// Where a pointer leads.
-    fn place(&mut self, pointer: Handle<Expression>) -> Result<&mut Value, Unknown> {
-        match &self.function.expressions[pointer] {
-            Expression::LocalVariable(variable) => match self.variables.get_mut(variable) {
-                Some(value) => Ok(value),
-                None => unknown("a variable without a value"),
-            },
-            Expression::AccessIndex { base, index } => match self.place(*base)? {
-                Value::Fields(fields) => Ok(&mut fields[*index as usize]),
-                other => unknown(other),
-            },
-            other => unknown(other),
-        }
-    }
-
-    fn value(&mut self, handle: Handle<Expression>) -> Result<Value, Unknown> {
-        match self.values.get(&handle) {
-            Some(value) => Ok(value.clone()),
-            None => self.evaluate(handle),
-        }
-    }
-
-    fn number(&mut self, handle: Handle<Expression>) -> Result<Operand, Unknown> {
-        match self.value(handle)? {
-            Value::Number(operand) => Ok(operand),
-            other => unknown(other),
-        }
-    }
-
-    fn evaluate(&mut self, handle: Handle<Expression>) -> Result<Value, Unknown> {
-        let function = self.function;
-        match &function.expressions[handle] {
-            Expression::Literal(literal) => constant(*literal),
-            Expression::Constant(constant) => {
-                let init = self.module.constants[*constant].init;
-                global(self.module, init)
-            }
-            Expression::ZeroValue(ty) => self.zero(*ty),
-            Expression::FunctionArgument(index) => Ok(self.arguments[*index as usize].clone()),
-            Expression::Load { pointer } => Ok(self.place(*pointer)?.clone()),
-            Expression::AccessIndex { base, index } => match self.value(*base)? {
-                Value::Fields(fields) => Ok(fields[*index as usize].clone()),
-                other => unknown(other),
-            },
-            Expression::Compose { components, .. } => {
-                let fields = components.iter().map(|component| self.value(*component));
-                Ok(Value::Fields(fields.collect::<Result<_, _>>()?))
-            }
-            Expression::Unary { op: UnaryOperator::Negate, expr } => {
-                let operand = self.number(*expr)?;
-                Ok(Value::Number(self.graph.node("subtract", &[Operand::Number(0.0), operand])))
-            }
-            Expression::Unary { op: UnaryOperator::LogicalNot, expr } => {
-                let value = self.value(*expr)?;
-                self.opposite(value)
-            }
-            Expression::Binary { op, left, right } => self.binary(*op, *left, *right),
-            Expression::Select { condition, accept, reject } => {
-                let Value::Truth(condition) = self.value(*condition)? else {
-                    return unknown("a condition that is none");
-                };
-                let (accept, reject) = (self.value(*accept)?, self.value(*reject)?);
-                self.choose(&condition, &accept, &reject)
-            }
-            Expression::Math { fun, arg, arg1, arg2: None, arg3: None } => {
-                let category = match fun {
-                    MathFunction::Abs => "absval",
-                    MathFunction::Cos => "cos",
-                    MathFunction::Exp => "exp",
-                    MathFunction::Log => "ln",
-                    MathFunction::Max => "max",
-                    MathFunction::Min => "min",
-                    MathFunction::Pow => "power",
-                    MathFunction::Sin => "sin",
-                    MathFunction::Sqrt => "sqrt",
-                    other => return unknown(other),
-                };
-                let mut operands = vec![self.number(*arg)?];
-                if let Some(arg1) = arg1 {
-                    operands.push(self.number(*arg1)?);
-                }
-                Ok(Value::Number(self.graph.node(category, &operands)))
-            }
-            other => unknown(other),
-        }
-    }
-
-    fn binary(
-        &mut self,
-        operator: BinaryOperator,
-        left: Handle<Expression>,
-        right: Handle<Expression>,
-    ) -> Result<Value, Unknown> {
-        let (left, right) = match (self.value(left)?, self.value(right)?) {
-            (Value::Number(left), Value::Number(right)) => (left, right),
-            other => return unknown(other),
-        };
-        let category = match operator {
-            BinaryOperator::Add => "add",
-            BinaryOperator::Subtract => "subtract",
-            BinaryOperator::Multiply => "multiply",
-            BinaryOperator::Divide => "divide",
-            BinaryOperator::Greater => return Ok(compared("ifgreater", left, right)),
-            BinaryOperator::GreaterEqual => return Ok(compared("ifgreatereq", left, right)),
-            BinaryOperator::Less => return Ok(compared("ifgreater", right, left)),
-            BinaryOperator::LessEqual => return Ok(compared("ifgreatereq", right, left)),
-            BinaryOperator::Equal => return Ok(compared("ifequal", left, right)),
-            BinaryOperator::NotEqual => return self.opposite(compared("ifequal", left, right)),
-            other => return unknown(other),
-        };
-        Ok(Value::Number(self.graph.node(category, &[left, right])))
-    }
-
-    fn opposite(&mut self, value: Value) -> Result<Value, Unknown> {
-        let Value::Truth(condition) = value else {
-            return unknown(value);
-        };
-        let [yes, no] = [true, false].map(|is| Value::Truth(Condition::Is(is)));
-        self.choose(&condition, &no, &yes)
-    }
-
-    fn zero(&self, ty: Handle<naga::Type>) -> Result<Value, Unknown> {
-        match &self.module.types[ty].inner {
-            TypeInner::Scalar(scalar) if scalar.kind == naga::ScalarKind::Bool => {
-                Ok(Value::Truth(Condition::Is(false)))
-            }
-            TypeInner::Scalar(_) => Ok(Value::Number(Operand::Number(0.0))),
-            TypeInner::Struct { members, .. } => {
-                let fields = members.iter().map(|member| self.zero(member.ty));
-                Ok(Value::Fields(fields.collect::<Result<_, _>>()?))
-            }
-            other => unknown(other),
+    /// What a variable of a type is before it is given a value.
+    fn zero(&self, kind: &str) -> Result<Value<'a>, Unknown> {
+        let zero = Value::Number(Operand::Number(0.0));
+        match (kind, self.source.structs.get(kind)) {
+            (_, Some(fields)) => Ok(Value::Fields(fields.iter().map(|name| (*name, zero.clone())).collect())),
+            ("f32", None) => Ok(zero),
+            (other, None) => unknown(other),
         }
     }
 }
 
-fn compared(category: &'static str, left: Operand, right: Operand) -> Value {
-    Value::Truth(Condition::Compared(category, left, right))
-}
-
-fn constant(literal: Literal) -> Result<Value, Unknown> {
-    match literal {
-        Literal::F32(number) => Ok(Value::Number(Operand::Number(number))),
-        Literal::Bool(is) => Ok(Value::Truth(Condition::Is(is))),
+fn truth(value: Value<'_>) -> Result<Condition, Unknown> {
+    match value {
+        Value::Truth(condition) => Ok(condition),
         other => unknown(other),
     }
 }
 
-/// The value of a constant of the module.
-fn global(module: &Module, init: Handle<Expression>) -> Result<Value, Unknown> {
-    match &module.global_expressions[init] {
-        Expression::Literal(literal) => constant(*literal),
+/// A number, a literal as one of single precision.
+pub(crate) fn number(value: Value<'_>) -> Result<Operand, Unknown> {
+    match value {
+        Value::Number(operand) => Ok(operand),
+        Value::Literal(number) => Ok(Operand::Number(number as f32)),
         other => unknown(other),
+    }
+}
+
+/// A field of a struct.
+pub(crate) fn field<'a>(value: Value<'a>, name: &str) -> Result<Value<'a>, Unknown> {
+    let Value::Fields(fields) = value else { return unknown(value) };
+    let found = fields.into_iter().find(|(known, _)| *known == name);
+    found.map_or_else(|| unknown(name), |(_, value)| Ok(value))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The number that an expression of numbers alone is.
+    fn evaluated(text: &str, expression: &str) -> f32 {
+        let value = Source::new(text).evaluate(&mut NodeGraph::default(), expression, Vec::new());
+        match value.and_then(number).unwrap() {
+            Operand::Number(number) => number,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn operators_bind_as_in_wgsl() {
+        for (expression, expected) in [
+            ("1.0 - 2.0 - 4.0", -5.0),
+            ("8.0 / 2.0 / 4.0 * 3.0", 3.0),
+            ("1.0 + 2.0 * -3.0", -5.0),
+            ("-(1.0 + 2.0) * 2.0", -6.0),
+            ("1.0 / 3.0", (1.0_f64 / 3.0) as f32),
+            ("max(min(7.0, 5.0), 2.0)", 5.0),
+        ] {
+            assert_eq!(evaluated("", expression), expected, "{expression}");
+        }
+    }
+
+    #[test]
+    fn functions_structs_and_branches_run() {
+        let text = "
+            const X: f32 = 3.0;
+            struct Pair { low: f32, high: f32, }
+            // A comment
+            fn pair(x: f32) -> Pair {
+                var both: Pair;
+                both.low = x;
+                both.high = x + 1.0;
+                return both;
+            }
+            fn chosen(x: f32) -> f32 {
+                var result: f32 = 1.0;
+                if (x < 0.5 || x == 2.0) { result = 10.0; } else if (x >= 1.0) { result = pair(x).high; }
+                return select(result, 0.0, x > 100.0);
+            }";
+        assert_eq!(evaluated(text, "pair(2.0).high + pair(0.5).low"), 3.5);
+        let mut graph = NodeGraph::default();
+        let x = vec![("x", Value::Number(Operand::Input("x")))];
+        let value = Source::new(text).evaluate(&mut graph, "chosen(x)", x).unwrap();
+        let nodes = graph.text(&[("out", number(value).unwrap())]);
+        // Two conditions of the first `if`, one of the second, one of `select`
+        for (category, count) in [("ifgreater", 2), ("ifequal", 1), ("ifgreatereq", 1), ("add", 1)] {
+            assert_eq!(nodes.matches(&format!("<{category} ")).count(), count, "{category} in {nodes}");
+        }
+    }
+
+    #[test]
+    fn other_constructs_are_refused() {
+        for text in [
+            "fn f(x: f32) -> f32 { if (x < 1.0) { return x; } return 0.0; }",
+            "fn f(x: f32) -> f32 { loop { } return x; }",
+            "fn f(x: f32) -> f32 { return tan(x); }",
+            "fn f(x: f32) -> f32 { return y; }",
+            "fn f(x: f32) -> f32 { let y: f32 = x; }",
+        ] {
+            let x = vec![("x", Value::Number(Operand::Input("x")))];
+            assert!(Source::new(text).evaluate(&mut NodeGraph::default(), "f(x)", x).is_err(), "{text}");
+        }
     }
 }

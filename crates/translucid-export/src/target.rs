@@ -8,8 +8,6 @@ use crate::language::Language;
 pub enum Target {
     /// A text in a language.
     Text(Language),
-    /// A compiled module for Vulkan.
-    Spirv,
     /// A document of nodes and materials.
     MaterialX,
     /// A table as an image.
@@ -18,12 +16,11 @@ pub enum Target {
 
 impl Target {
     /// Every target.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 12] = [
         Self::Text(Language::Wgsl),
         Self::Text(Language::Glsl),
         Self::Text(Language::Hlsl),
         Self::Text(Language::Msl),
-        Self::Spirv,
         Self::Text(Language::Osl),
         Self::Text(Language::C),
         Self::Text(Language::Cpp),
@@ -44,7 +41,6 @@ impl Target {
             Self::Text(Language::Osl) => "osl",
             Self::Text(Language::C) => "c",
             Self::Text(Language::Cpp) => "cpp",
-            Self::Spirv => "spirv",
             Self::MaterialX => "materialx",
             Self::Image(format) => format.name(),
         }
@@ -60,7 +56,6 @@ impl Target {
             Self::Text(Language::Osl) => "Open Shading Language",
             Self::Text(Language::C) => "A header for C99",
             Self::Text(Language::Cpp) => "A header for C++17",
-            Self::Spirv => "A module that computes functions for buffers of arguments",
             Self::MaterialX => "A document with a node for each function, or an OpenPBR material",
             Self::Image(format) => format.description(),
         }
