@@ -5,7 +5,7 @@ use std::ffi::{CString, c_char};
 use translucid_profile::Configuration;
 use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, Setting, Unit, conversion_system_names};
 
-use crate::door::{Caller, Kind, enter, room};
+use crate::ffi_guard::{Caller, Kind, enter, room};
 use crate::names::{self, Names};
 use crate::status::{Failure, TranslucidStatus};
 

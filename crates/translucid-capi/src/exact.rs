@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use translucid_reference::exact::{HalfSpace, ObliqueHalfSpace, single_scattering_albedo};
 use translucid_reference::{Estimate, Incidence};
 
-use crate::door::{Caller, Kind, Rule, enter};
+use crate::ffi_guard::{Caller, Kind, Rule, enter};
 use crate::names;
 use crate::profile::RADII;
 use crate::status::{Failure, TranslucidStatus};

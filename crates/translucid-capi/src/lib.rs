@@ -6,7 +6,7 @@
 //! the message of a failure is kept for the thread that met it.
 //! Names and ranges are those of the Python module and the command.
 //!
-//! [`door`] alone touches the caller's memory.
+//! [`ffi_guard`] alone touches the caller's memory.
 //!
 //! # Units
 //! A profile's lengths are in the unit that the caller chose; those of references by walks are mean free paths; angles
@@ -21,10 +21,10 @@
 )]
 
 pub mod conversion;
-mod door;
 #[cfg(test)]
-mod entries;
+mod entry_tests;
 pub mod exact;
+mod ffi_guard;
 mod names;
 pub mod preset;
 pub mod profile;

@@ -7,7 +7,7 @@ use std::sync::OnceLock;
 use translucid_profile::{Configuration, Model};
 use translucid_reference::Incidence;
 
-use crate::door::Caller;
+use crate::ffi_guard::Caller;
 use crate::status::Failure;
 
 const CONFIGURATIONS: [&str; 2] = ["searchlight", "diffuse"];

@@ -4,7 +4,7 @@ use std::ffi::c_char;
 
 use translucid_scene::presets;
 
-use crate::door::enter;
+use crate::ffi_guard::enter;
 use crate::names::{self, Names};
 use crate::status::{Failure, TranslucidStatus};
 

@@ -8,7 +8,7 @@ use translucid_profile::{
     SampledProfile, TabulatedProfile,
 };
 
-use crate::door::{Caller, Kind, Rule, enter};
+use crate::ffi_guard::{Caller, Kind, Rule, enter};
 use crate::names::{self, Names};
 use crate::status::{Failure, TranslucidStatus};
 

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use translucid_profile::{AlbedoTable, Appearance, ProfileView};
 use translucid_scene::{ProfileRow, ProfileTable, load_profile_table};
 
-use crate::door::{Caller, Kind, Rule, enter, room};
+use crate::ffi_guard::{Caller, Kind, Rule, enter, room};
 use crate::profile::{Described, RADII, SHARES, TranslucidAppearance, TranslucidProfile};
 use crate::status::{Failure, TranslucidStatus};
 

@@ -14,7 +14,7 @@ use translucid_reference::walk::{
     WhiteTable,
 };
 
-use crate::door::{Caller, Kind, Progress, Rule, enter, room};
+use crate::ffi_guard::{Caller, Kind, Progress, Rule, enter, room};
 use crate::names;
 use crate::profile::TranslucidProfile;
 use crate::status::{Failure, TranslucidStatus};

@@ -85,12 +85,12 @@ pub use error::{ParameterError, require};
 pub use math::split_mix;
 pub use math::{quadrature, roots};
 pub use medium::albedo_inversion::AlbedoInversion;
+pub use medium::appearance::Appearance;
 pub use medium::fresnel::{
     fresnel_from_inside, fresnel_from_outside, fresnel_moment_1_from_inside, fresnel_moment_1_from_outside,
     fresnel_moment_2_from_inside, fresnel_moment_2_from_outside, schlick_from_inside, schlick_from_outside,
 };
 pub use medium::half_space::{half_space_single_scattering_albedo, half_space_surface_albedo};
-pub use medium::inversion::Appearance;
 pub use medium::media::Medium;
 pub use medium::scaling::{
     Configuration, Parameterization, d_from_surface_albedo, scaling, scaling_from_dmfp_searchlight,

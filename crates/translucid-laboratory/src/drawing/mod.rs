@@ -2,15 +2,15 @@
 //! look.
 
 mod area;
+mod axis_span;
 pub(crate) mod canvas;
 mod legend;
 mod marks;
 mod plot;
-mod span;
+mod point_labels;
 pub(crate) mod svg;
 pub(crate) mod text;
 mod ticks;
-mod words;
 
 use translucid_profile::Model;
 
@@ -53,7 +53,7 @@ fn draw(chart: &Chart) -> Canvas {
     series.sort_by_key(|series| layer(series));
     series.iter().for_each(|series| plot.draw(&mut canvas, series));
     plot.draw_axes(&mut canvas);
-    words::draw(&mut canvas, &plot, &chart.series);
+    point_labels::draw(&mut canvas, &plot, &chart.series);
     legend.draw(&mut canvas, [right + 16.0, top + 2.0], plot.area.bottom);
     canvas
 }

@@ -1,8 +1,8 @@
 //! The rectangle that series are drawn in, with its axes.
 
 use super::area::Area;
+use super::axis_span::Span;
 use super::canvas::{Anchor, Canvas, Label, Pen};
-use super::span::Span;
 use super::text::Font;
 use super::ticks::Ticks;
 use crate::chart::Shade;

@@ -1,6 +1,6 @@
 //! Ticks: round numbers along an axis, and their text.
 
-use super::span::Span;
+use super::axis_span::Span;
 use crate::chart::Scale;
 
 /// The ticks of an axis.

@@ -2,11 +2,11 @@
 //! inversions from what a surface shows to what it is made of.
 
 pub(crate) mod albedo_inversion;
+pub(crate) mod appearance;
 pub(crate) mod diffusion_boundary;
 mod discrete_ordinates;
 pub(crate) mod fresnel;
 pub(crate) mod half_space;
-pub(crate) mod inversion;
 pub(crate) mod length_coefficients;
 pub(crate) mod media;
 pub(crate) mod scaling;

@@ -4,7 +4,7 @@
 //! R(r, φ) = Σ_m f_m(r) cos mφ,    f_m(r) = (1/2π) ∫₀^∞ c_m(k) J_m(kr) k dk
 //! ```
 //!
-//! Along a ray from i k₀, as [`Inversion`](super::inversion::Inversion) has it, H_m⁽¹⁾ is huge for |kr| < m, and
+//! Along a ray from i k₀, as [`Inversion`](super::hankel_inversion::Inversion) has it, H_m⁽¹⁾ is huge for |kr| < m, and
 //! digits cancel. Here the way goes along the real axis with J_m up to k_j, where k_j r ≥ z₀ is large enough for the
 //! highest harmonic, and from there on the ray k_j + x e^{iπ/4} with H_m⁽¹⁾, which decays; the real part of the latter
 //! is the integral of J_m. What is lost is the *relative* accuracy at large k₀r, where the other way has it.

@@ -9,7 +9,7 @@ use super::dielectric_response::Response;
 use super::dispersion::Dispersion;
 use super::energy::EnergyBudget;
 use super::h_function::{K_MAX, Nested, WaveNumber};
-use super::inversion::{Contour, Inversion, Settings};
+use super::hankel_inversion::{Contour, Inversion, Settings};
 use super::single_scattering::SingleScattering;
 use crate::Estimate;
 

@@ -28,21 +28,21 @@
 //! [`Estimate`]: crate::Estimate
 
 mod albedo;
+mod angular_quadrature;
 mod azimuthal_inversion;
 mod boundary_entrance;
 mod complex;
 mod dielectric;
 mod dielectric_directions;
 mod dielectric_response;
-mod directions;
 mod dispersion;
 mod energy;
 mod h_function;
 mod half_space;
 mod half_space_profile;
-mod inversion;
+mod hankel_inversion;
+mod index_matched;
 mod macdonald;
-mod matched;
 mod oblique;
 mod oblique_single_scattering;
 mod seen_from_above;

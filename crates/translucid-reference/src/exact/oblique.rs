@@ -205,7 +205,7 @@ impl ObliqueHalfSpace {
 mod tests {
     use super::*;
     use crate::exact::dielectric_directions::DirectionCounts;
-    use crate::exact::inversion::Settings;
+    use crate::exact::hankel_inversion::Settings;
 
     /// Another ray, other steps and rules, more harmonics.
     const OTHER: DielectricSettings = DielectricSettings {

@@ -25,21 +25,15 @@
 //! 6. Reflection mirrors the end of the flight at the face, no flight is cut in two. Total reflection does not
 //!    end a group's stay in registers.
 //!
-//! Times with and without each, in ns of CPU at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and
-//! index-matched, on an EPYC of 2022 with AVX-512; a step in a row differs from the row above by that step
-//! alone. `cargo bench -p translucid-reference --bench walk` measures the first row and the last ones anew.
+//! CPU times in ns at albedo ½ per photon and at 0.9 and 0.999 per collision, isotropic and index-matched, on an EPYC of
+//! 2022 with AVX-512, as `cargo bench -p translucid-reference --bench walk -- 'g=0 eta=1 '` prints them:
 //!
 //! | | ½ | 0.9 | 0.999 |
 //! |---|---|---|---|
-//! | scalar twin in double precision | 72 | 47.6 | 46.5 |
-//! | lanes, block and pool; exits and refills one photon at a time | 15.7 | 4.96 | 1.47 |
-//! | exits compressed, refills expanded | 6.0 | 3.06 | 1.49 |
-//! | exits without asking whether there are any | 5.8 | 2.81 | 1.49 |
-//! | logarithm's polynomial by Estrin's scheme instead of Horner's | 5.5 | 2.57 | 1.46 |
-//! | compiled apart for η = 1 | 5.5 | 2.57 | 1.39 |
-//! | that with xoshiro128++ instead of sfc32 | 5.6 | 2.73 | 1.46 |
-//! | with sfc32 and AVX2 | 8.3 | 4.26 | 2.11 |
-//! | with sfc32 and SSE2, refills one photon at a time, one kernel for all phase functions | 53 | 25.7 | 19.2 |
+//! | `kernel`: the widest instructions, here AVX-512 | 5.5 | 2.57 | 1.39 |
+//! | `AVX2` | 8.3 | 4.26 | 2.11 |
+//! | `baseline`: SSE2, refills one photon at a time, one kernel for all phase functions | 53 | 25.7 | 19.2 |
+//! | `scalar f64`: the twin in double precision | 72 | 47.6 | 46.5 |
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -56,10 +56,6 @@
 //!    counts c less. This has no bias for any c.
 //! 5. *Lattice:* the start and the first three flights of a chunk of 1024 photons take their numbers from one rank-1
 //!    lattice, shifted at random. Chunks are independent; the standard error comes from their scatter.
-//!
-//! Tried and left out: scoring the expected escape at every collision (2 times less variance per collision at
-//! α = 0.5, more variance from α = 0.9 on, and each score costs as much as a flight); k below the discrete
-//! eigenvalue, with absorption (always worse); roulette by D or by D² (less gain, or rare heavy photons).
 
 use std::f64::consts::{LN_2, PI, TAU};
 

@@ -3,7 +3,7 @@
 mod table;
 
 use crate::error::ParameterError;
-use crate::medium::inversion::half_space_mfp;
+use crate::medium::appearance::half_space_mfp;
 use crate::model::exact::table::ExactTable;
 use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile, TabulatedProfile};

@@ -9,7 +9,7 @@ mod coefficients;
 use std::f64::consts::PI;
 
 use crate::error::{ParameterError, require, require_fraction};
-use crate::medium::inversion::half_space_mfp;
+use crate::medium::appearance::half_space_mfp;
 use crate::model::sum_of_gaussians::coefficients::{DIFFUSE, INTERVALS, ROW, SEARCHLIGHT};
 use crate::profile::methods_of;
 use crate::{Configuration, Parameterization, Profile};

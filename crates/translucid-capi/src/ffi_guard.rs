@@ -1,4 +1,4 @@
-//! The door between C and Rust: the only file that reads and writes the caller's memory, and runs the caller's code.
+//! The boundary between C and Rust: the only file that reads and writes the caller's memory, and runs the caller's code.
 
 use std::any::Any;
 use std::ffi::{CStr, c_char, c_int, c_void};
@@ -30,7 +30,7 @@ pub(crate) unsafe fn run_entry(work: impl FnOnce(&Caller) -> Result<(), Failure>
 macro_rules! enter {
     (|$caller:ident| $work:expr) => {
         // SAFETY: the pointers are arguments of this entry, of which its caller has promised what the header says.
-        unsafe { $crate::door::run_entry(|$caller| $work) }
+        unsafe { $crate::ffi_guard::run_entry(|$caller| $work) }
     };
 }
 pub(crate) use enter;

@@ -3,12 +3,12 @@
 use num_complex::Complex64;
 use translucid_profile::quadrature::gauss_legendre;
 
+use super::angular_quadrature::directions;
 use super::complex::exp_m1;
-use super::directions::directions;
 use super::dispersion::Dispersion;
 use super::energy::EnergyBudget;
 use super::h_function::{HFunction, K_MAX, Nested, WaveNumber};
-use super::inversion::{Contour, Inversion, Settings};
+use super::hankel_inversion::{Contour, Inversion, Settings};
 use super::single_scattering::{Entrance, SingleScattering};
 use crate::Estimate;
 
