@@ -7,5 +7,5 @@ use translucid_scene::Unit;
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     // The folder does not exist: files that the input names are missing.
     let path = Path::new("no-such-folder/input.glb");
-    let _ = translucid_scene::parse_gltf(bytes, path, Unit::Meter, &mut Vec::new());
+    let _ = translucid_load::parse_gltf(bytes, path, Unit::Meter, &mut Vec::new());
 });

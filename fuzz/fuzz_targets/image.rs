@@ -6,5 +6,5 @@ use translucid_scene::{ColorSpace, Place};
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let place = Place::file(Path::new("input"));
-    let _ = translucid_scene::decode_image(&place, bytes, ColorSpace::Srgb, &mut Vec::new());
+    let _ = translucid_load::decode_image(&place, bytes, ColorSpace::Srgb, &mut Vec::new());
 });

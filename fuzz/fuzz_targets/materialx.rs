@@ -3,7 +3,8 @@
 
 use std::path::Path;
 
-use translucid_scene::{Unit, parse_materialx};
+use translucid_load::parse_materialx;
+use translucid_scene::Unit;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     let (path, unit) = (Path::new("input.mtlx"), Unit::Millimeter);

@@ -5,5 +5,5 @@ use std::path::Path;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
     // The folder does not exist: material libraries that the input names are missing.
-    let _ = translucid_scene::parse_obj(bytes, Path::new("no-such-folder/input.obj"), &mut Vec::new());
+    let _ = translucid_load::parse_obj(bytes, Path::new("no-such-folder/input.obj"), &mut Vec::new());
 });

@@ -2,7 +2,7 @@
 #![no_main]
 
 use std::path::Path;
-use translucid_scene::SceneFile;
+use translucid_load::SceneFile;
 
 libfuzzer_sys::fuzz_target!(|text: &str| {
     // The folder does not exist: files that the input names are missing.

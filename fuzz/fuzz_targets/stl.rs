@@ -4,5 +4,5 @@
 use std::path::Path;
 
 libfuzzer_sys::fuzz_target!(|bytes: &[u8]| {
-    let _ = translucid_scene::parse_stl(bytes, Path::new("input.stl"), &mut Vec::new());
+    let _ = translucid_load::parse_stl(bytes, Path::new("input.stl"), &mut Vec::new());
 });

@@ -3,7 +3,9 @@
 use std::ffi::{CString, c_char};
 
 use translucid_profile::Configuration;
-use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, Setting, Unit, conversion_system_names};
+use translucid_profile::convention::{
+    ArgumentNames, Conversion, ConvertedNumber, Setting, Unit, conversion_system_names,
+};
 
 use crate::ffi_guard::{Caller, Kind, enter, room};
 use crate::names::{self, Names};

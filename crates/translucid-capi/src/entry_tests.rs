@@ -3,12 +3,12 @@
 use std::ffi::{CStr, CString, c_int, c_void};
 use std::ptr::{null, null_mut};
 
+use translucid_profile::convention::{ArgumentNames, Conversion, Setting, Unit};
 use translucid_profile::{
     Appearance, Configuration, Model, NormalizedDiffusion, Parameterization, Profile, TabulatedProfile,
 };
 use translucid_reference::Incidence;
 use translucid_reference::exact::HalfSpace;
-use translucid_scene::{ArgumentNames, Conversion, Setting, Unit};
 
 use crate::conversion::*;
 use crate::exact::*;

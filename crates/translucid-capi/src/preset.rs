@@ -2,7 +2,7 @@
 
 use std::ffi::c_char;
 
-use translucid_scene::presets;
+use translucid_profile::convention::{self, presets};
 
 use crate::ffi_guard::enter;
 use crate::names::{self, Names};
@@ -39,10 +39,10 @@ pub unsafe extern "C" fn translucid_preset(
 ) -> TranslucidStatus {
     enter!(|caller| {
         let slot = caller.slot("preset", preset)?;
-        let found = translucid_scene::preset(caller.text("name", name)?).map_err(Failure::argument)?;
+        let found = convention::preset(caller.text("name", name)?).map_err(Failure::argument)?;
         slot.put(TranslucidPreset {
-            surface_albedo: found.surface_albedo().to_array(),
-            mfp: found.mfp_in_millimeters().to_array(),
+            surface_albedo: found.surface_albedo(),
+            mfp: found.mfp_in_millimeters(),
             eta: decimal(found.eta),
             roughness: decimal(found.roughness),
         });

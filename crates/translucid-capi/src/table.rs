@@ -1,11 +1,11 @@
 //! Tables over the surface albedo, for textures: one profile after another, each with numbers of its own.
 
 use std::ffi::c_char;
-use std::path::{Path, PathBuf};
+use std::io;
+use std::path::Path;
 use std::sync::Arc;
 
-use translucid_profile::{AlbedoTable, Appearance, ProfileView};
-use translucid_scene::{ProfileRow, ProfileTable, load_profile_table};
+use translucid_profile::{AlbedoTable, Appearance, InputError, ProfileRow, ProfileView, parse_profile_rows};
 
 use crate::ffi_guard::{Caller, Kind, Rule, enter, room};
 use crate::profile::{Described, RADII, SHARES, TranslucidAppearance, TranslucidProfile};
@@ -86,8 +86,8 @@ pub unsafe extern "C" fn translucid_table_from_samples(
                 enclosed: enclosed.get(part).map_or(Vec::new(), <[f64]>::to_vec),
             });
         }
-        let made = ProfileTable { path: PathBuf::from("samples"), rows }.table();
-        slot.put_handle(Arc::new(made.map_err(|error| Failure::argument(error.message))?));
+        let made = AlbedoTable::from_profile_rows(&rows);
+        slot.put_handle(Arc::new(made.map_err(Failure::argument)?));
         Ok(())
     })
 }
@@ -102,14 +102,25 @@ pub unsafe extern "C" fn translucid_table_load(
     enter!(|caller| {
         let slot = caller.slot("table", table)?;
         let path = Path::new(caller.text("path", path)?);
-        std::fs::metadata(path).map_err(|error| {
+        // A pipe would keep the reader waiting
+        let found = std::fs::metadata(path).and_then(|found| match found.is_file() {
+            true => std::fs::read(path),
+            false => Err(io::Error::other("not a file")),
+        });
+        let bytes = found.map_err(|error| {
             let message = format!("cannot read {}: {error}", path.display());
             Failure::new(TranslucidStatus::FileError, message)
         })?;
-        let made = load_profile_table(path).and_then(|table| table.table());
-        slot.put_handle(Arc::new(made.map_err(Failure::argument)?));
+        let made = parse_profile_rows(&bytes).and_then(|rows| AlbedoTable::from_profile_rows(&rows));
+        slot.put_handle(Arc::new(made.map_err(|error| in_file(path, &error))?));
         Ok(())
     })
+}
+
+/// The failure of a file whose content is not what it must be.
+fn in_file(path: &Path, error: &InputError) -> Failure {
+    let line = error.line.map_or(String::new(), |line| format!(":{line}"));
+    Failure::argument(format_args!("{}{line}: {error}", path.display()))
 }
 
 /// Frees a table; profiles made of it stay. NULL is none.

@@ -149,7 +149,7 @@ pub unsafe extern "C" fn translucid_white_table_save(
     enter!(|caller| {
         let table = caller.handle("table", table)?.get();
         let path = Path::new(caller.text("path", path)?);
-        translucid_image::write_atomically(path, |out| table.write(out))
+        translucid_files::write_atomically(path, |out| table.write(out))
             .map_err(|error| Failure::new(TranslucidStatus::FileError, error.to_string()))
     })
 }

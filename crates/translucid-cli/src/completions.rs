@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Command, ValueEnum};
 use clap_complete::Shell;
-use translucid_image::write_atomically;
+use translucid_files::write_atomically;
 
 use crate::failure::Failure;
 use crate::table::print;

@@ -6,7 +6,7 @@ mod setting;
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_scene::{ArgumentNames, Conversion, SceneError, conversion_system_names};
+use translucid_profile::convention::{ArgumentNames, Conversion, conversion_system_names};
 
 use crate::failure::Failure;
 use crate::messages;
@@ -89,16 +89,8 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
         configuration: arguments.configuration.into(),
         names: ArgumentNames { from: "--from", surface_albedo: "--surface-albedo", to: "--to", set: "--set" },
     };
-    let converted = conversion.run().map_err(input)?;
+    let converted = conversion.run()?;
     converted.notes.iter().for_each(|note| messages::print_note(note));
     output::write(&converted.numbers, arguments.format, arguments.output.as_deref())
 }
 
-/// An option that is wrong, as the library says it.
-fn input(error: SceneError) -> Failure {
-    let failure = Failure::input(error.message);
-    match error.help {
-        Some(help) => failure.with_help(help),
-        None => failure,
-    }
-}

@@ -7,9 +7,10 @@ use std::sync::LazyLock;
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
 use translucid_export::{Export, ExportError, Material, Sizes, Subject, Target};
-use translucid_image::check_writable;
+use translucid_files::check_writable;
+use translucid_profile::convention::preset;
 use translucid_profile::{Model, Parameterization};
-use translucid_scene::{SubsurfaceModel, Unit, preset};
+use translucid_scene::{SubsurfaceModel, Unit};
 
 use crate::command_line;
 use crate::failure::Failure;
@@ -195,10 +196,10 @@ fn model(name: ModelName) -> Result<Model, Failure> {
 fn material(arguments: &ExportArguments) -> Result<Option<Material>, Failure> {
     if let Some(name) = &arguments.preset {
         let preset = preset(name)?;
-        let mfp = preset.mfp_in_millimeters() / Unit::from(arguments.unit).in_millimeters();
+        let millimeters = Unit::from(arguments.unit).in_millimeters();
         return Ok(Some(Material {
-            surface_albedo: preset.surface_albedo().into(),
-            length: mfp.into(),
+            surface_albedo: preset.surface_albedo(),
+            length: preset.mfp_in_millimeters().map(|mfp| mfp / millimeters),
             parameterization: Parameterization::Mfp,
         }));
     }

@@ -1,6 +1,7 @@
 //! Why a verb ended without its result.
 
-use translucid_image::OutputError;
+use translucid_files::OutputError;
+use translucid_profile::InputError;
 use translucid_scene::{Place, SceneError};
 
 /// A reason why a verb has no result: what is wrong, where, and what to do about it.
@@ -82,6 +83,12 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(SceneError { message, place, help }: SceneError) -> Self {
         Self { place, help, ..Self::input(message) }
+    }
+}
+
+impl From<InputError> for Failure {
+    fn from(error: InputError) -> Self {
+        Self { help: error.help, ..Self::input(error.message) }
     }
 }
 

@@ -4,7 +4,8 @@ use std::fs;
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
-use translucid_image::{OutputError, write_atomically};
+use translucid_files::write_atomically;
+use translucid_image::OutputError;
 
 use crate::failure::Failure;
 use crate::output_lock::OutputLock;

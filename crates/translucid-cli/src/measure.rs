@@ -17,7 +17,7 @@ mod trace;
 
 use std::path::Path;
 
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 use translucid_laboratory::DataTable;
 use translucid_measure::{
     Card, Fit, Outline, Photo, Response, Samples, Scale, fit_edge, fit_edge_of, fit_spot,

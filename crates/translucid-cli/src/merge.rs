@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::Args;
-use translucid_image::{Denoiser, Picture, ToneMapping, check_writable};
+use translucid_files::check_writable;
+use translucid_image::{Denoiser, Picture, ToneMapping};
 use translucid_render::{Gap, ImageInfo, ShardMerge, ShardNotes, available_memory};
 use translucid_scene::Film;
 

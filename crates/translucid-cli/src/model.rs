@@ -5,11 +5,12 @@ use std::sync::LazyLock;
 
 use clap::builder::PossibleValue;
 use clap::{Args, ValueEnum};
+use translucid_load::load_profile_table;
 use translucid_profile::{
     Appearance, Configuration, Medium, Model, ParameterError, Parameterization, Profile, SumOfGaussians,
     TabulatedProfile,
 };
-use translucid_scene::{SubsurfaceModel, Unit, load_profile_table};
+use translucid_scene::{SubsurfaceModel, Unit};
 
 use crate::failure::Failure;
 use crate::messages;

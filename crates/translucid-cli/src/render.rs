@@ -23,11 +23,9 @@ use std::time::{Duration, Instant};
 
 use clap::Args;
 use translucid_image::{Denoiser, PixelRect};
+use translucid_load::{LoadOptions, LoadProgress, LoadWatch, load_scene, still_life};
 use translucid_render::Session;
-use translucid_scene::{
-    Light, LoadOptions, LoadProgress, LoadWatch, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning,
-    load_scene, still_life,
-};
+use translucid_scene::{Light, Scene, SubsurfaceMethod, SubsurfaceModel, Unit, Warning};
 
 use crate::failure::Failure;
 use crate::interrupt::STOP;

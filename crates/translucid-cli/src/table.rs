@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
 use clap::{Args, ValueEnum};
-use translucid_image::write_atomically;
+use translucid_files::write_atomically;
 use translucid_laboratory::Cell;
 
 use crate::failure::Failure;
@@ -41,7 +41,7 @@ impl TableArguments {
 
     /// Finds out whether the file can be written, before long work.
     pub(crate) fn check(&self) -> Result<(), Failure> {
-        self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_image::check_writable(path)?))
+        self.output.as_deref().map_or(Ok(()), |path| Ok(translucid_files::check_writable(path)?))
     }
 
     /// Refuses to write over a file that is read, whatever paths both go by.
@@ -70,7 +70,7 @@ impl TableArguments {
             drop(out.into_parts());
             return printed(written);
         };
-        translucid_image::check_writable(path)?;
+        translucid_files::check_writable(path)?;
         interrupt::catch("\nstopping")?;
         let written = write_atomically(path, |out| self.format.write(&mut Guarded(out), &columns, rows));
         match written {

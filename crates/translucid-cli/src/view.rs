@@ -4,7 +4,8 @@ use std::io::Write as _;
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_scene::{ExtendedBase, LoadOptions, Unit, load_scene, still_life};
+use translucid_load::{ExtendedBase, LoadOptions, load_scene, still_life};
+use translucid_scene::Unit;
 use translucid_view::{Page, Settings, ViewError};
 
 use crate::failure::Failure;

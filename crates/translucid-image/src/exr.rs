@@ -11,10 +11,11 @@ use ::exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, 
 use ::exr::meta::header::{Header, ImageAttributes};
 use ::exr::prelude::{Compression, LayerAttributes, LineOrder, SmallVec, Text, Vec2, f16};
 use miniz_oxide::deflate::compress_to_vec_zlib;
+use translucid_files::write_atomically;
 use rayon::prelude::*;
 
 use crate::picture::{finite, finite_single, invalid};
-use crate::{MetadataValue, OutputError, Picture, Precision, write_atomically};
+use crate::{MetadataValue, OutputError, Picture, Precision};
 
 /// How hard deflation tries: noise has little to find, and level 4, which the exr crate would take, needs several times as
 /// long for hardly smaller files.

@@ -13,9 +13,10 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
+use translucid_files::write_atomically;
 use bytemuck::{Pod, bytes_of_mut, cast_slice_mut};
 
-use crate::{OutputError, write_atomically};
+use crate::OutputError;
 
 /// A format of such files.
 ///

@@ -1,10 +1,10 @@
-//! Pictures in files, and other files that are whole or not there.
+//! Pictures in files, and files in which a program keeps its own data.
 //!
 //! A [`Picture`] is a rectangle of pixels with named channels, whose values are asked for row by row, so that sums of
 //! a renderer are written without a copy of them.
 //! It becomes an OpenEXR file of all its channels ([`Picture::save_exr`]) or an 8-bit PNG of what a display shows
 //! ([`Picture::save_png`]), and [`Denoiser`] takes its noise away.
-//! Every file is written beside its target and then takes its place ([`write_atomically`]): no reader meets half of one.
+//! Every file is written beside its target and then takes its place ([`translucid_files`]): no reader meets half of one.
 //!
 //! # Units
 //! Colors are linear Rec. 709, multiplied by coverage. Pixels count from the upper left corner.
@@ -18,22 +18,18 @@
     reason = "`clamp` passes NaN on, `max` then `min` turns it into the lower bound, as images need it"
 )]
 
-mod atomic_file;
 mod denoise;
-mod error;
 mod exposure;
 mod exr;
 mod kept_file;
 mod picture;
 mod pixel_rect;
 mod png;
-mod tone_mapping;
 
-pub use atomic_file::{check_writable, write_atomically};
 pub use denoise::{DENOISER_VARIABLE, Denoised, Denoiser};
-pub use error::OutputError;
 pub use kept_file::{KeptData, KeptFile, damaged};
 pub use picture::{MetadataValue, Picture, PictureChannel, Precision};
 pub use pixel_rect::PixelRect;
 pub use png::{CodedPicture, DisplayTransform};
-pub use tone_mapping::{ToneMapping, display_from_linear};
+pub use translucid_display::{ToneMapping, display_from_linear};
+pub use translucid_files::OutputError;

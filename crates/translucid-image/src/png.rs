@@ -4,10 +4,11 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use ::png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
+use translucid_files::write_atomically;
 use rayon::prelude::*;
 
 use crate::picture::invalid;
-use crate::{OutputError, Picture, ToneMapping, display_from_linear, write_atomically};
+use crate::{OutputError, Picture, ToneMapping, display_from_linear};
 
 /// The way from linear radiance to a display.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,4 +1,4 @@
-//! Errors of parameters, said so that they can be mended.
+//! Errors of parameters and of texts, with what is needed to mend them.
 
 use std::fmt;
 
@@ -46,6 +46,51 @@ impl fmt::Display for ParameterError {
 }
 
 impl std::error::Error for ParameterError {}
+
+/// Names or a text that cannot be used: what was found, what is allowed, and what to do about it.
+///
+/// ```
+/// let error = translucid_profile::convention::preset("skinn1").unwrap_err();
+/// assert_eq!(error.message, "there is no preset \"skinn1\"");
+/// assert!(error.help.unwrap().starts_with("did you mean \"skin1\"?"));
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct InputError {
+    /// The fault, with the value found and the values allowed; no final stop.
+    pub message: String,
+    /// Line of the text, from 1, if the fault is in one of its lines.
+    pub line: Option<usize>,
+    /// Advice, if there is any.
+    pub help: Option<String>,
+}
+
+impl InputError {
+    /// An error without advice.
+    pub(crate) fn new(message: impl Into<String>) -> Self {
+        Self { message: message.into(), line: None, help: None }
+    }
+
+    /// An error in a line, from 1.
+    pub(crate) fn at_line(line: usize, message: impl Into<String>) -> Self {
+        Self { line: Some(line), ..Self::new(message) }
+    }
+
+    /// Adds advice.
+    pub(crate) fn with_help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+}
+
+/// The message and the advice, without the line.
+impl fmt::Display for InputError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.message)?;
+        self.help.as_ref().map_or(Ok(()), |help| write!(f, " ({help})"))
+    }
+}
+
+impl std::error::Error for InputError {}
 
 /// A number as people write it: 0.95, but 1e200 and 3e-9 instead of all their zeros.
 struct Written(f64);

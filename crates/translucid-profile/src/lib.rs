@@ -26,7 +26,8 @@
 //! - [`Medium`]: absorption, scattering, reduced and diffusion quantities, and the conversions between them.
 //! - [`half_space_surface_albedo`]: the exact surface albedo of a medium, which turns measured coefficients
 //!   into the parameters of a profile.
-//! - [`convention`]: the same material in the numbers of Blender, pbrt, RenderMan, Unreal and others.
+//! - [`convention`]: the same material in the numbers of Blender, pbrt, RenderMan, Unreal and others, and presets.
+//! - [`parse_profile_rows`]: profiles from a table of comma-separated values.
 //! - [`fresnel_from_outside`] and its kin: reflectance of a dielectric boundary, exact and approximate, and
 //!   its angular moments.
 //!
@@ -52,7 +53,8 @@
 //! η is n_inside/n_outside.
 //!
 //! # Promises
-//! Only constructors fail, with a [`ParameterError`] that names parameter, value and range.
+//! Only constructors fail, with a [`ParameterError`] that names parameter, value and range; what reads names or text has
+//! an [`InputError`].
 //! No function panics or returns a NaN or an infinity, whatever the argument: what is infinite by nature (R at
 //! r = 0, the diffuse mean free path without absorption) is a greatest finite number, as documented there.
 //! A slice method gives the bits of the scalar one.
@@ -60,7 +62,8 @@
 //! # Out of scope
 //! Rays, colors and channels (a channel is the caller's loop), random generators (random numbers are
 //! arguments), threads and files.
-//! The crate depends on `libm` alone, for functions that have the same bits on every machine.
+//! The crate depends on `libm`, for functions that have the same bits on every machine, and on `strsim`, for advice on
+//! misspelt names.
 //!
 //! The normalized diffusion profile is the subject of US patent 9,659,404 B2; this notice is not legal
 //! advice.
@@ -77,10 +80,12 @@ mod error;
 mod math;
 mod medium;
 mod model;
+mod nearest;
 mod profile;
+mod short;
 mod table;
 
-pub use error::{ParameterError, require};
+pub use error::{InputError, ParameterError, require};
 #[doc(hidden)]
 pub use math::split_mix;
 pub use math::{quadrature, roots};
@@ -112,9 +117,12 @@ pub use model::quantized_diffusion::QuantizedDiffusion;
 pub use model::refined::RefinedDiffusion;
 pub use model::similar_refined::SimilarRefinedDiffusion;
 pub use model::sum_of_gaussians::SumOfGaussians;
+pub use nearest::nearest;
 pub use profile::{Profile, Quantity};
 pub use table::albedo_table::{AlbedoTable, AlbedoTableF32, ProfileView, ProfileViewF32};
 pub use table::precision::Precision;
+pub use table::profile_rows::ProfileRow;
 pub use table::sampled_profile::SampledProfile;
 pub use table::table_profile::TableProfile;
+pub use table::table_text::parse_profile_rows;
 pub use table::tabulated_profile::TabulatedProfile;

@@ -3,9 +3,11 @@
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use translucid_profile::convention::{CyclesWalk, LengthUnit, Role, SurfaceAlbedo, System};
-use translucid_profile::{Configuration, ParameterError};
-use translucid_scene::{ArgumentNames, Conversion, ConvertedNumber, SceneError, Setting, Unit};
+use translucid_profile::convention::{
+    self, ArgumentNames, Conversion, ConvertedNumber, CyclesWalk, LengthUnit, Role, Setting, SurfaceAlbedo, System,
+    Unit,
+};
+use translucid_profile::{Configuration, InputError, ParameterError};
 
 use crate::arrays::{Any, Numbers, array_like};
 use crate::names;
@@ -13,7 +15,7 @@ use crate::names;
 /// System, parameter, channel, value, unit, what is equal, source.
 type Row = (&'static str, &'static str, &'static str, f64, String, &'static str, String);
 
-fn fail(error: SceneError) -> PyErr {
+fn fail(error: InputError) -> PyErr {
     names::value_error(error)
 }
 
@@ -159,7 +161,7 @@ pub(crate) fn _cycles_walks(
 /// >>> skin.source
 /// 'measured: Jensen et al. 2001, figure 5'
 #[pyclass(frozen, module = "translucid")]
-pub(crate) struct Preset(&'static translucid_scene::Preset);
+pub(crate) struct Preset(&'static convention::Preset);
 
 #[pymethods]
 impl Preset {
@@ -178,13 +180,13 @@ impl Preset {
     /// Surface albedo, in [0, 1]; array of shape (3,).
     #[getter]
     fn surface_albedo<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
-        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.surface_albedo().to_array().to_vec())
+        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.surface_albedo().to_vec())
     }
 
     /// Mean free path in millimeters; array of shape (3,).
     #[getter]
     fn mfp<'py>(&self, py: Python<'py>) -> PyResult<Any<'py>> {
-        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.mfp_in_millimeters().to_array().to_vec())
+        array_like(py, &[&Numbers::One(0.0)], &[3], self.0.mfp_in_millimeters().to_vec())
     }
 
     /// Index of refraction of the surface.
@@ -212,11 +214,11 @@ fn decimal(x: f32) -> f64 {
 /// The preset of a name; case, spaces and hyphens do not matter.
 #[pyfunction]
 pub(crate) fn _preset(name: &str) -> PyResult<Preset> {
-    translucid_scene::preset(name).map(Preset).map_err(fail)
+    convention::preset(name).map(Preset).map_err(fail)
 }
 
 /// Names of all presets.
 #[pyfunction]
 pub(crate) fn _preset_names() -> Vec<&'static str> {
-    translucid_scene::presets().iter().map(|preset| preset.name).collect()
+    convention::presets().iter().map(|preset| preset.name).collect()
 }

@@ -7,7 +7,8 @@ use numpy::{PyArrayDyn, PyArrayMethods};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-use translucid_scene::{ColorSpace, Image, Piece, Pixels};
+use translucid_load::Piece;
+use translucid_scene::{ColorSpace, Image, Pixels};
 
 use crate::arrays::{Any, Numbers, Rule};
 use crate::scene_error::{in_scene, scene_error, wrong};

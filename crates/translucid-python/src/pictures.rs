@@ -10,7 +10,8 @@ use pyo3::types::{PyBytes, PyDict};
 use translucid_image::{
     DisplayTransform, Picture, PictureChannel, Precision, ToneMapping, display_from_linear,
 };
-use translucid_scene::{Film, load_exr};
+use translucid_load::load_exr;
+use translucid_scene::Film;
 
 use crate::arrays::Any;
 use crate::long_work;

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use translucid_scene::{ProfileRow, ProfileTable, load_profile_table};
+use translucid_load::load_profile_table;
+use translucid_scene::{ProfileRow, ProfileTable};
 
 use crate::arrays::{Any, Numbers, Rule};
 use crate::names;

@@ -9,10 +9,8 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
-use translucid_scene::{
-    Film, LoadOptions, Mesh, Piece, SceneBuilder, SceneError, SubsurfaceModel, Unit, Warning, load_scene,
-    take_files_read,
-};
+use translucid_load::{LoadOptions, Piece, SceneBuilder, load_scene, take_files_read};
+use translucid_scene::{Film, Mesh, SceneError, SubsurfaceModel, Unit, Warning};
 
 use crate::arrays::{Any, Numbers, Rule, is_aligned};
 use crate::keys::Keys;

@@ -10,10 +10,11 @@ use pyo3::exceptions::{PyOSError, PyRuntimeError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyRange, PyRangeMethods};
 use translucid_image::{Denoiser, PixelRect};
+use translucid_load::SceneBuilder;
 use translucid_render::{
     Edit, FilmLayer, FilmSums, LiveFilm, PreparedScene, RunningSession, ShardNotes, ShardRun, View,
 };
-use translucid_scene::{Light, Material, Mesh, SceneBuilder, SceneError, repair_mesh};
+use translucid_scene::{Light, Material, Mesh, SceneError, repair_mesh};
 
 use crate::arrays::Any;
 use crate::keys::{named_piece_of, piece_of, plain_piece_of};

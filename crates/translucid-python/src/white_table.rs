@@ -655,7 +655,7 @@ impl WhiteTable {
     #[expect(clippy::needless_pass_by_value, reason = "extracted for this call")]
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
         let table = self.get();
-        py.detach(|| translucid_image::write_atomically(&path, |out| table.write(out)))
+        py.detach(|| translucid_files::write_atomically(&path, |out| table.write(out)))
             .map_err(|error| PyOSError::new_err(error.to_string()))
     }
 

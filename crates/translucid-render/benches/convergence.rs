@@ -18,9 +18,10 @@
 
 use std::path::{Path, PathBuf};
 
+use translucid_load::{LoadOptions, load_scene};
 use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, layer, measure};
-use translucid_scene::{Film, LoadOptions, Scene, SubsurfaceModel, WalkSurface, load_scene};
+use translucid_scene::{Film, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
 struct Case {

@@ -13,12 +13,11 @@ use std::hint::black_box;
 use std::path::Path;
 use std::time::Instant;
 
+use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
 use translucid_render::measure::sample_ray;
 use translucid_render::{Edit, PreparedScene, View};
-use translucid_scene::{
-    Camera, LoadOptions, Material, Projection, Scene, SubsurfaceModel, load_scene, still_life,
-};
+use translucid_scene::{Camera, Material, Projection, Scene, SubsurfaceModel};
 use translucid_testing::asset;
 
 const RUNS: usize = 21;

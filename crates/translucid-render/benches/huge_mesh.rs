@@ -16,8 +16,8 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::Instant;
 
+use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{LoadOptions, load_scene};
 use translucid_testing::cpu_seconds;
 
 fn main() {

@@ -28,8 +28,9 @@ use translucid_render::measure::{EmissiveTriangle, LightSelection, LightSet};
 use translucid_render::{FilmSums, PreparedScene, measure};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
-    ScalarInput, Scene, ShapeParameters, SubsurfaceModel, Unit, build_shape,
+    ScalarInput, Scene, SubsurfaceModel, Unit,
 };
+use translucid_shapes::{ShapeParameters, build_shape};
 use translucid_testing::{SplitMix, cpu_seconds};
 
 /// Total power of all lamps (per channel).

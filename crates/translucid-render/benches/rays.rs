@@ -32,10 +32,11 @@ use std::path::Path;
 use std::time::Instant;
 
 use glam::Vec3;
+use translucid_load::load_ply;
 use translucid_profile::NormalizedDiffusion;
 use translucid_render::measure::Frame;
 use translucid_render::{Geometry, Hit, Ray, TILE_SIZE};
-use translucid_scene::{Mesh, Object, load_ply};
+use translucid_scene::{Mesh, Object};
 use translucid_testing::{SplitMix, asset, thread_cpu_seconds};
 
 const MESHES: [&str; 2] = ["dragon_198k", "dragon_870k"];

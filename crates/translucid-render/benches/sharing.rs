@@ -17,9 +17,10 @@ use std::path::Path;
 
 use common::{DISTANCE, FIELD_OF_VIEW, bumpy_ball, scene};
 use glam::Vec3;
+use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{Light, LoadOptions, Mesh, Scene, SubsurfaceModel, load_scene, still_life};
+use translucid_scene::{Light, Mesh, Scene, SubsurfaceModel};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
 /// Model of the still life, which names none.

@@ -19,13 +19,12 @@ use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use translucid_load::{LoadOptions, SceneFile, load_scene, still_life};
 use translucid_profile::Model;
 use translucid_render::measure::bsdf::MaterialTables;
 use translucid_render::{FilmSums, PreparedScene, measure};
-use translucid_scene::{
-    LoadOptions, Scene, SceneFile, ShapeParameters, SubsurfaceModel, build_shape, load_scene, shape_names,
-    still_life,
-};
+use translucid_scene::{Scene, SubsurfaceModel};
+use translucid_shapes::{ShapeParameters, build_shape, shape_names};
 use translucid_testing::asset;
 
 /// A scene by name.

@@ -23,11 +23,10 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use translucid_load::{LoadOptions, SceneFile, load_scene, still_life};
 use translucid_profile::{Configuration, Model, Parameterization, d_from_surface_albedo};
 use translucid_render::{FilmSums, PreparedScene, layer, measure};
-use translucid_scene::{
-    Integrator, LoadOptions, Scene, SceneFile, SubsurfaceModel, WalkSurface, load_scene, still_life,
-};
+use translucid_scene::{Integrator, Scene, SubsurfaceModel, WalkSurface};
 use translucid_testing::{asset, cpu_seconds, write_measured};
 
 /// The models that are compared; budgets are counted in samples of the first, the profile of scenes that ask for one and name

@@ -23,9 +23,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use translucid_image::DisplayTransform;
+use translucid_load::{LoadOptions, load_scene, still_life};
 use translucid_profile::Model;
 use translucid_render::{FilmSums, ImageInfo, PointPass, PreparedScene, layer, measure};
-use translucid_scene::{LoadOptions, Scene, SubsurfaceMethod, SubsurfaceModel, load_scene, still_life};
+use translucid_scene::{Scene, SubsurfaceMethod, SubsurfaceModel};
 use translucid_testing::{asset, cpu_seconds};
 
 const MODELS: [Model; 2] = [Model::NormalizedDiffusion, Model::NormalizedDiffusionRefined];

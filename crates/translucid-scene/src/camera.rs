@@ -42,7 +42,7 @@ pub enum Projection {
 
 impl Projection {
     /// Range of a field of view.
-    pub(crate) const FOV: Interval = Interval::open(0.0, 180.0);
+    pub const FOV: Interval = Interval::open(0.0, 180.0);
 
     /// Width of what the picture shows at a depth along the view \[L\].
     pub fn width_at(self, depth: f64) -> f64 {
@@ -90,23 +90,23 @@ impl Default for Camera {
 
 impl Camera {
     /// Range of the components of `shift`.
-    pub(crate) const SHIFT: Interval = Interval::closed(-100.0, 100.0);
+    pub const SHIFT: Interval = Interval::closed(-100.0, 100.0);
     /// Requirement on `target`, in words.
-    pub(crate) const TARGET: &str = "a point other than the camera's position";
+    pub const TARGET: &str = "a point other than the camera's position";
     /// Requirement on `up`, in words.
-    pub(crate) const UP: &str = "a direction that is not parallel to the viewing direction";
+    pub const UP: &str = "a direction that is not parallel to the viewing direction";
     /// Sine of the smallest angle between `up` and the viewing direction.
     const LEAST_SINE: f64 = 1e-4;
 
     /// The camera to which things are `factor` times as large about the middle of the picture.
-    pub(crate) fn zoomed(&self, factor: f32) -> Self {
+    pub fn zoomed(&self, factor: f32) -> Self {
         let projection = self.projection.widened(f64::from(factor).recip());
         // The middle stays where it is on the image plane, whose width is another
         Self { projection, shift: self.shift * factor, ..*self }
     }
 
     /// Tells whether `up` spans the image plane's vertical together with the viewing direction.
-    pub(crate) fn has_usable_up(&self) -> bool {
+    pub fn has_usable_up(&self) -> bool {
         let view = self.target.as_dvec3() - self.position.as_dvec3();
         let sine = self.up.as_dvec3().normalize_or_zero().cross(view.normalize_or_zero()).length();
         sine > Self::LEAST_SINE

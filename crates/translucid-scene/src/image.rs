@@ -148,12 +148,12 @@ impl Image {
 }
 
 /// Linear value of an sRGB value, both in [0, 1] (IEC 61966-2-1:1999, section 5.2).
-pub(crate) fn linear_from_srgb(value: f32) -> f32 {
+pub fn linear_from_srgb(value: f32) -> f32 {
     if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
 }
 
 /// `linear_from_srgb` of every byte.
-pub(crate) static SRGB_TABLE: LazyLock<[f32; 256]> =
+pub static SRGB_TABLE: LazyLock<[f32; 256]> =
     LazyLock::new(|| std::array::from_fn(|byte| linear_from_srgb(byte as f32 / 255.0)));
 
 /// A coordinate brought to [0, 1].

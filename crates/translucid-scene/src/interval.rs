@@ -6,9 +6,11 @@ use crate::SceneError;
 
 /// An interval of numbers; its ends are finite, so nothing infinite is in it, and no NaN.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Interval {
-    pub(crate) low: f64,
-    pub(crate) high: f64,
+pub struct Interval {
+    /// Low end.
+    pub low: f64,
+    /// High end.
+    pub high: f64,
     /// Whether the low and the high end belong to it.
     closed: [bool; 2],
 }
@@ -23,63 +25,63 @@ const LARGEST_LIGHT: f64 = 1e12;
 
 impl Interval {
     /// Weights, roughnesses, albedos.
-    pub(crate) const UNIT: Self = Self::closed(0.0, 1.0);
-    /// Coordinates of meshes [L].
-    pub(crate) const COORDINATE: Self = Self::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
-    /// Lengths that may be zero [L].
-    pub(crate) const LENGTH: Self = Self::closed(0.0, LARGEST_LENGTH);
-    /// Coordinates of cameras and lights [L].
-    pub(crate) const PLACE: Self = Self::closed(-LARGEST_REACH, LARGEST_REACH);
-    /// Distances and sizes of cameras and lights [L].
-    pub(crate) const REACH: Self = Self::above(0.0, LARGEST_REACH);
+    pub const UNIT: Self = Self::closed(0.0, 1.0);
+    /// Coordinates of meshes \[L\].
+    pub const COORDINATE: Self = Self::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
+    /// Lengths that may be zero \[L\].
+    pub const LENGTH: Self = Self::closed(0.0, LARGEST_LENGTH);
+    /// Coordinates of cameras and lights \[L\].
+    pub const PLACE: Self = Self::closed(-LARGEST_REACH, LARGEST_REACH);
+    /// Distances and sizes of cameras and lights \[L\].
+    pub const REACH: Self = Self::above(0.0, LARGEST_REACH);
     /// Radiances, irradiances, intensities, powers.
-    pub(crate) const LIGHT: Self = Self::closed(0.0, LARGEST_LIGHT);
+    pub const LIGHT: Self = Self::closed(0.0, LARGEST_LIGHT);
     /// Factors on images, which are clamped after them.
-    pub(crate) const FACTOR: Self = Self::closed(0.0, 1e6);
+    pub const FACTOR: Self = Self::closed(0.0, 1e6);
     /// Angles in degrees.
-    pub(crate) const ANGLE: Self = Self::closed(-36_000.0, 36_000.0);
+    pub const ANGLE: Self = Self::closed(-36_000.0, 36_000.0);
     /// Components of a direction of any length.
-    pub(crate) const DIRECTION: Self = Self::closed(-1e6, 1e6);
+    pub const DIRECTION: Self = Self::closed(-1e6, 1e6);
     /// Indices of refraction.
-    pub(crate) const IOR: Self = Self::closed(1.0, 4.0);
+    pub const IOR: Self = Self::closed(1.0, 4.0);
     /// Factors of an object's size; those near zero are refused, too.
-    pub(crate) const SCALE: Self = Self::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
+    pub const SCALE: Self = Self::closed(-LARGEST_LENGTH, LARGEST_LENGTH);
 
     /// `[low, high]`.
-    pub(crate) const fn closed(low: f64, high: f64) -> Self {
+    pub const fn closed(low: f64, high: f64) -> Self {
         Self { low, high, closed: [true, true] }
     }
 
     /// `(low, high)`.
-    pub(crate) const fn open(low: f64, high: f64) -> Self {
+    pub const fn open(low: f64, high: f64) -> Self {
         Self { low, high, closed: [false, false] }
     }
 
     /// `(low, high]`.
-    pub(crate) const fn above(low: f64, high: f64) -> Self {
+    pub const fn above(low: f64, high: f64) -> Self {
         Self { low, high, closed: [false, true] }
     }
 
     /// `[low, high)`.
-    pub(crate) const fn below(low: f64, high: f64) -> Self {
+    pub const fn below(low: f64, high: f64) -> Self {
         Self { low, high, closed: [true, false] }
     }
 
     /// Whether a number is in the interval; NaN is in none.
-    pub(crate) fn contains(self, x: f64) -> bool {
+    pub fn contains(self, x: f64) -> bool {
         let above = if self.closed[0] { x >= self.low } else { x > self.low };
         let below = if self.closed[1] { x <= self.high } else { x < self.high };
         above && below
     }
 
     /// Whether a number in single precision is in the interval whose ends are, too: 0.1 belongs to [0, 0.1].
-    pub(crate) fn contains_single(self, x: f32) -> bool {
+    pub fn contains_single(self, x: f32) -> bool {
         let single = |end: f64| f64::from(end as f32);
         Self { low: single(self.low), high: single(self.high), ..self }.contains(f64::from(x))
     }
 
     /// The number of the interval that is nearest to `x`; the lowest for NaN.
-    pub(crate) fn nearest(self, x: f32) -> f32 {
+    pub fn nearest(self, x: f32) -> f32 {
         let (low, high) = (self.low as f32, self.high as f32);
         let low = if self.closed[0] { low } else { low.next_up() };
         let high = if self.closed[1] { high } else { high.next_down() };
@@ -87,17 +89,26 @@ impl Interval {
     }
 
     /// Refuses a field's number that is not in the interval.
-    pub(crate) fn check(self, field: &str, value: f32) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// It is not: the message names field, number and interval.
+    pub fn check(self, field: &str, value: f32) -> Result<(), SceneError> {
         if self.contains_single(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
     }
 
     /// Refuses a field's number in double precision that is not in the interval.
-    pub(crate) fn check_double(self, field: &str, value: f64) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn check_double(self, field: &str, value: f64) -> Result<(), SceneError> {
         if self.contains(value) { Ok(()) } else { Err(refusal(field, Written(value), self.must_be())) }
     }
 
     /// Refuses a field's numbers if one is not in the interval, and names it.
-    pub(crate) fn check_all(self, field: &str, values: impl AsRef<[f32]>) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// As [`check`](Self::check).
+    pub fn check_all(self, field: &str, values: impl AsRef<[f32]>) -> Result<(), SceneError> {
         let mut numbered = values.as_ref().iter().enumerate();
         match numbered.find(|&(_, &value)| !self.contains_single(value)) {
             Some((i, &value)) => Err(refusal(format!("{field}[{i}]"), Written(value), self.must_be())),
@@ -112,29 +123,34 @@ impl Interval {
 
 /// An interval of whole numbers, both ends included.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct WholeInterval {
-    pub(crate) low: u64,
-    pub(crate) high: u64,
+pub struct WholeInterval {
+    /// Least number.
+    pub low: u64,
+    /// Greatest number.
+    pub high: u64,
 }
 
 impl WholeInterval {
     /// `[low, high]`.
-    pub(crate) const fn new(low: u64, high: u64) -> Self {
+    pub const fn new(low: u64, high: u64) -> Self {
         Self { low, high }
     }
 
     /// The number of the interval that is nearest to `n`.
-    pub(crate) fn nearest(self, n: u32) -> u32 {
+    pub fn nearest(self, n: u32) -> u32 {
         u64::from(n).clamp(self.low, self.high) as u32
     }
 
     /// Whether a number is in the interval.
-    pub(crate) fn contains(self, n: u64) -> bool {
+    pub fn contains(self, n: u64) -> bool {
         (self.low..=self.high).contains(&n)
     }
 
     /// Refuses a field's number that is not in the interval.
-    pub(crate) fn check(self, field: &str, value: impl Into<u64>) -> Result<(), SceneError> {
+    ///
+    /// # Errors
+    /// It is not: the message names field, number and interval.
+    pub fn check(self, field: &str, value: impl Into<u64>) -> Result<(), SceneError> {
         let value = value.into();
         if self.contains(value) { Ok(()) } else { Err(refusal(field, value, self)) }
     }

@@ -112,14 +112,14 @@ const UNIT: f64 = 0.02;
 
 impl Light {
     /// Range of the angular radius of a distant light, in degrees.
-    pub(crate) const ANGULAR_RADIUS: Interval = Interval::below(0.0, 90.0);
+    pub const ANGULAR_RADIUS: Interval = Interval::below(0.0, 90.0);
     /// Range of the radius of a spot \[L\].
-    pub(crate) const SPOT_RADIUS: Interval = Interval::closed(0.0, Interval::REACH.high);
+    pub const SPOT_RADIUS: Interval = Interval::closed(0.0, Interval::REACH.high);
     /// Range of the outer angle of a spot, in degrees.
-    pub(crate) const OUTER_ANGLE: Interval = Interval::above(0.0, 180.0);
+    pub const OUTER_ANGLE: Interval = Interval::above(0.0, 180.0);
 
     /// Range of the inner angle of a spot, in degrees.
-    pub(crate) fn inner_angle_within(outer_angle: f32) -> Interval {
+    pub fn inner_angle_within(outer_angle: f32) -> Interval {
         Interval::below(0.0, f64::from(outer_angle))
     }
 
@@ -153,7 +153,7 @@ impl Light {
             Self::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
             | Self::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
                 point("center", center)?;
-                check_edges(edge_x, edge_y)?;
+                Self::check_edges(edge_x, edge_y)?;
                 color("radiance", radiance)
             }
             Self::Sphere { center, radius: r, radiance, visible: _ } => {
@@ -162,54 +162,69 @@ impl Light {
                 color("radiance", radiance)
             }
             Self::Distant { direction, angular_radius, irradiance } => {
-                check_unit("direction", direction)?;
+                Self::check_unit("direction", direction)?;
                 Self::ANGULAR_RADIUS.check("angular_radius", angular_radius)?;
                 color("irradiance", irradiance)
             }
             Self::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
                 point("position", position)?;
                 Self::SPOT_RADIUS.check("radius", radius)?;
-                check_unit("direction", direction)?;
+                Self::check_unit("direction", direction)?;
                 Self::OUTER_ANGLE.check("outer_angle", outer_angle)?;
                 Self::inner_angle_within(outer_angle).check("inner_angle", inner_angle)?;
                 color("intensity", intensity)
             }
             Self::Beam { origin, direction, radius: r, power } => {
                 point("origin", origin)?;
-                check_unit("direction", direction)?;
+                Self::check_unit("direction", direction)?;
                 radius(r)?;
                 color("power", power)
             }
         }
     }
-}
 
-/// Refuses a direction whose length is not 1.
-pub(crate) fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
-    if (direction.as_dvec3().length_squared() - 1.0).abs() <= UNIT {
-        return Ok(());
-    }
-    Err(refusal(field, direction, "a vector of length 1"))
-}
-
-/// Refuses edges of a rectangle that are zero or not perpendicular to each other.
-pub(crate) fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
-    for (field, edge) in [("edge_x", x), ("edge_y", y)] {
-        Interval::PLACE.check_all(field, edge.to_array())?;
-        if edge == Vec3::ZERO {
-            return Err(refusal(field, edge, "a vector that is not zero"));
+    /// Refuses a direction whose length is not 1.
+    ///
+    /// # Errors
+    /// It is not: the message begins with the field.
+    pub fn check_unit(field: &str, direction: Vec3) -> Result<(), SceneError> {
+        if (direction.as_dvec3().length_squared() - 1.0).abs() <= UNIT {
+            return Ok(());
         }
+        Err(refusal(field, direction, "a vector of length 1"))
     }
-    let (x, y) = (x.as_dvec3(), y.as_dvec3());
-    // Components near the least number in single precision have no digits left for an angle.
-    let rounding = f64::from(f32::from_bits(4)) * (x.length() + y.length());
-    if x.dot(y).abs() <= PERPENDICULAR * x.length() * y.length() + rounding {
-        return Ok(());
+
+    /// Refuses edges of a rectangle that are zero or not perpendicular to each other.
+    ///
+    /// # Errors
+    /// They are, or a number is out of its range.
+    pub fn check_edges(x: Vec3, y: Vec3) -> Result<(), SceneError> {
+        for (field, edge) in [("edge_x", x), ("edge_y", y)] {
+            Interval::PLACE.check_all(field, edge.to_array())?;
+            if edge == Vec3::ZERO {
+                return Err(refusal(field, edge, "a vector that is not zero"));
+            }
+        }
+        let (x, y) = (x.as_dvec3(), y.as_dvec3());
+        // Components near the least number in single precision have no digits left for an angle.
+        let rounding = f64::from(f32::from_bits(4)) * (x.length() + y.length());
+        if x.dot(y).abs() <= PERPENDICULAR * x.length() * y.length() + rounding {
+            return Ok(());
+        }
+        Err(refusal("edge_y", y, "perpendicular to edge_x"))
     }
-    Err(refusal("edge_y", y, "perpendicular to edge_x"))
 }
 
 impl Environment {
+    /// Whether a matrix turns without stretching or mirroring, as [`world_from_environment`](Self::world_from_environment)
+    /// must.
+    pub fn is_rotation(matrix: Mat3) -> bool {
+        let matrix = matrix.as_dmat3();
+        let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
+        let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
+        turns && matrix.determinant() > 0.0
+    }
+
     /// Checks every field in a scene of so many images.
     ///
     /// # Errors
@@ -223,17 +238,9 @@ impl Environment {
         if let Some(image) = self.image {
             check_index("image", image, images, "images")?;
         }
-        if is_rotation(self.world_from_environment) {
+        if Self::is_rotation(self.world_from_environment) {
             return Ok(());
         }
         Err(refusal("world_from_environment", self.world_from_environment, "a rotation"))
     }
-}
-
-/// Tells whether a matrix turns without stretching or mirroring.
-pub(crate) fn is_rotation(matrix: Mat3) -> bool {
-    let matrix = matrix.as_dmat3();
-    let difference = matrix.transpose() * matrix - DMat3::IDENTITY;
-    let turns = difference.to_cols_array().iter().all(|x| x.abs() <= PERPENDICULAR);
-    turns && matrix.determinant() > 0.0
 }

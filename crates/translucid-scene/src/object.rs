@@ -91,7 +91,7 @@ impl Object {
     }
 
     /// The box around a box of the mesh's own space.
-    pub(crate) fn placed_box(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
+    pub fn placed_box(&self, (low, high): (Vec3, Vec3)) -> (Vec3, Vec3) {
         if !self.is_placed() {
             return (low, high);
         }
@@ -123,7 +123,7 @@ impl Object {
     }
 
     /// Checks its place; `flattest` are the [least triangles](Mesh::flattest) of its mesh and `bounds` its box.
-    pub(crate) fn check_place(
+    pub fn check_place(
         &self,
         flattest: impl FnOnce() -> [f64; 2],
         bounds: (Vec3, Vec3),

@@ -8,59 +8,8 @@ use rayon::prelude::*;
 use crate::interval::check_index;
 use crate::{
     Camera, Environment, Film, Image, Integrator, Light, Material, Mesh, Object, ProfileTable, SceneError,
+    Unit,
 };
-
-/// Most triangles of a scene, shared ones counted once: 3 GiB of indices.
-pub(crate) const MOST_TRIANGLES: usize = 1 << 28;
-
-/// Most objects of a scene: some 10 GB with what a renderer makes of them.
-pub(crate) const MOST_OBJECTS: usize = 1 << 24;
-
-/// Length unit of a scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Unit {
-    /// Millimeters.
-    #[default]
-    Millimeter,
-    /// Centimeters.
-    Centimeter,
-    /// Meters.
-    Meter,
-}
-
-impl Unit {
-    /// Every unit by its name, in the order of the variants.
-    pub(crate) const WORDS: [(&str, Self); 3] =
-        [("mm", Self::Millimeter), ("cm", Self::Centimeter), ("m", Self::Meter)];
-
-    /// The unit that scene files and the command line call `name`.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::WORDS.iter().find(|(word, _)| *word == name).map(|&(_, unit)| unit)
-    }
-
-    /// Millimeters in one unit.
-    pub fn in_millimeters(self) -> f64 {
-        match self {
-            Self::Millimeter => 1.0,
-            Self::Centimeter => 10.0,
-            Self::Meter => 1000.0,
-        }
-    }
-
-    /// The unit in a sentence: "meters".
-    pub(crate) fn plural(self) -> &'static str {
-        match self {
-            Self::Millimeter => "millimeters",
-            Self::Centimeter => "centimeters",
-            Self::Meter => "meters",
-        }
-    }
-
-    /// The unit's abbreviation as scene files and the command line write it.
-    pub fn name(self) -> &'static str {
-        Self::WORDS[self as usize].0
-    }
-}
 
 /// Everything needed to make a picture.
 ///
@@ -68,11 +17,15 @@ impl Unit {
 /// The default has a camera, a film and no objects.
 ///
 /// ```
-/// use translucid_scene::{Environment, Material, Object, Scene, ShapeParameters, build_shape};
+/// use translucid_scene::{Environment, Material, Mesh, Object, Scene};
 ///
-/// let mesh = build_shape("sphere", &ShapeParameters::new())?;
+/// let mesh = Mesh {
+///     positions: vec![[0.0, 0.0, 0.0].into(), [1.0, 0.0, 0.0].into(), [0.0, 1.0, 0.0].into()],
+///     triangles: vec![[0, 1, 2]],
+///     ..Mesh::default()
+/// };
 /// let scene = Scene {
-///     objects: vec![Object { name: "ball".into(), mesh: mesh.into(), ..Object::default() }],
+///     objects: vec![Object { name: "triangle".into(), mesh: mesh.into(), ..Object::default() }],
 ///     materials: vec![Material::default()],
 ///     environment: Some(Environment::default()),
 ///     ..Scene::default()
@@ -106,20 +59,24 @@ pub struct Scene {
 
 /// The checks of parts take time in proportion to the part: an edit need not check more.
 impl Scene {
+    /// Most triangles of a scene, shared ones counted once: 3 GiB of indices.
+    pub const MOST_TRIANGLES: usize = 1 << 28;
+
+    /// Most objects of a scene: some 10 GB with what a renderer makes of them.
+    pub const MOST_OBJECTS: usize = 1 << 24;
+
     /// Checks everything that a renderer relies on: every index, every range, every mesh.
     ///
     /// # Errors
     /// Something is out of its range or dangling: the message names its place, its value and what it must be.
     ///
     /// ```
-    /// use translucid_scene::{Film, LoadOptions, still_life};
+    /// use translucid_scene::{Material, Scene};
     ///
-    /// let mut scene = still_life(&LoadOptions::default())?;
-    /// scene.materials[0].base_weight = f32::NAN;
-    /// let name = &scene.materials[0].name;
+    /// let material = Material { name: "skin".into(), specular_ior: f32::NAN, ..Material::default() };
+    /// let scene = Scene { materials: vec![material], ..Scene::default() };
     /// let message = scene.validate().unwrap_err().message;
-    /// assert_eq!(message, format!("material {name}, base_weight = NaN: must be in [0, 1]"));
-    /// # Ok::<(), translucid_scene::SceneError>(())
+    /// assert_eq!(message, "material skin, specular_ior = NaN: must be in [1, 4]");
     /// ```
     pub fn validate(&self) -> Result<(), SceneError> {
         self.camera.validate()?;
@@ -207,9 +164,10 @@ impl Scene {
     /// sharing](Mesh::is_worth_sharing) count once, others, and those that emit light, for each object.
     pub fn validate_triangle_count(&self) -> Result<(), SceneError> {
         let objects = self.objects.len();
-        if objects > MOST_OBJECTS {
+        if objects > Self::MOST_OBJECTS {
             return Err(SceneError::new(format!(
-                "the scene has {objects} objects, but at most {MOST_OBJECTS} are allowed"
+                "the scene has {objects} objects, but at most {} are allowed",
+                Self::MOST_OBJECTS
             )));
         }
         let mut uses: HashMap<usize, (&Mesh, usize)> = HashMap::new();
@@ -221,9 +179,10 @@ impl Scene {
             mesh.triangles.len().saturating_mul(times)
         };
         let count = uses.values().map(of_mesh).fold(0_usize, usize::saturating_add);
-        if count > MOST_TRIANGLES {
+        if count > Self::MOST_TRIANGLES {
             return Err(SceneError::new(format!(
-                "the scene has {count} triangles, but at most {MOST_TRIANGLES} are allowed"
+                "the scene has {count} triangles, but at most {} are allowed",
+                Self::MOST_TRIANGLES
             )));
         }
         let emits = |object: &&Object| {
@@ -231,10 +190,11 @@ impl Scene {
         };
         let lamps = self.objects.iter().filter(emits).map(|object| object.mesh.triangles.len());
         let count = lamps.fold(0_usize, usize::saturating_add);
-        if count > MOST_TRIANGLES {
+        if count > Self::MOST_TRIANGLES {
             return Err(SceneError::new(format!(
                 "the scene has {count} triangles that emit light, each placing of a mesh counted, but at most \
-                 {MOST_TRIANGLES} are allowed"
+                 {} are allowed",
+                Self::MOST_TRIANGLES
             )));
         }
         Ok(())
@@ -302,7 +262,7 @@ impl Scene {
     }
 
     /// Every reference to an image.
-    pub(crate) fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
+    pub fn for_each_image(&mut self, mut visit: impl FnMut(&mut usize)) {
         self.materials
             .iter_mut()
             .for_each(|material| material.for_each_texture(|texture| visit(&mut texture.image)));

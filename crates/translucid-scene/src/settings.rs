@@ -1,6 +1,6 @@
 //! Settings of the film and of the light transport.
 
-use translucid_image::ToneMapping;
+use translucid_display::ToneMapping;
 
 use crate::SceneError;
 use crate::interval::{Interval, WholeInterval};
@@ -47,14 +47,14 @@ impl Default for Film {
 }
 
 impl Film {
-    /// Range of `width` and `height`.
     /// Most pixels along an edge; the fewest is one.
     pub const LONGEST_EDGE: u32 = 16_384;
-    pub(crate) const EDGE: WholeInterval = WholeInterval::new(1, Self::LONGEST_EDGE as u64);
+    /// Range of `width` and `height`.
+    pub const EDGE: WholeInterval = WholeInterval::new(1, Self::LONGEST_EDGE as u64);
     /// Range of `filter_radius`.
-    pub(crate) const FILTER_RADIUS: Interval = Interval::above(0.0, 8.0);
+    pub const FILTER_RADIUS: Interval = Interval::above(0.0, 8.0);
     /// Range of `exposure`.
-    pub(crate) const EXPOSURE: Interval = Interval::closed(-32.0, 32.0);
+    pub const EXPOSURE: Interval = Interval::closed(-32.0, 32.0);
 
     /// Checks every field.
     ///
@@ -86,7 +86,7 @@ pub enum SubsurfaceMethod {
 
 impl SubsurfaceMethod {
     /// Every method by its name, in the order of the variants.
-    pub(crate) const WORDS: [(&str, Self); 3] = [
+    pub const WORDS: [(&str, Self); 3] = [
         ("ray-traced", Self::RayTraced),
         ("point-based", Self::PointBased),
         ("cycles-disk", Self::CyclesDisk),
@@ -152,17 +152,17 @@ impl Default for Integrator {
 
 impl Integrator {
     /// Range of `samples_per_pixel`.
-    pub(crate) const SAMPLES: WholeInterval = WholeInterval::new(1, 1 << 24);
+    pub const SAMPLES: WholeInterval = WholeInterval::new(1, 1 << 24);
     /// Range of `max_depth`.
-    pub(crate) const DEPTH: WholeInterval = WholeInterval::new(1, 1024);
+    pub const DEPTH: WholeInterval = WholeInterval::new(1, 1024);
     /// Range of `max_diffuse_depth`.
-    pub(crate) const DIFFUSE_DEPTH: WholeInterval = WholeInterval::new(0, 1024);
+    pub const DIFFUSE_DEPTH: WholeInterval = WholeInterval::new(0, 1024);
     /// Range of `subsurface_tail`.
-    pub(crate) const TAIL: Interval = Interval::above(0.0, 0.1);
+    pub const TAIL: Interval = Interval::above(0.0, 0.1);
     /// Range of `point_tolerance`.
-    pub(crate) const TOLERANCE: Interval = Interval::closed(0.001, 1.0);
+    pub const TOLERANCE: Interval = Interval::closed(0.001, 1.0);
     /// Range of `point_memory`.
-    pub(crate) const MEMORY: WholeInterval = WholeInterval::new(1, 1 << 20);
+    pub const MEMORY: WholeInterval = WholeInterval::new(1, 1 << 20);
 
     /// Checks every field.
     ///

@@ -5,13 +5,6 @@ use glam::{Affine2, Vec2, Vec3};
 use crate::SceneError;
 use crate::interval::{Interval, check_index};
 
-/// Range of the factor on an image or vertex colors of a color: the product is clamped where it is evaluated.
-pub(crate) const TEXTURED_COLOR: Interval = Interval::FACTOR;
-/// Range of the factor on an image of a scalar: it may be a length.
-pub(crate) const TEXTURED_SCALAR: Interval = Interval::LENGTH;
-/// Range of every number of a mapping of texture coordinates.
-pub(crate) const MAPPING: Interval = Interval::DIRECTION;
-
 /// Treatment of texture coordinates outside [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Wrap {
@@ -50,6 +43,9 @@ pub struct TextureRef {
 }
 
 impl TextureRef {
+    /// Range of every number of [`image_from_uv`](Self::image_from_uv).
+    pub const MAPPING: Interval = Interval::DIRECTION;
+
     /// The image over the unit square, repeated.
     pub fn new(image: usize) -> Self {
         Self { image, image_from_uv: Affine2::IDENTITY, wrap: [Wrap::Repeat; 2] }
@@ -63,7 +59,8 @@ impl TextureRef {
     /// Checks the texture of a parameter in a scene of so many images.
     pub(crate) fn check(&self, parameter: &str, images: usize) -> Result<(), SceneError> {
         check_index(&format!("{parameter}.texture.image"), self.image, images, "images")?;
-        MAPPING.check_all(&format!("{parameter}.texture.image_from_uv"), self.image_from_uv.to_cols_array())
+        Self::MAPPING
+            .check_all(&format!("{parameter}.texture.image_from_uv"), self.image_from_uv.to_cols_array())
     }
 }
 
@@ -79,6 +76,9 @@ pub struct ColorInput {
 }
 
 impl ColorInput {
+    /// Range of the factor on an image or vertex colors: the product is clamped where it is evaluated.
+    pub const TEXTURED: Interval = Interval::FACTOR;
+
     /// A constant color.
     pub const fn constant(color: Vec3) -> Self {
         Self { factor: color, texture: None, vertex_color: false }
@@ -100,6 +100,9 @@ pub struct ScalarInput {
 }
 
 impl ScalarInput {
+    /// Range of the factor on an image: it may be a length.
+    pub const TEXTURED: Interval = Interval::LENGTH;
+
     /// A constant.
     pub const fn constant(factor: f32) -> Self {
         Self { factor, texture: None }

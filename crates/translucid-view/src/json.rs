@@ -2,9 +2,10 @@
 
 use serde_json::value::Serializer;
 use serde_json::{Map, Value, json};
+use translucid_profile::convention::{conversion_system_names, presets};
 use translucid_render::FilmLayer;
 use translucid_scene::{
-    Camera, Environment, Film, Image, Integrator, Light, Material, Scene, SubsurfaceModel, presets,
+    Camera, Environment, Film, Image, Integrator, Light, Material, Scene, SubsurfaceModel,
 };
 
 use crate::look::Look;
@@ -131,7 +132,7 @@ pub(crate) fn hello(name: &str, scene: &Scene, bounds: ([f32; 3], f32), origin: 
         "models": SubsurfaceModel::ALL.map(model),
         "words": words,
         "presets": presets().iter().map(|p| json!({ "name": p.name, "source": p.source })).collect::<Vec<_>>(),
-        "systems": translucid_scene::conversion_system_names(),
+        "systems": conversion_system_names(),
         "sides": Edited::ALL.map(Edited::name),
         "views": Shown::ALL.map(Shown::name),
     })

@@ -33,8 +33,9 @@ use std::io;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
+use translucid_load::ExtendedBase;
 use translucid_render::PreparedScene;
-use translucid_scene::{ExtendedBase, Scene, SceneError};
+use translucid_scene::{Scene, SceneError};
 
 use engine::Engine;
 use server::Server;

@@ -58,7 +58,7 @@ fn paths(integrator: Integrator) -> Integrator {
 #[cfg(test)]
 mod tests {
     use glam::Vec3;
-    use translucid_scene::{LoadOptions, still_life};
+    use translucid_load::{LoadOptions, still_life};
 
     use super::*;
 

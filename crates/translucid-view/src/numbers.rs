@@ -1,9 +1,9 @@
 //! A material in the numbers of other renderers.
 
 use serde_json::{Value, json};
-use translucid_scene::{
-    ArgumentNames, Conversion, Converted, Material, SceneError, Setting, SubsurfaceParameter, Unit,
-};
+use translucid_profile::InputError;
+use translucid_profile::convention::{ArgumentNames, Conversion, Converted, Setting};
+use translucid_scene::{Material, SubsurfaceParameter, Unit};
 
 /// The answer to `numbers`: as `translucid convert` says it, with its command line.
 pub(crate) fn numbers(material: &Material, unit: Unit) -> Value {
@@ -64,7 +64,7 @@ fn convert(
     parameter: &str,
     length: [f64; 3],
     unit: Unit,
-) -> Result<Converted, SceneError> {
+) -> Result<Converted, InputError> {
     let from = [Setting::new("from", "translucid", parameter, length.to_vec())?];
     Conversion {
         from: &from,
@@ -97,11 +97,13 @@ fn rounded(value: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use translucid_profile::convention::preset;
+
     use super::*;
 
     #[test]
     fn numbers_are_those_of_the_conversion() {
-        let skin = translucid_scene::preset("skin1").unwrap().material(Unit::Millimeter);
+        let skin = Material::of_preset(preset("skin1").unwrap(), Unit::Millimeter);
         let value = numbers(&skin, Unit::Millimeter);
         let rows = value["rows"].as_array().unwrap();
         let find = |system: &str, parameter: &str, channel: &str| {

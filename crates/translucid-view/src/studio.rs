@@ -5,9 +5,8 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use serde_json::{Map, Value, json};
-use translucid_scene::{
-    Camera, Environment, Film, Image, Light, Material, Object, Piece, Scene, SceneError, Unit,
-};
+use translucid_load::Piece;
+use translucid_scene::{Camera, Environment, Film, Image, Light, Material, Object, Scene, SceneError, Unit};
 
 use crate::json;
 use crate::look::Look;
@@ -422,7 +421,8 @@ fn named_piece(title: String, set: &Map<String, Value>) -> Result<Piece, SceneEr
 
 #[cfg(test)]
 mod tests {
-    use translucid_scene::{LoadOptions, Pixels, still_life};
+    use translucid_load::{LoadOptions, still_life};
+    use translucid_scene::Pixels;
 
     use super::*;
     use crate::message::Numbered;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 use translucid_laboratory::Chart;
 use translucid_laboratory::comparison::Stopped;
 use translucid_laboratory::figures::Report;

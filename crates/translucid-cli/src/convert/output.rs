@@ -4,10 +4,9 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use clap::ValueEnum;
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 use translucid_laboratory::Cell;
-use translucid_profile::convention::{LengthUnit, Role, System};
-use translucid_scene::ConvertedNumber;
+use translucid_profile::convention::{ConvertedNumber, LengthUnit, Role, System};
 
 use crate::failure::Failure;
 use crate::files::write_file;

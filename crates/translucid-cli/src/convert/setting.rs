@@ -1,8 +1,7 @@
 //! SYSTEM:PARAMETER=VALUE, as an option gives it.
 
-use translucid_scene::{Setting, conversion_system_names};
+use translucid_profile::convention::{Setting, conversion_system_names};
 
-use super::input;
 use crate::failure::Failure;
 
 /// Parses the values of an option.
@@ -24,11 +23,11 @@ fn parse(option: &str, text: &str) -> Result<Setting, Failure> {
     let numbers: Result<Vec<f64>, _> = values.split(',').map(|number| number.trim().parse()).collect();
     match numbers {
         Ok(numbers) if matches!(numbers.len(), 1 | 3) => {
-            Setting::new(option, system, parameter, numbers).map_err(input)
+            Ok(Setting::new(option, system, parameter, numbers)?)
         }
         _ => {
             // A system that is not known is the first thing to say
-            Setting::new(option, system, parameter, vec![0.0]).map_err(input)?;
+            Setting::new(option, system, parameter, vec![0.0])?;
             Err(Failure::input(format!(
                 "{option} {system}:{parameter} is \"{values}\", but must be a number, or three with commas between"
             )))

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 use translucid_laboratory::{Chart, DataTable};
 
 use crate::failure::Failure;

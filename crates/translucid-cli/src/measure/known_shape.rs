@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 
 use bytemuck::cast_slice;
 use glam::Vec3;
-use translucid_image::{KeptData, KeptFile, OutputError, check_writable, damaged};
+use translucid_files::check_writable;
+use translucid_image::{KeptData, KeptFile, OutputError, damaged};
 use translucid_laboratory::Cell;
 use translucid_measure::{Estimate, Guess, KnownShape, Photo, Progress, SEEDS, Unknown};
 use translucid_render::{Edit, Event, FilmLayer, Outcome, Plan, PreparedScene, Session, View, content_hash};

@@ -2,8 +2,9 @@
 
 use std::path::Path;
 
+use translucid_load::load_image;
 use translucid_measure::Photo;
-use translucid_scene::{ColorSpace, Pixels, Place, load_image};
+use translucid_scene::{ColorSpace, Pixels, Place};
 
 use super::arguments::MeasureArguments;
 use super::report::three_digits;

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use translucid_image::{CodedPicture, ToneMapping, display_from_linear};
 use translucid_laboratory::Plate;
+use translucid_load::{LoadOptions, SceneFile};
 use translucid_measure::{Card, EdgeLine};
 use translucid_profile::Configuration;
 use translucid_render::{FilmLayer, Outcome, Plan, PreparedScene, Session, View};
-use translucid_scene::{LoadOptions, SceneFile};
 
 use super::report::three_digits;
 use super::shown::Shown;

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use translucid_image::{check_writable, write_atomically};
+use translucid_files::{check_writable, write_atomically};
 use translucid_reference::walk::{PhotonRange, TableError, WhiteTable};
 
 use super::walk_method::table_failure;

@@ -95,7 +95,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
             .with_help("name it with --table or -o FILE.npz"));
     }
     if let Some(path) = arguments.table_file() {
-        translucid_image::check_writable(path)?;
+        translucid_files::check_writable(path)?;
     }
     let _lock = arguments.table_file().map(OutputLock::take).transpose()?;
     arguments.table.spare(walk.table_file.iter().chain(&walk.merge).map(PathBuf::as_path))?;
@@ -480,7 +480,7 @@ fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, F
 fn save(arguments: &ReferenceArguments, table: &WhiteTable) -> Result<(), Failure> {
     arguments
         .table_file()
-        .map_or(Ok(()), |path| translucid_image::write_atomically(path, |out| table.write(out)))
+        .map_or(Ok(()), |path| translucid_files::write_atomically(path, |out| table.write(out)))
         .map_err(Failure::late)
 }
 

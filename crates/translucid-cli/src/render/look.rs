@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use translucid_scene::{Floor, LoadOptions, Surroundings, UpAxis, Viewpoint};
+use translucid_load::{Floor, LoadOptions, Surroundings, UpAxis, Viewpoint};
 
 /// Most pictures of a turntable.
 const MOST_PICTURES: i64 = 3600;

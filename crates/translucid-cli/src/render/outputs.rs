@@ -3,7 +3,8 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use translucid_image::{DisplayTransform, OutputError, Picture, check_writable};
+use translucid_files::check_writable;
+use translucid_image::{DisplayTransform, OutputError, Picture};
 use translucid_render::{FilmSums, ImageInfo, is_shard};
 
 use crate::failure::Failure;

@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use translucid_image::{Denoiser, OutputError, Picture, PixelRect};
+use translucid_load::take_files_read;
 use translucid_render::{
     CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, ShardNotes, ShardRun,
     content_hash,
 };
-use translucid_scene::{Scene, SubsurfaceModel, take_files_read};
+use translucid_scene::{Scene, SubsurfaceModel};
 
 use super::outputs::Outputs;
 use super::showing::Showing;

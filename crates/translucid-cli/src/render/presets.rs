@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use translucid_scene::presets;
+use translucid_profile::convention::presets;
 
 use crate::failure::Failure;
 use crate::table::print;
@@ -16,12 +16,12 @@ fn table() -> String {
     let mut text =
         String::from("name             surface albedo A      mean free path [mm]      index  source\n");
     for preset in presets() {
-        let (a, l) = (preset.surface_albedo(), preset.mfp_in_millimeters());
+        let ([a, b, c], [l, m, n]) = (preset.surface_albedo(), preset.mfp_in_millimeters());
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
             "{:<15}  {:.3} {:.3} {:.3}  {:>7.4} {:>7.4} {:>7.4}  {:<5}  {}",
-            preset.name, a.x, a.y, a.z, l.x, l.y, l.z, preset.eta, preset.source
+            preset.name, a, b, c, l, m, n, preset.eta, preset.source
         );
     }
     text

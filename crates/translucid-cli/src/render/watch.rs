@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 
 use crate::failure::Failure;
 use crate::files::input_among;

@@ -115,7 +115,7 @@ type Made = BTreeMap<String, Vec<u8>>;
 fn make(words: &[&str], tunables: &str) -> Made {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path();
-    let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("../translucid-scene/tests/data");
+    let images = Path::new(env!("CARGO_MANIFEST_DIR")).join("../translucid-load/tests/data");
     for image in ["color.jpg", "grey.jpg"] {
         std::fs::copy(images.join(image), path.join(image)).unwrap();
     }

@@ -91,7 +91,7 @@ pub(crate) fn save(path: &Path, light: impl Fn(f64, f64, usize) -> f64) {
 /// Size and sRGB codes in \[0, 1\] of a linear OpenEXR file.
 fn codes(exr: &Path) -> ([u32; 2], Vec<f32>) {
     let image =
-        translucid_scene::load_image(exr, translucid_scene::ColorSpace::Linear, &mut Vec::new()).unwrap();
+        translucid_load::load_image(exr, translucid_scene::ColorSpace::Linear, &mut Vec::new()).unwrap();
     let encode = |v: f32| if v <= 0.003_130_8 { 12.92 * v } else { 1.055 * v.powf(1.0 / 2.4) - 0.055 };
     let texel = |i: u32| image.texel(i % image.width, i / image.width);
     let pixel = |i: u32| texel(i).into_iter().take(3).map(|value| encode(value.clamp(0.0, 1.0)));
@@ -434,7 +434,7 @@ fn edge_gives_back_its_material() {
     assert_eq!(names.len(), 12, "{names:?}");
     let [seen, rendered] = ["region.png", "setup.png"].map(|name| {
         let path = directory.path().join("page").join(name);
-        translucid_scene::load_image(&path, translucid_scene::ColorSpace::Srgb, &mut Vec::new()).unwrap()
+        translucid_load::load_image(&path, translucid_scene::ColorSpace::Srgb, &mut Vec::new()).unwrap()
     });
     // Means over a tenth of the picture on either side: what the renderer makes of the material is what the camera saw
     assert_eq!([seen.width, seen.height], [rendered.width, rendered.height]);

@@ -29,6 +29,9 @@
 //!
 //! A channel of length 0 is Lambertian in every system.
 //!
+//! A [`Conversion`] takes a whole material from one system to others, by the names of its parameters; a [`Preset`] is a
+//! material that somebody measured.
+//!
 //! ```
 //! use translucid_profile::Configuration;
 //! use translucid_profile::convention::{SurfaceAlbedo, System, Written};
@@ -49,18 +52,26 @@
 
 mod albedo;
 mod channel;
+mod conversion;
 mod cycles_walk;
 mod known;
 mod parameter;
+mod preset;
 mod rule;
 mod skin;
 mod system;
+mod unit;
 
 #[cfg(test)]
 mod tests;
 
 pub use albedo::SurfaceAlbedo;
 pub use channel::Channel;
+pub use conversion::{
+    ArgumentNames, Conversion, Converted, ConvertedNumber, Setting, conversion_system_names,
+};
 pub use cycles_walk::CyclesWalk;
 pub use parameter::{LengthUnit, Parameter, Role};
+pub use preset::{Preset, preset, presets};
 pub use system::{Equal, Source, System, Written};
+pub use unit::Unit;

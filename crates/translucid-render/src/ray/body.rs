@@ -246,7 +246,8 @@ impl<'a> Body<'a> {
 mod tests {
     use std::ops::Range;
 
-    use translucid_scene::{Object, ShapeParameters, build_shape};
+    use translucid_scene::Object;
+    use translucid_shapes::{ShapeParameters, build_shape};
 
     use super::*;
 

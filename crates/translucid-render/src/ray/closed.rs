@@ -33,7 +33,8 @@ pub(super) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() ->
 
 #[cfg(test)]
 mod tests {
-    use translucid_scene::{Mesh, ShapeParameters, build_shape};
+    use translucid_scene::Mesh;
+    use translucid_shapes::{ShapeParameters, build_shape};
 
     use super::*;
 

@@ -51,7 +51,7 @@ impl Picker {
 
 #[cfg(test)]
 mod tests {
-    use translucid_scene::{LoadOptions, still_life};
+    use translucid_load::{LoadOptions, still_life};
 
     use crate::PreparedScene;
 

@@ -160,7 +160,7 @@ fn half_channels() -> Vec<(String, usize)> {
 mod tests {
     use std::path::Path;
 
-    use translucid_scene::{LoadOptions, SceneFile};
+    use translucid_load::{LoadOptions, SceneFile};
 
     use super::*;
     use crate::SampleRanges;

@@ -27,7 +27,8 @@ use std::path::{Path, PathBuf};
 
 use bytemuck::{Pod, bytes_of, bytes_of_mut, cast_slice, cast_slice_mut};
 use serde::{Deserialize, Serialize};
-use translucid_image::{OutputError, PixelRect, damaged, write_atomically};
+use translucid_files::write_atomically;
+use translucid_image::{OutputError, PixelRect, damaged};
 
 use super::exact_sums::ExactSums;
 use super::film::{FilmSums, TileSums};

@@ -1,7 +1,7 @@
 //! Scenes made in code with one value changed to worse: refused with the place, or rendered; never a panic.
 
+use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::PreparedScene;
-use translucid_scene::broken::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_testing::is_thorough;
 
 use crate::common::render;

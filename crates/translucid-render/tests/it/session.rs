@@ -5,8 +5,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
+use translucid_load::{LoadOptions, still_life};
 use translucid_render::{Edit, Event, Fraction, Outcome, Plan, PreparedScene, Session};
-use translucid_scene::{LoadOptions, Material, ScalarInput, SubsurfaceMethod, still_life};
+use translucid_scene::{Material, ScalarInput, SubsurfaceMethod};
 
 use crate::common::{on_threads, scene, sphere, uniform_environment};
 

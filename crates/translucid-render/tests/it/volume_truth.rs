@@ -13,8 +13,9 @@ use std::fs::read_to_string;
 use std::path::{Path, PathBuf};
 
 use glam::Vec3;
+use translucid_load::{LoadOptions, load_scene};
 use translucid_render::FilmSums;
-use translucid_scene::{LoadOptions, Scene, load_scene};
+use translucid_scene::Scene;
 
 use crate::common::{pictures, prepare};
 

@@ -1,13 +1,11 @@
 //! Errors and warnings of inputs, with their places.
 
-mod nearest;
-
 use std::fmt;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub(crate) use nearest::nearest;
+use translucid_profile::InputError;
 
 /// Where in a file something was found.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,13 +74,19 @@ impl SceneError {
         Self { message: message.into(), place: Some(place), help: None }
     }
 
+    /// The error of a text that is the content of a file.
+    pub fn of_text(path: &Path, error: InputError) -> Self {
+        let place = error.line.map_or_else(|| Place::file(path), |line| Place::line(path, line));
+        Self { place: Some(place), ..error.into() }
+    }
+
     /// An error that is in no file.
     pub fn new(message: impl Into<String>) -> Self {
         Self { message: message.into(), place: None, help: None }
     }
 
     /// The error with the part of the scene that it is in before its message: "material skin, …".
-    pub(crate) fn within(mut self, part: impl fmt::Display) -> Self {
+    pub fn within(mut self, part: impl fmt::Display) -> Self {
         self.message = format!("{part}, {}", self.message);
         self
     }
@@ -93,7 +97,7 @@ impl SceneError {
     }
 
     /// The error at a file, if it has no place yet.
-    pub(crate) fn or_at(mut self, path: &Path) -> Self {
+    pub fn or_at(mut self, path: &Path) -> Self {
         self.place.get_or_insert_with(|| Place::file(path));
         self
     }
@@ -120,6 +124,13 @@ impl fmt::Display for SceneError {
 }
 
 impl std::error::Error for SceneError {}
+
+/// An error that is in no file.
+impl From<InputError> for SceneError {
+    fn from(error: InputError) -> Self {
+        Self { message: error.message, place: None, help: error.help }
+    }
+}
 
 /// Something a loader repaired or left out, and how often.
 #[derive(Clone, Debug, PartialEq, Eq)]

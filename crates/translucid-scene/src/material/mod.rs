@@ -1,6 +1,8 @@
 //! Surface material with the parameter names of OpenPBR Surface 1.1.
 
 mod parameters;
+mod preset;
+mod words;
 
 use glam::Vec3;
 use translucid_profile::Model;
@@ -8,8 +10,8 @@ pub use translucid_profile::{Configuration, Parameterization as SubsurfaceParame
 
 use crate::{ColorInput, Integrator, ScalarInput, SubsurfaceMethod, TextureRef};
 
-pub(crate) use parameters::{PARAMETERS, Slot};
-pub use parameters::{ParameterValue, WordValue};
+pub use parameters::{PARAMETERS, Parameter, ParameterValue, Slot};
+pub use words::{WORD_PARAMETERS, WordParameter, WordValue};
 
 /// How light under the surface is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -4,22 +4,24 @@ use std::slice;
 
 use super::{Material, SubsurfaceModel};
 use crate::interval::{Interval, check_index};
-use crate::texture::{TEXTURED_COLOR, TEXTURED_SCALAR};
 use crate::{ColorInput, NormalMap, ScalarInput, SceneError, TextureRef};
 
 /// A parameter that is a number, a scalar with an image or a color with an image.
-pub(crate) struct Parameter {
+pub struct Parameter {
     /// The field's name, which is the key in scene files, too.
-    pub(crate) name: &'static str,
+    pub name: &'static str,
     /// Range of the number, or of each channel, where there is no image.
-    pub(crate) range: Interval,
+    pub range: Interval,
     slot: fn(&mut Material) -> Slot<'_>,
 }
 
 /// The place of a parameter in a material.
-pub(crate) enum Slot<'a> {
+pub enum Slot<'a> {
+    /// A number.
     Number(&'a mut f32),
+    /// A scalar, which may have an image.
     Scalar(&'a mut ScalarInput),
+    /// A color, which may have an image.
     Color(&'a mut ColorInput),
 }
 
@@ -57,8 +59,8 @@ impl Slot<'_> {
     /// Range of the numbers, for a parameter with a range of its own: what they multiply counts, too.
     fn range(&self, own: Interval) -> Interval {
         match self {
-            Self::Scalar(ScalarInput { texture: Some(_), .. }) => TEXTURED_SCALAR,
-            Self::Color(input) if input.texture.is_some() || input.vertex_color => TEXTURED_COLOR,
+            Self::Scalar(ScalarInput { texture: Some(_), .. }) => ScalarInput::TEXTURED,
+            Self::Color(input) if input.texture.is_some() || input.vertex_color => ColorInput::TEXTURED,
             _ => own,
         }
     }
@@ -67,7 +69,7 @@ impl Slot<'_> {
 macro_rules! parameters {
     ($($name:ident in $range:expr,)*) => {
         /// Every parameter that is a number, in the order of the fields.
-        pub(crate) const PARAMETERS: &[Parameter] = &[$(Parameter {
+        pub const PARAMETERS: &[Parameter] = &[$(Parameter {
             name: stringify!($name),
             range: $range,
             slot: |material| (&mut material.$name).into(),
@@ -104,7 +106,7 @@ parameters! {
 
 impl Parameter {
     /// The parameter's place in a material.
-    pub(crate) fn slot<'a>(&self, material: &'a mut Material) -> Slot<'a> {
+    pub fn slot<'a>(&self, material: &'a mut Material) -> Slot<'a> {
         (self.slot)(material)
     }
 }
@@ -124,20 +126,9 @@ pub struct ParameterValue {
     pub has_vertex_color: bool,
 }
 
-/// A parameter of a material whose value is a word.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct WordValue {
-    /// Its name, which is the key in scene files, too.
-    pub name: &'static str,
-    /// Its value.
-    pub word: &'static str,
-    /// Every value that it may have.
-    pub words: Vec<&'static str>,
-}
-
 impl NormalMap {
     /// Range of `scale`.
-    pub(crate) const SCALE: Interval = Interval::closed(-100.0, 100.0);
+    pub const SCALE: Interval = Interval::closed(-100.0, 100.0);
 }
 
 impl Material {
@@ -196,7 +187,7 @@ impl Material {
     }
 
     /// Every reference to an image.
-    pub(crate) fn for_each_texture(&mut self, mut visit: impl FnMut(&mut TextureRef)) {
+    pub fn for_each_texture(&mut self, mut visit: impl FnMut(&mut TextureRef)) {
         for parameter in PARAMETERS {
             parameter.slot(self).texture().map(&mut visit);
         }
@@ -204,7 +195,7 @@ impl Material {
     }
 
     /// Brings every number into its range; what that changed, in words.
-    pub(crate) fn clamp(&mut self) -> Vec<String> {
+    pub fn clamp(&mut self) -> Vec<String> {
         let mut changes = Vec::new();
         let mut clamp = |name: &str, number: &mut f32, range: Interval| {
             let nearest = range.nearest(*number);

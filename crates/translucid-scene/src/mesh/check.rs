@@ -125,7 +125,7 @@ pub(crate) fn stays_flat_enough(cross: f64, height: f64) -> bool {
 
 impl Mesh {
     /// The least cross product of two edges of a triangle \[L²\], and the least one over the longest edge squared.
-    pub(crate) fn flattest(&self) -> [f64; 2] {
+    pub fn flattest(&self) -> [f64; 2] {
         let of_triangle = |triangle: &Triangle| {
             let Some([a, b, c]) = self.corners(triangle) else { return [0.0; 2] };
             let cross = (b - a).cross(c - a).length();

@@ -97,7 +97,7 @@ impl Mesh {
     }
 
     /// Corners of a triangle in double precision, if its indices are in range.
-    pub(crate) fn corners(&self, triangle: &Triangle) -> Option<[DVec3; 3]> {
+    pub fn corners(&self, triangle: &Triangle) -> Option<[DVec3; 3]> {
         let corner = |vertex: u32| self.positions.get(vertex as usize).map(|p| p.as_dvec3());
         Some([corner(triangle[0])?, corner(triangle[1])?, corner(triangle[2])?])
     }

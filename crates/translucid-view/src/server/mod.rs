@@ -18,7 +18,8 @@ use axum::routing::{any, get, post};
 use serde::Deserialize;
 use serde_json::json;
 use tokio::sync::{Semaphore, watch};
-use translucid_scene::{ColorSpace, Place, SceneError, decode_image};
+use translucid_load::decode_image;
+use translucid_scene::{ColorSpace, Place, SceneError};
 
 use crate::page::PAGE_FILES;
 use crate::shared::Shared;

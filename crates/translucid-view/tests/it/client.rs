@@ -8,7 +8,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use translucid_scene::{ExtendedBase, LoadOptions, Scene, still_life};
+use translucid_load::{ExtendedBase, LoadOptions, still_life};
+use translucid_scene::Scene;
 use translucid_view::{Page, Settings};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::http::HeaderValue;

@@ -4,8 +4,9 @@ use std::sync::atomic::AtomicBool;
 
 use serde_json::json;
 use translucid_image::DisplayTransform;
+use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{Plan, PreparedScene, Session};
-use translucid_scene::{LoadOptions, Scene, load_scene};
+use translucid_scene::Scene;
 
 use crate::client::{Served, small_still_life};
 

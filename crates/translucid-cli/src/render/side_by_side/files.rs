@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use translucid_image::check_writable;
+use translucid_files::check_writable;
 use translucid_scene::SubsurfaceModel;
 
 use super::super::outputs::{Outputs, spare_others_than_checkpoints};

@@ -1,7 +1,8 @@
 //! Instances against the triangles that they stand for.
 
 use glam::{Affine3A, EulerRot, Quat};
-use translucid_scene::{Material, Scene, ShapeParameters, build_shape};
+use translucid_scene::{Material, Scene};
+use translucid_shapes::{ShapeParameters, build_shape};
 
 use super::*;
 use crate::ray::{Body, FlightEnd, Geometry, SurfacePoint};

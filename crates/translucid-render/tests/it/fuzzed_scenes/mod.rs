@@ -28,8 +28,9 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
+use translucid_load::{LoadOptions, load_scene};
 use translucid_render::{FilmSums, Outcome, layer};
-use translucid_scene::{Light, LoadOptions, Object, Scene, load_scene};
+use translucid_scene::{Light, Object, Scene};
 use translucid_testing::power;
 
 use crate::common::{prepare_with_points, render};

@@ -264,9 +264,8 @@ struct Orphan {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use translucid_scene::{
-        LoadOptions, Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel, still_life,
-    };
+    use translucid_load::{LoadOptions, still_life};
+    use translucid_scene::{Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel};
 
     use super::*;
     use crate::PreparedScene;

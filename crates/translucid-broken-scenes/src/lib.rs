@@ -1,0 +1,421 @@
+//! Broken scenes for tests: a small scene with a bit of everything, and each of its values changed to worse.
+
+mod everything;
+
+use std::sync::Arc;
+
+use glam::{Affine2, Affine3A, Vec3};
+use translucid_scene::{
+    self as scene, Camera, ColorInput, Environment, Film, Image, Integrator, Light, Material, Mesh,
+    NormalMap, Object, PARAMETERS, Pixels, ProfileRow, ProfileTable, Projection, ScalarInput, Scene,
+    SubsurfaceModel, TextureRef,
+};
+
+pub use everything::scene_of_everything;
+
+/// Numbers that are likely to hurt.
+const NUMBERS: [f32; 12] =
+    [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, -1.0, 0.0, 1e38, -1e38, 1e-45, 1e-20, 2.0, 1e9, f32::MAX];
+/// Counts that are likely to hurt.
+const COUNTS: [u32; 4] = [0, 1 << 20, 1 << 31, u32::MAX];
+/// Indices that are likely to hurt.
+const INDICES: [usize; 4] = [0, 1, 100, usize::MAX];
+
+/// A scene with one value changed.
+#[derive(Clone, Debug)]
+pub struct BrokenScene {
+    /// Place of the value, as the message of [`Scene::validate`] begins if it refuses the scene.
+    pub place: String,
+    /// New value, in words.
+    pub change: String,
+    /// Whether the scene breaks a rule for sure; others may.
+    pub is_invalid: bool,
+    /// The scene.
+    pub scene: Scene,
+}
+
+/// Every change of every value of a scene, one at a time.
+pub fn broken_scenes(scene: &Scene) -> impl Iterator<Item = BrokenScene> {
+    let mut count = 0;
+    visit(&mut scene.clone(), &mut |_, slot| count += slot.changes());
+    (0..count).map(|number| broken_scene(scene, number))
+}
+
+/// The scene with the change of a number.
+fn broken_scene(scene: &Scene, number: usize) -> BrokenScene {
+    let mut broken =
+        BrokenScene { place: String::new(), change: String::new(), is_invalid: false, scene: scene.clone() };
+    let mut before = 0;
+    let BrokenScene { place, change, is_invalid, scene } = &mut broken;
+    visit(scene, &mut |name, slot| {
+        let own = slot.changes();
+        if let Some(number) = number.checked_sub(before).filter(|&number| number < own) {
+            *place = name.to_owned();
+            (*change, *is_invalid) = slot.change(number);
+        }
+        before += own;
+    });
+    broken
+}
+
+/// A value that can be changed.
+enum Slot<'a> {
+    Number(&'a mut f32),
+    Double(&'a mut f64),
+    Count(&'a mut u32),
+    Index(&'a mut usize),
+    List(&'a mut dyn Cut),
+}
+
+impl Slot<'_> {
+    fn changes(&self) -> usize {
+        match self {
+            Self::Number(_) | Self::Double(_) => NUMBERS.len(),
+            Self::Count(_) => COUNTS.len(),
+            Self::Index(_) => INDICES.len(),
+            Self::List(_) => 3,
+        }
+    }
+
+    /// Makes the change of a number; returns it in words, and whether no valid scene has such a value.
+    fn change(self, number: usize) -> (String, bool) {
+        match self {
+            Self::Number(slot) => {
+                *slot = NUMBERS[number];
+                (slot.to_string(), !slot.is_finite())
+            }
+            Self::Double(slot) => {
+                *slot = f64::from(NUMBERS[number]);
+                (slot.to_string(), !slot.is_finite())
+            }
+            Self::Count(slot) => {
+                *slot = COUNTS[number];
+                (slot.to_string(), false)
+            }
+            Self::Index(slot) => {
+                *slot = INDICES[number];
+                (slot.to_string(), *slot >= 100)
+            }
+            Self::List(list) => list.cut(number),
+        }
+    }
+}
+
+/// A list that can be made shorter or longer.
+trait Cut {
+    fn cut(&mut self, number: usize) -> (String, bool);
+}
+
+impl<T: Clone> Cut for Vec<T> {
+    fn cut(&mut self, number: usize) -> (String, bool) {
+        let change = match number {
+            0 => {
+                self.clear();
+                "emptied"
+            }
+            1 => {
+                self.pop();
+                "without its last"
+            }
+            _ => {
+                self.extend(self.first().cloned());
+                "with its first again at its end"
+            }
+        };
+        (String::from(change), false)
+    }
+}
+
+/// Receives the place and the slot of each value.
+type Visitor<'a> = dyn FnMut(&str, Slot<'_>) + 'a;
+
+/// Shows every value of a scene; a new field of a type is an error here.
+fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
+    let Scene {
+        unit: _,
+        camera,
+        film,
+        integrator,
+        objects,
+        materials,
+        images,
+        profile_tables,
+        lights,
+        environment,
+    } = scene;
+    visit_camera(camera, v);
+    visit_settings(film, integrator, v);
+    v("objects", Slot::List(objects));
+    objects.iter_mut().for_each(|object| visit_object(object, v));
+    v("materials", Slot::List(materials));
+    materials.iter_mut().for_each(|material| visit_material(material, v));
+    v("images", Slot::List(images));
+    images.iter_mut().for_each(|image| visit_image(Arc::make_mut(image), v));
+    v("profile_tables", Slot::List(profile_tables));
+    profile_tables.iter_mut().for_each(|table| visit_table(table, v));
+    v("lights", Slot::List(lights));
+    lights.iter_mut().enumerate().for_each(|(i, light)| visit_light(i, light, v));
+    environment.iter_mut().for_each(|environment| visit_environment(environment, v));
+}
+
+fn visit_numbers<'a>(place: &str, numbers: impl IntoIterator<Item = &'a mut f32>, v: &mut Visitor<'_>) {
+    for (i, number) in numbers.into_iter().enumerate() {
+        v(&format!("{place}[{i}]"), Slot::Number(number));
+    }
+}
+
+fn visit_vector(place: &str, vector: &mut Vec3, v: &mut Visitor<'_>) {
+    visit_numbers(place, vector.as_mut(), v);
+}
+
+fn visit_camera(camera: &mut Camera, v: &mut Visitor<'_>) {
+    let Camera { position, target, up, projection, shift, lens_radius, focus_distance } = camera;
+    visit_vector("camera, position", position, v);
+    visit_vector("camera, target", target, v);
+    visit_vector("camera, up", up, v);
+    match projection {
+        Projection::Perspective { horizontal_fov } => {
+            v("camera, horizontal_fov", Slot::Number(horizontal_fov));
+        }
+        Projection::Orthographic { width } => v("camera, width", Slot::Number(width)),
+    }
+    visit_numbers("camera, shift", shift.as_mut(), v);
+    v("camera, lens_radius", Slot::Number(lens_radius));
+    v("camera, focus_distance", Slot::Number(focus_distance));
+}
+
+fn visit_settings(film: &mut Film, integrator: &mut Integrator, v: &mut Visitor<'_>) {
+    let Film { width, height, filter: _, filter_radius, exposure, tone_mapping: _ } = film;
+    v("film, width", Slot::Count(width));
+    v("film, height", Slot::Count(height));
+    v("film, filter_radius", Slot::Number(filter_radius));
+    v("film, exposure", Slot::Number(exposure));
+    let Integrator {
+        samples_per_pixel,
+        max_depth,
+        max_diffuse_depth,
+        caustics: _,
+        subsurface_tail,
+        subsurface_method: _,
+        subsurface_sharing: _,
+        point_tolerance,
+        point_memory,
+        seed: _,
+    } = integrator;
+    v("integrator, samples_per_pixel", Slot::Count(samples_per_pixel));
+    v("integrator, max_depth", Slot::Count(max_depth));
+    v("integrator, max_diffuse_depth", Slot::Count(max_diffuse_depth));
+    v("integrator, subsurface_tail", Slot::Number(subsurface_tail));
+    v("integrator, point_tolerance", Slot::Number(point_tolerance));
+    v("integrator, point_memory", Slot::Count(point_memory));
+}
+
+fn visit_object(object: &mut Object, v: &mut Visitor<'_>) {
+    let Object { name, mesh, world_from_local, material, subsurface_group, is_movable: _ } = object;
+    let place = |field: &str| format!("object {name}, {field}");
+    let mut numbers = world_from_local.to_cols_array();
+    numbers.iter_mut().for_each(|number| v(&place("world_from_local"), Slot::Number(number)));
+    *world_from_local = Affine3A::from_cols_array(&numbers);
+    v(&place("material"), Slot::Index(material));
+    v(&place("subsurface_group"), Slot::Count(subsurface_group));
+    let Mesh { positions, normals, uvs, tangents, colors, triangles } = Arc::make_mut(mesh);
+    let place = |field: &str| place(&format!("mesh, {field}"));
+    v(&place("positions"), Slot::List(positions));
+    v(&place("normals"), Slot::List(normals));
+    v(&place("uvs"), Slot::List(uvs));
+    v(&place("tangents"), Slot::List(tangents));
+    v(&place("colors"), Slot::List(colors));
+    v(&place("triangles"), Slot::List(triangles));
+    for (list, name) in [(positions, "positions"), (normals, "normals"), (colors, "colors")] {
+        for (i, vector) in list.iter_mut().enumerate() {
+            visit_vector(&place(&format!("{name}[{i}]")), vector, v);
+        }
+    }
+    for (i, uv) in uvs.iter_mut().enumerate() {
+        visit_numbers(&place(&format!("uvs[{i}]")), uv.as_mut(), v);
+    }
+    for (i, tangent) in tangents.iter_mut().enumerate() {
+        visit_numbers(&place(&format!("tangents[{i}]")), tangent.as_mut(), v);
+    }
+    for (i, corners) in triangles.iter_mut().enumerate() {
+        corners.iter_mut().for_each(|vertex| v(&place(&format!("triangles[{i}]")), Slot::Count(vertex)));
+    }
+}
+
+fn visit_material(material: &mut Material, v: &mut Visitor<'_>) {
+    let name = material.name.clone();
+    for parameter in PARAMETERS {
+        let place = format!("material {name}, {}", parameter.name);
+        match parameter.slot(material) {
+            scene::Slot::Number(number) => v(&place, Slot::Number(number)),
+            scene::Slot::Scalar(ScalarInput { factor, texture }) => {
+                v(&place, Slot::Number(factor));
+                texture.iter_mut().for_each(|(texture, _)| visit_texture(&place, texture, v));
+            }
+            scene::Slot::Color(ColorInput { factor, texture, vertex_color: _ }) => {
+                visit_vector(&place, factor, v);
+                texture.iter_mut().for_each(|texture| visit_texture(&place, texture, v));
+            }
+        }
+    }
+    if let SubsurfaceModel::Tabulated(table) = &mut material.subsurface_model {
+        v(&format!("material {name}, subsurface_model.tabulated"), Slot::Index(table));
+    }
+    if let Some(NormalMap { texture, scale }) = &mut material.geometry_normal {
+        v(&format!("material {name}, geometry_normal.scale"), Slot::Number(scale));
+        visit_texture(&format!("material {name}, geometry_normal"), texture, v);
+    }
+}
+
+fn visit_texture(place: &str, texture: &mut TextureRef, v: &mut Visitor<'_>) {
+    let TextureRef { image, image_from_uv, wrap: _ } = texture;
+    v(&format!("{place}.texture.image"), Slot::Index(image));
+    let mut numbers = image_from_uv.to_cols_array();
+    visit_numbers(&format!("{place}.texture.image_from_uv"), &mut numbers, v);
+    *image_from_uv = Affine2::from_cols_array(&numbers);
+}
+
+fn visit_image(image: &mut Image, v: &mut Visitor<'_>) {
+    let Image { name, path: _, width, height, color_space: _, pixels } = image;
+    let place = |field: &str| format!("image {name}, {field}");
+    v(&place("width"), Slot::Count(width));
+    v(&place("height"), Slot::Count(height));
+    match pixels {
+        Pixels::Byte(pixels) => v(&place("pixels"), Slot::List(pixels)),
+        Pixels::Float(pixels) => {
+            v(&place("pixels"), Slot::List(pixels));
+            pixels.iter_mut().for_each(|pixel| visit_numbers(&place("pixel"), pixel, v));
+        }
+    }
+}
+
+fn visit_table(table: &mut ProfileTable, v: &mut Visitor<'_>) {
+    let ProfileTable { path, rows } = table;
+    let place = |field: &str| format!("profile table {}, {field}", path.display());
+    v(&place("rows"), Slot::List(rows));
+    for (i, row) in rows.iter_mut().enumerate() {
+        let ProfileRow { surface_albedo, radii, reflectances, enclosed } = row;
+        let place = |field: &str| place(&format!("rows[{i}], {field}"));
+        surface_albedo.iter_mut().for_each(|albedo| v(&place("surface_albedo"), Slot::Double(albedo)));
+        for (name, list) in [("radii", radii), ("reflectances", reflectances), ("enclosed", enclosed)] {
+            v(&place(name), Slot::List(list));
+            list.iter_mut().for_each(|number| v(&place(name), Slot::Double(number)));
+        }
+    }
+}
+
+fn visit_light(index: usize, light: &mut Light, v: &mut Visitor<'_>) {
+    let kind = light.kind();
+    let place = |field: &str| format!("light {index} ({kind}), {field}");
+    let mut vector = |field: &str, value: &mut Vec3| visit_vector(&place(field), value, v);
+    match light {
+        Light::Rectangle { center, edge_x, edge_y, radiance, visible: _ }
+        | Light::Ellipse { center, edge_x, edge_y, radiance, visible: _ } => {
+            vector("center", center);
+            vector("edge_x", edge_x);
+            vector("edge_y", edge_y);
+            vector("radiance", radiance);
+        }
+        Light::Sphere { center, radius, radiance, visible: _ } => {
+            vector("center", center);
+            vector("radiance", radiance);
+            v(&place("radius"), Slot::Number(radius));
+        }
+        Light::Distant { direction, angular_radius, irradiance } => {
+            vector("direction", direction);
+            vector("irradiance", irradiance);
+            v(&place("angular_radius"), Slot::Number(angular_radius));
+        }
+        Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible: _ } => {
+            vector("position", position);
+            vector("direction", direction);
+            vector("intensity", intensity);
+            v(&place("radius"), Slot::Number(radius));
+            v(&place("inner_angle"), Slot::Number(inner_angle));
+            v(&place("outer_angle"), Slot::Number(outer_angle));
+        }
+        Light::Beam { origin, direction, radius, power } => {
+            vector("origin", origin);
+            vector("direction", direction);
+            vector("power", power);
+            v(&place("radius"), Slot::Number(radius));
+        }
+    }
+}
+
+fn visit_environment(environment: &mut Environment, v: &mut Visitor<'_>) {
+    let Environment { radiance, image, world_from_environment, visible: _ } = environment;
+    visit_vector("environment, radiance", radiance, v);
+    image.iter_mut().for_each(|image| v("environment, image", Slot::Index(image)));
+    visit_numbers("environment, world_from_environment", world_from_environment.as_mut(), v);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn scene_of_everything_is_valid() {
+        assert_eq!(scene_of_everything().validate(), Ok(()));
+    }
+
+    #[test]
+    fn broken_scenes_are_refused_where_they_are_broken() {
+        let (mut refused, mut accepted) = (0, 0);
+        for BrokenScene { place, change, is_invalid, scene } in broken_scenes(&scene_of_everything()) {
+            let Err(error) = scene.validate() else {
+                assert!(!is_invalid, "{place} = {change} is accepted");
+                accepted += 1;
+                continue;
+            };
+            refused += 1;
+            let message = &error.message;
+            assert!(error.place.is_none(), "{message} is not in a file");
+            let telling =
+                ["must be", "must have", "must rise", "but"].iter().any(|words| message.contains(words));
+            assert!(telling || place.starts_with("profile table"), "{place} = {change}: {message}");
+            if is_invalid {
+                // Vectors are shown whole, without the number of the component.
+                let field = place.trim_end_matches(|c: char| c.is_ascii_digit() || "[]".contains(c));
+                assert!(message.starts_with(field), "{place} = {change}: {message}");
+                assert!(message.contains(" = "), "{place} = {change}: {message}");
+            }
+        }
+        // Neither everything nor nothing is refused.
+        assert!(refused > 3000 && accepted > 1000, "{refused} refused, {accepted} accepted");
+    }
+
+    #[test]
+    fn scenes_broken_between_fields_are_refused() {
+        let refusal = |change: fn(&mut Scene)| {
+            let mut scene = scene_of_everything();
+            change(&mut scene);
+            scene.validate().expect_err("the scene is broken").message
+        };
+        let message = refusal(|scene| scene.camera.target = scene.camera.position);
+        assert_eq!(message, "camera, target = [0, 0, 5]: must be a point other than the camera's position");
+        let message = refusal(|scene| scene.camera.up = Vec3::NEG_Z);
+        let must_be = "must be a direction that is not parallel to the viewing direction";
+        assert_eq!(message, format!("camera, up = [0, 0, -1]: {must_be}"));
+        let message = refusal(|scene| scene.objects.clear());
+        assert_eq!(message, "the scene has no objects, but must have at least one");
+        let message = refusal(|scene| {
+            scene.objects.iter_mut().for_each(|object| object.name = "twin".into());
+            scene.objects[1].material = 3;
+        });
+        assert_eq!(
+            message,
+            "object twin (index 1), material = 3: must be less than 3, the number of materials"
+        );
+        let message = refusal(|scene| {
+            scene.lights[0] = Light::Rectangle {
+                center: Vec3::ZERO,
+                edge_x: Vec3::X,
+                edge_y: Vec3::new(0.1, 1.0, 0.0),
+                radiance: Vec3::ONE,
+                visible: false,
+            }
+        });
+        assert!(message.ends_with("must be perpendicular to edge_x"), "{message}");
+    }
+}

@@ -1,0 +1,313 @@
+//! glTF 2.0 (.gltf and .glb): meshes with their hierarchy and materials, lights and cameras.
+//!
+//! Everything is read from raw JSON and bytes with every index, range and count checked, so that no
+//! input can make it panic or allocate more than the file's own size justifies.
+//!
+//! **Read**: external, embedded and GLB buffers; all index types, strides, normalized and sparse
+//! accessors; lists, strips and fans; KHR_mesh_quantization; EXT_mesh_gpu_instancing; node matrices and
+//! TRS; the materials of [`materials`]; KHR_texture_transform; KHR_lights_punctual; perspective cameras.
+//!
+//! **Left out, with a warning**: points, lines, morph targets, skins, animations' poses, orthographic
+//! cameras, second texture coordinates. **Refused**: compressed geometry.
+
+mod accessor;
+mod buffers;
+mod container;
+mod document;
+mod geometry;
+mod lights;
+mod materials;
+mod media;
+mod nodes;
+mod notes;
+mod textures;
+mod uri;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use glam::{Affine3A, DAffine3, DVec3};
+use translucid_scene::{Object, Place, SceneError, Unit, Warning, repair_mesh};
+
+use self::accessor::Arrays;
+use self::buffers::Buffers;
+use self::document::{Document, Node};
+use self::geometry::MOST;
+use self::materials::MaterialShelf;
+use self::nodes::PlacedNode;
+use self::notes::Notes;
+use super::MeshFile;
+use super::mesh_file::NamedCamera;
+use super::shared_mesh::SharedMesh;
+use super::watch::LoadWatch;
+use crate::file::read_file;
+
+/// Reads a glTF file, textures and buffers beside it included, into world space.
+///
+/// glTF's lengths are meters; `unit` is the scene's.
+/// `warnings` say what was repaired or left out.
+///
+/// # Errors
+/// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
+/// usable triangle; the message names the element at fault.
+pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+    load_watched(path, unit, &LoadWatch::default(), warnings)
+}
+
+/// As [`load_gltf`], with somebody who hears how far it is.
+pub(super) fn load_watched(
+    path: &Path,
+    unit: Unit,
+    watch: &LoadWatch,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    parse_watched(&read_file(path)?, path, unit, watch, warnings)
+}
+
+/// Reads glTF from memory; `path` is for messages and for the buffers and images beside it.
+///
+/// # Errors
+/// As [`load_gltf`].
+pub fn parse_gltf(
+    bytes: &[u8],
+    path: &Path,
+    unit: Unit,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    parse_watched(bytes, path, unit, &LoadWatch::default(), warnings)
+}
+
+fn parse_watched(
+    bytes: &[u8],
+    path: &Path,
+    unit: Unit,
+    watch: &LoadWatch,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    let notes = Notes::new(path);
+    let result = read(bytes, unit, watch, &notes, warnings);
+    warnings.extend(notes.into_warnings());
+    result
+}
+
+fn read(
+    bytes: &[u8],
+    unit: Unit,
+    watch: &LoadWatch,
+    notes: &Notes<'_>,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    let container = container::split(bytes, notes.path)?;
+    let document = Document::parse(container.json, notes.path)?;
+    check_extensions(&document, notes)?;
+    let buffers = Buffers::load(&document, container.binary, notes)?;
+    let arrays = Arrays { document: &document, buffers: &buffers, notes };
+    let units = 1000.0 / unit.in_millimeters();
+    let placed = nodes::flatten(&document, notes, DAffine3::from_scale(DVec3::splat(units)))?;
+    let mut assembly = Assembly {
+        arrays: &arrays,
+        units,
+        materials: MaterialShelf::default(),
+        budget: MOST,
+        uses: uses_of_meshes(&placed, &arrays),
+        shared: HashMap::new(),
+        warnings,
+        unusable: None,
+        next_group: 0,
+        scene: MeshFile::default(),
+    };
+    for (done, node) in placed.iter().enumerate() {
+        watch.tell(done, placed.len())?;
+        assembly.add_node(node)?;
+    }
+    assembly.finish()
+}
+
+/// Compressed geometry is refused; of other required extensions that are not known the user is told.
+fn check_extensions(document: &Document, notes: &Notes<'_>) -> Result<(), SceneError> {
+    const COMPRESSION: [&str; 3] =
+        ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
+    const KNOWN: [&str; 4] =
+        ["KHR_mesh_quantization", "KHR_texture_transform", "KHR_lights_punctual", "EXT_mesh_gpu_instancing"];
+    for name in &document.extensions_required {
+        if COMPRESSION.contains(&name.as_str()) {
+            let error =
+                notes.error("extensionsRequired", format!("the file needs {name}, which is not read"));
+            return Err(error.with_help("export it without mesh compression"));
+        }
+        // Those of materials are reported where a material has them.
+        if !KNOWN.contains(&name.as_str()) && !name.starts_with("KHR_materials_") {
+            let name = uri::clip(name);
+            notes.warn("extensionsRequired", format!("{name} is not known: what it adds is left out"));
+        }
+    }
+    Ok(())
+}
+
+/// How often each mesh is used; what cannot be counted is refused when it is read.
+fn uses_of_meshes(placed: &[PlacedNode], arrays: &Arrays<'_>) -> HashMap<usize, usize> {
+    let mut uses = HashMap::new();
+    for placed in placed {
+        let part = arrays.document.nodes.label(placed.index);
+        let Ok(node) = arrays.document.nodes.get(placed.index, &part, arrays.notes.path) else { continue };
+        if let Some(mesh) = node.mesh {
+            let count: &mut usize = uses.entry(mesh).or_insert(0);
+            *count = count.saturating_add(nodes::instance_count(node, &part, arrays));
+        }
+    }
+    uses
+}
+
+/// A scene on its way.
+struct Assembly<'a> {
+    arrays: &'a Arrays<'a>,
+    /// Scene units to the meter.
+    units: f64,
+    materials: MaterialShelf,
+    /// Vertices and triangles that the file may still have.
+    budget: usize,
+    /// How often each mesh is used.
+    uses: HashMap<usize, usize>,
+    /// Primitives that their uses share, by the numbers of the mesh and of the primitive.
+    shared: HashMap<(usize, usize), SharedMesh>,
+    warnings: &'a mut Vec<Warning>,
+    /// Why a mesh could not be used, for the message if none can.
+    unusable: Option<SceneError>,
+    next_group: u32,
+    scene: MeshFile,
+}
+
+impl Assembly<'_> {
+    fn add_node(&mut self, placed: &PlacedNode) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let part = document.nodes.label(placed.index);
+        let node = document.nodes.get(placed.index, &part, notes.path)?;
+        if let Some(mesh) = node.mesh {
+            self.add_mesh(mesh, node, placed, &part)?;
+        }
+        if let Some(camera) = node.camera {
+            self.add_camera(camera, placed, &part)?;
+        }
+        let light = lights::light(node, &placed.world_from_local, self.units, &part, document, notes)?;
+        self.scene.lights.extend(light);
+        Ok(())
+    }
+
+    fn add_mesh(
+        &mut self,
+        index: usize,
+        node: &Node,
+        placed: &PlacedNode,
+        part: &str,
+    ) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let mesh = document.meshes.get(index, part, notes.path)?;
+        let label = document.meshes.label(index);
+        if let Some(skin) = node.skin {
+            document.skins.get(skin, part, notes.path)?;
+            notes.warn(part, "a skin is left out: the mesh stays in its rest pose");
+        }
+        if mesh.primitives.is_empty() {
+            notes.warn(&label, "a mesh without primitives is left out");
+        }
+        let name = node.name.as_ref().or(mesh.name.as_ref()).unwrap_or(&label);
+        for world_from_local in nodes::instances(node, placed, part, self.arrays)? {
+            for primitive in 0..mesh.primitives.len() {
+                let place = format!("{label} primitive {primitive} of {part}");
+                let world_from_local = world_from_local.as_affine3a();
+                match self.shared.get(&(index, primitive)).and_then(|mesh| mesh.placed(&world_from_local)) {
+                    Some(object) => {
+                        let material = mesh.primitives[primitive].material;
+                        let material = self.materials.get(material, &place, self.units, self.arrays)?.index;
+                        self.push(Object { name: name.clone(), material, ..object }, &place)?;
+                    }
+                    None => self.add_primitive((index, primitive), &world_from_local, name, &place)?,
+                }
+            }
+            self.next_group = self.next_group.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    fn add_primitive(
+        &mut self,
+        (mesh_index, number): (usize, usize),
+        world_from_local: &Affine3A,
+        name: &str,
+        part: &str,
+    ) -> Result<(), SceneError> {
+        let primitive =
+            &self.arrays.document.meshes.get(mesh_index, part, self.arrays.notes.path)?.primitives[number];
+        let material = self.materials.get(primitive.material, part, self.units, self.arrays)?;
+        let set = material.uv_set.unwrap_or(0);
+        let Some(mut mesh) = self.arrays.primitive_mesh(primitive, part, set, &mut self.budget)? else {
+            return Ok(());
+        };
+        if material.uv_set.is_some() && mesh.uvs.is_empty() {
+            self.arrays.notes.warn(part, format!("its material has textures, but it has no TEXCOORD_{set}"));
+        }
+        let place = Place::part(self.arrays.notes.path, part);
+        let uses = self.uses.get(&mesh_index).copied().unwrap_or(1);
+        if mesh.is_worth_sharing(uses) && !self.shared.contains_key(&(mesh_index, number)) {
+            // One that cannot be repaired is told of below
+            let mut of_mesh = Vec::new();
+            if let Ok(shared) = SharedMesh::new(mesh.clone().into(), uses, &place, &mut of_mesh) {
+                let object = shared.placed(world_from_local);
+                self.shared.insert((mesh_index, number), shared);
+                if let Some(object) = object {
+                    self.warnings.append(&mut of_mesh);
+                    return self
+                        .push(Object { name: name.to_owned(), material: material.index, ..object }, part);
+                }
+            }
+        }
+        mesh.transform(world_from_local);
+        if let Err(error) = repair_mesh(&mut mesh, &place, self.warnings) {
+            self.arrays.notes.warn(part, format!("left out: {}", error.message));
+            self.unusable.get_or_insert(error);
+            return Ok(());
+        }
+        let (name, mesh, material) = (name.to_owned(), mesh.into(), material.index);
+        self.push(Object { name, mesh, material, ..Object::default() }, part)
+    }
+
+    /// Adds an object of the mesh at hand.
+    fn push(&mut self, object: Object, part: &str) -> Result<(), SceneError> {
+        if self.scene.objects.len() >= Scene::MOST_OBJECTS {
+            let message = format!("the file has more than {Scene::MOST_OBJECTS} objects up to here");
+            return Err(self.arrays.notes.error(part, message));
+        }
+        self.scene.objects.push(Object { subsurface_group: self.next_group, ..object });
+        Ok(())
+    }
+
+    fn add_camera(&mut self, index: usize, placed: &PlacedNode, part: &str) -> Result<(), SceneError> {
+        let (document, notes) = (self.arrays.document, self.arrays.notes);
+        let data = document.cameras.get(index, part, notes.path)?;
+        let label = document.cameras.label(index);
+        let Some((camera, of_square)) =
+            lights::camera(data, &placed.world_from_local, self.units, &label, notes)?
+        else {
+            return Ok(());
+        };
+        let of_node = document.nodes.get(placed.index, part, notes.path)?.name.clone();
+        let name = of_node.or_else(|| data.name.clone()).unwrap_or(label);
+        self.scene.cameras.push(NamedCamera { name, camera, of_square: Some(of_square) });
+        Ok(())
+    }
+
+    fn finish(self) -> Result<MeshFile, SceneError> {
+        self.materials.report(self.arrays);
+        if self.scene.objects.is_empty() {
+            let none =
+                || SceneError::at(Place::file(self.arrays.notes.path), "the file's scene has no triangles");
+            return Err(self.unusable.unwrap_or_else(none));
+        }
+        let MaterialShelf { mut materials, images, .. } = self.materials;
+        if self.arrays.document.materials.as_slice().is_empty() {
+            materials.clear();
+        }
+        self.warnings.extend(images.warnings);
+        Ok(MeshFile { materials, images: images.images, ..self.scene })
+    }
+}

@@ -1,0 +1,131 @@
+//! JPEG images.
+
+use translucid_scene::{Pixels, Warning};
+use zune_jpeg::JpegDecoder;
+use zune_jpeg::errors::DecodeErrors;
+use zune_jpeg::zune_core::bytestream::ZCursor;
+use zune_jpeg::zune_core::colorspace::ColorSpace as Layout;
+use zune_jpeg::zune_core::options::DecoderOptions;
+
+use super::Decoded;
+use super::file_bytes::ImageBytes;
+
+/// Decodes grey, YCbCr, CMYK and YCCK images to RGB.
+///
+/// A file with damaged or missing data is decoded as far as it goes, with a warning.
+pub(super) fn decode(source: &ImageBytes<'_>, warnings: &mut Vec<Warning>) -> Decoded {
+    let damaged = |error: &DecodeErrors| source.error(format!("damaged JPEG: {}", error.to_string().trim()));
+    let options = DecoderOptions::default()
+        .set_max_width(usize::MAX)
+        .set_max_height(usize::MAX)
+        .jpeg_set_out_colorspace(Layout::RGB);
+    let decoder = |options| JpegDecoder::new_with_options(ZCursor::new(source.bytes), options);
+
+    let mut header = decoder(options);
+    header.decode_headers().map_err(|error| damaged(&error))?;
+    let info = header.info().ok_or_else(|| source.error("damaged JPEG: no image"))?;
+    let [width, height] = [info.width, info.height].map(usize::from);
+    let count = source.check_size(width, height)?;
+
+    let mut fault = lacks_end(source.bytes).then(|| String::from("its end is missing"));
+    let samples = match decoder(options.set_strict_mode(true)).decode() {
+        Ok(samples) => samples,
+        Err(error) => {
+            fault = Some(error.to_string());
+            decoder(options).decode().map_err(|error| damaged(&error))?
+        }
+    };
+    if let Some(fault) = fault {
+        let message = format!("damaged JPEG, read as far as it goes: {}", fault.trim());
+        warnings.push(Warning { message, place: Some(source.place.clone()) });
+    }
+    if samples.len() != 3 * count {
+        return Err(source.error(format!("damaged JPEG: {} samples for {count} pixels", samples.len())));
+    }
+    let pixels = samples.chunks_exact(3).map(|rgb| [rgb[0], rgb[1], rgb[2], 255]).collect();
+    Ok(([width, height], Pixels::Byte(pixels)))
+}
+
+/// Whether no end marker follows the last scan; the decoder fills what is missing with grey.
+fn lacks_end(bytes: &[u8]) -> bool {
+    let last = |marker: [u8; 2]| bytes.windows(2).rposition(|pair| pair == marker);
+    last([0xff, 0xd9]) < last([0xff, 0xda])
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use translucid_scene::{ColorSpace, Image, Place, SceneError};
+
+    use super::*;
+    use crate::decode_image;
+
+    const COLOR: &[u8] = include_bytes!("../../../tests/data/color.jpg");
+    const PROGRESSIVE: &[u8] = include_bytes!("../../../tests/data/progressive.jpg");
+    const GREY: &[u8] = include_bytes!("../../../tests/data/grey.jpg");
+    const CMYK: &[u8] = include_bytes!("../../../tests/data/cmyk.jpg");
+
+    fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>), SceneError> {
+        let mut warnings = Vec::new();
+        let place = Place::file(Path::new("a.jpg"));
+        let image = decode_image(&place, bytes, ColorSpace::Linear, &mut warnings)?;
+        Ok((image, warnings))
+    }
+
+    /// Whether the left and right half have these colors up to JPEG's loss.
+    fn assert_halves(bytes: &[u8], left: [u8; 3], right: [u8; 3]) {
+        let (image, warnings) = decoded(bytes).unwrap();
+        assert_eq!((image.width, image.height), (32, 16));
+        assert!(warnings.is_empty(), "{warnings:?}");
+        for (x, expected) in [(4, left), (28, right)] {
+            let texel = image.texel(x, 8);
+            for (value, expected) in texel.into_iter().zip(expected) {
+                assert!((255.0 * value - f32::from(expected)).abs() < 4.0, "{texel:?} {expected:?}");
+            }
+            assert_eq!(texel[3], 1.0);
+        }
+    }
+
+    #[test]
+    fn jpeg_reads_color_grey_and_progressive() {
+        assert_halves(COLOR, [200, 100, 50], [20, 40, 220]);
+        assert_halves(PROGRESSIVE, [200, 100, 50], [20, 40, 220]);
+        assert_halves(GREY, [30; 3], [220; 3]);
+    }
+
+    #[test]
+    fn jpeg_of_inks_becomes_red_green_blue() {
+        assert_halves(CMYK, [200, 100, 50], [0; 3]);
+    }
+
+    #[test]
+    fn jpeg_that_ends_early_is_never_read_in_silence() {
+        for file in [COLOR, PROGRESSIVE, GREY, CMYK] {
+            // Without the two bytes of the end marker the pixels are still complete.
+            for length in 0..file.len() - 2 {
+                match decoded(&file[..length]) {
+                    Err(error) => assert!(error.to_string().starts_with("a.jpg: "), "{error}"),
+                    Ok((image, warnings)) => {
+                        assert_eq!((image.width, image.height), (32, 16));
+                        assert_eq!(warnings.len(), 1, "{length} of {} bytes", file.len());
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn jpeg_that_is_broken_is_refused_with_its_name() {
+        let frame = COLOR.windows(2).position(|bytes| bytes == [0xff, 0xc0]).unwrap();
+        let mut huge = COLOR.to_vec();
+        huge[frame + 5..frame + 9].fill(0xff);
+        let mut zero = COLOR.to_vec();
+        zero[frame + 5..frame + 9].fill(0);
+        for bytes in [&COLOR[..3], &COLOR[..50], &COLOR[..frame + 6], &huge, &zero] {
+            let message = decoded(bytes).unwrap_err().to_string();
+            assert!(message.starts_with("a.jpg: "), "{message}");
+            assert!(message.contains("JPEG") || message.contains("too large"), "{message}");
+        }
+    }
+}

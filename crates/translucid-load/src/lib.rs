@@ -1,0 +1,57 @@
+//! Scenes and materials from files: TOML, glTF, OBJ, PLY, STL, MaterialX, images, tables of profiles.
+//!
+//! [`load_scene`] makes a validated [`Scene`](translucid_scene::Scene) of a scene file or a mesh file,
+//! [`SceneBuilder`] one of pieces of scene files, and [`still_life`] is the scene that is built in.
+//! Every reader goes from bytes to data, or to an error that says which file, where, what was found and what is allowed.
+//!
+//! # Units
+//! Lengths are in the scene's own unit; angles in files are degrees.
+//!
+//! # Out of scope
+//! Pictures of scenes, and profiles of other than tables.
+
+#![cfg_attr(not(test), warn(clippy::disallowed_methods))]
+
+mod bare_mesh;
+mod color;
+mod extent;
+mod file;
+mod file_request;
+mod gltf;
+mod image;
+mod load_scene;
+mod materialx;
+mod mesh_file;
+mod model;
+mod mtl;
+mod number;
+mod obj;
+mod options;
+mod orientation;
+mod ply;
+mod polygon;
+mod profile_table;
+mod shared_mesh;
+mod stage;
+mod still_life;
+mod stl;
+mod toml;
+mod viewpoint;
+mod watch;
+
+pub use file::take_files_read;
+pub use gltf::{load_gltf, parse_gltf};
+pub use image::{ExrChannels, decode_image, load_exr, load_image};
+pub use load_scene::load_scene;
+pub use materialx::parse_materialx;
+pub use mesh_file::{MeshFile, NamedCamera};
+pub use obj::{load_obj, parse_obj};
+pub use options::{Floor, LoadOptions, Surroundings};
+pub use orientation::UpAxis;
+pub use ply::{load_ply, parse_ply};
+pub use profile_table::{load_profile_table, parse_profile_table};
+pub use still_life::still_life;
+pub use stl::{load_stl, parse_stl};
+pub use toml::{ExtendedBase, Piece, SceneBuilder, SceneFile};
+pub use viewpoint::Viewpoint;
+pub use watch::{LoadProgress, LoadWatch};

@@ -1,0 +1,383 @@
+//! The inputs of a shader as parameters of a material.
+
+use glam::Vec3;
+use roxmltree::Node;
+use translucid_profile::nearest;
+use translucid_scene::{
+    ColorInput, Interval, Material, NormalMap, PARAMETERS, ScalarInput, SceneError, Slot, Unit,
+};
+
+use super::document::{Kind, shown, title};
+use super::graph::{Graph, Signal, scope_of};
+
+/// Luminance of a radiance of 1 W/(sr m²) \[cd/m²\], as for the lamps of glTF files.
+const LUMENS_PER_WATT: f32 = 683.0;
+
+/// Parameters that are lengths, by our names.
+const LENGTHS: [&str; 2] = ["subsurface_radius", "transmission_depth"];
+
+/// A shading model: how its inputs are called and what they are by default.
+pub(super) struct ShadingModel {
+    category: &'static str,
+    /// Inputs with another name than the parameter that they are.
+    renamed: &'static [(&'static str, &'static str)],
+    /// Inputs that have no counterpart, with the value at which they change nothing.
+    lost: &'static [(&'static str, &'static str)],
+    /// Inputs that mean something only beside one of those.
+    silent: &'static [&'static str],
+}
+
+/// OpenPBR Surface 1.1.1, whose names and defaults are ours.
+const OPEN_PBR: ShadingModel = ShadingModel {
+    category: "open_pbr_surface",
+    renamed: &[],
+    lost: &[
+        ("base_diffuse_roughness", "0"),
+        ("specular_roughness_anisotropy", "0"),
+        ("transmission_scatter", "0, 0, 0"),
+        ("transmission_dispersion_scale", "0"),
+        ("fuzz_weight", "0"),
+        ("coat_roughness_anisotropy", "0"),
+        ("coat_darkening", "1"),
+        ("thin_film_weight", "0"),
+        ("geometry_thin_walled", "false"),
+        ("geometry_coat_normal", ""),
+        ("geometry_tangent", ""),
+        ("geometry_coat_tangent", ""),
+    ],
+    silent: &[
+        "transmission_scatter_anisotropy",
+        "transmission_dispersion_abbe_number",
+        "fuzz_color",
+        "fuzz_roughness",
+        "thin_film_thickness",
+        "thin_film_ior",
+    ],
+};
+
+/// Autodesk Standard Surface 1.0.1.
+const STANDARD: ShadingModel = ShadingModel {
+    category: "standard_surface",
+    renamed: &[
+        ("base", "base_weight"),
+        ("base_color", "base_color"),
+        ("metalness", "base_metalness"),
+        ("specular", "specular_weight"),
+        ("specular_color", "specular_color"),
+        ("specular_roughness", "specular_roughness"),
+        ("specular_IOR", "specular_ior"),
+        ("transmission", "transmission_weight"),
+        ("transmission_color", "transmission_color"),
+        ("transmission_depth", "transmission_depth"),
+        ("subsurface", "subsurface_weight"),
+        ("subsurface_color", "subsurface_color"),
+        ("subsurface_scale", "subsurface_radius"),
+        ("subsurface_radius", "subsurface_radius_scale"),
+        ("subsurface_anisotropy", "subsurface_scatter_anisotropy"),
+        ("coat", "coat_weight"),
+        ("coat_color", "coat_color"),
+        ("coat_roughness", "coat_roughness"),
+        ("coat_IOR", "coat_ior"),
+        ("emission", "emission_luminance"),
+        ("emission_color", "emission_color"),
+        ("opacity", "geometry_opacity"),
+        ("normal", "geometry_normal"),
+    ],
+    lost: &[
+        ("diffuse_roughness", "0"),
+        ("specular_anisotropy", "0"),
+        ("transmission_scatter", "0, 0, 0"),
+        ("transmission_dispersion", "0"),
+        ("transmission_extra_roughness", "0"),
+        ("sheen", "0"),
+        ("coat_anisotropy", "0"),
+        ("coat_affect_color", "0"),
+        ("coat_affect_roughness", "0"),
+        ("thin_film_thickness", "0"),
+        ("thin_walled", "false"),
+        ("coat_normal", ""),
+        ("tangent", ""),
+    ],
+    silent: &[
+        "specular_rotation",
+        "transmission_scatter_anisotropy",
+        "sheen_color",
+        "sheen_roughness",
+        "coat_rotation",
+        "thin_film_IOR",
+    ],
+};
+
+impl ShadingModel {
+    const ALL: [&'static Self; 2] = [&OPEN_PBR, &STANDARD];
+
+    /// Categories of the shaders that can be read.
+    pub(super) const CATEGORIES: [&'static str; 2] = [OPEN_PBR.category, STANDARD.category];
+
+    /// The model of a shader.
+    pub(super) fn of(shader: Node<'_, '_>) -> Option<&'static Self> {
+        Self::ALL.into_iter().find(|model| model.category == shader.tag_name().name())
+    }
+
+    /// The parameter that an input is, by our name.
+    fn parameter(&self, input: &str) -> Option<&'static str> {
+        if self.category == STANDARD.category {
+            return self.renamed.iter().find(|(name, _)| *name == input).map(|&(_, parameter)| parameter);
+        }
+        let plain = PARAMETERS.iter().map(|parameter| parameter.name).chain(["geometry_normal"]);
+        // Those that OpenPBR does not have
+        plain
+            .filter(|name| !matches!(*name, "subsurface_eta" | "subsurface_flights"))
+            .find(|name| *name == input)
+    }
+
+    fn inputs(&self) -> impl Iterator<Item = &'static str> {
+        let ours =
+            PARAMETERS.iter().map(|parameter| parameter.name).filter(|name| self.parameter(name).is_some());
+        let renamed = self.renamed.iter().map(|(name, _)| *name);
+        ours.chain(renamed).chain(self.lost.iter().map(|(name, _)| *name)).chain(self.silent.iter().copied())
+    }
+
+    /// A material in which no input is stated.
+    fn defaults(&self, shader: Node<'_, '_>) -> Material {
+        if self.category == OPEN_PBR.category {
+            return Material::default();
+        }
+        // Version 1.0.0 has the weight in `base`, 1.0.1 in `base_color`
+        let is_first = shader.attribute("version") == Some("1.0.0");
+        let (base_weight, base_color) = if is_first { (0.8, 1.0) } else { (1.0, 0.8) };
+        Material {
+            base_weight,
+            base_color: ColorInput::constant(Vec3::splat(base_color)),
+            specular_roughness: ScalarInput::constant(0.2),
+            subsurface_color: ColorInput::constant(Vec3::ONE),
+            subsurface_radius_scale: ColorInput::constant(Vec3::ONE),
+            coat_roughness: ScalarInput::constant(0.1),
+            coat_ior: 1.5,
+            ..Material::default()
+        }
+    }
+}
+
+/// Units of the lengths that a material is to have.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LengthUnits {
+    /// The scene's.
+    pub(super) of_scene: Unit,
+    /// That of lengths that state none, if it is known.
+    pub(super) stated: Option<Unit>,
+}
+
+impl LengthUnits {
+    /// The length of a number with this unit \[mm\], in units of the scene.
+    fn factor(&self, unit: Option<f64>) -> f32 {
+        let unit = unit.unwrap_or(self.stated.unwrap_or(self.of_scene).in_millimeters());
+        (unit / self.of_scene.in_millimeters()) as f32
+    }
+}
+
+/// Reads a shader.
+pub(super) fn read_shader<'d>(
+    graph: &mut Graph<'_, 'd>,
+    shader: Node<'d, 'd>,
+    model: &ShadingModel,
+    units: LengthUnits,
+) -> Result<Material, SceneError> {
+    let mut reader =
+        Reader { material: model.defaults(shader), without_unit: LENGTHS.to_vec(), model, shader, units };
+    for element in shader.children().filter(Node::is_element) {
+        match (element.tag_name().name(), element.attribute("name")) {
+            // One of two with a name is refused by their scope
+            ("input", Some(name)) if graph.source.child(shader, Kind::Input, name)?.is_some() => {
+                reader.read(graph, element, name)?;
+            }
+            _ => graph.source.warn(element, format!("{} of {} is left out", title(element), title(shader))),
+        }
+    }
+    reader.finish(graph);
+    Ok(reader.material)
+}
+
+struct Reader<'m, 'd> {
+    material: Material,
+    model: &'m ShadingModel,
+    shader: Node<'d, 'd>,
+    units: LengthUnits,
+    /// Lengths for which no unit has been found.
+    without_unit: Vec<&'static str>,
+}
+
+impl<'d> Reader<'_, 'd> {
+    fn read(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>, name: &str) -> Result<(), SceneError> {
+        match self.model.parameter(name) {
+            Some("geometry_normal") => self.read_normal(graph, input),
+            Some(parameter) => match graph.read(self.shader, input)? {
+                Some(signal) => self.set(graph, input, parameter, signal),
+                None => Ok(()),
+            },
+            None => {
+                self.tell_of_loss(graph, input, name);
+                Ok(())
+            }
+        }
+    }
+
+    /// Says that an input is not translated, if it would change something.
+    fn tell_of_loss(&self, graph: &Graph<'_, 'd>, input: Node<'d, 'd>, name: &str) {
+        let place = format!("{}, {}", title(self.shader), shown(name));
+        if self.model.silent.contains(&name) {
+            return;
+        }
+        let Some((_, neutral)) = self.model.lost.iter().find(|(lost, _)| *lost == name) else {
+            let near = nearest(name, self.model.inputs());
+            let advice = near.map_or(String::new(), |near| format!(": did you mean {near}?"));
+            return graph.source.warn(input, format!("{place} is no input that is known: left out{advice}"));
+        };
+        let words = |text: &str| -> Vec<String> {
+            let word = |word: &str| word.parse::<f32>().map_or(word.trim().to_owned(), |x| x.to_string());
+            text.split(',').map(|part| word(part.trim())).collect()
+        };
+        let is_connected =
+            ["nodename", "nodegraph", "interfacename", "output"].iter().any(|key| input.has_attribute(*key));
+        let changes = match input.attribute("value") {
+            _ if is_connected => true,
+            Some(value) => words(value) != words(neutral),
+            None => false,
+        };
+        if changes {
+            graph.source.warn(input, format!("{place} has no counterpart here: left out"));
+        }
+    }
+
+    /// Sets a parameter.
+    fn set(
+        &mut self,
+        graph: &Graph<'_, 'd>,
+        input: Node<'d, 'd>,
+        name: &'static str,
+        mut signal: Signal,
+    ) -> Result<(), SceneError> {
+        let Some(parameter) = PARAMETERS.iter().find(|parameter| parameter.name == name) else {
+            return Ok(());
+        };
+        if name == "geometry_opacity" && signal.channels == 3 {
+            signal = red_alone(graph, input, signal);
+        }
+        let is_photometric = name == "emission_luminance" && self.model.category == OPEN_PBR.category;
+        let scale = match signal.unit {
+            unit if LENGTHS.contains(&name) => {
+                if unit.is_some() {
+                    self.without_unit.retain(|other| *other != name);
+                }
+                self.units.factor(unit)
+            }
+            Some(_) => {
+                graph.source.warn(input, format!("{} is no length: its unit is left out", graph.reading));
+                1.0
+            }
+            None if is_photometric => LUMENS_PER_WATT.recip(),
+            None => 1.0,
+        };
+        signal.factor.iter_mut().for_each(|number| *number *= scale);
+        let slot = parameter.slot(&mut self.material);
+        let channels = if matches!(slot, Slot::Color(_)) { 3 } else { 1 };
+        if signal.channels != channels && (signal.channels, channels) != (4, 3) {
+            let types = if channels == 3 { "a color3" } else { "a float" };
+            let message = format!("{} has {} channels, but must be {types}", graph.reading, signal.channels);
+            return Err(graph.source.error(input, message));
+        }
+        let within = |number: f32, range: Interval| {
+            let nearest = range.nearest(number);
+            if nearest != number {
+                let message = format!("is {number}, but must be in {range}: it becomes {nearest}");
+                graph.source.warn(input, format!("{} {message}", graph.reading));
+            }
+            nearest
+        };
+        let [number, ..] = signal.factor;
+        match (slot, signal.texture) {
+            (Slot::Number(slot), None) => *slot = within(number, parameter.range),
+            (Slot::Number(_), Some(_)) => {
+                graph.give_up(input, "it may not vary over the surface here, but has an image");
+            }
+            (Slot::Scalar(slot), None) => *slot = ScalarInput::constant(within(number, parameter.range)),
+            (Slot::Scalar(slot), Some(texture)) => {
+                let factor = within(number, ScalarInput::TEXTURED);
+                *slot = ScalarInput { factor, texture: Some((texture, signal.channel)) };
+            }
+            (Slot::Color(slot), texture) => {
+                let range = if texture.is_some() { ColorInput::TEXTURED } else { parameter.range };
+                let factor =
+                    Vec3::from_array(signal.color().to_array().map(|channel| within(channel, range)));
+                *slot = ColorInput { factor, texture, vertex_color: false };
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads a map of normals behind a node normalmap.
+    fn read_normal(&mut self, graph: &mut Graph<'_, 'd>, input: Node<'d, 'd>) -> Result<(), SceneError> {
+        graph.reading = format!("{}, {}", title(self.shader), input.attribute("name").unwrap_or_default());
+        let Some((node, scope)) = graph.node_behind(input, scope_of(self.shader))? else { return Ok(()) };
+        if node.tag_name().name() != "normalmap" {
+            graph.give_up(node, &format!("{} is no normalmap", title(node)));
+            return Ok(());
+        }
+        let scale = graph.input(node, scope, "scale")?;
+        match (graph.input(node, scope, "in")?, scale) {
+            (Some(Signal { texture: Some(texture), .. }), None) => {
+                self.material.geometry_normal = Some(NormalMap { texture, scale: 1.0 });
+            }
+            (
+                Some(Signal { texture: Some(texture), .. }),
+                Some(Signal { texture: None, channels: 1, factor, .. }),
+            ) => {
+                let scale = NormalMap::SCALE.nearest(factor[0]);
+                if scale != factor[0] {
+                    let (range, found) = (NormalMap::SCALE, factor[0]);
+                    let message = format!("scale is {found}, but must be in {range}: it becomes {scale}");
+                    graph.source.warn(node, format!("{}: {message}", graph.reading));
+                }
+                self.material.geometry_normal = Some(NormalMap { texture, scale });
+            }
+            _ => graph.give_up(node, &format!("{} is not an image times a constant", title(node))),
+        }
+        Ok(())
+    }
+
+    /// Says what lengths without a unit were taken for.
+    fn finish(&self, graph: &Graph<'_, 'd>) {
+        let Material { subsurface_weight, transmission_weight, transmission_depth, .. } = self.material;
+        let counts = |name: &&&str| match **name {
+            "subsurface_radius" => subsurface_weight.factor > 0.0,
+            _ => transmission_weight.factor > 0.0 && transmission_depth > 0.0,
+        };
+        let names: Vec<&str> = self.without_unit.iter().filter(counts).copied().collect();
+        if names.is_empty() || self.units.stated.is_some() {
+            return;
+        }
+        let inputs: Vec<&str> = names.iter().map(|name| self.own_name(name)).collect();
+        let unit = self.units.of_scene.name();
+        let message = format!(
+            "{}, {} without a unit: taken in the scene's, {unit} (file_unit in the material says another)",
+            title(self.shader),
+            inputs.join(" and ")
+        );
+        graph.source.warn(self.shader, message);
+    }
+
+    /// The name that the shader has for a parameter.
+    fn own_name(&self, parameter: &'static str) -> &'static str {
+        self.model.renamed.iter().find(|(_, ours)| *ours == parameter).map_or(parameter, |(name, _)| *name)
+    }
+}
+
+/// The red channel of an opacity of three, as MaterialX's own translation to OpenPBR has it.
+fn red_alone<'d>(graph: &Graph<'_, 'd>, input: Node<'d, 'd>, signal: Signal) -> Signal {
+    let [r, g, b, _] = signal.factor;
+    if signal.texture.is_some() || r != g || g != b {
+        let message = format!("{} has three channels: red counts for all", graph.reading);
+        graph.source.warn(input, message);
+    }
+    Signal { channels: 1, ..signal }
+}

@@ -1,0 +1,47 @@
+//! A mesh file, whatever its format: the reader is chosen by the file's extension.
+
+use std::path::Path;
+
+use translucid_scene::{Mesh, Object, Place, SceneError, Unit, Warning};
+
+use crate::file::{extension, stem};
+use crate::gltf;
+use crate::mesh_file::MeshFile;
+use crate::obj::load_obj;
+use crate::ply::load_ply;
+use crate::stl::load_stl;
+use crate::watch::LoadWatch;
+
+pub(crate) fn is_gltf(path: &Path) -> bool {
+    matches!(extension(path).as_str(), "gltf" | "glb")
+}
+
+/// Loads a mesh file by its extension; its lengths are as the file has them.
+pub(crate) fn load_model(
+    path: &Path,
+    watch: &LoadWatch,
+    warnings: &mut Vec<Warning>,
+) -> Result<MeshFile, SceneError> {
+    if is_gltf(path) {
+        return gltf::load_watched(path, Unit::Meter, watch, warnings);
+    }
+    if extension(path) == "obj" {
+        return load_obj(path, warnings);
+    }
+    let of_one_object = |mesh: Mesh| {
+        let object = Object { name: stem(path), mesh: mesh.into(), ..Object::default() };
+        MeshFile { objects: vec![object], ..MeshFile::default() }
+    };
+    if extension(path) == "ply" {
+        return load_ply(path, warnings).map(of_one_object);
+    }
+    if extension(path) == "stl" {
+        return load_stl(path, warnings).map(of_one_object);
+    }
+    let message = match extension(path).as_str() {
+        "" => String::from("a file without extension is neither a scene nor a mesh"),
+        other => format!("a .{other} file is neither a scene nor a mesh"),
+    };
+    let help = "scenes are .toml, meshes are .glb, .gltf, .obj, .ply or .stl";
+    Err(SceneError::at(Place::file(path), message).with_help(help))
+}

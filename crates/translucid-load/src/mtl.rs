@@ -1,0 +1,501 @@
+//! Wavefront material libraries, with the extension for physically based materials (Pr, Pm, Pc, Pcr).
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use glam::{Affine2, Vec2, Vec3};
+use translucid_scene::{
+    Channel, ColorInput, ColorSpace, Image, Interval, Material, NormalMap, Pixels, Place, ScalarInput,
+    SceneError, TextureRef, Warning, Wrap,
+};
+
+use super::image::load_image;
+
+/// Range of the exponent of a highlight.
+const EXPONENT: Interval = Interval::closed(0.0, f32::MAX as f64);
+
+/// Images by file and color space, each loaded once.
+#[derive(Debug, Default)]
+pub(super) struct ImagePool {
+    images: Vec<Image>,
+    numbers: HashMap<(PathBuf, bool), Option<usize>>,
+}
+
+impl ImagePool {
+    pub(super) fn into_images(self) -> Vec<Image> {
+        self.images
+    }
+
+    /// The number of an image; one that cannot be loaded adds a warning, once.
+    fn get(
+        &mut self,
+        path: PathBuf,
+        color_space: ColorSpace,
+        place: Place,
+        warnings: &mut Vec<Warning>,
+    ) -> Option<usize> {
+        let key = (path, color_space == ColorSpace::Srgb);
+        if let Some(&known) = self.numbers.get(&key) {
+            return known;
+        }
+        let number = match load_image(&key.0, color_space, warnings) {
+            Ok(image) => {
+                self.images.push(image);
+                Some(self.images.len() - 1)
+            }
+            Err(error) => {
+                let message = format!("the material is used without its image: {error}");
+                warnings.push(Warning { message, place: Some(place) });
+                None
+            }
+        };
+        self.numbers.insert(key, number);
+        number
+    }
+}
+
+/// Parses a material library.
+///
+/// | MTL | material |
+/// |---|---|
+/// | Kd, map_Kd | `base_color` |
+/// | Ks, map_Ks | `specular_color`, and `specular_weight` = 2 max Ks, at most 1: ½ is what exporters write for an ordinary dielectric |
+/// | Ns | `specular_roughness` = (2/(Ns + 2))^¼ (B. Walter et al. 2007, equation 35 and below: the width is its square) |
+/// | Pr, map_Pr, Pm, map_Pm, Pc, Pcr | `specular_roughness`, `base_metalness`, `coat_weight`, `coat_roughness` |
+/// | Ni | `specular_ior` |
+/// | d, Tr, map_d | `geometry_opacity`; for the glass models (illum 4, 6, 7, 9) `transmission_weight` = 1 − d |
+/// | Tf | `transmission_color` of a glass model |
+/// | Ke, map_Ke | emission |
+/// | norm, and bump or map_bump if the image looks like a normal map | `geometry_normal` |
+///
+/// # Errors
+/// A number cannot be read; the message names the line.
+pub(super) fn parse_mtl(
+    bytes: &[u8],
+    path: &Path,
+    pool: &mut ImagePool,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Material>, SceneError> {
+    let mut materials: Vec<Draft> = Vec::new();
+    for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
+        let place = Place::line(path, number + 1);
+        let line = line.trim();
+        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+        if keyword == "newmtl" {
+            materials.push(Draft::new(rest.trim()));
+        } else if let Some(draft) = materials.last_mut() {
+            let mut reader = LineReader { path, place: &place, pool, warnings };
+            reader
+                .read(&keyword.to_ascii_lowercase(), rest.trim(), draft)
+                .map_err(|m| SceneError::at(place.clone(), m))?;
+        }
+    }
+    Ok(materials.into_iter().map(Draft::finish).collect())
+}
+
+/// A material whose lines are being read, with the values whose meaning depends on others.
+struct Draft {
+    material: Material,
+    opacity: f32,
+    transmission_color: Vec3,
+    illumination: u32,
+    has_roughness: bool,
+}
+
+impl Draft {
+    fn new(name: &str) -> Self {
+        Self {
+            material: Material { name: name.to_owned(), ..Material::default() },
+            opacity: 1.0,
+            transmission_color: Vec3::ONE,
+            illumination: 2,
+            has_roughness: false,
+        }
+    }
+
+    fn finish(mut self) -> Material {
+        match self.illumination {
+            // Models without a highlight.
+            0 | 1 => self.material.specular_weight = ScalarInput::constant(0.0),
+            // Models with "transparency: glass".
+            4 | 6 | 7 | 9 => {
+                let clear = if self.opacity < 1.0 { 1.0 - self.opacity } else { 1.0 };
+                self.material.transmission_weight = ScalarInput::constant(clear);
+                self.material.transmission_color = ColorInput::constant(self.transmission_color);
+                self.opacity = 1.0;
+            }
+            _ => (),
+        }
+        self.material.geometry_opacity.factor = self.opacity;
+        self.material
+    }
+}
+
+struct LineReader<'a> {
+    path: &'a Path,
+    place: &'a Place,
+    pool: &'a mut ImagePool,
+    warnings: &'a mut Vec<Warning>,
+}
+
+impl LineReader<'_> {
+    fn read(&mut self, keyword: &str, rest: &str, draft: &mut Draft) -> Result<(), String> {
+        let material = &mut draft.material;
+        match keyword {
+            "kd" => self.color(rest, Interval::UNIT, &mut material.base_color.factor)?,
+            "ks" => {
+                let mut color = Vec3::ZERO;
+                self.color(rest, Interval::UNIT, &mut color)?;
+                let strength = color.max_element();
+                material.specular_weight.factor = (2.0 * strength).min(1.0);
+                material.specular_color.factor = if strength > 0.0 { color / strength } else { Vec3::ONE };
+            }
+            "ke" => {
+                let mut color = Vec3::ZERO;
+                self.color(rest, Interval::LIGHT, &mut color)?;
+                material.emission_luminance = color.max_element();
+                material.emission_color.factor =
+                    (color / color.max_element().max(f32::MIN_POSITIVE)).min(Vec3::ONE);
+            }
+            "tf" => self.color(rest, Interval::UNIT, &mut draft.transmission_color)?,
+            "ns" if !draft.has_roughness => {
+                let exponent = self.scalar(rest, EXPONENT)?;
+                material.specular_roughness.factor = libm::powf(2.0 / (exponent + 2.0), 0.25);
+            }
+            "pr" => {
+                draft.has_roughness = true;
+                material.specular_roughness.factor = self.scalar(rest, Interval::UNIT)?;
+            }
+            "pm" => material.base_metalness.factor = self.scalar(rest, Interval::UNIT)?,
+            "pc" => material.coat_weight.factor = self.scalar(rest, Interval::UNIT)?,
+            "pcr" => material.coat_roughness.factor = self.scalar(rest, Interval::UNIT)?,
+            "ni" => material.specular_ior = self.scalar(rest, Interval::IOR)?,
+            "d" => draft.opacity = self.scalar(rest.trim_start_matches("-halo"), Interval::UNIT)?,
+            "tr" => draft.opacity = 1.0 - self.scalar(rest, Interval::UNIT)?,
+            "illum" => {
+                draft.illumination = rest
+                    .parse()
+                    .map_err(|_| format!("illum is \"{rest}\", but must be a number from 0 to 10"))?;
+            }
+            _ if keyword.starts_with("map_")
+                || matches!(keyword, "bump" | "norm" | "disp" | "decal" | "refl") =>
+            {
+                self.map(keyword, rest, draft);
+            }
+            _ => (),
+        }
+        Ok(())
+    }
+
+    fn warn(&mut self, message: String) {
+        self.warnings.push(Warning { message, place: Some(self.place.clone()) });
+    }
+
+    /// A value brought into its range, with a warning if it was not.
+    fn within(&mut self, value: f32, range: Interval) -> f32 {
+        let nearest = range.nearest(value);
+        if nearest != value {
+            self.warn(format!("the value {value} is set to the nearest in {range}"));
+        }
+        nearest
+    }
+
+    fn scalar(&mut self, rest: &str, range: Interval) -> Result<f32, String> {
+        let word = rest.split_whitespace().next().unwrap_or_default();
+        let value = number(word).ok_or_else(|| format!("\"{word}\" is not a number"))?;
+        Ok(self.within(value, range))
+    }
+
+    /// One number for all channels or three; a spectrum in a file is passed over.
+    fn color(&mut self, rest: &str, range: Interval, color: &mut Vec3) -> Result<(), String> {
+        let words: Vec<&str> = rest.split_whitespace().collect();
+        if let ["spectral" | "xyz", ..] = words[..] {
+            self.warn(format!("\"{rest}\" is not red, green, blue: passed over"));
+            return Ok(());
+        }
+        let values: Option<Vec<f32>> = words.iter().take(3).map(|word| number(word)).collect();
+        let [r, g, b] = match values.as_deref() {
+            Some(&[grey]) => [grey; 3],
+            Some(&[r, g, b]) => [r, g, b],
+            _ => return Err(format!("\"{rest}\" is not a color of one or three numbers")),
+        };
+        *color = Vec3::from([r, g, b].map(|value| self.within(value, range)));
+        Ok(())
+    }
+
+    fn map(&mut self, keyword: &str, rest: &str, draft: &mut Draft) {
+        let color_space = match keyword {
+            "map_kd" | "map_ks" | "map_ke" => ColorSpace::Srgb,
+            "map_pr" | "map_pm" | "map_d" | "norm" | "map_kn" | "bump" | "map_bump" => ColorSpace::Linear,
+            "map_ka" => return, // Ambient light is what the renderer computes.
+            _ => return self.warn(format!("{keyword} has no counterpart: passed over")),
+        };
+        let mut options = MapOptions::parse(rest);
+        for number in options.scale.as_mut().iter_mut().chain(options.offset.as_mut()) {
+            *number = self.within(*number, TextureRef::MAPPING);
+        }
+        options.bump = self.within(options.bump, NormalMap::SCALE);
+        let path = self.path.with_file_name(options.file.replace('\\', "/"));
+        let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.warnings) else { return };
+        let texture = options.texture(image);
+        let scalar = |channel| Some((texture, channel));
+        let material = &mut draft.material;
+        match keyword {
+            "map_kd" => material.base_color.texture = Some(texture),
+            "map_ks" => material.specular_color.texture = Some(texture),
+            "map_ke" => {
+                material.emission_color.texture = Some(texture);
+                if material.emission_luminance == 0.0 {
+                    material.emission_luminance = 1.0;
+                }
+            }
+            "map_pr" => {
+                draft.has_roughness = true;
+                material.specular_roughness = ScalarInput { factor: 1.0, texture: scalar(Channel::Red) };
+            }
+            "map_pm" => material.base_metalness = ScalarInput { factor: 1.0, texture: scalar(Channel::Red) },
+            "map_d" => {
+                let channel = if has_alpha(&self.pool.images[image]) { Channel::Alpha } else { Channel::Red };
+                material.geometry_opacity.texture = scalar(channel);
+            }
+            "norm" | "map_kn" => material.geometry_normal = Some(NormalMap { texture, scale: options.bump }),
+            _ if looks_like_normals(&self.pool.images[image]) => {
+                material.geometry_normal = Some(NormalMap { texture, scale: options.bump });
+            }
+            _ => self.warn(format!("\"{}\" is a height map, not a normal map: passed over", options.file)),
+        }
+    }
+}
+
+/// A finite number.
+fn number(word: &str) -> Option<f32> {
+    word.parse().ok().filter(|value: &f32| value.is_finite())
+}
+
+fn has_alpha(image: &Image) -> bool {
+    match &image.pixels {
+        Pixels::Byte(pixels) => pixels.iter().any(|pixel| pixel[3] != 255),
+        Pixels::Float(pixels) => pixels.iter().any(|pixel| pixel[3] != 1.0),
+    }
+}
+
+/// Whether the mean points up, as that of a map of normals (0.5, 0.5, 1) does and of heights does not.
+fn looks_like_normals(image: &Image) -> bool {
+    let [x, y, z, _] = image.mean();
+    (x - 0.5).abs() < 0.15 && (y - 0.5).abs() < 0.15 && z > 0.7
+}
+
+/// The options of a map and its file's name.
+struct MapOptions {
+    file: String,
+    offset: Vec2,
+    scale: Vec2,
+    bump: f32,
+    clamp: bool,
+}
+
+impl MapOptions {
+    fn parse(rest: &str) -> Self {
+        let mut options =
+            Self { file: String::new(), offset: Vec2::ZERO, scale: Vec2::ONE, bump: 1.0, clamp: false };
+        let mut words = rest.split_whitespace().peekable();
+        while let Some(word) = words.next() {
+            let mut values = |most: usize| {
+                let mut values = Vec::new();
+                while let Some(value) = words.peek().filter(|_| values.len() < most).and_then(|w| number(w)) {
+                    values.push(value);
+                    words.next();
+                }
+                values
+            };
+            let pair = |values: &[f32], other: f32| {
+                let [u, v] = [0, 1].map(|i| values.get(i).copied().unwrap_or(other));
+                Vec2::new(u, v)
+            };
+            match word {
+                "-o" => options.offset = pair(&values(3), 0.0),
+                "-s" => options.scale = pair(&values(3), 1.0),
+                "-t" => drop(values(3)),
+                "-bm" => options.bump = values(1).first().copied().unwrap_or(1.0),
+                "-mm" => drop(values(2)),
+                "-texres" | "-boost" => drop(values(1)),
+                "-clamp" => options.clamp = words.next() == Some("on"),
+                "-blendu" | "-blendv" | "-cc" | "-imfchan" | "-type" => drop(words.next()),
+                _ => {
+                    let name: Vec<&str> = std::iter::once(word).chain(words).collect();
+                    options.file = name.join(" ");
+                    break;
+                }
+            }
+        }
+        options
+    }
+
+    fn texture(&self, image: usize) -> TextureRef {
+        let image_from_uv = Affine2::from_scale_angle_translation(self.scale, 0.0, self.offset);
+        let wrap = if self.clamp { Wrap::Clamp } else { Wrap::Repeat };
+        TextureRef { image, image_from_uv, wrap: [wrap; 2] }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_testing::mutants;
+
+    use super::*;
+    use crate::{MeshFile, load_obj};
+
+    fn parsed(text: &str) -> Result<(Vec<Material>, String), SceneError> {
+        let mut warnings = Vec::new();
+        let materials =
+            parse_mtl(text.as_bytes(), Path::new("a.mtl"), &mut ImagePool::default(), &mut warnings)?;
+        let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+        Ok((materials, lines.join("\n")))
+    }
+
+    fn material(lines: &str) -> Material {
+        let (mut materials, warnings) = parsed(&format!("newmtl one\n{lines}")).unwrap();
+        assert_eq!((materials.len(), warnings.as_str()), (1, ""));
+        materials.remove(0)
+    }
+
+    const TRIANGLE: &str = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n";
+
+    /// A folder with a triangle of material "m", whose library has these lines, and two images.
+    fn loaded(lines: &str) -> (MeshFile, String) {
+        loaded_with(TRIANGLE, lines)
+    }
+
+    fn loaded_with(faces: &str, lines: &str) -> (MeshFile, String) {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, bytes: &[u8]| std::fs::write(folder.path().join(name), bytes).unwrap();
+        write("a.obj", faces.as_bytes());
+        write("a.mtl", format!("newmtl m\n{lines}").as_bytes());
+        write("blue ish.png", &png([128, 128, 255]));
+        write("grey.png", &png([90, 90, 90]));
+        let mut warnings = Vec::new();
+        let scene = load_obj(&folder.path().join("a.obj"), &mut warnings).unwrap();
+        let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+        (scene, lines.join("\n"))
+    }
+
+    fn png(pixel: [u8; 3]) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+        encoder.set_color(png::ColorType::Rgb);
+        encoder.write_header().and_then(|mut writer| writer.write_image_data(&pixel)).unwrap();
+        bytes
+    }
+
+    #[test]
+    fn mtl_maps_constants() {
+        let m = material("Kd .1 .2 .3\nKs .5 .5 .5\nNs 998\nNi 1.33\nd .25\nKe 0 2 4\nillum 2\n");
+        assert_eq!(m.name, "one");
+        assert_eq!(m.base_color.factor, Vec3::new(0.1, 0.2, 0.3));
+        assert_eq!((m.specular_weight.factor, m.specular_color.factor), (1.0, Vec3::ONE));
+        assert!((m.specular_roughness.factor - 0.002_f32.powf(0.25)).abs() < 1e-6);
+        assert_eq!((m.specular_ior, m.geometry_opacity.factor), (1.33, 0.25));
+        assert_eq!((m.emission_luminance, m.emission_color.factor), (4.0, Vec3::new(0.0, 0.5, 1.0)));
+        assert_eq!(material("Tr .25").geometry_opacity.factor, 0.75);
+        assert_eq!(material("Kd .5").base_color.factor, Vec3::splat(0.5));
+        assert_eq!(material("illum 1").specular_weight.factor, 0.0);
+        assert_eq!(material("Ks 0 0 0").specular_weight.factor, 0.0);
+    }
+
+    #[test]
+    fn mtl_maps_the_physical_extension_in_any_order() {
+        for lines in ["Ns 10\nPr .7\nPm 1\nPc .5\nPcr .1\n", "Pr .7\nNs 10\nPcr .1\nPc .5\nPm 1\n"] {
+            let m = material(lines);
+            assert_eq!((m.specular_roughness.factor, m.base_metalness.factor), (0.7, 1.0));
+            assert_eq!((m.coat_weight.factor, m.coat_roughness.factor), (0.5, 0.1));
+        }
+    }
+
+    #[test]
+    fn mtl_maps_glass() {
+        let m = material("illum 7\nd .1\nTf .9 1 1\nNi 1.5\n");
+        assert_eq!((m.transmission_weight.factor, m.geometry_opacity.factor), (0.9, 1.0));
+        assert_eq!(m.transmission_color.factor, Vec3::new(0.9, 1.0, 1.0));
+    }
+
+    #[test]
+    fn mtl_loads_images_once_and_in_the_right_space() {
+        let (scene, warnings) = loaded(
+            "map_Kd -o .5 .25 -s 2 3 -clamp on blue ish.png\nmap_Pr grey.png\nmap_Pm grey.png\n\
+             map_Bump -bm .5 blue ish.png\nmap_d grey.png\n",
+        );
+        assert_eq!(warnings, "");
+        assert_eq!(scene.objects[0].material, 0);
+        let m = &scene.materials[0];
+        let spaces: Vec<_> = scene.images.iter().map(|image| image.color_space).collect();
+        assert_eq!(spaces, [ColorSpace::Srgb, ColorSpace::Linear, ColorSpace::Linear]);
+        let texture = m.base_color.texture.unwrap();
+        assert_eq!(texture.coordinates(Vec2::ONE), Vec2::new(2.5, 3.25));
+        assert_eq!(texture.wrap, [Wrap::Clamp; 2]);
+        assert_eq!(m.specular_roughness.texture.unwrap().0.image, 1);
+        assert_eq!(m.base_metalness.texture.unwrap().0.image, 1);
+        assert_eq!(m.geometry_opacity.texture.unwrap().1, Channel::Red);
+        let normals = m.geometry_normal.unwrap();
+        assert_eq!((normals.texture.image, normals.scale), (2, 0.5));
+    }
+
+    #[test]
+    fn mtl_of_parts_is_shared_by_name_and_every_part_has_one() {
+        let (scene, _) = loaded_with(&format!("{TRIANGLE}usemtl gone\nf 1 2 3\no b\nf 1 2 3\n"), "");
+        let objects: Vec<_> =
+            scene.objects.iter().map(|o| (o.name.as_str(), o.material, o.subsurface_group)).collect();
+        assert_eq!(objects, [("a", 0, 0), ("a", 1, 0), ("b", 1, 1)]);
+        assert_eq!(scene.materials.len(), 2);
+    }
+
+    #[test]
+    fn mtl_warns_of_what_it_leaves_out() {
+        for (lines, part) in [
+            ("map_Kd gone.png\n", "a.mtl:2: the material is used without its image: "),
+            ("map_Kd a.obj\n", "is not an image of a known format"),
+            ("map_Kd\n", "a.mtl:2: the material is used without its image: "),
+            ("bump grey.png\n", "a.mtl:2: \"grey.png\" is a height map"),
+            ("disp grey.png\n", "a.mtl:2: disp has no counterpart"),
+            ("Kd 2 0 0\n", "a.mtl:2: the value 2 is set to the nearest in [0, 1]"),
+            ("Ni .1\n", "the value 0.1 is set to the nearest in [1, 4]"),
+            ("Kd spectral a.rfl 1\n", "is not red, green, blue"),
+        ] {
+            let (scene, warnings) = loaded(lines);
+            assert!(warnings.contains(part), "{warnings}: {part}");
+            assert_eq!(scene.objects[0].material, 0);
+            assert!(scene.materials[0].base_color.factor.max_element() <= 1.0);
+        }
+    }
+
+    #[test]
+    fn mtl_that_is_broken_is_refused_with_its_place() {
+        for (lines, part) in [
+            ("Kd 1 2", "a.mtl:2: \"1 2\" is not a color"),
+            ("Kd", "a.mtl:2: \"\" is not a color"),
+            ("\nKs 1 x 1", "a.mtl:3: \"1 x 1\" is not a color"),
+            ("Ns nan", "a.mtl:2: \"nan\" is not a number"),
+            ("Ni", "a.mtl:2: \"\" is not a number"),
+            ("illum two", "a.mtl:2: illum is \"two\""),
+        ] {
+            let message = parsed(&format!("newmtl m\n{lines}\n")).unwrap_err().to_string();
+            assert!(message.starts_with(part), "{message}: {part}");
+        }
+    }
+
+    #[test]
+    fn mtl_survives_any_mutation() {
+        let text = "newmtl a\nKd 1 .5 0\nKs .5 .5 .5\nNs 100\nNi 1.4\nd .5\nTf 1 1 1\nKe 1 2 3\nillum 7\nPr .5\n\
+            map_Kd -s 1 2 3 -o 1 no.png\nnewmtl b\nmap_bump -bm 2 no.png\n";
+        for mutant in mutants(text.as_bytes(), 3_000) {
+            let materials =
+                parse_mtl(&mutant, Path::new("no/a.mtl"), &mut ImagePool::default(), &mut Vec::new());
+            for m in materials.into_iter().flatten() {
+                assert!(m.base_color.factor.is_finite() && m.emission_color.factor.is_finite());
+                assert!(
+                    (1.0..=4.0).contains(&m.specular_ior) && (0.0..=1.0).contains(&m.geometry_opacity.factor)
+                );
+                assert!((0.0..=1.0).contains(&m.specular_roughness.factor));
+            }
+        }
+    }
+}

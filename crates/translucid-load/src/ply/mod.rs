@@ -1,0 +1,477 @@
+//! PLY meshes (G. Turk, "The PLY Polygon File Format", 1994): ascii and binary of either byte order.
+
+mod header;
+mod values;
+
+use std::path::Path;
+
+use glam::{Vec2, Vec3};
+use header::{Element, Format, Header, Kind};
+use translucid_scene::{Mesh, Place, SceneError, Warning, linear_from_srgb, repair_mesh};
+use values::{Ascii, Binary, Fault, Values};
+
+use super::number::NumberType;
+use super::polygon::triangulate;
+use crate::file::read_file;
+
+/// Loads a PLY mesh.
+///
+/// Read are, of element `vertex`, the properties x y z, nx ny nz, one of (s, t), (u, v),
+/// (texture_u, texture_v), (texture_s, texture_t), and red green blue; of element `face` the list
+/// `vertex_indices` or `vertex_index`; all in any of the format's types.
+/// Integer colors are sRGB, float colors linear.
+/// Everything else is passed over.
+/// Polygons are cut into triangles; a mesh without normals gets [`Mesh::smooth_normals`], so that it is
+/// smooth where triangles share vertices.
+///
+/// # Errors
+/// The file cannot be read, breaks the format (the message names line or byte, element and row), or has
+/// no usable triangle.
+pub fn load_ply(path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+    parse_ply(&read_file(path)?, path, warnings)
+}
+
+/// Parses a PLY file's bytes as [`load_ply`] does; `path` is for messages.
+///
+/// # Errors
+/// As [`load_ply`].
+pub fn parse_ply(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<Mesh, SceneError> {
+    let header = Header::parse(bytes, path)?;
+    let body = header.length;
+    let mut mesh = match header.format {
+        Format::Ascii => read_mesh(&header, Ascii::new(&bytes[body..], header.lines), path),
+        Format::LittleEndian => read_mesh(&header, Binary::<false> { bytes, position: body }, path),
+        Format::BigEndian => read_mesh(&header, Binary::<true> { bytes, position: body }, path),
+    }?;
+    repair_mesh(&mut mesh, &Place::file(path), warnings)?;
+    if mesh.normals.is_empty() {
+        mesh.normals = mesh.smooth_normals();
+    }
+    Ok(mesh)
+}
+
+fn read_mesh(header: &Header, mut values: impl Values, path: &Path) -> Result<Mesh, SceneError> {
+    let absent = |message: &str| SceneError::at(Place::file(path), message);
+    let has = |name: &str| header.elements.iter().any(|element| element.name == name);
+    if !has("vertex") {
+        return Err(absent("has no element \"vertex\""));
+    }
+    if !has("face") {
+        return Err(absent("has no element \"face\": a cloud of points cannot be rendered"));
+    }
+    let mut mesh = Mesh::default();
+    for element in header.elements.iter().filter(|element| !element.properties.is_empty()) {
+        match element.name.as_str() {
+            "vertex" if mesh.positions.is_empty() => {
+                let columns = Columns::of(element).map_err(|message| absent(&message))?;
+                columns.reserve(element.count, &mut mesh);
+                read_rows(&mut values, element, path, |values| columns.read_vertex(values, &mut mesh))?;
+            }
+            "face" if mesh.triangles.is_empty() => {
+                let list = index_list(element).map_err(|message| absent(&message))?;
+                mesh.triangles.reserve(element.count);
+                let mut polygon = Vec::new();
+                read_rows(&mut values, element, path, |values| {
+                    read_face(values, element, list, &mut polygon, &mut mesh)
+                })?;
+            }
+            _ => read_rows(&mut values, element, path, |values| {
+                element.properties.iter().try_for_each(|property| skip(values, property.kind))
+            })?,
+        }
+    }
+    Ok(mesh)
+}
+
+/// Reads all rows of an element, and says in which one a fault was.
+fn read_rows<V: Values>(
+    values: &mut V,
+    element: &Element,
+    path: &Path,
+    mut read_row: impl FnMut(&mut V) -> Result<(), Fault>,
+) -> Result<(), SceneError> {
+    for row in 0..element.count {
+        let read = values.begin_row().and_then(|()| read_row(values)).and_then(|()| values.end_row());
+        read.map_err(|fault| values.error(path, fault, &format!("{} {row}", element.name)))?;
+    }
+    Ok(())
+}
+
+fn skip(values: &mut impl Values, kind: Kind) -> Result<(), Fault> {
+    match kind {
+        Kind::Scalar(scalar) => values.skip(scalar, 1),
+        Kind::List { count, item } => {
+            let length = values.list_length(count)?;
+            values.skip(item, length)
+        }
+    }
+}
+
+/// Names of the values of a vertex that are read; where a row has several, any one will do.
+const NAMES: [&[&str]; 11] = [
+    &["x"],
+    &["y"],
+    &["z"],
+    &["nx"],
+    &["ny"],
+    &["nz"],
+    &["s", "u", "texture_u", "texture_s"],
+    &["t", "v", "texture_v", "texture_t"],
+    &["red", "r", "diffuse_red"],
+    &["green", "g", "diffuse_green"],
+    &["blue", "b", "diffuse_blue"],
+];
+const POSITION: usize = 0;
+const NORMAL: usize = 3;
+const UV: usize = 6;
+const COLOR: usize = 8;
+
+/// A property's place in [`NAMES`], or none.
+struct Column {
+    kind: Kind,
+    target: Option<usize>,
+}
+
+/// Which property of a vertex is what.
+struct Columns {
+    columns: Vec<Column>,
+    has_normal: bool,
+    has_uv: bool,
+    has_color: bool,
+    /// Factor and curve of integer colors.
+    color_scale: Option<f64>,
+}
+
+impl Columns {
+    fn of(element: &Element) -> Result<Self, String> {
+        let target = |name: &str| NAMES.iter().position(|names| names.contains(&name));
+        let column = |property: &header::Property| Column {
+            kind: property.kind,
+            target: target(&property.name).filter(|_| matches!(property.kind, Kind::Scalar(_))),
+        };
+        let columns: Vec<Column> = element.properties.iter().map(column).collect();
+        let has = |wanted: usize| columns.iter().any(|column| column.target == Some(wanted));
+        if let Some(missing) = (POSITION..NORMAL).find(|&axis| !has(axis)) {
+            return Err(format!("element \"vertex\" has no property \"{}\"", NAMES[missing][0]));
+        }
+        let red = columns.iter().find(|column| column.target == Some(COLOR));
+        let color_scale = match red.map(|column| column.kind) {
+            Some(Kind::Scalar(NumberType::F32 | NumberType::F64)) | None => None,
+            Some(Kind::Scalar(NumberType::U16 | NumberType::I16)) => Some(65535.0),
+            Some(_) => Some(255.0),
+        };
+        let [has_normal, has_uv, has_color] =
+            [(NORMAL, UV), (UV, COLOR), (COLOR, NAMES.len())].map(|(first, end)| (first..end).all(has));
+        Ok(Self { has_normal, has_uv, has_color, color_scale, columns })
+    }
+
+    /// Makes room without slack: the header's count has been checked against the file's length.
+    fn reserve(&self, count: usize, mesh: &mut Mesh) {
+        mesh.positions.reserve_exact(count);
+        mesh.normals.reserve_exact(if self.has_normal { count } else { 0 });
+        mesh.uvs.reserve_exact(if self.has_uv { count } else { 0 });
+        mesh.colors.reserve_exact(if self.has_color { count } else { 0 });
+    }
+
+    fn read_vertex(&self, values: &mut impl Values, mesh: &mut Mesh) -> Result<(), Fault> {
+        let mut row = [0.0_f32; NAMES.len()];
+        for column in &self.columns {
+            match (column.kind, column.target) {
+                (Kind::Scalar(scalar), Some(target)) => {
+                    let value = values.value(scalar)?;
+                    row[target] = match self.color_scale {
+                        Some(scale) if target >= COLOR => {
+                            linear_from_srgb((value / scale).clamp(0.0, 1.0) as f32)
+                        }
+                        _ => value as f32,
+                    };
+                }
+                (kind, _) => skip(values, kind)?,
+            }
+        }
+        mesh.positions.push(Vec3::from_slice(&row[POSITION..]));
+        if self.has_normal {
+            mesh.normals.push(Vec3::from_slice(&row[NORMAL..]));
+        }
+        if self.has_uv {
+            mesh.uvs.push(Vec2::from_slice(&row[UV..]));
+        }
+        if self.has_color {
+            mesh.colors.push(Vec3::from_slice(&row[COLOR..]));
+        }
+        Ok(())
+    }
+}
+
+/// Number of the property that lists a face's vertices.
+fn index_list(element: &Element) -> Result<usize, String> {
+    let lists = |property: &header::Property| {
+        matches!(property.kind, Kind::List { .. })
+            && matches!(property.name.as_str(), "vertex_indices" | "vertex_index")
+    };
+    let message = || String::from("element \"face\" has no list \"vertex_indices\" or \"vertex_index\"");
+    element.properties.iter().position(lists).ok_or_else(message)
+}
+
+fn read_face(
+    values: &mut impl Values,
+    element: &Element,
+    list: usize,
+    polygon: &mut Vec<u32>,
+    mesh: &mut Mesh,
+) -> Result<(), Fault> {
+    for (number, property) in element.properties.iter().enumerate() {
+        match property.kind {
+            Kind::List { count, item } if number == list => {
+                polygon.clear();
+                for _ in 0..values.list_length(count)? {
+                    polygon.push(index(values.value(item)?)?);
+                }
+            }
+            kind => skip(values, kind)?,
+        }
+    }
+    // Where faces come before vertices there are no positions yet, and all polygons pass for convex.
+    let Mesh { positions, triangles, .. } = mesh;
+    triangulate(
+        polygon,
+        |vertex| positions.get(vertex as usize).copied(),
+        |triangle| triangles.push(triangle),
+    );
+    Ok(())
+}
+
+/// An index; a negative one becomes one that is out of range in any mesh.
+fn index(value: f64) -> Result<u32, Fault> {
+    match value {
+        value if value.fract() != 0.0 => Err(Fault::NotWhole),
+        value if value >= 0.0 => Ok(value as u32),
+        _ => Ok(u32::MAX),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use translucid_testing::{mutants, power};
+
+    use super::*;
+
+    fn parsed(bytes: &[u8]) -> Result<(Mesh, String), SceneError> {
+        let mut warnings = Vec::new();
+        let mesh = parse_ply(bytes, Path::new("a.ply"), &mut warnings)?;
+        let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
+        Ok((mesh, lines.join("\n")))
+    }
+
+    fn file(format: &str, vertex: &str, face: &str, data: &[u8]) -> Vec<u8> {
+        let header = format!(
+            "ply\nformat {format} 1.0\ncomment made here\nelement vertex 4\n{vertex}\
+             element face 2\n{face}end_header\n"
+        );
+        [header.as_bytes(), data].concat()
+    }
+
+    const POSITION_LINES: &str = "property float x\nproperty float y\nproperty float z\n";
+    const LIST_LINE: &str = "property list uchar int vertex_indices\n";
+
+    fn ascii(data: &str) -> Vec<u8> {
+        file("ascii", POSITION_LINES, LIST_LINE, data.as_bytes())
+    }
+
+    const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n";
+
+    fn square() -> Mesh {
+        Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::new(1.0, 1.0, 0.0), Vec3::Y],
+            normals: vec![Vec3::Z; 4],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        }
+    }
+
+    /// The square with every attribute, short indices and properties to pass over, in binary.
+    fn rich(big_endian: bool) -> Vec<u8> {
+        let vertex = "property list uchar short rings\nproperty double x\nproperty float32 y\n\
+            property float z\nproperty float nx\nproperty float ny\nproperty float nz\n\
+            property float s\nproperty float t\nproperty uchar red\nproperty uchar green\n\
+            property uchar blue\nproperty uchar alpha\n";
+        let face = "property int8 flags\nproperty list ushort uint16 vertex_index\n\
+            property list uint8 float texcoord\n";
+        let mut data = Vec::new();
+        let mut put = |little: &[u8]| {
+            let mut bytes = little.to_vec();
+            if big_endian {
+                bytes.reverse();
+            }
+            data.extend(bytes);
+        };
+        for p in square().positions {
+            put(&[2]);
+            put(&7_i16.to_le_bytes());
+            put(&(-7_i16).to_le_bytes());
+            put(&f64::from(p.x).to_le_bytes());
+            for value in [p.y, p.z, 0.0, 0.0, 2.0, p.x, p.y] {
+                put(&value.to_le_bytes());
+            }
+            for byte in [255, 188, 0, 9] {
+                put(&[byte]);
+            }
+        }
+        for triangle in square().triangles {
+            put(&[0xff]);
+            put(&3_u16.to_le_bytes());
+            triangle.iter().for_each(|&index| put(&(index as u16).to_le_bytes()));
+            put(&[1]);
+            put(&0.5_f32.to_le_bytes());
+        }
+        file(if big_endian { "binary_big_endian" } else { "binary_little_endian" }, vertex, face, &data)
+    }
+
+    #[test]
+    fn ply_reads_ascii_and_computes_normals() {
+        assert_eq!(parsed(&ascii(SQUARE)).unwrap(), (square(), String::new()));
+        let windows = String::from_utf8(ascii(SQUARE)).unwrap().replace('\n', "\r\n");
+        assert_eq!(parsed(windows.trim_end().as_bytes()).unwrap().0, square());
+        let spaced = ascii("0 0 0\n\n 1 0\t0 \n1 1 0\n0 1 0\n\n3 0 1 2\n3 0 2 3");
+        assert_eq!(parsed(&spaced).unwrap().0, square());
+    }
+
+    #[test]
+    fn ply_reads_both_byte_orders_alike_with_every_attribute() {
+        let (mesh, warnings) = parsed(&rich(false)).unwrap();
+        assert_eq!(warnings, "");
+        assert_eq!(mesh, parsed(&rich(true)).unwrap().0);
+        assert_eq!(mesh.positions, square().positions);
+        assert_eq!(mesh.triangles, square().triangles);
+        assert_eq!(mesh.normals, vec![Vec3::Z; 4]);
+        assert_eq!(mesh.uvs[2], Vec2::ONE);
+        assert!(mesh.colors[0].distance(Vec3::new(1.0, 0.502_886, 0.0)) < 1e-5, "{}", mesh.colors[0]);
+    }
+
+    #[test]
+    fn ply_takes_float_colors_as_linear() {
+        let vertex =
+            format!("{POSITION_LINES}property float red\nproperty float green\nproperty float blue\n");
+        let data = "0 0 0 1 .5 0\n1 0 0 1 .5 0\n1 1 0 1 .5 0\n0 1 0 1 .5 2\n3 0 1 2\n3 0 2 3\n";
+        let (mesh, _) = parsed(&file("ascii", &vertex, LIST_LINE, data.as_bytes())).unwrap();
+        assert_eq!(mesh.colors[3], Vec3::new(1.0, 0.5, 2.0));
+    }
+
+    #[test]
+    fn ply_reads_every_type() {
+        for (name, size) in [
+            ("char", 1),
+            ("int8", 1),
+            ("uchar", 1),
+            ("uint8", 1),
+            ("short", 2),
+            ("int16", 2),
+            ("ushort", 2),
+            ("uint16", 2),
+            ("int", 4),
+            ("int32", 4),
+            ("uint", 4),
+            ("uint32", 4),
+        ] {
+            let vertex = POSITION_LINES.replace("float", name);
+            let face = format!("property list {name} {name} vertex_indices\n");
+            let mut data = Vec::new();
+            let mut put = |value: u8| {
+                data.push(value);
+                data.resize(data.len() + size - 1, 0);
+            };
+            square().positions.iter().flat_map(Vec3::to_array).for_each(|x| put(x as u8));
+            for triangle in square().triangles {
+                put(3);
+                triangle.iter().for_each(|&index| put(index as u8));
+            }
+            let (mesh, _) = parsed(&file("binary_little_endian", &vertex, &face, &data)).unwrap();
+            assert_eq!(mesh, square(), "{name}");
+        }
+    }
+
+    #[test]
+    fn ply_cuts_polygons() {
+        let data = ascii("0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n4 3 2 1 0\n");
+        let (mesh, _) = parsed(&data).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [3, 2, 1], [3, 1, 0]]);
+    }
+
+    #[test]
+    fn ply_repairs_with_a_warning() {
+        let (mesh, warnings) = parsed(&ascii("0 0 0\n1 0 0\n1 1 0\n0 1 nan\n3 0 1 2\n3 0 2 -1\n")).unwrap();
+        assert_eq!(mesh.triangles, [[0, 1, 2]]);
+        assert_eq!(mesh.positions.len(), 3);
+        assert!(warnings.contains("a.ply: 1 triangle with an index out of range"), "{warnings}");
+    }
+
+    #[test]
+    fn ply_that_is_broken_is_refused_with_its_place() {
+        let text = |from: &str, to: &str| {
+            let good = String::from_utf8(ascii(SQUARE)).unwrap();
+            assert!(good.contains(from));
+            good.replacen(from, to, 1).into_bytes()
+        };
+        let binary = |length: usize| rich(false)[..length].to_vec();
+        let mut negative = rich(false);
+        let list = negative.len() - 2 * 14 + 1;
+        negative[list..list + 2].copy_from_slice(&[0xff, 0xff]);
+        for (bytes, parts) in [
+            (Vec::new(), ["a.ply:1", "not a PLY file"]),
+            (b"PK\x03\x04 zip".to_vec(), ["a.ply:1", "not a PLY file"]),
+            (text("end_header\n", ""), ["a.ply", "\"0 0 0\" is no line of a PLY header"]),
+            (b"ply\nformat ascii 1.0\n".to_vec(), ["a.ply:3", "no \"end_header\""]),
+            (text("format ascii 1.0\n", ""), ["a.ply", "no \"format\""]),
+            (text("ascii", "utf8"), ["a.ply:2", "unknown format \"utf8\""]),
+            (text("element vertex 4", "element vertex four"), ["a.ply:4", "\"four\" is not a number"]),
+            (text("element vertex 4", "element vertex -4"), ["a.ply:4", "\"-4\""]),
+            (
+                text("element vertex 4", "element vertex 4000000000"),
+                ["a.ply", "4000000000 elements \"vertex\""],
+            ),
+            (text("element vertex 4", "element vertex 18446744073709551615"), ["a.ply", "too short"]),
+            (text("element face 2", "element face 100000"), ["a.ply", "100000 elements \"face\""]),
+            (text("element vertex 4\n", ""), ["a.ply:4", "a property before any element"]),
+            (text("property float x", "property real x"), ["a.ply:5", "unknown type \"real\""]),
+            (text("property float x", "property float"), ["a.ply:5", "a type and a name"]),
+            (text("property float z\n", ""), ["a.ply", "no property \"z\""]),
+            (text("list uchar", "list float"), ["a.ply:9", "cannot be a float"]),
+            (text("vertex_indices", "corners"), ["a.ply", "no list \"vertex_indices\""]),
+            (text("element face 2", "element edge 2"), ["a.ply", "cloud of points"]),
+            (text("element vertex 4", "element point 4"), ["a.ply", "no element \"vertex\""]),
+            (text("1 1 0\n", "1 1\n"), ["a.ply:13", "vertex 2 has fewer values"]),
+            (
+                text("1 1 0\n", "1 1 0 5\n"),
+                ["a.ply:13", "vertex 2 has more values than its properties, from \"5\""],
+            ),
+            (text("1 1 0\n", "1 one 0\n"), ["a.ply:13", "\"one\" in vertex 2 is not a number"]),
+            (text("3 0 1 2\n", "-3 0 1 2\n"), ["a.ply:15", "face 0 has a list of length -3"]),
+            (text("3 0 1 2\n", "9 0 1 2\n"), ["a.ply:15", "face 0 has fewer values"]),
+            (text("3 0 1 2\n", "3 0 1.5 2\n"), ["a.ply:15", "face 0 has the index 1.5"]),
+            (text("element face 2", "element vertex 2"), ["a.ply:8", "there are two elements \"vertex\""]),
+            (text("3 0 1 2\n3 0 2 3\n", "3 0 1 2         \n"), ["a.ply:15", "the file ends before face 1"]),
+            (text("3 0 1 2\n3 0 2 3\n", "3 0 1 7\n3 0 0 3\n"), ["a.ply", "none of the mesh's 2 triangles"]),
+            (text("element face 2", "element face 0"), ["a.ply", "no triangles"]),
+            (binary(rich(false).len() - 1), ["byte", "ends in face 1"]),
+            (binary(rich(false).len() - 13), ["byte", "ends in face 1"]),
+            (binary(rich(false).len() - 100), ["a.ply", "too short"]),
+            (negative, ["a.ply, byte", "the file ends in face 0"]),
+        ] {
+            let message = parsed(&bytes).unwrap_err().to_string();
+            assert!(message.starts_with("a.ply"), "{message}");
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}: {parts:?}");
+        }
+    }
+
+    #[test]
+    fn ply_survives_any_mutation() {
+        for file in [ascii(SQUARE), rich(false), rich(true)] {
+            for mutant in mutants(&file, power(3_000)) {
+                if let Ok((mesh, _)) = parsed(&mutant) {
+                    assert!(mesh.positions.iter().chain(&mesh.normals).all(|v| v.is_finite()));
+                    assert!(mesh.triangles.iter().flatten().all(|&i| (i as usize) < mesh.positions.len()));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,27 @@
+//! Files of reflectance profiles.
+
+use std::path::Path;
+
+use translucid_profile::parse_profile_rows;
+use translucid_scene::{ProfileTable, SceneError};
+
+use crate::file::read_file;
+
+/// Loads a table of reflectance profiles.
+///
+/// # Errors
+/// The file cannot be read, lacks a column, or a number is not what it must be; the error names the line.
+pub fn load_profile_table(path: &Path) -> Result<ProfileTable, SceneError> {
+    parse_profile_table(&read_file(path)?, path)
+}
+
+/// Reads a table of reflectance profiles from a file's bytes; the path is for messages.
+///
+/// # Errors
+/// As [`load_profile_table`].
+pub fn parse_profile_table(bytes: &[u8], path: &Path) -> Result<ProfileTable, SceneError> {
+    let rows = parse_profile_rows(bytes).map_err(|error| SceneError::of_text(path, error))?;
+    let table = ProfileTable { path: path.to_owned(), rows };
+    table.table()?;
+    Ok(table)
+}

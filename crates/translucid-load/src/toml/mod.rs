@@ -1,0 +1,293 @@
+//! The scene file: TOML text to a description, then with its meshes and images to a scene.
+
+mod build;
+mod camera;
+mod document;
+mod extend;
+mod input;
+mod light;
+mod material;
+mod object;
+mod piece;
+mod settings;
+#[cfg(test)]
+mod tests;
+mod text;
+mod write;
+
+use std::collections::HashSet;
+use std::path::Path;
+
+use document::{DocumentText, Item, Table};
+use extend::{Base, Extends};
+use input::{Documents, FileList};
+use object::{GeometryOrigin, ObjectEntry};
+use translucid_scene::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit, Warning};
+
+pub use build::SceneBuilder;
+pub use piece::Piece;
+pub use write::ExtendedBase;
+
+use super::file_request::FileRequest;
+use crate::NamedCamera;
+use crate::file::stem;
+
+/// Most bytes of a scene file; geometry and images are in files of their own.
+pub(super) const LARGEST_FILE: u64 = 16 << 20;
+
+/// Most entries of each list: objects, materials, lights.
+const MOST_ENTRIES: usize = 65_536;
+
+const KEYS: &[&str] = &[
+    "extends",
+    "unit",
+    "subsurface_grouping",
+    "camera",
+    "film",
+    "integrator",
+    "material",
+    "object",
+    "light",
+    "environment",
+];
+
+/// Which objects share light under the surface where they name no group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) enum Grouping {
+    /// None: each is a body of its own.
+    #[default]
+    Object,
+    /// All of the same material.
+    Material,
+}
+
+const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("material", Grouping::Material)];
+
+/// A scene file that has been read and checked, without the meshes and images that it names.
+///
+/// [`parse`](Self::parse) looks at nothing but the text; [`load`](Self::load) opens the files.
+/// Of a file that extends another, `parse` checks what can be known without that one, and `load` the rest.
+/// The format is described in `docs/guide/scene-files.md`.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    source: DocumentText,
+    /// What the file extends, if anything.
+    extends: Option<Extends>,
+    /// All but the camera and what is in files; that of the base with the changes, where it is known.
+    scene: Scene,
+    grouping: Grouping,
+    /// Cameras that the file states.
+    cameras: Vec<NamedCamera>,
+    /// The camera of the base where the file states none, as far as that is known.
+    base_camera: Option<Camera>,
+    objects: Vec<ObjectEntry>,
+    images: Vec<FileRequest<ColorSpace>>,
+    profile_tables: Vec<FileRequest<()>>,
+    /// Whether materials are in documents that have not been opened.
+    has_documents: bool,
+}
+
+impl SceneFile {
+    /// Reads and checks the text of a scene file.
+    ///
+    /// `path` is the file that messages name; paths in the text are relative to its folder.
+    ///
+    /// # Errors
+    /// The text is not TOML, or has an unknown key, a value of the wrong type, out of its range, a missing
+    /// key, or a name that is not there: the error points at the key or value.
+    ///
+    /// ```
+    /// use std::path::{Path, PathBuf};
+    /// use translucid_scene::SceneFile;
+    ///
+    /// let error = SceneFile::parse("unit = \"mm\"\n[film]\nexposur = 1.0\n", Path::new("ball.toml")).unwrap_err();
+    /// assert_eq!(error.message, "film has no key exposur");
+    /// assert_eq!(error.place.unwrap().line, Some(3));
+    /// ```
+    pub fn parse(text: &str, path: &Path) -> Result<Self, SceneError> {
+        Self::of(&DocumentText::new(path, text), Base::Unknown, None)
+    }
+
+    /// Reads a text; one that extends a scene changes the base, or is checked as far as it can be without.
+    ///
+    /// Documents of materials are opened where there is a place for what is found in them.
+    fn of(
+        source: &DocumentText,
+        base: Base,
+        findings: Option<&mut Vec<Warning>>,
+    ) -> Result<Self, SceneError> {
+        let document = source.parse()?;
+        let root = Table::root(source, document.get_ref());
+        let is_extending = root.get("extends").is_some();
+        let root = root.allow(if is_extending { extend::KEYS } else { KEYS })?;
+        let extends = if is_extending { Some(Extends::read(&root)?) } else { None };
+        let (mut scene, is_known) = match base {
+            Base::Known(scene) => (*scene, true),
+            Base::Unknown if is_extending => (extend::any_base(), false),
+            Base::Unknown => {
+                (Scene { unit: root.require("unit")?.word(&Unit::WORDS)?, ..Scene::default() }, true)
+            }
+        };
+        let mut files = FileList::after(&scene);
+        files.documents = if findings.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };
+        if is_known {
+            let read = read_materials(&root, is_extending, &mut scene, &mut files);
+            findings.into_iter().for_each(|warnings| files.take_findings(warnings));
+            read?;
+        }
+        let is_later = matches!(files.documents, Documents::Later);
+        let has_documents = is_later && !files.named_documents.is_empty();
+        scene.environment = read_environment(&root, is_extending, scene.environment, &mut files)?;
+        let cameras = root.read("camera", Vec::new(), camera::read_cameras)?;
+        if root.get("light").is_some() {
+            let lights = root.tables("light", MOST_ENTRIES)?;
+            scene.lights = lights.into_iter().map(light::read_light).collect::<Result<_, _>>()?;
+        }
+        scene.film = root.settings("film", scene.film, settings::FILM)?;
+        scene.integrator = root.settings("integrator", scene.integrator, settings::INTEGRATOR)?;
+        let objects = read_objects(&root, is_extending, is_known, &mut scene)?;
+        let grouping = match is_extending {
+            true => Grouping::Object,
+            false => root.read("subsurface_grouping", Grouping::Object, |item| item.word(&GROUPINGS))?,
+        };
+        let base_camera = is_extending.then_some(scene.camera);
+        let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
+        Ok(Self {
+            source,
+            extends,
+            scene,
+            grouping,
+            cameras,
+            base_camera,
+            objects,
+            images,
+            profile_tables,
+            has_documents,
+        })
+    }
+}
+
+impl SceneFile {
+    /// The file with the materials of its documents.
+    fn with_documents(self, warnings: &mut Vec<Warning>) -> Result<Self, SceneError> {
+        match self.has_documents {
+            true => Self::of(&self.source, Base::Unknown, Some(warnings)),
+            false => Ok(self),
+        }
+    }
+
+    /// The camera of a name, or the first, or that of the base; none if it is to be chosen.
+    fn camera(&self, name: Option<&str>) -> Result<Option<Camera>, SceneError> {
+        let chosen =
+            NamedCamera::choose(&self.cameras, name).map_err(|error| error.or_at(self.source.path()))?;
+        Ok(chosen.map(|named| named.camera).or(self.base_camera))
+    }
+}
+
+/// Adds materials, or changes those of the base.
+fn read_materials(
+    root: &Table<'_>,
+    is_extending: bool,
+    scene: &mut Scene,
+    files: &mut FileList,
+) -> Result<(), SceneError> {
+    let mut keys = material::keys();
+    keys.extend(is_extending.then_some("index"));
+    let base = scene.materials.len();
+    let (mut names, mut changed) = (HashSet::new(), HashSet::new());
+    for table in root.tables("material", MOST_ENTRIES)? {
+        let table = table.allow(&keys)?;
+        let chosen = if is_extending {
+            extend::choose(&table, scene.materials[..base].iter().map(|material| &material.name))?
+        } else {
+            table.require("name")?;
+            None
+        };
+        let Some(index) = chosen else {
+            let material = material::read_material(&table, Material::default(), scene.unit, files)?;
+            claim_name(&table, &material.name, &mut names)?;
+            scene.materials.push(material);
+            continue;
+        };
+        if !changed.insert(index) {
+            return Err(table.error("another table of the list changes this material, too"));
+        }
+        let old = scene.materials[index].clone();
+        let name = old.name.clone();
+        let new = material::read_material(&table, old, scene.unit, files)?;
+        // A preset brings a name of its own
+        scene.materials[index] = Material { name, ..new };
+    }
+    Ok(())
+}
+
+fn read_environment(
+    root: &Table<'_>,
+    is_extending: bool,
+    base: Option<Environment>,
+    files: &mut FileList,
+) -> Result<Option<Environment>, SceneError> {
+    match root.get("environment") {
+        None => Ok(base),
+        Some(item) if is_extending && item.is_none() => Ok(None),
+        Some(item) => {
+            let table = item.table()?.allow(light::ENVIRONMENT_KEYS)?;
+            light::read_environment(&table, base, files).map(Some)
+        }
+    }
+}
+
+/// Reads new objects, and changes those of the base.
+fn read_objects(
+    root: &Table<'_>,
+    is_extending: bool,
+    is_known: bool,
+    scene: &mut Scene,
+) -> Result<Vec<ObjectEntry>, SceneError> {
+    let tables = root.tables("object", MOST_ENTRIES)?;
+    if tables.is_empty() && !is_extending {
+        return Err(root
+            .error("the scene has no [[object]]")
+            .with_help("add one with the key file or shape"));
+    }
+    let mut names = HashSet::new();
+    let mut objects = Vec::new();
+    for table in tables {
+        if is_extending && table.get("file").is_none() && table.get("shape").is_none() {
+            extend::change_object(table, is_known, scene)?;
+            continue;
+        }
+        let materials = is_known.then_some(&*scene.materials);
+        let (object, table) = object::read_object(table, materials)?;
+        if !object.name.is_empty() {
+            extend::refuse_known_name(&table, scene)?;
+            claim_name(&table, &object.name, &mut names)?;
+        }
+        objects.push(object);
+    }
+    names.extend(scene.objects.iter().map(|object| object.name.clone()));
+    name_objects(&mut objects, names);
+    Ok(objects)
+}
+
+/// Refuses a name that another table of the list has.
+fn claim_name(table: &Table<'_>, name: &str, names: &mut HashSet<String>) -> Result<(), SceneError> {
+    if names.insert(name.to_owned()) {
+        return Ok(());
+    }
+    let taken = |item: &Item<'_>| item.refuse("a name that no other table of the list has");
+    Err(table.get("name").as_ref().map_or_else(|| table.error("the name is taken"), taken))
+}
+
+/// Names the nameless after their file or shape, with a number where that is taken.
+fn name_objects(objects: &mut [ObjectEntry], mut names: HashSet<String>) {
+    for (i, object) in objects.iter_mut().enumerate().filter(|(_, object)| object.name.is_empty()) {
+        let plain = match &object.geometry {
+            GeometryOrigin::File { path, .. } => stem(path),
+            GeometryOrigin::Shape { name, .. } => name.clone(),
+            GeometryOrigin::Given => String::from("mesh"),
+        };
+        object.name = if names.contains(&plain) { format!("{plain} (object {})", i + 1) } else { plain };
+        names.insert(object.name.clone());
+    }
+}

@@ -1,0 +1,598 @@
+//! Scenes in code: each thing by the keys of a scene file's table.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use glam::Affine3A;
+use translucid_scene::{
+    Camera, ColorSpace, Environment, Film, Image, Integrator, Light, Material, Mesh, Pixels, Place, Scene,
+    SceneError, SubsurfaceModel, Unit, Warning,
+};
+
+use super::build::{SceneBuilder, check_present, staged};
+use super::document::{DocumentText, Table};
+use super::input::FileList;
+use super::object::{GeometryOrigin, ObjectEntry};
+use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
+use crate::file_request::FileRequest;
+use crate::{LoadOptions, load_image, load_profile_table};
+
+/// A thing of a scene: its keys and values, as they would stand in its table in a scene file.
+///
+/// Paths are relative to the current directory.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Piece {
+    /// What messages call it: "material skin".
+    pub title: String,
+    /// Lines `key = value` in TOML.
+    pub text: String,
+    /// Images at hand, which the key `file` names by their [`Image::name`].
+    pub images: Vec<Arc<Image>>,
+}
+
+impl Piece {
+    /// A thing without images at hand.
+    pub fn new(title: &str, text: &str) -> Self {
+        Self { title: title.to_owned(), text: text.to_owned(), images: Vec::new() }
+    }
+
+    fn place(&self) -> Place {
+        Place::part(Path::new(""), &self.title)
+    }
+
+    /// The value that `read` makes of the table.
+    fn read<T>(&self, read: impl FnOnce(Table<'_>) -> Result<T, SceneError>) -> Result<T, SceneError> {
+        let source = DocumentText::of_part(&self.title, &self.text);
+        let document = source.parse()?;
+        read(Table::root(&source, document.get_ref()))
+    }
+
+    /// The camera of `[camera]`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, or a value out of its range.
+    pub fn camera(&self) -> Result<Camera, SceneError> {
+        self.read(|table| camera::read_camera(&table.allow(camera::KEYS)?))
+    }
+
+    /// The light of a `[[light]]`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, or a value out of its range.
+    pub fn light(&self) -> Result<Light, SceneError> {
+        self.read(light::read_light)
+    }
+
+    /// Another place and another material of an object of a scene, by those keys of an `[[object]]`; none where no key
+    /// says one.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value not allowed.
+    pub fn object_change(&self, scene: &Scene) -> Result<(Option<Affine3A>, Option<usize>), SceneError> {
+        self.read(|table| object::read_change(&table.allow(object::CHANGE_KEYS)?, &scene.materials))
+    }
+
+    /// A film with the changes of a `[film]`.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value out of its range.
+    pub fn film(&self, film: Film) -> Result<Film, SceneError> {
+        self.read(|table| table.changed(film, settings::FILM))
+    }
+
+    /// An integrator with the changes of an `[integrator]`.
+    ///
+    /// # Errors
+    /// A key is unknown, or a value out of its range.
+    pub fn integrator(&self, integrator: Integrator) -> Result<Integrator, SceneError> {
+        self.read(|table| table.changed(integrator, settings::INTEGRATOR))
+    }
+
+    /// A material of a scene with the changes of a `[[material]]`, which bring no files.
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, or a file is named.
+    pub fn material(&self, material: &Material, unit: Unit) -> Result<Material, SceneError> {
+        let mut files = FileList::default();
+        let changed = self.changed_material(material, unit, &mut files)?;
+        match files.images.first() {
+            Some(image) => Err(SceneError::at(image.place.clone(), "this scene takes no further images")
+                .with_help("make a scene that has it")),
+            None => Ok(changed),
+        }
+    }
+
+    /// A material of a scene with the changes of a `[[material]]`, and the images that they bring: their numbers go on
+    /// from those of the scene's images.
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, an image cannot be used, or a table of profiles is named.
+    pub fn material_with_images(
+        &self,
+        scene: &Scene,
+        material: &Material,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
+        let mut files = FileList::after(scene).opening();
+        let changed = self.changed_material(material, scene.unit, &mut files);
+        files.take_findings(warnings);
+        let changed = changed?;
+        Ok((changed, self.all_images(&files, warnings)?))
+    }
+
+    fn changed_material(
+        &self,
+        material: &Material,
+        unit: Unit,
+        files: &mut FileList,
+    ) -> Result<Material, SceneError> {
+        let changed = self.read(|table| {
+            let table = table.allow(&material::keys())?;
+            material::read_material(&table, material.clone(), unit, files)
+        })?;
+        match files.tables.first() {
+            Some(table) => {
+                Err(SceneError::at(table.place.clone(), "this scene takes no further tables of profiles")
+                    .with_help("make a scene that has it"))
+            }
+            None => Ok(Material { name: material.name.clone(), ..changed }),
+        }
+    }
+
+    /// The environment of an `[environment]`, and the image that it brings: its number goes on from those of the scene's
+    /// images.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, or an image cannot be used.
+    pub fn environment_with_images(
+        &self,
+        scene: &Scene,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
+        let mut files = FileList::after(scene);
+        let environment = self.read_environment(&mut files)?;
+        Ok((environment, self.all_images(&files, warnings)?))
+    }
+
+    fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
+        self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
+    }
+
+    fn all_images(
+        &self,
+        files: &FileList,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Vec<Arc<Image>>, SceneError> {
+        files.images.iter().map(|request| self.image(request, warnings)).collect()
+    }
+
+    /// The image at hand or in a file.
+    fn image(
+        &self,
+        request: &FileRequest<ColorSpace>,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<Arc<Image>, SceneError> {
+        let at_hand = self.images.iter().find(|image| Path::new(&image.name) == request.path);
+        // Floating-point values are linear in any case
+        let is_as_asked =
+            |image: &Image| image.color_space == request.kind || matches!(image.pixels, Pixels::Float(_));
+        match at_hand {
+            Some(image) if is_as_asked(image) => Ok(Arc::clone(image)),
+            Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
+            None => {
+                check_present(&request.path, &request.place)?;
+                load_image(&request.path, request.kind, warnings).map(Arc::new)
+            }
+        }
+    }
+}
+
+impl SceneBuilder {
+    /// A scene in a unit of length without anything in it.
+    pub fn new(unit: Unit) -> Self {
+        Self::of(Scene { unit, ..Scene::default() })
+    }
+
+    /// What there is so far; what is chosen at the end is still missing.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Sets which objects share light under the surface where they name no group: "object" or "material".
+    ///
+    /// # Errors
+    /// It is another word.
+    pub fn set_subsurface_grouping(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.grouping = piece.read(|table| {
+            let table = table.allow(&["subsurface_grouping"])?;
+            table.require("subsurface_grouping")?.word(&GROUPINGS)
+        })?;
+        Ok(())
+    }
+
+    /// Adds the material of a `[[material]]`, with the key `name`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
+    pub fn add_material(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let mut files = FileList::default().opening();
+        let unit = self.scene.unit;
+        let new = piece.read(|table| {
+            let table = table.allow(&material::keys())?;
+            table.require("name")?;
+            material::read_material(&table, Material::default(), unit, &mut files)
+        });
+        files.take_findings(warnings);
+        let mut new = new?;
+        Self::require_new_name(piece, &new.name, self.scene.materials.iter().map(|other| &other.name))?;
+        let (images, tables) = self.add_files(piece, &files, warnings)?;
+        new.for_each_texture(|texture| texture.image = images[texture.image]);
+        if let SubsurfaceModel::Tabulated(table) = &mut new.subsurface_model {
+            *table = tables[*table];
+        }
+        self.scene.materials.push(new);
+        Ok(())
+    }
+
+    /// Adds the object of an `[[object]]`, with one of the keys `file` and `shape`.
+    ///
+    /// # Errors
+    /// A key is unknown or missing, a value out of its range, the name taken, or a file cannot be used.
+    pub fn add_object(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let materials = &self.scene.materials;
+        let entry = piece.read(|table| Ok(object::read_object(table, Some(materials))?.0))?;
+        let entry = self.named(piece, entry)?;
+        match entry.geometry {
+            GeometryOrigin::Shape { .. } => self.add_shape(&entry, warnings),
+            _ => self.add_file(&entry, None, warnings),
+        }
+    }
+
+    /// Adds an object with a mesh that is at hand, by the keys of an `[[object]]` but for those of its geometry.
+    ///
+    /// The mesh is repaired as those of files are, see [`repair_mesh`](translucid_scene::repair_mesh).
+    ///
+    /// # Errors
+    /// A key is unknown, a value out of its range, the name taken, or nothing is left of the mesh.
+    pub fn add_mesh_object(
+        &mut self,
+        piece: &Piece,
+        mesh: Mesh,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(), SceneError> {
+        let materials = &self.scene.materials;
+        let entry = piece.read(|table| object::read_mesh_object(table, piece.place(), materials))?;
+        let entry = self.named(piece, entry)?;
+        self.add_given(&entry, mesh, warnings)
+    }
+
+    /// An object with a name that no other has.
+    fn named(&self, piece: &Piece, entry: ObjectEntry) -> Result<ObjectEntry, SceneError> {
+        let names = || self.scene.objects.iter().map(|object| &object.name);
+        if !entry.name.is_empty() {
+            Self::require_new_name(piece, &entry.name, names())?;
+            return Ok(entry);
+        }
+        let mut entries = [entry];
+        name_objects(&mut entries, names().cloned().collect());
+        let [entry] = entries;
+        Ok(entry)
+    }
+
+    fn require_new_name<'a>(
+        piece: &Piece,
+        name: &str,
+        mut names: impl Iterator<Item = &'a String>,
+    ) -> Result<(), SceneError> {
+        if names.all(|other| other != name) {
+            return Ok(());
+        }
+        let message = format!("name is {name:?}, but must be a name that no other has");
+        Err(SceneError::at(piece.place(), message))
+    }
+
+    /// Adds the light of a `[[light]]`.
+    ///
+    /// # Errors
+    /// As [`Piece::light`].
+    pub fn add_light(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.lights.push(piece.light()?);
+        Ok(())
+    }
+
+    /// Sets the environment, of an `[environment]`.
+    ///
+    /// # Errors
+    /// As [`Piece::environment_with_images`], or a file cannot be used.
+    pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+        let mut files = FileList::default();
+        let mut environment = piece.read_environment(&mut files)?;
+        let (images, _) = self.add_files(piece, &files, warnings)?;
+        environment.image = environment.image.map(|image| images[image]);
+        self.scene.environment = Some(environment);
+        Ok(())
+    }
+
+    /// Sets the camera, of a `[camera]`.
+    ///
+    /// # Errors
+    /// As [`Piece::camera`].
+    pub fn set_camera(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.camera = Some(piece.camera()?);
+        Ok(())
+    }
+
+    /// Changes the film, by a `[film]`.
+    ///
+    /// # Errors
+    /// As [`Piece::film`].
+    pub fn set_film(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.film = piece.film(self.scene.film)?;
+        Ok(())
+    }
+
+    /// Changes the integrator, by an `[integrator]`.
+    ///
+    /// # Errors
+    /// As [`Piece::integrator`].
+    pub fn set_integrator(&mut self, piece: &Piece) -> Result<(), SceneError> {
+        self.scene.integrator = piece.integrator(self.scene.integrator)?;
+        Ok(())
+    }
+
+    /// Brings the files of a thing into the scene; the index that each of them has there.
+    fn add_files(
+        &mut self,
+        piece: &Piece,
+        files: &FileList,
+        warnings: &mut Vec<Warning>,
+    ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
+        let (mut images, mut tables) = (Vec::new(), Vec::new());
+        for request in &files.images {
+            let is_same = |(path, kind, _): &&(PathBuf, ColorSpace, usize)| {
+                *path == request.path && *kind == request.kind
+            };
+            let index = match self.files.images.iter().find(is_same) {
+                Some(&(_, _, index)) => index,
+                None => {
+                    self.scene.images.push(piece.image(request, warnings)?);
+                    self.scene.images.len() - 1
+                }
+            };
+            self.files.images.push((request.path.clone(), request.kind, index));
+            images.push(index);
+        }
+        for request in &files.tables {
+            let index = match self.files.tables.iter().find(|(path, _)| *path == request.path) {
+                Some(&(_, index)) => index,
+                None => {
+                    check_present(&request.path, &request.place)?;
+                    self.scene.profile_tables.push(load_profile_table(&request.path)?);
+                    self.scene.profile_tables.len() - 1
+                }
+            };
+            self.files.tables.push((request.path.clone(), index));
+            tables.push(index);
+        }
+        Ok((images, tables))
+    }
+
+    /// The scene, with a camera that shows all of it and with light where it states none.
+    ///
+    /// Of the options the size and the model count.
+    ///
+    /// # Errors
+    /// There are no objects, or what was chosen is beyond what a scene may have.
+    pub fn build(&self, options: &LoadOptions) -> Result<Scene, SceneError> {
+        if self.scene.objects.is_empty() {
+            return Err(SceneError::new("the scene has no objects, but must have at least one"));
+        }
+        let scene = Scene { film: options.film(self.scene.film), ..self.scene.clone() };
+        options.finish(staged(scene, self.camera, options))
+    }
+}
+
+/// A scene to add to: its camera stays.
+impl From<Scene> for SceneBuilder {
+    fn from(scene: Scene) -> Self {
+        let camera = Some(scene.camera);
+        let mut builder = Self::of(scene);
+        builder.camera = camera;
+        builder
+    }
+}
+
+#[cfg(test)]
+mod tests {
+
+    use super::*;
+    use crate::SceneFile;
+
+    fn pieces(builder: &mut SceneBuilder) -> Result<(), SceneError> {
+        let mut warnings = Vec::new();
+        builder.add_material(
+            &Piece::new(
+                "material wax",
+                "name = 'wax'\nsubsurface_weight = 1\nsubsurface_color = '#ff8800'\nsubsurface_scatter_anisotropy = 0.5",
+            ),
+            &mut warnings,
+        )?;
+        let ball = Piece::new("object ball", "name = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\nscale = 2");
+        builder.add_object(&ball, &mut warnings)?;
+        let box_ = Piece::new("object box", "shape = 'box'\ntranslate = [4, 0, 0]");
+        builder.add_object(&box_, &mut warnings)?;
+        builder.set_film(&Piece::new("film", "size = [96, 64]\nexposure = 1"))?;
+        builder.set_integrator(&Piece::new("integrator", "seed = 7"))?;
+        let light = "type = 'sphere'\ncenter = [0, 9, 0]\nradius = 1\nradiance = 3";
+        builder.add_light(&Piece::new("light", light))
+    }
+
+    #[test]
+    fn scene_of_pieces_is_that_of_the_file_with_the_same_keys() {
+        let text = "unit = 'mm'\n[[material]]\nname = 'wax'\nsubsurface_weight = 1\nsubsurface_color = '#ff8800'\n\
+            subsurface_scatter_anisotropy = 0.5\n[[object]]\nname = 'ball'\nshape = 'sphere'\nmaterial = 'wax'\n\
+            scale = 2\n[[object]]\nshape = 'box'\ntranslate = [4, 0, 0]\n[film]\nsize = [96, 64]\nexposure = 1\n\
+            [integrator]\nseed = 7\n[[light]]\ntype = 'sphere'\ncenter = [0, 9, 0]\nradius = 1\nradiance = 3\n";
+        let file = SceneFile::parse(text, Path::new("a.toml")).unwrap();
+        let of_file = file.load(&LoadOptions::default(), &mut Vec::new()).unwrap();
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        assert_eq!(format!("{:?}", builder.build(&LoadOptions::default()).unwrap()), format!("{of_file:?}"));
+    }
+
+    #[test]
+    fn errors_name_the_thing_and_the_key() {
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let mut refuse = |title: &str, text: &str| {
+            let piece = Piece::new(title, text);
+            let error = match title.split(' ').next() {
+                Some("material") => builder.add_material(&piece, &mut Vec::new()),
+                Some("object") => builder.add_object(&piece, &mut Vec::new()),
+                Some("mesh") => builder.add_mesh_object(&piece, Mesh::default(), &mut Vec::new()),
+                _ => builder.add_light(&piece),
+            };
+            error.unwrap_err().to_string()
+        };
+        for (title, text, message) in [
+            (
+                "material a",
+                "name = 'a'\nbase_colr = 1",
+                "material a: it has no key base_colr (did you mean base_color?",
+            ),
+            (
+                "material a",
+                "name = 'a'\nbase_color = nan",
+                "material a: base_color is nan, but must be in [0, 1]",
+            ),
+            (
+                "material wax",
+                "name = 'wax'",
+                "material wax: name is \"wax\", but must be a name that no other has",
+            ),
+            (
+                "material a",
+                "name = 'a'\nbase_color = {file = 'no.png'}",
+                "material a: the file no.png does not exist",
+            ),
+            ("object a", "name = 'a'", "object a: it needs the key file or shape"),
+            (
+                "object a",
+                "shape = 'cone'\nmaterial = 'vax'",
+                "object a: material is 'vax', but must be the name of a material",
+            ),
+            ("mesh a", "material = 'wax'", "mesh a: the mesh has no triangles"),
+            ("light 1", "type = 'sun'", "light 1: type is 'sun', but must be one of"),
+        ] {
+            let found = refuse(title, text);
+            assert!(found.starts_with(message), "{found}\n{message}");
+        }
+        assert_eq!((builder.scene().materials.len(), builder.scene().objects.len()), (2, 2));
+    }
+
+    #[test]
+    fn changes_that_are_taken_back_leave_nothing() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("a.obj");
+        let text = "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+        std::fs::write(&file, text).unwrap();
+        std::fs::write(directory.path().join("a.mtl"), "newmtl a\nKd 1 0 0\n").unwrap();
+        let piece = Piece::new("object a", &format!("file = {file:?}"));
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let before = format!("{:?}", builder.scene());
+        for is_kept in [false, true] {
+            builder.all_or_nothing(|builder| {
+                builder.add_object(&piece, &mut Vec::new()).unwrap();
+                is_kept
+            });
+            assert_eq!(format!("{:?}", builder.scene()) != before, is_kept);
+        }
+        let scene = builder.scene();
+        assert_eq!((scene.objects.len(), scene.materials.len()), (3, 3));
+        assert_eq!(scene.objects[2].material, 2);
+        builder.build(&LoadOptions::default()).unwrap();
+    }
+
+    #[test]
+    fn images_at_hand_are_taken_by_their_name_and_color_space() {
+        let pixels = Pixels::Byte(vec![[188, 0, 0, 255]]);
+        let image = Image {
+            name: "array 0".into(),
+            path: None,
+            width: 1,
+            height: 1,
+            color_space: ColorSpace::Srgb,
+            pixels,
+        };
+        let text = "name = 'a'\nbase_color = {file = 'array 0'}\nspecular_roughness = {file = 'array 0'}";
+        let piece = Piece { images: vec![Arc::new(image)], ..Piece::new("material a", text) };
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        builder.add_material(&piece, &mut Vec::new()).unwrap();
+        let scene = builder.scene();
+        let color = scene.materials[0].base_color.texture.unwrap().image;
+        let (roughness, _) = scene.materials[0].specular_roughness.texture.unwrap();
+        assert_eq!(scene.images[color].color_space, ColorSpace::Srgb);
+        assert_eq!(scene.images[roughness.image].color_space, ColorSpace::Linear);
+    }
+
+    #[test]
+    fn edited_material_keeps_what_is_not_named() {
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        pieces(&mut builder).unwrap();
+        let wax = builder.scene().materials[0].clone();
+        let edit = Piece::new("material wax", "subsurface_radius = 3\nsubsurface_eta = 1.3");
+        let edited = edit.material(&wax, Unit::Millimeter).unwrap();
+        assert_eq!((edited.subsurface_radius.factor, edited.subsurface_color), (3.0, wax.subsurface_color));
+        // The scene had decided on the model, and does so again; a model that is named stays.
+        let model = |material: &Material| material.model(&Integrator::default()).name();
+        assert_eq!([model(&wax), model(&edited)], ["random-walk", "random-walk-rough"]);
+        let named = Piece::new("material wax", "subsurface_model = 'random-walk'");
+        let named = named.material(&wax, Unit::Millimeter).unwrap();
+        assert_eq!(model(&edit.material(&named, Unit::Millimeter).unwrap()), "random-walk");
+        for (text, message, with_images) in [
+            (
+                "base_color = {file = 'a.png'}",
+                "this scene takes no further images",
+                "the file a.png does not exist",
+            ),
+            (
+                "subsurface_table = 'a.csv'",
+                "this scene takes no further tables of profiles",
+                "this scene takes no further tables of profiles",
+            ),
+        ] {
+            let file = Piece::new("material wax", text);
+            let error = file.material(&wax, Unit::Millimeter).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("material wax: {message}")), "{error}");
+            let error = file.material_with_images(builder.scene(), &wax, &mut Vec::new()).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("material wax: {with_images}")), "{error}");
+        }
+    }
+
+    #[test]
+    fn images_of_an_edit_are_numbered_behind_those_of_the_scene() {
+        let image = |name: &str| {
+            let pixels = Pixels::Float(vec![[0.25; 4]]);
+            let color_space = ColorSpace::Linear;
+            Arc::new(Image { name: name.into(), path: None, width: 1, height: 1, color_space, pixels })
+        };
+        let piece = |title: &str, text: &str, name: &str| Piece {
+            images: vec![image(name)],
+            ..Piece::new(title, text)
+        };
+        let mut builder = SceneBuilder::new(Unit::Millimeter);
+        let first = piece("material a", "name = 'a'\nspecular_roughness = {file = 'first'}", "first");
+        builder.add_material(&first, &mut Vec::new()).unwrap();
+        let scene = builder.scene();
+        let second = piece("material a", "base_color = {file = 'second', color_space = 'linear'}", "second");
+        let (edited, images) =
+            second.material_with_images(scene, &scene.materials[0], &mut Vec::new()).unwrap();
+        assert_eq!(images, [image("second")]);
+        assert_eq!(edited.base_color.texture.unwrap().image, 1);
+        assert_eq!(edited.specular_roughness.texture.unwrap().0.image, 0);
+        let sky = piece("environment", "file = 'sky'", "sky");
+        let (environment, images) = sky.environment_with_images(scene, &mut Vec::new()).unwrap();
+        assert_eq!((environment.image, images), (Some(1), vec![image("sky")]));
+    }
+}

@@ -1,0 +1,36 @@
+//! Tests of the scene file; the broken ones have a file of their own.
+
+mod broken;
+mod documents;
+mod examples;
+mod extending;
+mod mutation;
+mod parity;
+mod transforms;
+mod valid;
+mod written;
+
+use std::path::Path;
+
+use translucid_scene::{Scene, SceneError};
+
+use super::SceneFile;
+use crate::LoadOptions;
+
+const PATH: &str = "scenes/test.toml";
+/// The least object.
+const BALL: &str = "[[object]]\nshape = \"sphere\"\n";
+
+fn parse(text: &str) -> Result<SceneFile, SceneError> {
+    SceneFile::parse(text, Path::new(PATH))
+}
+
+/// Loads a scene that needs no files.
+fn load(text: &str) -> Scene {
+    let mut warnings = Vec::new();
+    let scene = parse(text).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    let scene =
+        scene.load(&LoadOptions::default(), &mut warnings).unwrap_or_else(|error| panic!("{error}\n{text}"));
+    assert_eq!(warnings, []);
+    scene
+}
