@@ -93,4 +93,3 @@ pub(crate) fn run(arguments: &ConvertArguments) -> Result<(), Failure> {
     converted.notes.iter().for_each(|note| messages::print_note(note));
     output::write(&converted.numbers, arguments.format, arguments.output.as_deref())
 }
-

@@ -11,8 +11,8 @@ use ::exr::meta::attribute::{AttributeValue, ChannelDescription, IntegerBounds, 
 use ::exr::meta::header::{Header, ImageAttributes};
 use ::exr::prelude::{Compression, LayerAttributes, LineOrder, SmallVec, Text, Vec2, f16};
 use miniz_oxide::deflate::compress_to_vec_zlib;
-use translucid_files::write_atomically;
 use rayon::prelude::*;
+use translucid_files::write_atomically;
 
 use crate::picture::{finite, finite_single, invalid};
 use crate::{MetadataValue, OutputError, Picture, Precision};

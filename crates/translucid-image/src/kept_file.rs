@@ -13,8 +13,8 @@ use std::fs::File;
 use std::io::{self, BufReader, Read, Write};
 use std::path::Path;
 
-use translucid_files::write_atomically;
 use bytemuck::{Pod, bytes_of_mut, cast_slice_mut};
+use translucid_files::write_atomically;
 
 use crate::OutputError;
 

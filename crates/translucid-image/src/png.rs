@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::path::Path;
 
 use ::png::{BitDepth, ColorType, Encoder, SrgbRenderingIntent};
-use translucid_files::write_atomically;
 use rayon::prelude::*;
+use translucid_files::write_atomically;
 
 use crate::picture::invalid;
 use crate::{OutputError, Picture, ToneMapping, display_from_linear};

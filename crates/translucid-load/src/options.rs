@@ -69,7 +69,7 @@ impl Floor {
     /// The floor of a word: `none`, `backdrop`, `shadow`, or a color as `#rrggbb` in sRGB or a linear grey in [0, 1].
     ///
     /// ```
-    /// use translucid_scene::Floor;
+    /// use translucid_load::Floor;
     ///
     /// assert_eq!(Floor::from_text("#ffffff"), Some(Floor::Color([1.0; 3])));
     /// assert_eq!(Floor::from_text("0.18"), Some(Floor::Color([0.18; 3])));

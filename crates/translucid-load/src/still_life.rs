@@ -13,7 +13,7 @@ use crate::{LoadOptions, SceneFile};
 /// An option is for mesh files, of which the still life has none.
 ///
 /// ```
-/// let scene = translucid_scene::still_life(&Default::default())?;
+/// let scene = translucid_load::still_life(&Default::default())?;
 /// assert!(scene.objects.iter().any(|object| object.name == "bust"));
 /// # Ok::<(), translucid_scene::SceneError>(())
 /// ```

@@ -34,7 +34,7 @@ impl Viewpoint {
     /// The viewpoint of a name, or of the text `AZIMUTH,ELEVATION`.
     ///
     /// ```
-    /// use translucid_scene::Viewpoint;
+    /// use translucid_load::Viewpoint;
     ///
     /// assert_eq!(Viewpoint::from_text("right"), Viewpoint::from_text("90, 0"));
     /// assert_eq!(Viewpoint::from_text("0,91"), None);

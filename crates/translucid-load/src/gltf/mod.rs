@@ -27,7 +27,7 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use glam::{Affine3A, DAffine3, DVec3};
-use translucid_scene::{Object, Place, SceneError, Unit, Warning, repair_mesh};
+use translucid_scene::{Object, Place, Scene, SceneError, Unit, Warning, repair_mesh};
 
 use self::accessor::Arrays;
 use self::buffers::Buffers;
@@ -274,7 +274,8 @@ impl Assembly<'_> {
     /// Adds an object of the mesh at hand.
     fn push(&mut self, object: Object, part: &str) -> Result<(), SceneError> {
         if self.scene.objects.len() >= Scene::MOST_OBJECTS {
-            let message = format!("the file has more than {Scene::MOST_OBJECTS} objects up to here");
+            let most = Scene::MOST_OBJECTS;
+            let message = format!("the file has more than {most} objects up to here");
             return Err(self.arrays.notes.error(part, message));
         }
         self.scene.objects.push(Object { subsurface_group: self.next_group, ..object });

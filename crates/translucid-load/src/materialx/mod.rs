@@ -63,7 +63,8 @@ pub(super) fn load_materialx(
 ///
 /// ```
 /// use std::path::Path;
-/// use translucid_scene::{Unit, parse_materialx};
+/// use translucid_load::parse_materialx;
+/// use translucid_scene::Unit;
 ///
 /// let text = br#"<materialx version="1.39">
 ///   <open_pbr_surface name="soap" type="surfaceshader">

@@ -216,7 +216,8 @@ struct LoadedMeshFile {
 /// Each thing is a [`Piece`](crate::Piece) with the keys of a scene file's table, and fails at once if it is wrong.
 ///
 /// ```
-/// use translucid_scene::{LoadOptions, Piece, SceneBuilder, Unit};
+/// use translucid_load::{LoadOptions, Piece, SceneBuilder};
+/// use translucid_scene::Unit;
 ///
 /// let mut builder = SceneBuilder::new(Unit::Millimeter);
 /// let mut warnings = Vec::new();
@@ -513,7 +514,8 @@ impl SceneBuilder {
     ) -> Result<(), SceneError> {
         self.triangles += triangles;
         if self.triangles > Scene::MOST_TRIANGLES {
-            let message = format!("the scene has more than {Scene::MOST_TRIANGLES} triangles up to here");
+            let most = Scene::MOST_TRIANGLES;
+            let message = format!("the scene has more than {most} triangles up to here");
             return Err(SceneError::at(entry.place.clone(), message));
         }
         warnings.append(&mut of_mesh);
@@ -528,7 +530,8 @@ impl SceneBuilder {
             self.next_group += 1;
         }
         if self.scene.objects.len() >= Scene::MOST_OBJECTS {
-            let message = format!("the scene has more than {Scene::MOST_OBJECTS} objects up to here");
+            let most = Scene::MOST_OBJECTS;
+            let message = format!("the scene has more than {most} objects up to here");
             return Err(SceneError::at(entry.place.clone(), message));
         }
         let is_movable = entry.is_movable;

@@ -98,7 +98,7 @@ impl SceneFile {
     ///
     /// ```
     /// use std::path::{Path, PathBuf};
-    /// use translucid_scene::SceneFile;
+    /// use translucid_load::SceneFile;
     ///
     /// let error = SceneFile::parse("unit = \"mm\"\n[film]\nexposur = 1.0\n", Path::new("ball.toml")).unwrap_err();
     /// assert_eq!(error.message, "film has no key exposur");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use ::toml::de::DeValue;
 use glam::{Affine3A, EulerRot, Mat3, Quat, Vec3};
 use translucid_profile::nearest;
-use translucid_scene::{Interval, Material, Place, SceneError, Unit, WholeInterval};
+use translucid_scene::{Interval, Material, Place, Scene, SceneError, Unit, WholeInterval};
 use translucid_shapes::{ShapeParameterKind, ShapeParameters, shape_names, shape_parameters};
 
 use super::document::{Item, Table};

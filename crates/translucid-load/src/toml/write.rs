@@ -40,7 +40,7 @@ impl ExtendedBase {
     /// another image.
     ///
     /// ```
-    /// use translucid_scene::{ExtendedBase, LoadOptions, still_life};
+    /// use translucid_load::{ExtendedBase, LoadOptions, still_life};
     ///
     /// let from = still_life(&LoadOptions::default())?;
     /// let mut to = from.clone();
