@@ -47,6 +47,7 @@ pub fn scene_of_everything() -> Scene {
             world_from_environment: Mat3::from_rotation_y(0.5),
             visible: true,
         }),
+        ..Scene::default()
     }
 }
 

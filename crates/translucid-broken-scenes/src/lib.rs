@@ -142,6 +142,7 @@ fn visit(scene: &mut Scene, v: &mut Visitor<'_>) {
         profile_tables,
         lights,
         environment,
+        files: _,
     } = scene;
     visit_camera(camera, v);
     visit_settings(film, integrator, v);

@@ -13,6 +13,7 @@ use super::extent::warn_of_extent;
 use super::mesh_file::{MeshFile, NamedCamera};
 use super::orientation::{UpAxis, stands_along_z, turn_model, turn_objects};
 use super::{Floor, LoadOptions};
+use crate::loading::Loading;
 use crate::model::{is_gltf, load_model};
 use crate::stage::{BackdropShape, Stage};
 
@@ -23,14 +24,14 @@ const DEFAULT_PRESET: &str = "marble";
 pub(super) fn load_bare_mesh(
     path: &Path,
     options: &LoadOptions,
-    warnings: &mut Vec<Warning>,
+    loading: &mut Loading<'_>,
 ) -> Result<Scene, SceneError> {
     if !options.mesh_overrides.is_empty() {
         let message = format!("{} is a mesh itself, so no mesh in it can be replaced", path.display());
         return Err(SceneError::new(message).with_help("mesh paths are for scene files"));
     }
     let wanted = options.preset.as_deref().map(preset).transpose()?;
-    let mut model = load_model(path, &options.watch, warnings)?;
+    let mut model = load_model(path, loading)?;
     // Meters in glTF, by its specification; millimeters where the format says nothing.
     let unit = options.unit.unwrap_or(if is_gltf(path) { Unit::Meter } else { Unit::Millimeter });
     if let Some(preset) = wanted {
@@ -42,13 +43,13 @@ pub(super) fn load_bare_mesh(
     }
     let place = Place::file(path);
     let advice = |unit: Unit| format!("--unit {}", unit.name());
-    warn_of_extent((&model.objects, &model.materials), [unit; 2], advice, &place, warnings);
-    let up = up_axis(path, &model, options, warnings);
+    warn_of_extent((&model.objects, &model.materials), [unit; 2], advice, &place, loading.warnings);
+    let up = up_axis(path, &model, options, loading.warnings);
     turn_model(&mut model, up.rotation());
     let mut scene = options
         .finish(stage(model, unit, options).map_err(|error| error.or_at(path))?)
         .map_err(|error| error.or_at(path))?;
-    options.surroundings.apply(&mut scene, warnings)?;
+    options.surroundings.apply(&mut scene, loading)?;
     Ok(scene)
 }
 

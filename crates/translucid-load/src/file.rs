@@ -1,9 +1,7 @@
 //! Files as bytes, and what their names say.
 
-use std::collections::BTreeSet;
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::path::Path;
 
 use translucid_scene::{Place, SceneError};
 
@@ -35,16 +33,5 @@ pub(crate) fn read_file(path: &Path) -> Result<Vec<u8>, SceneError> {
         let reason = format!("that takes about {mebibytes:.0} MiB of memory, which this process cannot have");
         return Err(failure(reason));
     }
-    let content = std::fs::read(path).map_err(|error| failure(error.to_string()))?;
-    FILES_READ.lock().unwrap_or_else(PoisonError::into_inner).insert(path.to_owned());
-    Ok(content)
-}
-
-/// Files that loaders have read: they lie deep in each other, and some are known by names in files only.
-static FILES_READ: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-
-/// The files that all loaders of the process have read since this was called before: what another machine needs to load the
-/// same scene.
-pub fn take_files_read() -> Vec<PathBuf> {
-    std::mem::take(&mut *FILES_READ.lock().unwrap_or_else(PoisonError::into_inner)).into_iter().collect()
+    std::fs::read(path).map_err(|error| failure(error.to_string()))
 }

@@ -20,6 +20,7 @@ mod file_request;
 mod gltf;
 mod image;
 mod load_scene;
+mod loading;
 mod materialx;
 mod mesh_file;
 mod model;
@@ -39,7 +40,6 @@ mod toml;
 mod viewpoint;
 mod watch;
 
-pub use file::take_files_read;
 pub use gltf::{load_gltf, parse_gltf};
 pub use image::{ExrChannels, decode_image, load_exr, load_image};
 pub use load_scene::load_scene;

@@ -6,6 +6,7 @@ use translucid_scene::{Scene, SceneError, Warning};
 
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::extension;
+use crate::loading::Loading;
 use crate::options::LoadOptions;
 use crate::toml::SceneFile;
 
@@ -21,7 +22,9 @@ pub fn load_scene(
     warnings: &mut Vec<Warning>,
 ) -> Result<Scene, SceneError> {
     if extension(path) != "toml" {
-        return load_bare_mesh(path, options, warnings);
+        let mut loading = Loading::new(&options.watch, warnings);
+        let scene = load_bare_mesh(path, options, &mut loading)?;
+        return Ok(Scene { files: loading.into_files(), ..scene });
     }
     let file = SceneFile::read(path)?;
     refuse_mesh_options(path, &file, options)?;

@@ -2,41 +2,37 @@
 
 use std::path::Path;
 
-use translucid_scene::{Mesh, Object, Place, SceneError, Unit, Warning};
+use translucid_scene::{Mesh, Object, Place, SceneError, Unit};
 
 use crate::file::{extension, stem};
-use crate::gltf;
+use crate::gltf::read_gltf;
+use crate::loading::Loading;
 use crate::mesh_file::MeshFile;
-use crate::obj::load_obj;
-use crate::ply::load_ply;
-use crate::stl::load_stl;
-use crate::watch::LoadWatch;
+use crate::obj::read_obj;
+use crate::ply::parse_ply;
+use crate::stl::parse_stl;
 
 pub(crate) fn is_gltf(path: &Path) -> bool {
     matches!(extension(path).as_str(), "gltf" | "glb")
 }
 
 /// Loads a mesh file by its extension; its lengths are as the file has them.
-pub(crate) fn load_model(
-    path: &Path,
-    watch: &LoadWatch,
-    warnings: &mut Vec<Warning>,
-) -> Result<MeshFile, SceneError> {
+pub(crate) fn load_model(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
     if is_gltf(path) {
-        return gltf::load_watched(path, Unit::Meter, watch, warnings);
+        return read_gltf(path, Unit::Meter, loading);
     }
     if extension(path) == "obj" {
-        return load_obj(path, warnings);
+        return read_obj(path, loading);
     }
     let of_one_object = |mesh: Mesh| {
         let object = Object { name: stem(path), mesh: mesh.into(), ..Object::default() };
         MeshFile { objects: vec![object], ..MeshFile::default() }
     };
     if extension(path) == "ply" {
-        return load_ply(path, warnings).map(of_one_object);
+        return parse_ply(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
     if extension(path) == "stl" {
-        return load_stl(path, warnings).map(of_one_object);
+        return parse_stl(&loading.read(path)?, path, loading.warnings).map(of_one_object);
     }
     let message = match extension(path).as_str() {
         "" => String::from("a file without extension is neither a scene nor a mesh"),

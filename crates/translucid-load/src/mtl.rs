@@ -9,7 +9,8 @@ use translucid_scene::{
     SceneError, TextureRef, Warning, Wrap,
 };
 
-use super::image::load_image;
+use super::image::read_image;
+use super::loading::Loading;
 
 /// Range of the exponent of a highlight.
 const EXPONENT: Interval = Interval::closed(0.0, f32::MAX as f64);
@@ -32,20 +33,20 @@ impl ImagePool {
         path: PathBuf,
         color_space: ColorSpace,
         place: Place,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Option<usize> {
         let key = (path, color_space == ColorSpace::Srgb);
         if let Some(&known) = self.numbers.get(&key) {
             return known;
         }
-        let number = match load_image(&key.0, color_space, warnings) {
+        let number = match read_image(&key.0, color_space, loading) {
             Ok(image) => {
                 self.images.push(image);
                 Some(self.images.len() - 1)
             }
             Err(error) => {
                 let message = format!("the material is used without its image: {error}");
-                warnings.push(Warning { message, place: Some(place) });
+                loading.warnings.push(Warning { message, place: Some(place) });
                 None
             }
         };
@@ -74,7 +75,7 @@ pub(super) fn parse_mtl(
     bytes: &[u8],
     path: &Path,
     pool: &mut ImagePool,
-    warnings: &mut Vec<Warning>,
+    loading: &mut Loading<'_>,
 ) -> Result<Vec<Material>, SceneError> {
     let mut materials: Vec<Draft> = Vec::new();
     for (number, line) in String::from_utf8_lossy(bytes).lines().enumerate() {
@@ -84,7 +85,7 @@ pub(super) fn parse_mtl(
         if keyword == "newmtl" {
             materials.push(Draft::new(rest.trim()));
         } else if let Some(draft) = materials.last_mut() {
-            let mut reader = LineReader { path, place: &place, pool, warnings };
+            let mut reader = LineReader { path, place: &place, pool, loading };
             reader
                 .read(&keyword.to_ascii_lowercase(), rest.trim(), draft)
                 .map_err(|m| SceneError::at(place.clone(), m))?;
@@ -131,14 +132,14 @@ impl Draft {
     }
 }
 
-struct LineReader<'a> {
+struct LineReader<'a, 'l> {
     path: &'a Path,
     place: &'a Place,
     pool: &'a mut ImagePool,
-    warnings: &'a mut Vec<Warning>,
+    loading: &'a mut Loading<'l>,
 }
 
-impl LineReader<'_> {
+impl LineReader<'_, '_> {
     fn read(&mut self, keyword: &str, rest: &str, draft: &mut Draft) -> Result<(), String> {
         let material = &mut draft.material;
         match keyword {
@@ -188,7 +189,7 @@ impl LineReader<'_> {
     }
 
     fn warn(&mut self, message: String) {
-        self.warnings.push(Warning { message, place: Some(self.place.clone()) });
+        self.loading.warnings.push(Warning { message, place: Some(self.place.clone()) });
     }
 
     /// A value brought into its range, with a warning if it was not.
@@ -236,7 +237,7 @@ impl LineReader<'_> {
         }
         options.bump = self.within(options.bump, NormalMap::SCALE);
         let path = self.path.with_file_name(options.file.replace('\\', "/"));
-        let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.warnings) else { return };
+        let Some(image) = self.pool.get(path, color_space, self.place.clone(), self.loading) else { return };
         let texture = options.texture(image);
         let scalar = |channel| Some((texture, channel));
         let material = &mut draft.material;
@@ -347,8 +348,12 @@ mod tests {
 
     fn parsed(text: &str) -> Result<(Vec<Material>, String), SceneError> {
         let mut warnings = Vec::new();
-        let materials =
-            parse_mtl(text.as_bytes(), Path::new("a.mtl"), &mut ImagePool::default(), &mut warnings)?;
+        let materials = parse_mtl(
+            text.as_bytes(),
+            Path::new("a.mtl"),
+            &mut ImagePool::default(),
+            &mut Loading::unwatched(&mut warnings),
+        )?;
         let lines: Vec<_> = warnings.iter().map(ToString::to_string).collect();
         Ok((materials, lines.join("\n")))
     }
@@ -487,8 +492,12 @@ mod tests {
         let text = "newmtl a\nKd 1 .5 0\nKs .5 .5 .5\nNs 100\nNi 1.4\nd .5\nTf 1 1 1\nKe 1 2 3\nillum 7\nPr .5\n\
             map_Kd -s 1 2 3 -o 1 no.png\nnewmtl b\nmap_bump -bm 2 no.png\n";
         for mutant in mutants(text.as_bytes(), 3_000) {
-            let materials =
-                parse_mtl(&mutant, Path::new("no/a.mtl"), &mut ImagePool::default(), &mut Vec::new());
+            let materials = parse_mtl(
+                &mutant,
+                Path::new("no/a.mtl"),
+                &mut ImagePool::default(),
+                &mut Loading::unwatched(&mut Vec::new()),
+            );
             for m in materials.into_iter().flatten() {
                 assert!(m.base_color.factor.is_finite() && m.emission_color.factor.is_finite());
                 assert!(

@@ -9,7 +9,8 @@ use translucid_scene::{Material, Mesh, Object, Place, SceneError, Warning, repai
 use super::MeshFile;
 use super::mtl::{ImagePool, parse_mtl};
 use super::polygon::triangulate;
-use crate::file::{read_file, stem};
+use crate::file::stem;
+use crate::loading::Loading;
 
 /// Loads an OBJ mesh with its material libraries and their images.
 ///
@@ -22,7 +23,12 @@ use crate::file::{read_file, stem};
 /// # Errors
 /// The file cannot be read, a line breaks the format (the message names it), or no triangle is usable.
 pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
-    parse_obj(&read_file(path)?, path, warnings)
+    read_obj(path, &mut Loading::unwatched(warnings))
+}
+
+/// As [`load_obj`], as a part of a load.
+pub(crate) fn read_obj(path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+    parse(&loading.read(path)?, path, loading)
 }
 
 /// Parses an OBJ file's bytes as [`load_obj`] does; libraries and images are beside `path`.
@@ -30,6 +36,10 @@ pub fn load_obj(path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, Sc
 /// # Errors
 /// As [`load_obj`].
 pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+    parse(bytes, path, &mut Loading::unwatched(warnings))
+}
+
+fn parse(bytes: &[u8], path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
     let mut file = ObjFile::default();
     let mut joined = Vec::new();
     for (number, line) in bytes.split(|&byte| byte == b'\n').enumerate() {
@@ -48,7 +58,7 @@ pub fn parse_obj(bytes: &[u8], path: &Path, warnings: &mut Vec<Warning>) -> Resu
             joined.clear();
         }
     }
-    file.into_scene(path, warnings)
+    file.into_scene(path, loading)
 }
 
 /// No index.
@@ -203,7 +213,7 @@ impl ObjFile {
         Ok(Corner { position, uv, normal })
     }
 
-    fn into_scene(mut self, path: &Path, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
+    fn into_scene(mut self, path: &Path, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
         if self.faces.is_empty() {
             return Err(SceneError::at(Place::file(path), "has no faces: is it an OBJ mesh?"));
         }
@@ -212,12 +222,12 @@ impl ObjFile {
         }
         if self.slivers > 0 {
             let message = format!("faces with fewer than three corners: {} left out", self.slivers);
-            warnings.push(Warning { message, place: Some(Place::file(path)) });
+            loading.warnings.push(Warning { message, place: Some(Place::file(path)) });
         }
         let mut pool = ImagePool::default();
-        let mut materials = self.load_libraries(path, &mut pool, warnings)?;
+        let mut materials = self.load_libraries(path, &mut pool, loading)?;
         let plain = materials.len();
-        let objects = self.build_objects(path, &materials, warnings)?;
+        let objects = self.build_objects(path, &materials, loading.warnings)?;
         if plain > 0 && objects.iter().any(|object| object.material == plain) {
             materials.push(Material::default());
         }
@@ -228,16 +238,16 @@ impl ObjFile {
         &self,
         path: &Path,
         pool: &mut ImagePool,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Result<Vec<Material>, SceneError> {
         let mut materials: Vec<Material> = Vec::new();
         for (line, names) in &self.libraries {
             for library in library_paths(path, names) {
-                match read_file(&library) {
-                    Ok(bytes) => materials.extend(parse_mtl(&bytes, &library, pool, warnings)?),
+                match loading.read(&library) {
+                    Ok(bytes) => materials.extend(parse_mtl(&bytes, &library, pool, loading)?),
                     Err(error) => {
                         let message = format!("material library {error}");
-                        warnings.push(Warning { message, place: Some(Place::line(path, *line)) });
+                        loading.warnings.push(Warning { message, place: Some(Place::line(path, *line)) });
                     }
                 }
             }
@@ -248,7 +258,7 @@ impl ObjFile {
         missing.sort_by_key(|(_, line)| **line);
         for (name, line) in missing {
             let message = format!("there is no material \"{name}\" in the material libraries");
-            warnings.push(Warning { message, place: Some(Place::line(path, *line)) });
+            loading.warnings.push(Warning { message, place: Some(Place::line(path, *line)) });
         }
         Ok(materials)
     }

@@ -8,7 +8,8 @@ use translucid_scene::{
     Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit, Warning,
 };
 
-use super::image::load_image;
+use super::image::read_image;
+use super::loading::Loading;
 use super::orientation::UpAxis;
 use super::watch::LoadWatch;
 use crate::Viewpoint;
@@ -102,13 +103,13 @@ impl Surroundings {
     ///
     /// # Errors
     /// The image cannot be used, a number is out of range, or there is no environment to change.
-    pub(super) fn apply(&self, scene: &mut Scene, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
+    pub(super) fn apply(&self, scene: &mut Scene, loading: &mut Loading<'_>) -> Result<(), SceneError> {
         if *self == Self::default() {
             return Ok(());
         }
         if let Some(path) = &self.file {
             let image = Some(scene.images.len());
-            scene.images.push(Arc::new(load_image(path, ColorSpace::Srgb, warnings)?));
+            scene.images.push(Arc::new(read_image(path, ColorSpace::Srgb, loading)?));
             scene.environment = Some(Environment { image, ..Environment::default() });
         }
         let Some(environment) = &mut scene.environment else {

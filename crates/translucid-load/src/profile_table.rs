@@ -6,6 +6,7 @@ use translucid_profile::parse_profile_rows;
 use translucid_scene::{ProfileTable, SceneError};
 
 use crate::file::read_file;
+use crate::loading::Loading;
 
 /// Loads a table of reflectance profiles.
 ///
@@ -13,6 +14,11 @@ use crate::file::read_file;
 /// The file cannot be read, lacks a column, or a number is not what it must be; the error names the line.
 pub fn load_profile_table(path: &Path) -> Result<ProfileTable, SceneError> {
     parse_profile_table(&read_file(path)?, path)
+}
+
+/// As [`load_profile_table`], as a part of a load.
+pub(crate) fn read_profile_table(path: &Path, loading: &mut Loading<'_>) -> Result<ProfileTable, SceneError> {
+    parse_profile_table(&loading.read(path)?, path)
 }
 
 /// Reads a table of reflectance profiles from a file's bytes; the path is for messages.

@@ -22,6 +22,8 @@ type Hear = dyn Fn(LoadProgress) -> ControlFlow<()> + Send + Sync;
 pub struct LoadWatch(Option<Arc<Hear>>);
 
 impl LoadWatch {
+    pub(crate) const NOBODY: Self = Self(None);
+
     /// Calls `hear` between objects; with [`ControlFlow::Break`] loading ends with an error.
     pub fn new(hear: impl Fn(LoadProgress) -> ControlFlow<()> + Send + Sync + 'static) -> Self {
         Self(Some(Arc::new(hear)))

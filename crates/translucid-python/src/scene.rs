@@ -9,7 +9,7 @@ use numpy::{Element, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyString, PyType};
-use translucid_load::{LoadOptions, Piece, SceneBuilder, load_scene, take_files_read};
+use translucid_load::{LoadOptions, Piece, SceneBuilder, load_scene};
 use translucid_scene::{Film, Mesh, SceneError, SubsurfaceModel, Unit, Warning};
 
 use crate::arrays::{Any, Numbers, Rule, is_aligned};
@@ -185,9 +185,7 @@ impl Scene {
     /// The files that a scene file or a mesh is read from: what another machine needs to load it.
     #[staticmethod]
     fn _files(py: Python<'_>, path: PathBuf) -> PyResult<Vec<PathBuf>> {
-        drop(take_files_read());
-        load(py, path, LoadOptions::default())?;
-        Ok(take_files_read())
+        Ok(load(py, path, LoadOptions::default())?.files.into_iter().collect())
     }
 
     /// Adds a material.

@@ -155,6 +155,7 @@ fn hall(lamps: usize) -> Scene {
             world_from_environment: Mat3::IDENTITY,
             visible: false,
         }),
+        ..Scene::default()
     }
 }
 

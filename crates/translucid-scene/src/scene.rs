@@ -1,6 +1,7 @@
 //! The whole scene: what a loader returns and a renderer takes.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeSet, HashMap, HashSet};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -55,6 +56,8 @@ pub struct Scene {
     pub lights: Vec<Light>,
     /// Light from infinity in all directions; `None` is black.
     pub environment: Option<Environment>,
+    /// Files that the scene was read from: all that another machine needs to load it. Empty for one that is made in code.
+    pub files: BTreeSet<PathBuf>,
 }
 
 /// The checks of parts take time in proportion to the part: an edit need not check more.

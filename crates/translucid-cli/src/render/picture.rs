@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime};
 
 use translucid_image::{Denoiser, OutputError, Picture, PixelRect};
-use translucid_load::take_files_read;
 use translucid_render::{
     CheckpointPlan, Event, FilmSums, ImageInfo, Outcome, Plan, PreparedScene, Session, ShardNotes, ShardRun,
     content_hash,
@@ -426,7 +425,7 @@ fn notes(task: &Task<'_>, scene: &Scene) -> ShardNotes {
             .unwrap_or(0),
         exposure: task.exposure.stated(&scene.film),
         tone_mapping: scene.film.tone_mapping.name().to_owned(),
-        inputs: take_files_read().iter().filter(|_| task.outputs.is_shard()).filter_map(facts).collect(),
+        inputs: scene.files.iter().filter(|_| task.outputs.is_shard()).filter_map(facts).collect(),
         runs: Vec::new(),
     }
 }

@@ -35,7 +35,7 @@ impl<'a> Buffers<'a> {
         for (index, buffer) in document.buffers.as_slice().iter().enumerate() {
             let part = document.buffers.label(index);
             let mut bytes = match (&buffer.uri, binary.take()) {
-                (Some(uri), _) => uri::read(uri, notes.path)
+                (Some(uri), _) => uri::read(uri, notes)
                     .map(|found| Cow::Owned(found.bytes))
                     .map_err(|e| notes.error(&part, e))?,
                 (None, Some(bytes)) => Cow::Borrowed(bytes),

@@ -39,8 +39,7 @@ use self::notes::Notes;
 use super::MeshFile;
 use super::mesh_file::NamedCamera;
 use super::shared_mesh::SharedMesh;
-use super::watch::LoadWatch;
-use crate::file::read_file;
+use crate::loading::Loading;
 
 /// Reads a glTF file, textures and buffers beside it included, into world space.
 ///
@@ -51,17 +50,12 @@ use crate::file::read_file;
 /// The file cannot be read, is not glTF 2.0, contradicts itself, needs compressed geometry, or has no
 /// usable triangle; the message names the element at fault.
 pub fn load_gltf(path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
-    load_watched(path, unit, &LoadWatch::default(), warnings)
+    read_gltf(path, unit, &mut Loading::unwatched(warnings))
 }
 
-/// As [`load_gltf`], with somebody who hears how far it is.
-pub(super) fn load_watched(
-    path: &Path,
-    unit: Unit,
-    watch: &LoadWatch,
-    warnings: &mut Vec<Warning>,
-) -> Result<MeshFile, SceneError> {
-    parse_watched(&read_file(path)?, path, unit, watch, warnings)
+/// As [`load_gltf`], as a part of a load.
+pub(crate) fn read_gltf(path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+    parse(&loading.read(path)?, path, unit, loading)
 }
 
 /// Reads glTF from memory; `path` is for messages and for the buffers and images beside it.
@@ -74,28 +68,22 @@ pub fn parse_gltf(
     unit: Unit,
     warnings: &mut Vec<Warning>,
 ) -> Result<MeshFile, SceneError> {
-    parse_watched(bytes, path, unit, &LoadWatch::default(), warnings)
+    parse(bytes, path, unit, &mut Loading::unwatched(warnings))
 }
 
-fn parse_watched(
-    bytes: &[u8],
-    path: &Path,
-    unit: Unit,
-    watch: &LoadWatch,
-    warnings: &mut Vec<Warning>,
-) -> Result<MeshFile, SceneError> {
+fn parse(bytes: &[u8], path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
     let notes = Notes::new(path);
-    let result = read(bytes, unit, watch, &notes, warnings);
-    warnings.extend(notes.into_warnings());
+    let result = read(bytes, unit, &notes, loading);
+    loading.add_files(notes.take_files());
+    loading.warnings.extend(notes.into_warnings());
     result
 }
 
 fn read(
     bytes: &[u8],
     unit: Unit,
-    watch: &LoadWatch,
     notes: &Notes<'_>,
-    warnings: &mut Vec<Warning>,
+    loading: &mut Loading<'_>,
 ) -> Result<MeshFile, SceneError> {
     let container = container::split(bytes, notes.path)?;
     let document = Document::parse(container.json, notes.path)?;
@@ -111,13 +99,13 @@ fn read(
         budget: MOST,
         uses: uses_of_meshes(&placed, &arrays),
         shared: HashMap::new(),
-        warnings,
+        warnings: loading.warnings,
         unusable: None,
         next_group: 0,
         scene: MeshFile::default(),
     };
     for (done, node) in placed.iter().enumerate() {
-        watch.tell(done, placed.len())?;
+        loading.watch.tell(done, placed.len())?;
         assembly.add_node(node)?;
     }
     assembly.finish()

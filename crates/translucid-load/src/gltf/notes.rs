@@ -1,7 +1,7 @@
 //! Warnings on their way out: equal ones are counted, not repeated.
 
 use std::cell::RefCell;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use translucid_scene::{Place, SceneError, Warning};
 
@@ -9,6 +9,7 @@ use translucid_scene::{Place, SceneError, Warning};
 pub(super) struct Notes<'a> {
     pub(super) path: &'a Path,
     entries: RefCell<Vec<CountedWarning>>,
+    files: RefCell<Vec<PathBuf>>,
 }
 
 /// A warning, the first part of the file that it is of, and how many there are.
@@ -23,7 +24,7 @@ const MOST: usize = 256;
 
 impl<'a> Notes<'a> {
     pub(super) fn new(path: &'a Path) -> Self {
-        Self { path, entries: RefCell::default() }
+        Self { path, entries: RefCell::default(), files: RefCell::default() }
     }
 
     /// Writes down that something was repaired or left out at a part of the file.
@@ -35,6 +36,16 @@ impl<'a> Notes<'a> {
         } else if entries.len() < MOST {
             entries.push(CountedWarning { message, first: part.to_owned(), count: 1 });
         }
+    }
+
+    /// Writes down that a file beside this one was read.
+    pub(super) fn add_file(&self, path: &Path) {
+        self.files.borrow_mut().push(path.to_owned());
+    }
+
+    /// Takes the files beside this one that were read.
+    pub(super) fn take_files(&self) -> Vec<PathBuf> {
+        self.files.take()
     }
 
     /// An error at a part of the file.

@@ -141,7 +141,7 @@ impl ImageShelf {
                 if !uri.starts_with("data:") {
                     label = format!("{label} ({})", uri::clip(uri));
                 }
-                let contents = uri::read(uri, arrays.notes.path)?;
+                let contents = uri::read(uri, arrays.notes)?;
                 path = contents.path;
                 Cow::Owned(contents.bytes)
             }

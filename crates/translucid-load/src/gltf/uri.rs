@@ -6,6 +6,9 @@ use base64::engine::general_purpose::{GeneralPurpose, GeneralPurposeConfig};
 use base64::engine::{DecodePaddingMode, Engine};
 use base64::{DecodeError, alphabet};
 
+use super::notes::Notes;
+use crate::file::read_file;
+
 /// Bytes that a URI stands for.
 #[derive(Debug)]
 pub(super) struct Contents {
@@ -18,10 +21,10 @@ pub(super) struct Contents {
 ///
 /// # Errors
 /// Error in words that go on after the name of the buffer or image.
-pub(super) fn read(uri: &str, gltf: &Path) -> Result<Contents, String> {
+pub(super) fn read(uri: &str, notes: &Notes<'_>) -> Result<Contents, String> {
     match uri.strip_prefix("data:") {
         Some(data) => read_data(data).map(|bytes| Contents { bytes, path: None }),
-        None => read_file(uri, gltf),
+        None => read_beside(uri, notes),
     }
 }
 
@@ -57,13 +60,16 @@ fn decode_base64(text: &str) -> Result<Vec<u8>, String> {
     })
 }
 
-fn read_file(uri: &str, gltf: &Path) -> Result<Contents, String> {
+fn read_beside(uri: &str, notes: &Notes<'_>) -> Result<Contents, String> {
     let candidates = [percent_decoded(uri), Some(uri.to_owned())];
     let mut failure = String::new();
     for relative in candidates.into_iter().flatten() {
-        let path = beside(&relative, gltf)?;
-        match crate::file::read_file(&path) {
-            Ok(bytes) => return Ok(Contents { bytes, path: Some(path) }),
+        let path = beside(&relative, notes.path)?;
+        match read_file(&path) {
+            Ok(bytes) => {
+                notes.add_file(&path);
+                return Ok(Contents { bytes, path: Some(path) });
+            }
             Err(error) if failure.is_empty() => failure = format!("{} {}", path.display(), error.message),
             Err(_) => (),
         }
@@ -131,19 +137,21 @@ mod tests {
     #[test]
     fn read_refuses_what_is_not_beside_the_file() {
         for uri in ["/etc/passwd", "http://example.org/a.bin", "file:///a.bin", "%2Fetc/passwd"] {
-            let message = read(uri, Path::new("models/a.gltf")).unwrap_err();
+            let message = read(uri, &Notes::new(Path::new("models/a.gltf"))).unwrap_err();
             assert!(message.contains("is not a path relative to the glTF file"), "{uri}: {message}");
         }
+        let notes = Notes::new(Path::new("a.gltf"));
+        assert!(read("no such.bin", &notes).unwrap_err().starts_with("no such.bin cannot be read: "));
         assert!(
-            read("no such.bin", Path::new("a.gltf")).unwrap_err().starts_with("no such.bin cannot be read: ")
+            read("", &Notes::new(&std::env::temp_dir().join("a.gltf"))).unwrap_err().contains("not a file")
         );
-        assert!(read("", &std::env::temp_dir().join("a.gltf")).unwrap_err().contains("not a file"));
     }
 
     #[test]
     fn read_refuses_data_uris_that_are_not_base64() {
-        let message = read("data:text/plain,hello", Path::new("a.gltf")).unwrap_err();
+        let notes = Notes::new(Path::new("a.gltf"));
+        let message = read("data:text/plain,hello", &notes).unwrap_err();
         assert_eq!(message, "its data URI is \"text/plain\", but only base64 is read");
-        assert_eq!(read("data:", Path::new("a.gltf")).unwrap_err(), "its data URI has no comma");
+        assert_eq!(read("data:", &notes).unwrap_err(), "its data URI has no comma");
     }
 }

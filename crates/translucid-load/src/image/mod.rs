@@ -10,6 +10,7 @@ mod tiff;
 use std::path::Path;
 
 use crate::file::read_file;
+use crate::loading::Loading;
 pub use exr::ExrChannels;
 use file_bytes::ImageBytes;
 use translucid_scene::{ColorSpace, Image, Pixels, Place, SceneError, Warning};
@@ -26,7 +27,17 @@ pub fn load_image(
     color_space: ColorSpace,
     warnings: &mut Vec<Warning>,
 ) -> Result<Image, SceneError> {
-    let image = decode_image(&Place::file(path), &read_file(path)?, color_space, warnings)?;
+    read_image(path, color_space, &mut Loading::unwatched(warnings))
+}
+
+/// As [`load_image`], as a part of a load.
+pub(crate) fn read_image(
+    path: &Path,
+    color_space: ColorSpace,
+    loading: &mut Loading<'_>,
+) -> Result<Image, SceneError> {
+    let bytes = loading.read(path)?;
+    let image = decode_image(&Place::file(path), &bytes, color_space, loading.warnings)?;
     Ok(Image { path: Some(path.to_owned()), ..image })
 }
 

@@ -18,11 +18,14 @@ use super::{Grouping, LARGEST_FILE, SceneFile};
 use crate::extent::warn_of_extent;
 use crate::file::read_file;
 use crate::file_request::FileRequest;
+use crate::image::read_image;
+use crate::loading::Loading;
 use crate::mesh_file::{MeshFile, scale_lengths};
 use crate::model::{is_gltf, load_model};
+use crate::options::LoadOptions;
+use crate::profile_table::read_profile_table;
 use crate::shared_mesh::SharedMesh;
 use crate::stage::Stage;
-use crate::{LoadOptions, LoadWatch, load_image, load_profile_table};
 
 /// Entries whose shapes are made at the same time: enough to keep many threads busy, few enough that a scene which
 /// goes beyond [`Scene::MOST_TRIANGLES`] is noticed in time.
@@ -37,7 +40,7 @@ impl SceneFile {
     /// # Errors
     /// As [`parse`](Self::parse), or the file cannot be read, is not UTF-8, or has more than 16 MiB.
     pub fn read(path: &Path) -> Result<Self, SceneError> {
-        Self::parse(&read_text(path)?, path)
+        Ok(Self { file: Some(path.to_owned()), ..Self::parse(&read_text(path)?, path)? })
     }
 
     /// Opens the meshes and images and makes the scene, with other meshes for some of the objects.
@@ -45,16 +48,15 @@ impl SceneFile {
         self,
         overrides: &HashMap<usize, &Path>,
         options: &LoadOptions,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Result<Scene, SceneError> {
         let camera = self.camera(options.camera.as_deref())?;
         let mut scene = self.scene;
         scene.film = options.film(scene.film);
         let images =
-            load_files(&self.images, |image| load_image(&image.path, image.kind, warnings).map(Arc::new))?;
+            load_files(&self.images, |image| read_image(&image.path, image.kind, loading).map(Arc::new))?;
         scene.images.extend(images);
         let mut builder = SceneBuilder { grouping: self.grouping, camera, ..SceneBuilder::of(scene) };
-        builder.watch = options.watch.clone();
         let replacement = |index: usize| overrides.get(&index).copied();
         for (index, entry) in self.objects.iter().enumerate() {
             builder.expect(entry, replacement(index));
@@ -66,11 +68,13 @@ impl SceneFile {
             let shapes: Vec<_> = entries.par_iter().map(of_one_use).collect();
             for (number, (entry, shape)) in entries.iter().zip(shapes).enumerate() {
                 let index = chunk * SHAPES_AT_ONCE + number;
-                options.watch.tell(index, self.objects.len())?;
+                loading.watch.tell(index, self.objects.len())?;
                 match (shape, &entry.geometry) {
-                    (Some(shape), _) => builder.add_ready(entry, 0, shape?, warnings)?,
-                    (None, GeometryOrigin::Shape { .. }) => builder.add_shape(entry, warnings)?,
-                    (None, _) => builder.add_file(entry, replacement(index), warnings)?,
+                    (Some(shape), _) => builder.add_ready(entry, 0, shape?, loading.warnings)?,
+                    (None, GeometryOrigin::Shape { .. }) => {
+                        builder.add_shape(entry, loading.warnings)?;
+                    }
+                    (None, _) => builder.add_file(entry, replacement(index), loading)?,
                 }
             }
         }
@@ -79,7 +83,7 @@ impl SceneFile {
             (Some(_), Some(camera)) => Scene { camera: options.moved(camera), ..builder.scene },
             (_, camera) => staged(builder.scene, camera, options),
         };
-        let tables = load_files(&self.profile_tables, |table| load_profile_table(&table.path))?;
+        let tables = load_files(&self.profile_tables, |table| read_profile_table(&table.path, loading))?;
         scene.profile_tables.extend(tables);
         // Files that the scene names, and what follows from them, may go beyond what the text was checked for.
         options.finish(scene).map_err(|error| error.or_at(self.source.path()))
@@ -240,8 +244,6 @@ pub struct SceneBuilder {
     models: HashMap<Source, LoadedMeshFile>,
     /// Shapes that several objects have.
     shapes: HashMap<Source, SharedMesh>,
-    /// Hears how far the loading of a file is.
-    watch: LoadWatch,
     /// Uses of a mesh that are known: those that are to come, and those that there have been.
     expected: HashMap<Source, usize>,
     used: HashMap<Source, usize>,
@@ -272,7 +274,6 @@ impl SceneBuilder {
             default_material: None,
             models: HashMap::new(),
             shapes: HashMap::new(),
-            watch: LoadWatch::default(),
             expected: HashMap::new(),
             used: HashMap::new(),
             groups: HashMap::new(),
@@ -414,7 +415,7 @@ impl SceneBuilder {
         &mut self,
         entry: &ObjectEntry,
         replacement: Option<&Path>,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Result<(), SceneError> {
         let GeometryOrigin::File { path, unit } = &entry.geometry else { return Ok(()) };
         let path = replacement.unwrap_or(path);
@@ -428,7 +429,7 @@ impl SceneBuilder {
         let mut loaded = match self.models.remove(&source) {
             Some(loaded) => loaded,
             None => LoadedMeshFile {
-                model: self.load(path, unit, warnings)?,
+                model: self.load(path, unit, loading)?,
                 first_material: None,
                 shared: HashMap::new(),
             },
@@ -456,14 +457,19 @@ impl SceneBuilder {
                         Entry::Occupied(known) => known.into_mut(),
                         Entry::Vacant(new) => {
                             let mesh = Arc::clone(&part.mesh);
-                            new.insert(SharedMesh::new(mesh, uses_of_mesh[&address], &entry.place, warnings)?)
+                            new.insert(SharedMesh::new(
+                                mesh,
+                                uses_of_mesh[&address],
+                                &entry.place,
+                                loading.warnings,
+                            )?)
                         }
                     };
                     ReadyMesh::of_shared(entry, &place, shared)?
                 } else {
                     ReadyMesh::new(entry, &place, Mesh::clone(&part.mesh))?
                 };
-                self.add_mesh(entry, mesh, (name, material, part.subsurface_group), warnings)?;
+                self.add_mesh(entry, mesh, (name, material, part.subsurface_group), loading.warnings)?;
             }
             let lights = loaded.model.lights.iter();
             self.scene.lights.extend(lights.filter_map(|light| transformed_light(light, place)));
@@ -472,7 +478,7 @@ impl SceneBuilder {
                 return Err(SceneError::at(entry.place.clone(), message));
             }
         }
-        self.warn_of_extent(entry, unit, loaded.model.objects.len(), warnings);
+        self.warn_of_extent(entry, unit, loaded.model.objects.len(), loading.warnings);
         self.models.insert(source, loaded);
         Ok(())
     }
@@ -485,8 +491,8 @@ impl SceneBuilder {
         warn_of_extent((new, materials), [*of_scene, unit], advice, &entry.place, warnings);
     }
 
-    fn load(&self, path: &Path, unit: Unit, warnings: &mut Vec<Warning>) -> Result<MeshFile, SceneError> {
-        let mut model = load_model(path, &self.watch, warnings)?;
+    fn load(&self, path: &Path, unit: Unit, loading: &mut Loading<'_>) -> Result<MeshFile, SceneError> {
+        let mut model = load_model(path, loading)?;
         scale_lengths(&mut model, (unit.in_millimeters() / self.scene.unit.in_millimeters()) as f32);
         Ok(model)
     }

@@ -15,6 +15,7 @@ use super::settings::read_size;
 use crate::LoadOptions;
 use crate::bare_mesh::load_bare_mesh;
 use crate::file::{extension, stem};
+use crate::loading::Loading;
 
 /// Keys of a scene file that extends another.
 pub(super) const KEYS: &[&str] = &[
@@ -198,7 +199,9 @@ impl SceneFile {
     /// # Errors
     /// A file is missing or cannot be used; a change does not fit what it changes; an option does not fit the scene.
     pub fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
-        Chain::of(self)?.load(options, warnings)
+        let mut loading = Loading::new(&options.watch, warnings);
+        let scene = Chain::of(self)?.load(options, &mut loading)?;
+        Ok(Scene { files: loading.into_files(), ..scene })
     }
 }
 
@@ -251,7 +254,8 @@ impl Chain {
         Ok(Self { mesh, files })
     }
 
-    fn load(self, options: &LoadOptions, warnings: &mut Vec<Warning>) -> Result<Scene, SceneError> {
+    fn load(self, options: &LoadOptions, loading: &mut Loading<'_>) -> Result<Scene, SceneError> {
+        loading.add_files(self.files.iter().filter_map(|file| file.file.clone()));
         let Replacements { mesh, objects } = self.replacements(&options.mesh_overrides)?;
         let stated = self.files.iter().rev().find_map(|file| file.extends.as_ref()?.size);
         let of_base = LoadOptions {
@@ -267,7 +271,7 @@ impl Chain {
         let mut base = match &self.mesh {
             Some((path, extends)) => {
                 let of_mesh = LoadOptions { camera: camera_of(None), ..of_base.clone() };
-                Some(load_mesh(mesh.unwrap_or(path), extends, &of_mesh, warnings)?)
+                Some(load_mesh(mesh.unwrap_or(path), extends, &of_mesh, loading)?)
             }
             None => None,
         };
@@ -275,12 +279,12 @@ impl Chain {
             let of_file = if number == last { options } else { &of_base };
             let of_file = LoadOptions { camera: camera_of(Some(number)), ..of_file.clone() };
             base = Some(match base {
-                Some(base) => extend(base, &file, &objects[number], &of_file, warnings)?,
-                None => file.with_documents(warnings)?.assemble(&objects[number], &of_file, warnings)?,
+                Some(base) => extend(base, &file, &objects[number], &of_file, loading)?,
+                None => file.with_documents(loading)?.assemble(&objects[number], &of_file, loading)?,
             });
         }
         let mut scene = base.ok_or_else(|| SceneError::new("there is no scene"))?;
-        options.surroundings.apply(&mut scene, warnings)?;
+        options.surroundings.apply(&mut scene, loading)?;
         Ok(scene)
     }
 
@@ -314,12 +318,12 @@ fn load_mesh(
     path: &Path,
     extends: &Extends,
     options: &LoadOptions,
-    warnings: &mut Vec<Warning>,
+    loading: &mut Loading<'_>,
 ) -> Result<Scene, SceneError> {
     check_present(path, &extends.place)
         .map_err(|error| error.with_help("put the mesh there, or give its path with --mesh PATH"))?;
     let (preset, unit) = (extends.preset.clone(), extends.unit.as_ref().map(|(unit, _)| *unit));
-    load_bare_mesh(path, &LoadOptions { preset, unit, ..options.clone() }, warnings)
+    load_bare_mesh(path, &LoadOptions { preset, unit, ..options.clone() }, loading)
 }
 
 /// Changes a base by a file.
@@ -328,7 +332,7 @@ fn extend(
     file: &SceneFile,
     overrides: &HashMap<usize, &Path>,
     options: &LoadOptions,
-    warnings: &mut Vec<Warning>,
+    loading: &mut Loading<'_>,
 ) -> Result<Scene, SceneError> {
     if let Some((unit, place)) = file.extends.as_ref().and_then(|extends| extends.unit.as_ref())
         && *unit != base.unit
@@ -339,15 +343,15 @@ fn extend(
     }
     let first_new = base.materials.len();
     let source: &DocumentText = &file.source;
-    let file = SceneFile::of(source, Base::Known(Box::new(base)), Some(warnings))?;
+    let file = SceneFile::of(source, Base::Known(Box::new(base)), Some(loading))?;
     let new: Vec<String> = file.scene.materials[first_new..].iter().map(|m| m.name.clone()).collect();
-    let scene = file.assemble(overrides, options, warnings)?;
+    let scene = file.assemble(overrides, options, loading)?;
     for (number, name) in new.iter().enumerate() {
         if !scene.objects.iter().any(|object| object.material == first_new + number) {
             let old = scene.materials[..first_new].iter().map(|material| material.name.as_str());
             let near = nearest(name, old).map_or(String::new(), |near| format!(": did you mean \"{near}\"?"));
             let message = format!("no object has the new material \"{name}\"{near}");
-            warnings.push(Warning { message, place: Some(Place::file(source.path())) });
+            loading.warnings.push(Warning { message, place: Some(Place::file(source.path())) });
         }
     }
     Ok(scene)

@@ -13,6 +13,7 @@ use translucid_scene::{
 use super::document::{Item, Table};
 use crate::color::hexadecimal_color;
 use crate::file_request::FileRequest;
+use crate::loading::Loading;
 
 const COLOR_SPACES: [(&str, ColorSpace); 2] = [("srgb", ColorSpace::Srgb), ("linear", ColorSpace::Linear)];
 const CHANNELS: [(&str, Channel); 4] =
@@ -67,10 +68,11 @@ impl FileList {
         Self { documents: Documents::Opened(Vec::new()), ..self }
     }
 
-    /// Takes what was found in documents.
-    pub(super) fn take_findings(&mut self, warnings: &mut Vec<Warning>) {
+    /// Takes what was found in documents, and their names.
+    pub(super) fn take_findings(&mut self, loading: &mut Loading<'_>) {
         if let Documents::Opened(found) = &mut self.documents {
-            warnings.append(found);
+            loading.warnings.append(found);
+            loading.add_files(self.named_documents.iter().map(|(path, _)| path.clone()));
         }
     }
 

@@ -22,7 +22,7 @@ use document::{DocumentText, Item, Table};
 use extend::{Base, Extends};
 use input::{Documents, FileList};
 use object::{GeometryOrigin, ObjectEntry};
-use translucid_scene::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit, Warning};
+use translucid_scene::{Camera, ColorSpace, Environment, Material, Scene, SceneError, Unit};
 
 pub use build::SceneBuilder;
 pub use piece::Piece;
@@ -31,6 +31,7 @@ pub use write::ExtendedBase;
 use super::file_request::FileRequest;
 use crate::NamedCamera;
 use crate::file::stem;
+use crate::loading::Loading;
 
 /// Most bytes of a scene file; geometry and images are in files of their own.
 pub(super) const LARGEST_FILE: u64 = 16 << 20;
@@ -71,6 +72,8 @@ const GROUPINGS: [(&str, Grouping); 2] = [("object", Grouping::Object), ("materi
 #[derive(Clone, Debug)]
 pub struct SceneFile {
     source: DocumentText,
+    /// The file that the text was read from, if it was.
+    file: Option<PathBuf>,
     /// What the file extends, if anything.
     extends: Option<Extends>,
     /// All but the camera and what is in files; that of the base with the changes, where it is known.
@@ -111,11 +114,7 @@ impl SceneFile {
     /// Reads a text; one that extends a scene changes the base, or is checked as far as it can be without.
     ///
     /// Documents of materials are opened where there is a place for what is found in them.
-    fn of(
-        source: &DocumentText,
-        base: Base,
-        findings: Option<&mut Vec<Warning>>,
-    ) -> Result<Self, SceneError> {
+    fn of(source: &DocumentText, base: Base, loading: Option<&mut Loading<'_>>) -> Result<Self, SceneError> {
         let document = source.parse()?;
         let root = Table::root(source, document.get_ref());
         let is_extending = root.get("extends").is_some();
@@ -129,10 +128,10 @@ impl SceneFile {
             }
         };
         let mut files = FileList::after(&scene);
-        files.documents = if findings.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };
+        files.documents = if loading.is_some() { Documents::Opened(Vec::new()) } else { Documents::Later };
         if is_known {
             let read = read_materials(&root, is_extending, &mut scene, &mut files);
-            findings.into_iter().for_each(|warnings| files.take_findings(warnings));
+            loading.into_iter().for_each(|loading| files.take_findings(loading));
             read?;
         }
         let is_later = matches!(files.documents, Documents::Later);
@@ -154,6 +153,7 @@ impl SceneFile {
         let (source, images, profile_tables) = (source.clone(), files.images, files.tables);
         Ok(Self {
             source,
+            file: None,
             extends,
             scene,
             grouping,
@@ -169,9 +169,9 @@ impl SceneFile {
 
 impl SceneFile {
     /// The file with the materials of its documents.
-    fn with_documents(self, warnings: &mut Vec<Warning>) -> Result<Self, SceneError> {
+    fn with_documents(self, loading: &mut Loading<'_>) -> Result<Self, SceneError> {
         match self.has_documents {
-            true => Self::of(&self.source, Base::Unknown, Some(warnings)),
+            true => Self::of(&self.source, Base::Unknown, Some(loading)),
             false => Ok(self),
         }
     }

@@ -15,7 +15,10 @@ use super::input::FileList;
 use super::object::{GeometryOrigin, ObjectEntry};
 use super::{GROUPINGS, camera, light, material, name_objects, object, settings};
 use crate::file_request::FileRequest;
-use crate::{LoadOptions, load_image, load_profile_table};
+use crate::image::read_image;
+use crate::loading::Loading;
+use crate::options::LoadOptions;
+use crate::profile_table::read_profile_table;
 
 /// A thing of a scene: its keys and values, as they would stand in its table in a scene file.
 ///
@@ -115,9 +118,10 @@ impl Piece {
     ) -> Result<(Material, Vec<Arc<Image>>), SceneError> {
         let mut files = FileList::after(scene).opening();
         let changed = self.changed_material(material, scene.unit, &mut files);
-        files.take_findings(warnings);
+        let mut loading = Loading::unwatched(warnings);
+        files.take_findings(&mut loading);
         let changed = changed?;
-        Ok((changed, self.all_images(&files, warnings)?))
+        Ok((changed, self.all_images(&files, &mut loading)?))
     }
 
     fn changed_material(
@@ -151,26 +155,22 @@ impl Piece {
     ) -> Result<(Environment, Vec<Arc<Image>>), SceneError> {
         let mut files = FileList::after(scene);
         let environment = self.read_environment(&mut files)?;
-        Ok((environment, self.all_images(&files, warnings)?))
+        Ok((environment, self.all_images(&files, &mut Loading::unwatched(warnings))?))
     }
 
     fn read_environment(&self, files: &mut FileList) -> Result<Environment, SceneError> {
         self.read(|table| light::read_environment(&table.allow(light::ENVIRONMENT_KEYS)?, None, files))
     }
 
-    fn all_images(
-        &self,
-        files: &FileList,
-        warnings: &mut Vec<Warning>,
-    ) -> Result<Vec<Arc<Image>>, SceneError> {
-        files.images.iter().map(|request| self.image(request, warnings)).collect()
+    fn all_images(&self, files: &FileList, loading: &mut Loading<'_>) -> Result<Vec<Arc<Image>>, SceneError> {
+        files.images.iter().map(|request| self.image(request, loading)).collect()
     }
 
     /// The image at hand or in a file.
     fn image(
         &self,
         request: &FileRequest<ColorSpace>,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Result<Arc<Image>, SceneError> {
         let at_hand = self.images.iter().find(|image| Path::new(&image.name) == request.path);
         // Floating-point values are linear in any case
@@ -181,7 +181,7 @@ impl Piece {
             Some(image) => Ok(Arc::new(Image { color_space: request.kind, ..Image::clone(image) })),
             None => {
                 check_present(&request.path, &request.place)?;
-                load_image(&request.path, request.kind, warnings).map(Arc::new)
+                read_image(&request.path, request.kind, loading).map(Arc::new)
             }
         }
     }
@@ -222,10 +222,12 @@ impl SceneBuilder {
             table.require("name")?;
             material::read_material(&table, Material::default(), unit, &mut files)
         });
-        files.take_findings(warnings);
+        let mut loading = Loading::unwatched(warnings);
+        files.take_findings(&mut loading);
         let mut new = new?;
         Self::require_new_name(piece, &new.name, self.scene.materials.iter().map(|other| &other.name))?;
-        let (images, tables) = self.add_files(piece, &files, warnings)?;
+        let (images, tables) = self.add_files(piece, &files, &mut loading)?;
+        self.scene.files.append(&mut loading.into_files());
         new.for_each_texture(|texture| texture.image = images[texture.image]);
         if let SubsurfaceModel::Tabulated(table) = &mut new.subsurface_model {
             *table = tables[*table];
@@ -244,7 +246,12 @@ impl SceneBuilder {
         let entry = self.named(piece, entry)?;
         match entry.geometry {
             GeometryOrigin::Shape { .. } => self.add_shape(&entry, warnings),
-            _ => self.add_file(&entry, None, warnings),
+            _ => {
+                let mut loading = Loading::unwatched(warnings);
+                self.add_file(&entry, None, &mut loading)?;
+                self.scene.files.append(&mut loading.into_files());
+                Ok(())
+            }
         }
     }
 
@@ -307,7 +314,9 @@ impl SceneBuilder {
     pub fn set_environment(&mut self, piece: &Piece, warnings: &mut Vec<Warning>) -> Result<(), SceneError> {
         let mut files = FileList::default();
         let mut environment = piece.read_environment(&mut files)?;
-        let (images, _) = self.add_files(piece, &files, warnings)?;
+        let mut loading = Loading::unwatched(warnings);
+        let (images, _) = self.add_files(piece, &files, &mut loading)?;
+        self.scene.files.append(&mut loading.into_files());
         environment.image = environment.image.map(|image| images[image]);
         self.scene.environment = Some(environment);
         Ok(())
@@ -345,7 +354,7 @@ impl SceneBuilder {
         &mut self,
         piece: &Piece,
         files: &FileList,
-        warnings: &mut Vec<Warning>,
+        loading: &mut Loading<'_>,
     ) -> Result<(Vec<usize>, Vec<usize>), SceneError> {
         let (mut images, mut tables) = (Vec::new(), Vec::new());
         for request in &files.images {
@@ -355,7 +364,7 @@ impl SceneBuilder {
             let index = match self.files.images.iter().find(is_same) {
                 Some(&(_, _, index)) => index,
                 None => {
-                    self.scene.images.push(piece.image(request, warnings)?);
+                    self.scene.images.push(piece.image(request, loading)?);
                     self.scene.images.len() - 1
                 }
             };
@@ -367,7 +376,7 @@ impl SceneBuilder {
                 Some(&(_, index)) => index,
                 None => {
                     check_present(&request.path, &request.place)?;
-                    self.scene.profile_tables.push(load_profile_table(&request.path)?);
+                    self.scene.profile_tables.push(read_profile_table(&request.path, loading)?);
                     self.scene.profile_tables.len() - 1
                 }
             };

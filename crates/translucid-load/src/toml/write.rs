@@ -376,6 +376,7 @@ fn without_meshes(scene: &Scene) -> Scene {
         profile_tables: scene.profile_tables.clone(),
         lights: scene.lights.clone(),
         environment: scene.environment,
+        ..Scene::default()
     }
 }
 

@@ -2,5 +2,6 @@
 
 #![allow(missing_docs, reason = "a test binary has no public items")]
 
+mod files;
 mod gltf;
 mod scans;

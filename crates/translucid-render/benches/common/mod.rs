@@ -61,6 +61,7 @@ pub(crate) fn scene(mesh: Mesh, length: f32, size: u32) -> Scene {
             world_from_environment: Mat3::IDENTITY,
             visible: false,
         }),
+        ..Scene::default()
     }
 }
 

@@ -43,6 +43,7 @@ fn light_set(
         profile_tables: Vec::new(),
         lights,
         environment,
+        ..Scene::default()
     };
     LightSet::new(&scene, emissive, (Vec3::splat(-1.0), Vec3::ONE))
 }

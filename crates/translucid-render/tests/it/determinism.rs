@@ -79,6 +79,7 @@ fn scene() -> Scene {
             world_from_environment: Mat3::IDENTITY,
             visible: true,
         }),
+        ..Scene::default()
     }
 }
 

@@ -57,6 +57,7 @@ pub(crate) fn scene(meshes: Vec<Mesh>, material: Material) -> Scene {
         profile_tables: Vec::new(),
         lights: Vec::new(),
         environment: None,
+        ..Scene::default()
     }
 }
 
