@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::Mat3;
 use translucid_scene::{
-    Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit, Warning,
+    Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit,
 };
 
 use super::image::read_image;

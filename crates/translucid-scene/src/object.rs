@@ -194,10 +194,29 @@ mod tests {
     use glam::Quat;
 
     use super::*;
-    use crate::{ShapeParameters, build_shape};
+
+    /// A sheet with waves.
+    fn waves() -> Mesh {
+        const SIDE: u32 = 16;
+        let position = |i: u32| {
+            let [x, y] = [i % SIDE, i / SIDE].map(|step| step as f32 / 4.0);
+            Vec3::new(x, y, (2.0 * x).sin() * (1.5 * y).cos())
+        };
+        let cell = |i: u32| {
+            let corner = i / (SIDE - 1) * SIDE + i % (SIDE - 1);
+            [[corner, corner + 1, corner + SIDE], [corner + 1, corner + SIDE + 1, corner + SIDE]]
+        };
+        let mut mesh = Mesh {
+            positions: (0..SIDE * SIDE).map(position).collect(),
+            triangles: (0..(SIDE - 1) * (SIDE - 1)).flat_map(cell).collect(),
+            ..Mesh::default()
+        };
+        mesh.normals = mesh.smooth_normals();
+        mesh
+    }
 
     fn placed(scale: Vec3) -> Object {
-        let mut mesh = build_shape("torus", &ShapeParameters::new()).expect("a torus");
+        let mut mesh = waves();
         mesh.tangents = mesh.normals.iter().map(|n| n.any_orthonormal_vector().extend(1.0)).collect();
         let rotation = Quat::from_euler(glam::EulerRot::XYZ, 0.3, -1.1, 2.0);
         let world_from_local =

@@ -156,6 +156,7 @@ impl Studio {
             profile_tables: from.profile_tables.clone(),
             lights: look.lights.clone(),
             environment: look.environment,
+            files: from.files.clone(),
         }
     }
 

@@ -61,10 +61,10 @@ mod tests {
     use super::*;
     use crate::decode_image;
 
-    const COLOR: &[u8] = include_bytes!("../../../tests/data/color.jpg");
-    const PROGRESSIVE: &[u8] = include_bytes!("../../../tests/data/progressive.jpg");
-    const GREY: &[u8] = include_bytes!("../../../tests/data/grey.jpg");
-    const CMYK: &[u8] = include_bytes!("../../../tests/data/cmyk.jpg");
+    const COLOR: &[u8] = include_bytes!("../../tests/data/color.jpg");
+    const PROGRESSIVE: &[u8] = include_bytes!("../../tests/data/progressive.jpg");
+    const GREY: &[u8] = include_bytes!("../../tests/data/grey.jpg");
+    const CMYK: &[u8] = include_bytes!("../../tests/data/cmyk.jpg");
 
     fn decoded(bytes: &[u8]) -> Result<(Image, Vec<Warning>), SceneError> {
         let mut warnings = Vec::new();

@@ -129,9 +129,9 @@ mod tests {
     #[test]
     fn image_survives_any_mutation() {
         let jpegs: [&[u8]; 3] = [
-            include_bytes!("../../../tests/data/color.jpg"),
-            include_bytes!("../../../tests/data/progressive.jpg"),
-            include_bytes!("../../../tests/data/cmyk.jpg"),
+            include_bytes!("../../tests/data/color.jpg"),
+            include_bytes!("../../tests/data/progressive.jpg"),
+            include_bytes!("../../tests/data/cmyk.jpg"),
         ];
         let others = [png::example(), exr::example(), radiance::example(), tiff::example()];
         for file in jpegs.map(<[u8]>::to_vec).into_iter().chain(others) {

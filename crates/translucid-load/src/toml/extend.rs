@@ -90,7 +90,7 @@ impl Extends {
     pub(super) fn read(root: &Table<'_>) -> Result<Self, SceneError> {
         let item = root.require("extends")?;
         let origin = Origin::read(&item)?;
-        let unit = root.get("unit").map(|item| Ok((item.word(&Unit::WORDS)?, item.place())));
+        let unit = root.get("unit").map(|item| item.word(&Unit::WORDS).map(|unit| (unit, item.place())));
         let film = root.get("film").map(|item| item.table()).transpose()?;
         let size = film.and_then(|table| table.get("size"));
         Ok(Self {
@@ -185,7 +185,7 @@ impl SceneFile {
     /// # Errors
     /// None: it is valid.
     pub(crate) fn still_life() -> Result<Self, SceneError> {
-        let text = include_str!("../../../scenes/still-life.toml");
+        let text = include_str!("../../scenes/still-life.toml");
         Self::parse(text, Path::new("scenes/still-life.toml"))
     }
 

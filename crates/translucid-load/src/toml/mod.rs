@@ -16,7 +16,7 @@ mod text;
 mod write;
 
 use std::collections::HashSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use document::{DocumentText, Item, Table};
 use extend::{Base, Extends};

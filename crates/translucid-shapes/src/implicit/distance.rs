@@ -6,12 +6,12 @@
 use glam::{Vec2, Vec3};
 
 /// Ball about the origin (exact).
-pub(in crate::shapes) fn ball(p: Vec3, radius: f32) -> f32 {
+pub(crate) fn ball(p: Vec3, radius: f32) -> f32 {
     p.length() - radius
 }
 
 /// Ellipsoid about the origin, to first order at its surface.
-pub(in crate::shapes) fn ellipsoid(p: Vec3, radii: Vec3) -> f32 {
+pub(crate) fn ellipsoid(p: Vec3, radii: Vec3) -> f32 {
     let k0 = (p / radii).length();
     let k1 = (p / (radii * radii)).length();
     if k1 < 1e-6 { -radii.min_element() } else { k0 * (k0 - 1.0) / k1 }
@@ -26,7 +26,7 @@ fn length(x: f32, y: f32) -> f32 {
 /// Convex hull of two balls (exact); the one at `a` must not contain the other.
 // Inlined, what depends on nothing but the balls is computed once, mostly by the compiler.
 #[inline(always)]
-pub(in crate::shapes) fn round_cone(p: Vec3, [a, b]: [Vec3; 2], [radius_a, radius_b]: [f32; 2]) -> f32 {
+pub(crate) fn round_cone(p: Vec3, [a, b]: [Vec3; 2], [radius_a, radius_b]: [f32; 2]) -> f32 {
     let axis = b - a;
     let length = axis.length();
     let along = (p - a).dot(axis) / length;
@@ -46,7 +46,7 @@ pub(in crate::shapes) fn round_cone(p: Vec3, [a, b]: [Vec3; 2], [radius_a, radiu
 
 /// A stalk through points, its radius going evenly from the first to the last.
 #[inline(always)]
-pub(in crate::shapes) fn stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radii: [f32; 2]) -> f32 {
+pub(crate) fn stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radii: [f32; 2]) -> f32 {
     let pieces = (N - 1).max(1) as f32;
     let radius = |i: usize| radii[0] + (radii[1] - radii[0]) * i as f32 / pieces;
     points.windows(2).enumerate().fold(f32::MAX, |nearest, (i, pair)| {
@@ -56,7 +56,7 @@ pub(in crate::shapes) fn stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radi
 
 /// [`blend`] with a stalk, which is left alone where it is too far away to matter.
 #[inline(always)]
-pub(in crate::shapes) fn blend_stalk<const N: usize>(
+pub(crate) fn blend_stalk<const N: usize>(
     a: f32,
     p: Vec3,
     points: &[Vec3; N],
@@ -68,7 +68,7 @@ pub(in crate::shapes) fn blend_stalk<const N: usize>(
 
 /// [`carve`] with a stalk, which is left alone where it is too far away to matter.
 #[inline(always)]
-pub(in crate::shapes) fn carve_stalk<const N: usize>(
+pub(crate) fn carve_stalk<const N: usize>(
     a: f32,
     p: Vec3,
     points: &[Vec3; N],
@@ -79,7 +79,7 @@ pub(in crate::shapes) fn carve_stalk<const N: usize>(
 }
 
 /// Whether `blend(a, b, k)` is `a` to the bit for every b of at least `least`, and as many as rounding adds.
-pub(in crate::shapes) fn is_beyond(least: f32, a: f32, k: f32) -> bool {
+pub(crate) fn is_beyond(least: f32, a: f32, k: f32) -> bool {
     least > a + k + 1e-3
 }
 
@@ -94,35 +94,35 @@ fn least_to_stalk<const N: usize>(p: Vec3, points: &[Vec3; N], radii: [f32; 2]) 
 }
 
 /// Box about the origin with half-lengths `half`, its edges rounded to `edge` (exact).
-pub(in crate::shapes) fn rounded_block(p: Vec3, half: Vec3, edge: f32) -> f32 {
+pub(crate) fn rounded_block(p: Vec3, half: Vec3, edge: f32) -> f32 {
     let q = p.abs() - half + edge;
     q.max(Vec3::ZERO).length() + q.max_element().min(0.0) - edge
 }
 
 /// Cylinder about y of half-height `half`, its edges rounded to `edge` (exact).
-pub(in crate::shapes) fn rounded_cylinder(p: Vec3, radius: f32, half: f32, edge: f32) -> f32 {
+pub(crate) fn rounded_cylinder(p: Vec3, radius: f32, half: f32, edge: f32) -> f32 {
     let q = Vec2::new(Vec2::new(p.x, p.z).length() - radius, p.y.abs() - half) + edge;
     q.max(Vec2::ZERO).length() + q.max_element().min(0.0) - edge
 }
 
 /// Union of two solids with a fillet of about `k` where they meet.
-pub(in crate::shapes) fn blend(a: f32, b: f32, k: f32) -> f32 {
+pub(crate) fn blend(a: f32, b: f32, k: f32) -> f32 {
     let h = (k - (a - b).abs()).max(0.0) / k;
     a.min(b) - 0.25 * h * h * k
 }
 
 /// Difference of `a` and `b`, the edge rounded by about `k`.
-pub(in crate::shapes) fn carve(a: f32, b: f32, k: f32) -> f32 {
+pub(crate) fn carve(a: f32, b: f32, k: f32) -> f32 {
     -blend(-a, b, k)
 }
 
 /// Intersection of `a` and `b`, the edge rounded by about `k`.
-pub(in crate::shapes) fn common(a: f32, b: f32, k: f32) -> f32 {
+pub(crate) fn common(a: f32, b: f32, k: f32) -> f32 {
     -blend(-a, -b, k)
 }
 
 /// Rises smoothly from 0 at `low` to 1 at `high`.
-pub(in crate::shapes) fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+pub(crate) fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }

@@ -58,7 +58,7 @@ fn split(p: Vec3) -> (IVec3, Vec3) {
 }
 
 /// Smooth noise in [−1, 1] with features of size 1.
-pub(in crate::shapes) fn noise(p: Vec3, seed: u32) -> f32 {
+pub(crate) fn noise(p: Vec3, seed: u32) -> f32 {
     dispatch!(*LEVEL, simd => noise_by(simd, p, seed))
 }
 
@@ -82,7 +82,7 @@ fn noise_by<S: Simd>(simd: S, p: Vec3, seed: u32) -> f32 {
 }
 
 /// Sum of `octaves` noises, each half as large and half as strong as the one before; within [−1, 1].
-pub(in crate::shapes) fn fractal_noise(p: Vec3, octaves: u32, seed: u32) -> f32 {
+pub(crate) fn fractal_noise(p: Vec3, octaves: u32, seed: u32) -> f32 {
     dispatch!(*LEVEL, simd => fractal_noise_by(simd, p, octaves, seed))
 }
 
@@ -101,7 +101,7 @@ fn fractal_noise_by<S: Simd>(simd: S, p: Vec3, octaves: u32, seed: u32) -> f32 {
 }
 
 /// Distance to the nearest of points scattered one per unit cell, in [0, 1.8).
-pub(in crate::shapes) fn cell_distance(p: Vec3, seed: u32) -> f32 {
+pub(crate) fn cell_distance(p: Vec3, seed: u32) -> f32 {
     dispatch!(*LEVEL, simd => cell_distance_by(simd, p, seed))
 }
 

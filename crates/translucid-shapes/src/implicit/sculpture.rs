@@ -8,12 +8,12 @@ use super::surface_nets::mesh_solid;
 use crate::parameters::{ShapeParameter, Values};
 
 /// Fineness of the mesh.
-pub(in crate::shapes) const fn detail(default: f64) -> ShapeParameter {
+pub(crate) const fn detail(default: f64) -> ShapeParameter {
     ShapeParameter::count("detail", default, 32.0, 512.0)
 }
 
 /// Overall height.
-pub(in crate::shapes) const fn height(default: f64) -> ShapeParameter {
+pub(crate) const fn height(default: f64) -> ShapeParameter {
     ShapeParameter::length("height", default)
 }
 
@@ -21,7 +21,7 @@ pub(in crate::shapes) const fn height(default: f64) -> ShapeParameter {
 ///
 /// The solid lies within a box of two opposite corners; `distance` is as [`mesh_solid`] takes it, and `color` the linear
 /// color of a surface point with its outward normal.
-pub(in crate::shapes) fn sculpt(
+pub(crate) fn sculpt(
     bounds: [Vec3; 2],
     distance: impl Fn(Vec3) -> f32 + Sync,
     color: impl Fn(Vec3, Vec3) -> Vec3 + Sync,
@@ -35,7 +35,7 @@ pub(in crate::shapes) fn sculpt(
 }
 
 /// Scales a mesh to a height and stands it on y = 0.
-pub(in crate::shapes) fn stand(mesh: &mut Mesh, height: f32) {
+pub(crate) fn stand(mesh: &mut Mesh, height: f32) {
     let ys = || mesh.positions.iter().map(|p| p.y);
     let (low, high) = (ys().fold(f32::MAX, f32::min), ys().fold(f32::MIN, f32::max));
     let scale = height / (high - low);
@@ -45,7 +45,7 @@ pub(in crate::shapes) fn stand(mesh: &mut Mesh, height: f32) {
 }
 
 /// A color from its 8-bit sRGB notation, linear.
-pub(in crate::shapes) fn srgb(code: u32) -> Vec3 {
+pub(crate) fn srgb(code: u32) -> Vec3 {
     let channel = |shift: u32| SRGB_TABLE[(code >> shift & 0xff) as usize];
     Vec3::new(channel(16), channel(8), channel(0))
 }

@@ -10,7 +10,7 @@ use crate::implicit::noise::{fractal_noise, noise};
 use crate::implicit::sculpture::{detail, height, sculpt};
 use crate::parameters::{ShapeParameter, Values};
 
-pub(in crate::shapes) const BUST: &[ShapeParameter] = &[
+pub(crate) const BUST: &[ShapeParameter] = &[
     height(22.0),
     detail(190.0),
     ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
@@ -192,7 +192,7 @@ pub(super) fn marble(p: Vec3, seed: u32, strength: f32) -> Vec3 {
     MARBLE * ground.lerp(Vec3::new(0.62, 0.64, 0.68), strength * veins)
 }
 
-pub(in crate::shapes) fn bust(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn bust(values: &Values) -> Result<Mesh, SceneError> {
     let (seed, veins) = (values.count("seed") as u32, values.get("veins"));
     let color = move |p: Vec3, _: Vec3| marble(p, seed, veins);
     let bounds = [Vec3::new(-6.5, -14.3, -7.0), Vec3::new(6.5, 11.2, 5.6)];

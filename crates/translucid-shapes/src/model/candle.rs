@@ -11,7 +11,7 @@ use crate::implicit::sculpture::{detail, height, sculpt, stand};
 use crate::parameters::{ShapeParameter, Values};
 use crate::primitive::lathe::{curve_profile, revolve};
 
-pub(in crate::shapes) const CANDLE: &[ShapeParameter] = &[
+pub(crate) const CANDLE: &[ShapeParameter] = &[
     height(9.0),
     ShapeParameter::ratio("slenderness", 1.6, 0.5, 6.0), // Height over diameter
     ShapeParameter::count("seed", 1.0, 0.0, 65535.0),    // Of drips and rim
@@ -33,7 +33,7 @@ fn drips(seed: u32) -> Vec<(Vec2, f32, f32)> {
         .collect()
 }
 
-pub(in crate::shapes) fn candle(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn candle(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let top = 2.0 * RADIUS * values.get("slenderness");
     let drips = drips(seed);
@@ -74,10 +74,10 @@ pub(in crate::shapes) fn candle(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt(bounds, distance, |_, _| Vec3::ONE, values))
 }
 
-pub(in crate::shapes) const WICK: &[ShapeParameter] = &[height(1.3), detail(64.0)];
+pub(crate) const WICK: &[ShapeParameter] = &[height(1.3), detail(64.0)];
 
 /// A burnt wick, bent at its tip.
-pub(in crate::shapes) fn wick(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn wick(values: &Values) -> Result<Mesh, SceneError> {
     let bend = [Vec3::ZERO, Vec3::new(0.0, 0.8, 0.0), Vec3::new(0.12, 1.15, 0.05), Vec3::new(0.3, 1.35, 0.1)];
     let distance = move |p: Vec3| stalk(p, &bend, [0.1, 0.085]);
     // Ash above, wax-soaked cotton below.
@@ -86,14 +86,14 @@ pub(in crate::shapes) fn wick(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt(bounds, distance, color, values))
 }
 
-pub(in crate::shapes) const FLAME: &[ShapeParameter] = &[
+pub(crate) const FLAME: &[ShapeParameter] = &[
     height(3.0),
     ShapeParameter::ratio("width", 0.3, 0.05, 1.0), // Over the height
     ShapeParameter::count("segments", 12.0, 6.0, 1024.0),
 ];
 
 /// A teardrop.
-pub(in crate::shapes) fn flame(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn flame(values: &Values) -> Result<Mesh, SceneError> {
     let (segments, width) = (values.count("segments"), values.get("width"));
     // The piriform curve: round below, pointed above.
     let curve = |t: f32| {

@@ -8,7 +8,7 @@ use crate::implicit::distance::{carve, ellipsoid};
 use crate::implicit::sculpture::{detail, height, sculpt};
 use crate::parameters::{ShapeParameter, Values};
 
-pub(in crate::shapes) const CARVING: &[ShapeParameter] = &[
+pub(crate) const CARVING: &[ShapeParameter] = &[
     height(24.0),
     detail(256.0),
     ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
@@ -30,7 +30,7 @@ fn form(p: Vec3) -> f32 {
     0.85 * carve(carve(shell, window, 0.45), mouth, 0.45)
 }
 
-pub(in crate::shapes) fn carving(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn carving(values: &Values) -> Result<Mesh, SceneError> {
     let (seed, veins) = (values.count("seed") as u32, values.get("veins"));
     let color = move |p: Vec3, _: Vec3| marble(p, seed, veins);
     let bounds = [Vec3::new(-6.2, -7.0, -5.2), Vec3::new(6.2, 7.0, 5.2)];

@@ -10,7 +10,7 @@ use crate::implicit::sculpture::{detail, height, sculpt};
 use crate::parameters::{ShapeParameter, Values};
 
 /// The height is that of the piece of head.
-pub(in crate::shapes) const EAR: &[ShapeParameter] = &[height(15.0), detail(300.0)];
+pub(crate) const EAR: &[ShapeParameter] = &[height(15.0), detail(300.0)];
 
 /// The rim, from its root in the bowl over the top to the lobe.
 const HELIX: [Vec3; 14] = [
@@ -117,7 +117,7 @@ fn side(p: Vec3, ridges: &Ridges) -> f32 {
     carve(whole, canal, 0.25)
 }
 
-pub(in crate::shapes) fn ear(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn ear(values: &Values) -> Result<Mesh, SceneError> {
     // Redder where there is no fat under the skin: the rim and the ridges
     let color = |p: Vec3, _: Vec3| {
         let red = smoothstep(-0.6, 0.9, p.z);

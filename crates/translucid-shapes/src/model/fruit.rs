@@ -22,7 +22,7 @@ fn angle_about_y(p: Vec3) -> f32 {
     libm::atan2f(p.x, p.z)
 }
 
-pub(in crate::shapes) const APPLE: &[ShapeParameter] = &[height(7.6), detail(110.0), SEED];
+pub(crate) const APPLE: &[ShapeParameter] = &[height(7.6), detail(110.0), SEED];
 
 /// The outside of a ring that overlaps itself has an apple's two hollows.
 fn apple_flesh(p: Vec3) -> f32 {
@@ -39,7 +39,7 @@ const APPLE_STALK: [Vec3; 4] = [
     Vec3::new(0.7, 4.2, 0.3),
 ];
 
-pub(in crate::shapes) fn apple(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn apple(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let stem = |p: Vec3| stalk(p, &APPLE_STALK, [0.13, 0.17]);
     let distance = |p: Vec3| blend_stalk(apple_flesh(p), p, &APPLE_STALK, [0.13, 0.17], 0.12);
@@ -63,7 +63,7 @@ pub(in crate::shapes) fn apple(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt(bounds, distance, color, values))
 }
 
-pub(in crate::shapes) const PEAR: &[ShapeParameter] = &[height(10.5), detail(120.0), SEED];
+pub(crate) const PEAR: &[ShapeParameter] = &[height(10.5), detail(120.0), SEED];
 
 const PEAR_STALK: [Vec3; 4] = [
     Vec3::new(0.25, 7.6, 0.0),
@@ -72,7 +72,7 @@ const PEAR_STALK: [Vec3; 4] = [
     Vec3::new(1.3, 10.2, 0.3),
 ];
 
-pub(in crate::shapes) fn pear(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn pear(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let stem = |p: Vec3| stalk(p, &PEAR_STALK, [0.17, 0.2]);
     let distance = move |p: Vec3| {
@@ -123,16 +123,16 @@ fn orange_peel_color(p: Vec3, seed: u32) -> Vec3 {
     skin.lerp(srgb(0x6c6a34), stalk)
 }
 
-pub(in crate::shapes) const ORANGE: &[ShapeParameter] = &[height(7.4), detail(96.0), SEED];
+pub(crate) const ORANGE: &[ShapeParameter] = &[height(7.4), detail(96.0), SEED];
 
-pub(in crate::shapes) fn orange(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn orange(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let distance = move |p: Vec3| orange_skin(p, seed);
     let color = move |p: Vec3, _: Vec3| orange_peel_color(p, seed);
     Ok(sculpt([Vec3::splat(-4.0), Vec3::splat(4.0)], distance, color, values))
 }
 
-pub(in crate::shapes) const ORANGE_HALF: &[ShapeParameter] =
+pub(crate) const ORANGE_HALF: &[ShapeParameter] =
     &[height(3.9), detail(170.0), SEED, ShapeParameter::count("wedges", 10.0, 4.0, 16.0)];
 
 /// Where on the cut face of an orange a point lies.
@@ -170,7 +170,7 @@ fn pulp_amount(face: &CutFace) -> f32 {
         * smoothstep(0.35, 0.55, face.radius)
 }
 
-pub(in crate::shapes) fn orange_half(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn orange_half(values: &Values) -> Result<Mesh, SceneError> {
     let (seed, wedges) = (values.count("seed") as u32, values.count("wedges"));
     // Juice sacs: drops drawn out along the radius.
     let sacs = move |p: Vec3, face: &CutFace| {
@@ -209,10 +209,10 @@ pub(in crate::shapes) fn orange_half(values: &Values) -> Result<Mesh, SceneError
     Ok(sculpt(bounds, distance, color, values))
 }
 
-pub(in crate::shapes) const MELON_SLICE: &[ShapeParameter] = &[height(5.2), detail(110.0), SEED];
+pub(crate) const MELON_SLICE: &[ShapeParameter] = &[height(5.2), detail(110.0), SEED];
 
 /// A wedge of watermelon lying on its rind's edge: red flesh, pale and green rind, dark seeds.
-pub(in crate::shapes) fn melon_slice(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn melon_slice(values: &Values) -> Result<Mesh, SceneError> {
     let seed = values.count("seed") as u32;
     let radius = 9.0;
     // The slice stands on its rind, centered over the origin; the melon's center is at its upper edge.

@@ -9,7 +9,7 @@ use crate::implicit::sculpture::srgb;
 use crate::parameters::{ShapeParameter, Values};
 use crate::primitive::rounded_box::rounded_box;
 
-pub(in crate::shapes) const TABLE_TOP: &[ShapeParameter] = &[
+pub(crate) const TABLE_TOP: &[ShapeParameter] = &[
     ShapeParameter::length("width", 120.0), // Along x, the direction of the grain
     ShapeParameter::length("depth", 50.0),
     ShapeParameter::length("thickness", 3.0), // Downward from y = 0
@@ -19,7 +19,7 @@ pub(in crate::shapes) const TABLE_TOP: &[ShapeParameter] = &[
     ShapeParameter::count("seed", 1.0, 0.0, 65535.0),
 ];
 
-pub(in crate::shapes) fn table_top(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn table_top(values: &Values) -> Result<Mesh, SceneError> {
     let size = Vec3::new(values.get("width"), values.get("thickness"), values.get("depth"));
     let (detail, boards, seed) = (values.count("detail"), values.get("boards"), values.count("seed") as u32);
     // The grain is long: it needs few cells along x.

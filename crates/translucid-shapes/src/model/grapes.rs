@@ -8,7 +8,7 @@ use translucid_scene::{Mesh, SceneError};
 use crate::parameters::{ShapeParameter, Values};
 use crate::primitive::lathe::{curve_profile, revolve};
 
-pub(in crate::shapes) const GRAPES: &[ShapeParameter] = &[
+pub(crate) const GRAPES: &[ShapeParameter] = &[
     ShapeParameter::count("count", 42.0, 1.0, 400.0),
     ShapeParameter::length("radius", 0.95),
     ShapeParameter::count("segments", 40.0, 6.0, 256.0),
@@ -35,7 +35,7 @@ fn scatter(index: usize, seed: usize, axis: usize) -> f32 {
     ((index + 1 + 101 * seed) as f64 * STEPS[axis]).fract() as f32
 }
 
-pub(in crate::shapes) fn grapes(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn grapes(values: &Values) -> Result<Mesh, SceneError> {
     let (count, radius, seed) = (values.count("count"), values.get("radius"), values.count("seed"));
     let mut bunch = first_guess(count, seed);
     settle(&mut bunch);

@@ -16,7 +16,7 @@ const BASE: ShapeParameter = ShapeParameter::length("base", 0.9); // Thickness o
 /// Pieces of each rounded edge.
 const ARC: usize = 10;
 
-pub(in crate::shapes) const DRINKING_GLASS: &[ShapeParameter] =
+pub(crate) const DRINKING_GLASS: &[ShapeParameter] =
     &[GLASS_HEIGHT, BOTTOM_RADIUS, TOP_RADIUS, WALL, BASE, SEGMENTS];
 
 /// Inside of a tumbler: a truncated cone.
@@ -49,7 +49,7 @@ impl Tumbler {
 }
 
 /// A tumbler with thick walls and a heavy bottom.
-pub(in crate::shapes) fn drinking_glass(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn drinking_glass(values: &Values) -> Result<Mesh, SceneError> {
     let glass = Tumbler::new(values)?;
     let rim = 0.48 * glass.wall;
     let corners = [
@@ -66,7 +66,7 @@ pub(in crate::shapes) fn drinking_glass(values: &Values) -> Result<Mesh, SceneEr
     Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
 }
 
-pub(in crate::shapes) const DRINK: &[ShapeParameter] = &[
+pub(crate) const DRINK: &[ShapeParameter] = &[
     GLASS_HEIGHT,
     BOTTOM_RADIUS,
     TOP_RADIUS,
@@ -81,7 +81,7 @@ pub(in crate::shapes) const DRINK: &[ShapeParameter] = &[
 ///
 /// The drink reaches a little into the wall: a gap of air between them would mirror, and shared
 /// faces would be in each other's place.
-pub(in crate::shapes) fn drink(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn drink(values: &Values) -> Result<Mesh, SceneError> {
     let glass = Tumbler::new(values)?;
     let overlap = values.get("overlap");
     if overlap >= glass.wall.min(glass.base) {

@@ -9,7 +9,7 @@ use crate::implicit::distance::{
 use crate::implicit::sculpture::{detail, height, sculpt, srgb};
 use crate::parameters::{ShapeParameter, Values};
 
-pub(in crate::shapes) const DUCK: &[ShapeParameter] = &[height(6.4), detail(100.0)];
+pub(crate) const DUCK: &[ShapeParameter] = &[height(6.4), detail(100.0)];
 
 /// Center of the duck's head.
 const HEAD: Vec3 = Vec3::new(0.0, 4.55, 1.25);
@@ -40,7 +40,7 @@ fn duck_eye(p: Vec3) -> f32 {
     ball((mirrored - HEAD - Vec3::new(0.72, 0.42, 1.3)) / Vec3::new(1.0, 1.25, 1.0), 0.3)
 }
 
-pub(in crate::shapes) fn duck(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn duck(values: &Values) -> Result<Mesh, SceneError> {
     let distance = |p: Vec3| {
         let duck = blend(blend(duck_body(p), duck_beak(p), 0.12), duck_eye(p), 0.05);
         common(duck, -p.y, 0.3)
@@ -61,7 +61,7 @@ pub(in crate::shapes) fn duck(values: &Values) -> Result<Mesh, SceneError> {
     Ok(sculpt(bounds, distance, color, values))
 }
 
-pub(in crate::shapes) const BRICK: &[ShapeParameter] = &[
+pub(crate) const BRICK: &[ShapeParameter] = &[
     height(2.2),
     ShapeParameter::count("columns", 4.0, 1.0, 8.0), // Of studs, along x
     ShapeParameter::count("rows", 2.0, 1.0, 8.0),    // Of studs, along z
@@ -72,7 +72,7 @@ pub(in crate::shapes) const BRICK: &[ShapeParameter] = &[
 const PITCH: f32 = 1.6;
 
 /// A building brick with round studs.
-pub(in crate::shapes) fn brick(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn brick(values: &Values) -> Result<Mesh, SceneError> {
     let (columns, rows) = (values.count("columns") as f32, values.count("rows") as f32);
     let half = Vec3::new(0.5 * PITCH * columns, 0.96, 0.5 * PITCH * rows);
     let distance = move |p: Vec3| {

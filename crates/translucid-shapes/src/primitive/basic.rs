@@ -17,9 +17,9 @@ const EDGE_RADIUS: ShapeParameter = ShapeParameter::length_or_zero("edge_radius"
 /// Pieces of a rounded edge.
 const ARC: usize = 6;
 
-pub(in crate::shapes) const SPHERE: &[ShapeParameter] = &[RADIUS, SEGMENTS];
+pub(crate) const SPHERE: &[ShapeParameter] = &[RADIUS, SEGMENTS];
 
-pub(in crate::shapes) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, segments) = (values.get("radius"), values.count("segments"));
     let rings = (segments / 2).max(2);
     let mut profile = curve_profile(|t| radius * Vec2::new(libm::sinf(PI * t), -libm::cosf(PI * t)), rings);
@@ -33,11 +33,11 @@ pub(in crate::shapes) fn sphere(values: &Values) -> Result<Mesh, SceneError> {
     Ok(revolve(&profile, segments))
 }
 
-pub(in crate::shapes) const RECTANGLE: &[ShapeParameter] =
+pub(crate) const RECTANGLE: &[ShapeParameter] =
     &[ShapeParameter::length("width", 2.0), ShapeParameter::length("height", 2.0)];
 
 /// In the plane z = 0, facing +z.
-pub(in crate::shapes) fn rectangle(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn rectangle(values: &Values) -> Result<Mesh, SceneError> {
     let half = 0.5 * Vec2::new(values.get("width"), values.get("height"));
     let uvs = [Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     Ok(Mesh {
@@ -49,10 +49,10 @@ pub(in crate::shapes) fn rectangle(values: &Values) -> Result<Mesh, SceneError> 
     })
 }
 
-pub(in crate::shapes) const DISC: &[ShapeParameter] = &[RADIUS, SEGMENTS];
+pub(crate) const DISC: &[ShapeParameter] = &[RADIUS, SEGMENTS];
 
 /// In the plane z = 0, facing +z.
-pub(in crate::shapes) fn disc(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn disc(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, segments) = (values.get("radius"), values.count("segments"));
     let rim = (0..segments).map(|i| Vec2::from_angle(TAU * i as f32 / segments as f32));
     let points: Vec<Vec2> = std::iter::once(Vec2::ZERO).chain(rim).collect();
@@ -66,21 +66,21 @@ pub(in crate::shapes) fn disc(values: &Values) -> Result<Mesh, SceneError> {
     })
 }
 
-pub(in crate::shapes) const BOX: &[ShapeParameter] = &[
+pub(crate) const BOX: &[ShapeParameter] = &[
     ShapeParameter::length("width", 2.0),
     ShapeParameter::length("height", 2.0),
     ShapeParameter::length("depth", 2.0),
     EDGE_RADIUS,
 ];
 
-pub(in crate::shapes) fn cuboid(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn cuboid(values: &Values) -> Result<Mesh, SceneError> {
     let half = 0.5 * Vec3::new(values.get("width"), values.get("height"), values.get("depth"));
     Ok(rounded_box(half, values.get("edge_radius"), ARC, [1; 3]))
 }
 
-pub(in crate::shapes) const CYLINDER: &[ShapeParameter] = &[RADIUS, HEIGHT, EDGE_RADIUS, SEGMENTS];
+pub(crate) const CYLINDER: &[ShapeParameter] = &[RADIUS, HEIGHT, EDGE_RADIUS, SEGMENTS];
 
-pub(in crate::shapes) fn cylinder(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn cylinder(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, half) = (values.get("radius"), 0.5 * values.get("height"));
     let edge = values.get("edge_radius");
     let corners = [
@@ -92,10 +92,10 @@ pub(in crate::shapes) fn cylinder(values: &Values) -> Result<Mesh, SceneError> {
     Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
 }
 
-pub(in crate::shapes) const CONE: &[ShapeParameter] =
+pub(crate) const CONE: &[ShapeParameter] =
     &[RADIUS, HEIGHT, ShapeParameter::length_or_zero("top_radius", 0.0), EDGE_RADIUS, SEGMENTS];
 
-pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn cone(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, half, top) = (values.get("radius"), 0.5 * values.get("height"), values.get("top_radius"));
     let edge = values.get("edge_radius");
     let mut corners = vec![Corner::sharp(0.0, -half), Corner::rounded(radius, -half, edge)];
@@ -106,14 +106,14 @@ pub(in crate::shapes) fn cone(values: &Values) -> Result<Mesh, SceneError> {
     Ok(revolve(&fillet_profile(&corners, ARC), values.count("segments")))
 }
 
-pub(in crate::shapes) const TORUS: &[ShapeParameter] = &[
+pub(crate) const TORUS: &[ShapeParameter] = &[
     ShapeParameter::length("radius", 1.0), // Of the middle line of the tube
     ShapeParameter::length("tube_radius", 0.3),
     SEGMENTS,
     ShapeParameter::count("tube_segments", 48.0, 3.0, 4096.0),
 ];
 
-pub(in crate::shapes) fn torus(values: &Values) -> Result<Mesh, SceneError> {
+pub(crate) fn torus(values: &Values) -> Result<Mesh, SceneError> {
     let (radius, tube) = (values.get("radius"), values.get("tube_radius"));
     if tube >= radius {
         let message = format!("tube_radius is {tube}, but must be less than radius = {radius}");

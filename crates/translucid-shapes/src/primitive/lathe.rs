@@ -7,30 +7,30 @@ use translucid_scene::Mesh;
 
 /// A point of a profile in the (radius, y) half plane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(in crate::shapes) struct ProfilePoint {
+pub(crate) struct ProfilePoint {
     /// Radius ≥ 0 and height \[L\].
-    pub(in crate::shapes) position: Vec2,
+    pub(crate) position: Vec2,
     /// Outward unit normal in the same plane.
-    pub(in crate::shapes) normal: Vec2,
+    pub(crate) normal: Vec2,
 }
 
 /// A corner of a polygonal profile and the radius of the arc that rounds it.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::shapes) struct Corner {
+pub(crate) struct Corner {
     /// Radius ≥ 0 and height \[L\].
-    pub(in crate::shapes) position: Vec2,
+    pub(crate) position: Vec2,
     /// Radius of the arc; 0 keeps the corner sharp, too large a radius is reduced.
-    pub(in crate::shapes) fillet: f32,
+    pub(crate) fillet: f32,
 }
 
 impl Corner {
     /// A corner rounded by an arc.
-    pub(in crate::shapes) fn rounded(radius: f32, y: f32, fillet: f32) -> Self {
+    pub(crate) fn rounded(radius: f32, y: f32, fillet: f32) -> Self {
         Self { position: Vec2::new(radius, y), fillet }
     }
 
     /// A sharp corner, or the end of a profile.
-    pub(in crate::shapes) fn sharp(radius: f32, y: f32) -> Self {
+    pub(crate) fn sharp(radius: f32, y: f32) -> Self {
         Self::rounded(radius, y, 0.0)
     }
 }
@@ -43,7 +43,7 @@ fn normal_of(tangent: Vec2) -> Vec2 {
 /// Points along a polygon whose corners are rounded; `arc` segments to each arc.
 ///
 /// The polygon has its outside on the right: bottom center → rim → top center.
-pub(in crate::shapes) fn fillet_profile(corners: &[Corner], arc: usize) -> Vec<ProfilePoint> {
+pub(crate) fn fillet_profile(corners: &[Corner], arc: usize) -> Vec<ProfilePoint> {
     let mut points = Vec::new();
     for (i, corner) in corners.iter().enumerate() {
         let before = i.checked_sub(1).map(|previous| corner.position - corners[previous].position);
@@ -85,7 +85,7 @@ fn push_corner(points: &mut Vec<ProfilePoint>, corner: Corner, before: Vec2, aft
 }
 
 /// Points along a smooth curve given by a function of t ∈ [0, 1]; the outside is on the right.
-pub(in crate::shapes) fn curve_profile(curve: impl Fn(f32) -> Vec2, segments: usize) -> Vec<ProfilePoint> {
+pub(crate) fn curve_profile(curve: impl Fn(f32) -> Vec2, segments: usize) -> Vec<ProfilePoint> {
     let step = 1e-3;
     (0..=segments)
         .map(|i| {
@@ -99,7 +99,7 @@ pub(in crate::shapes) fn curve_profile(curve: impl Fn(f32) -> Vec2, segments: us
 /// Turns a profile about the y axis; points of radius zero become poles.
 ///
 /// Texture coordinates: u once around, v along the profile by length.
-pub(in crate::shapes) fn revolve(profile: &[ProfilePoint], segments: usize) -> Mesh {
+pub(crate) fn revolve(profile: &[ProfilePoint], segments: usize) -> Mesh {
     let mut mesh = Mesh::default();
     let lengths = lengths_along(profile);
     let total = lengths.last().copied().unwrap_or(1.0).max(f32::MIN_POSITIVE);

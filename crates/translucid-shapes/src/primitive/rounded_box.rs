@@ -31,7 +31,7 @@ fn stations(half: f32, edge_radius: f32, arc: usize, flat: usize) -> Vec<Station
 
 /// A box about the origin with half-lengths `half`, edges rounded to `edge_radius` by `arc` segments,
 /// and `flat` segments along each axis of the flat parts. Texture coordinates cover each face once.
-pub(in crate::shapes) fn rounded_box(half: Vec3, edge_radius: f32, arc: usize, flat: [usize; 3]) -> Mesh {
+pub(crate) fn rounded_box(half: Vec3, edge_radius: f32, arc: usize, flat: [usize; 3]) -> Mesh {
     let edge_radius = edge_radius.clamp(0.0, 0.999 * half.min_element());
     let axes: Vec<Vec<Station>> =
         (0..3).map(|axis| stations(half[axis], edge_radius, arc, flat[axis])).collect();
