@@ -4,9 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use glam::Mat3;
-use translucid_scene::{
-    Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit,
-};
+use translucid_scene::{Camera, ColorSpace, Environment, Film, Scene, SceneError, SubsurfaceModel, Unit};
 
 use super::image::read_image;
 use super::loading::Loading;

@@ -1,7 +1,7 @@
 //! From a checked scene file and the files that it names to a scene.
 
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -210,6 +210,8 @@ enum Source {
 #[derive(Clone, Debug)]
 struct LoadedMeshFile {
     model: MeshFile,
+    /// What it was read from.
+    files: BTreeSet<PathBuf>,
     first_material: Option<usize>,
     /// Those meshes of the model that several objects have, by their address.
     shared: HashMap<usize, SharedMesh>,
@@ -284,8 +286,9 @@ impl SceneBuilder {
     /// Makes a change that adds things, and takes all of it back where it returns false: it has failed, or nobody waits for
     /// it any more.
     pub fn all_or_nothing(&mut self, change: impl FnOnce(&mut Self) -> bool) {
-        let Scene { objects, materials, images, profile_tables, lights, environment, .. } = &self.scene;
-        let environment = *environment;
+        let Scene { objects, materials, images, profile_tables, lights, environment, files, .. } =
+            &self.scene;
+        let (environment, files) = (*environment, files.clone());
         let [objects, materials, images, tables, lights] =
             [objects.len(), materials.len(), images.len(), profile_tables.len(), lights.len()];
         let (default_material, triangles) = (self.default_material, self.triangles);
@@ -295,7 +298,7 @@ impl SceneBuilder {
             self.scene.images.truncate(images);
             self.scene.profile_tables.truncate(tables);
             self.scene.lights.truncate(lights);
-            self.scene.environment = environment;
+            (self.scene.environment, self.scene.files) = (environment, files);
             (self.default_material, self.triangles) = (default_material, triangles);
             self.files.images.retain(|(_, _, image)| *image < images);
             self.files.tables.retain(|(_, table)| *table < tables);
@@ -428,12 +431,14 @@ impl SceneBuilder {
         // Taken out while its parts are added, and put back for the next object with the same file.
         let mut loaded = match self.models.remove(&source) {
             Some(loaded) => loaded,
-            None => LoadedMeshFile {
-                model: self.load(path, unit, loading)?,
-                first_material: None,
-                shared: HashMap::new(),
-            },
+            None => {
+                let mut own = Loading::new(loading.watch, loading.warnings);
+                let model = self.load(path, unit, &mut own)?;
+                let files = own.into_files();
+                LoadedMeshFile { model, files, first_material: None, shared: HashMap::new() }
+            }
         };
+        loading.add_files(loaded.files.iter().cloned());
         *self.used.entry(source.clone()).or_insert(0) += entry.places.len();
         let first_material = self.first_material(entry, &mut loaded);
         let mut uses_of_mesh: HashMap<usize, usize> = HashMap::new();

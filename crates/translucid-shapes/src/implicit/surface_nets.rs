@@ -31,11 +31,7 @@ const NONE: u32 = u32::MAX;
 /// The mesh of a solid within a box of two opposite corners, with `cells` grid cells along the box's longest side.
 ///
 /// `distance` is a signed distance, or a function like it: negative inside, its slope at most [`SLOPE`].
-pub(crate) fn mesh_solid(
-    bounds: [Vec3; 2],
-    distance: &(impl Fn(Vec3) -> f32 + Sync),
-    cells: usize,
-) -> Mesh {
+pub(crate) fn mesh_solid(bounds: [Vec3; 2], distance: &(impl Fn(Vec3) -> f32 + Sync), cells: usize) -> Mesh {
     let mut nets = Nets::new(bounds, distance, cells);
     nets.evaluate_nodes();
     while nets.fill_ambiguous_faces() {}

@@ -6,7 +6,9 @@ use std::path::{Path, PathBuf};
 use glam::{Mat3, Vec3};
 use tempfile::TempDir;
 use translucid_profile::convention::preset;
-use translucid_scene::{ColorInput, Environment, Light, Material, Place, Projection, Scene, SceneError, Unit, Warning};
+use translucid_scene::{
+    ColorInput, Environment, Light, Material, Place, Projection, Scene, SceneError, Unit, Warning,
+};
 use translucid_testing::SplitMix;
 
 use super::mutation::mutate;
