@@ -70,7 +70,7 @@ def test_killed_task_goes_on_from_its_shard(tmp_path, scene, long_whole, recorde
     assert first.returncode != 0 and not (tmp_path / "out.exr").exists(), text
     second = run("picture", **parameters)
     assert second.returncode == 0, second.stdout + second.stderr
-    assert int(re.search(r"going on from (\d+) samples", second.stdout)[1]) > 0
+    assert int(re.search(r"continuing from (\d+) samples", second.stdout)[1]) > 0
     assert_same_picture(tmp_path / "out.exr", long_whole)
 
 

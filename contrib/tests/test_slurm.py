@@ -155,7 +155,7 @@ def test_shard_out_of_time_goes_on_in_the_queue(tmp_path, cluster, scene, long_w
     # What Slurm does two minutes before the limit
     slurm(cluster, "scancel", "--batch", "--signal=USR1", f"{array}_0")
     assert wait_for_end(cluster, merge) == "COMPLETED", logs(tmp_path)
-    assert int(re.search(r"going on from (\d+) samples", logs(tmp_path))[1]) > 0
+    assert int(re.search(r"continuing from (\d+) samples", logs(tmp_path))[1]) > 0
     assert_same_picture(tmp_path / "out.exr", long_whole)
 
 
@@ -168,7 +168,7 @@ def test_killed_shard_leaves_no_picture_and_goes_on_when_submitted_again(tmp_pat
     assert not (tmp_path / "out.exr").exists()
     _, merge = submit(cluster, tmp_path)
     assert wait_for_end(cluster, merge) == "COMPLETED", logs(tmp_path)
-    assert int(re.search(r"going on from (\d+) samples", logs(tmp_path))[1]) > 0
+    assert int(re.search(r"continuing from (\d+) samples", logs(tmp_path))[1]) > 0
     assert_same_picture(tmp_path / "out.exr", long_whole)
 
 

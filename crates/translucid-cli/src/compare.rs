@@ -20,15 +20,15 @@ use crate::{interrupt, machine, messages};
 
 const EXAMPLES: &str = "\
 The medium is a half space of isotropic scatterers (g = 0) without a boundary (eta = 1); lengths are mean free
-paths. Every model is made from the same surface albedo and judged by the exact solution; photons that walk
+paths. Every model has the same surface albedo and is compared with the exact solution; photons that walk
 through the same medium are an independent check in every figure.
 
-DIR/index.html shows and explains everything and needs no other file. Beside it, NAME.svg and NAME.csv
+DIR/index.html shows and explains everything and is self-contained. Beside it are NAME.svg and NAME.csv
 for each figure NAME, and tables with stable columns:
   errors.csv       model, configuration, medium, surface_albedo, r_max, error
                    the area-weighted L1 distance from the exact solution: the integral of |R_model - R| 2 pi r dr
-                   over that of R 2 pi r dr up to r_max; empty means all radii. medium: \"own\" is the one whose
-                   total by the model is the surface albedo, \"exact\" the one whose exact total it is.
+                   over that of R 2 pi r dr up to r_max; empty means all radii. medium: \"own\" is the one for which
+                   the model returns the surface albedo, \"exact\" the one for which the exact solution does.
   timing.csv       model, quantity, nanoseconds, median_nanoseconds, rounds
                    one call; lower decile and median over rounds in which all calls take turns.
   reflectance.csv  configuration, surface_albedo, model, r, reflectance, enclosed
@@ -38,7 +38,7 @@ for each figure NAME, and tables with stable columns:
   samples.csv      model, surface_albedo, left, right, count, expected
   fresnel.csv      side, eta, degrees, fresnel, schlick
 
-Options and seed determine every byte, whatever the threads, but for what is timed: timing.csv, times.csv,
+Options and seed determine every byte, whatever the threads, except times: timing.csv, times.csv,
 error-against-time-*, and the page that shows them.
 
 Examples:
@@ -47,11 +47,11 @@ Examples:
   translucid compare -o dipoles --models normalized-diffusion,dipole,better-dipole --configuration searchlight
   translucid compare -o fine --surface-albedo 0.95 --max-radius 40 --photons 1e8 --seed 7";
 
-/// Puts the models beside the exact solution: curves, errors and times as a page, figures and tables
+/// Compares the models with the exact solution: curves, errors and times as a page, figures and tables
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct CompareArguments {
-    /// Directory to write to; made if it is not there
+    /// Directory to write to
     #[arg(short, long, value_name = "DIR", default_value = "comparison")]
     output: PathBuf,
     /// Surface albedos that get figures, each in (0, 1]
@@ -63,7 +63,7 @@ pub(crate) struct CompareArguments {
         allow_negative_numbers = true
     )]
     surface_albedo: Vec<f64>,
-    /// Models, their variants and fits that are compared [default: all]
+    /// Models, variants and fits to compare [default: all]
     #[arg(
         long,
         value_name = "MODEL,...",
@@ -80,7 +80,7 @@ pub(crate) struct CompareArguments {
     /// Number of photons that walk in each configuration; 0 for none
     #[arg(long, value_name = "N", default_value = "4e6", value_parser = parse_photons)]
     photons: u64,
-    /// Number of radii that are drawn from each model; 0 for none
+    /// Number of radii drawn from each model; 0 for none
     #[arg(long, value_name = "N", default_value_t = 200_000, value_parser = clap::value_parser!(u64).range(..=1_000_000_000))]
     samples: u64,
     /// Number of rounds in which calls are timed, at most 1000; 0 for no times
@@ -186,9 +186,8 @@ impl CompareArguments {
         if models.iter().any(|name| name == OBLIQUE.name()) {
             let message = format!("--models has {OBLIQUE}, whose light may come at any angle");
             let same = Model::NormalizedDiffusionRefined;
-            return Err(
-                Failure::input(message).with_help(format!("of perpendicular light it is the same as {same}"))
-            );
+            return Err(Failure::input(message)
+                .with_help(format!("for perpendicular light it is the same as {same}")));
         }
         if !MAX_RADII.contains(&self.max_radius) {
             let found = exact(self.max_radius);

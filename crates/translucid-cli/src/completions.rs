@@ -17,7 +17,7 @@ Examples:
   translucid completions fish > ~/.config/fish/completions/translucid.fish
   translucid completions -o package";
 
-/// Prints what a shell needs to complete the command's words; for packagers also writes manual pages
+/// Prints shell completions; for packagers also writes manual pages
 #[derive(Args, Debug)]
 #[command(after_help = HELP)]
 #[group(required = true, multiple = false)]

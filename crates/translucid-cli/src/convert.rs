@@ -15,18 +15,17 @@ use crate::table::print;
 
 const EXAMPLES: &str = "\
 Columns: system, parameter, channel (all, or r, g, b), value, unit, equal (what the conversion keeps),
-source of the rule (code or document, then where it was read).
+source of the rule (code or document, and its place).
 
-Values are numbers for all channels or three, for red, green and blue. A length or color of the system
-that is not given counts as 1, RenderMan's unitLength as 0.1, other factors as what the system has.
+A value is one number for all channels, or three for red, green and blue. A missing length or color is 1,
+a missing factor the system's default (RenderMan's unitLength 0.1).
 
-What is equal: between systems that draw Burley's profile its width d, exactly; between systems that
-walk or solve a medium the transport mean free path. From one kind to the other d = mfp/s(A) by the fit
-of the --configuration. The surface albedo is passed on as it is. All is for isotropic scattering;
-pbrt's g is turned into the similar isotropic medium.
+A conversion keeps the width d between systems that draw Burley's profile, and the transport mean free path
+between systems that walk or solve a medium. From one kind to the other d = mfp/s(A), by the fit of the
+--configuration. It keeps the surface albedo, except for the random walks of Cycles. Scattering is isotropic;
+pbrt's g is replaced by the similar isotropic medium.
 
-Lengths are in --unit where a system takes them in scene units; Unreal's are always in cm and Unity
-HDRP's in mm.
+Lengths are in --unit if a system takes scene units; Unreal's are always in cm and Unity HDRP's in mm.
 
 Systems: SYSTEMS.
 Their parameters and rules: --from list, and docs/guide/conventions.md.
@@ -40,29 +39,29 @@ Examples:
   translucid convert --from pbrt:sigma_a=0.0021,0.0041,0.0071 --from pbrt:sigma_s=2.19,2.62,3.00
   translucid convert --from translucid:mfp=1 --surface-albedo 0.5 --to renderman --set renderman:unitLength=1";
 
-/// Prints a material in the numbers of other renderers and engines
+/// Converts a material to the parameters of other renderers and engines
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES.replace("SYSTEMS", &conversion_system_names().join(", ")))]
 pub(crate) struct ConvertArguments {
-    /// A parameter of the system that the material comes from, once for each parameter; or `list` the systems
+    /// A parameter of the source system, repeated for each parameter; or `list` for all systems
     #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE", required = true)]
     from: Vec<String>,
     /// Surface albedo A, in [0, 1]: one or three, comma-separated; coefficients determine it
     #[arg(long, value_name = "A", value_delimiter = ',', allow_negative_numbers = true)]
     surface_albedo: Vec<f64>,
-    /// Unit of lengths in the scene that the material comes from, for systems without a unit of their own
+    /// Unit of lengths in the source scene, for systems without a unit of their own
     #[arg(long, value_enum, default_value = "mm")]
     unit: UnitName,
-    /// Unit of lengths in the scene that the material goes to [default: that of --unit]
+    /// Unit of lengths in the target scene [default: that of --unit]
     #[arg(long, value_enum)]
     to_unit: Option<UnitName>,
     /// Systems to print, comma-separated [default: all]
     #[arg(long, value_name = "SYSTEMS", value_delimiter = ',')]
     to: Vec<String>,
-    /// A parameter of a printed system that is to have this value; once for each parameter
+    /// A fixed parameter of a printed system; repeated for each parameter
     #[arg(long, value_name = "SYSTEM:PARAMETER=VALUE")]
     set: Vec<String>,
-    /// How light enters in the fit between the width of a profile and the mean free path of a medium
+    /// How light enters, for the fit between the width of a profile and the mean free path of a medium
     #[arg(long, value_enum, default_value = "diffuse")]
     configuration: ConfigurationName,
     /// File to write instead of stdout

@@ -19,10 +19,10 @@ use crate::model::{ConfigurationName, ModelName, UnitName};
 use crate::table::{print, printed};
 
 const EXAMPLES: &str = "\
-The text stands alone. Its head says formula, source, units, ranges, largest errors, and its licence: MIT-0, so it may
-be pasted anywhere. Without a material functions take their parameters; with one its numbers are constants too, and
-models without a closed form become sums of exponentials or Gaussians.
-One file has several subjects and models at once: what they share is in it once.
+The text is self-contained. Its head has formula, source, units, ranges, largest errors, and its license: MIT-0, so it
+may be pasted anywhere. Without a material, functions take its parameters as arguments; with one, its numbers are also
+constants, and models without a closed form become sums of exponentials or Gaussians.
+One file may have several subjects and models; shared functions are in it once.
 
 Examples:
   translucid export --to glsl --what sampler -o burley.glsl
@@ -163,7 +163,7 @@ pub(crate) fn run(arguments: &ExportArguments) -> Result<(), Failure> {
         (Some(path), _) => write_file(path, &bytes),
         (None, Target::Text(_) | Target::MaterialX) => print(&String::from_utf8_lossy(&bytes)),
         (None, binary) if io::stdout().is_terminal() => {
-            Err(Failure::input(format!("{} is no text for a terminal", binary.name()))
+            Err(Failure::input(format!("{} is not text for a terminal", binary.name()))
                 .with_help("name a file with -o FILE"))
         }
         (None, _) => printed(io::stdout().lock().write_all(&bytes)),

@@ -17,31 +17,30 @@ use crate::table::exact;
 const EXAMPLES: &str = "\
 Fits the exact half space (isotropic scattering, no boundary) at the surface albedos 0.01, 0.02, ..., 0.99.
 
-Columns for burley: surface_albedo, s, error; the width of the profile is d = length/s, and s is what
-minimizes the error. A polynomial of the form that Christensen and Burley 2015 give is fitted to these points
-such that the mean error is least.
+Columns for burley: surface_albedo, s, error; the width of the profile is d = length/s, and s minimizes the
+error. A polynomial of the form of Christensen and Burley 2015 is fitted to these points with the least mean error.
 Without --configuration and --parameter the three cases of the talk are fitted, and all tables begin with the
-columns configuration, parameter. The report says for which radii the mean error is the one that the talk states.
+columns configuration, parameter. The report gives the radii for which the mean error is that of the talk.
 Columns for exponentials: surface_albedo, weight_1, rate_1, ..., error; the profile is
 A/(2 pi r) (weight_1 rate_1 exp(-rate_1 r/length) + ...)/length, fitted by least squares.
 
-length is the mean free path or the diffuse mean free path, as --parameter says. error is the area-weighted
+length is the mean free path or the diffuse mean free path, by --parameter. error is the area-weighted
 L1 distance: the integral of |R_fit - R| 2 pi r dr over that of R 2 pi r dr, up to --max-radius.
 
 The table goes to stdout, the report to stderr. With -o both go to files of a directory: points.csv,
 errors.csv, report.txt and, for burley, coefficients.csv.
 
-With --table normalized diffusion, exponentials and Gaussians are fitted to a file of your own by least squares
-of (fit - reflectance)/error; without errors each line has the same error relative to what the best of the fits
-has there. Columns: fit, parameter, value, standard_error, empty where nothing limits the parameter; a warning
-names those that the file does not determine, whose error exceeds a third of the value. Lengths are in the unit
-of r. With -o the files are parameters.csv, residuals.csv (fit - reflectance in units of the error; without
-errors, of the reflectance), the same drawn over r as residuals.svg, and report.txt.
+With --table, normalized diffusion, exponentials and Gaussians are fitted to your file by least squares of
+(fit - reflectance)/error; without errors each line has the same error relative to the best fit. Columns: fit,
+parameter, value, standard_error, which is empty if nothing limits the parameter; a warning names parameters that
+the file does not determine (error above a third of the value). Lengths are in the unit of r. With -o the files are
+parameters.csv, residuals.csv (fit - reflectance in units of the error; without errors, of the reflectance), the
+same drawn over r as residuals.svg, and report.txt.
 
-With --table and --family half-space the exact half space of isotropic scatterers is fitted to the file:
-sigma_a and sigma_s_prime, in 1 over the unit of r, and what follows from them, the mean free path mfp and the
-surface_albedo, of the light that enters. reflectance is what leaves, over the light that falls on the medium,
-so that under a boundary (--eta) less of it enters.
+With --table and --family half-space the exact half space of isotropic scatterers is fitted to the file: sigma_a and
+sigma_s_prime, in 1 over the unit of r, and from these the mean free path mfp and the surface_albedo of the light
+that enters. reflectance is the light that leaves over the light that falls on the medium, of which a boundary
+(--eta) lets less enter.
 
 Examples:
   translucid fit --family burley
@@ -51,23 +50,23 @@ Examples:
   translucid fit --table measured.csv --terms 2
   translucid fit --table measured.csv --family half-space --eta 1.4";
 
-/// Fits simple profiles to the exact one, and prints how far they are
+/// Fits simple profiles to the exact one, and prints their errors
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct FitArguments {
     /// How light enters the medium; for burley [default: all cases of the talk], for half-space [default: searchlight]
     #[arg(long)]
     configuration: Option<ConfigurationName>,
-    /// Length that the fit is in; for burley [default: all cases of the talk]
+    /// Length in which the fit is expressed; for burley [default: all cases of the talk]
     #[arg(long, value_enum)]
     parameter: Option<ParameterName>,
-    /// Family of functions that is fitted
+    /// Family of functions to fit
     #[arg(long, value_enum, required_unless_present = "table")]
     family: Option<FamilyName>,
     /// Number of exponentials, with --table also of Gaussians, 1 to 8 [default: 3, with --table 2]
     #[arg(long, value_name = "K", value_parser = clap::value_parser!(u32).range(1..=8))]
     terms: Option<u32>,
-    /// Greatest radius that counts in the error, in mean free paths [default: all count]
+    /// Greatest radius that counts in the error, in mean free paths [default: infinite]
     #[arg(long, value_name = "R", default_value_t = f64::INFINITY, hide_default_value = true, allow_negative_numbers = true)]
     max_radius: f64,
     /// CSV file of a profile of your own to fit: columns r, reflectance and optionally error
@@ -77,7 +76,7 @@ pub(crate) struct FitArguments {
         conflicts_with_all = ["parameter", "max_radius"]
     )]
     table: Option<PathBuf>,
-    /// Relative index of refraction of the half space's boundary, in \[0.5, 3\]; 1 is none
+    /// Relative index of refraction of the half space's boundary, in [0.5, 3]; 1 is none
     #[arg(long, value_name = "ETA", default_value_t = 1.0, hide_default_value = true)]
     eta: f64,
     #[command(flatten)]

@@ -41,7 +41,7 @@ use crate::messages::Verbosity;
 /// Subsurface scattering you can trust: renders translucent materials and evaluates their profiles.
 ///
 /// Without a verb it renders a small picture of the built-in still life to still-life.exr and still-life.png, in less
-/// than a minute on two cores; interrupted, it goes on with --resume.
+/// than a minute on two cores; after Ctrl-C, --resume continues it.
 #[derive(Parser)]
 #[command(name = "translucid", version, after_help = EXAMPLES)]
 struct Cli {
@@ -50,7 +50,7 @@ struct Cli {
     /// Print errors, warnings and notes only
     #[arg(short, long, global = true, display_order = 100, conflicts_with = "verbose")]
     quiet: bool,
-    /// Print more: what takes how long, the model of each material
+    /// Print more: the time of each step, the model of each material
     #[arg(short, long, global = true, display_order = 101)]
     verbose: bool,
 }
@@ -69,7 +69,7 @@ enum Verb {
     Export(export::ExportArguments),
     Measure(measure::MeasureArguments),
     View(view::ViewArguments),
-    /// Lists the models of subsurface scattering, a line each
+    /// Lists the models of subsurface scattering
     Models,
     Completions(completions::CompletionsArguments),
 }
@@ -131,14 +131,14 @@ pub fn run(words: impl IntoIterator<Item = impl Into<OsString>>) -> u8 {
     messages::speak_json(false);
     let is_bare = is_bare && !cli.quiet;
     if is_bare {
-        messages::line(&format!("this is short for: {}", command_line::shown()));
+        messages::line(&format!("short for: {}", command_line::shown()));
     }
     // A defect must not look like an answer: its exit code is 1, as for anything that is not the input's
     // fault. The message has then been printed by the panic itself.
     match std::panic::catch_unwind(|| run_verb(cli)) {
         Ok(Ok(())) => {
             if is_bare {
-                messages::line("for all its pixels and samples: translucid render");
+                messages::line("for all pixels and samples run: translucid render");
             }
             0
         }

@@ -20,9 +20,9 @@ use crate::{command_line, interrupt, messages, reference};
 const MOST_GAPS: usize = 8;
 
 const HELP: &str = "\
-Shards are what `translucid render … --samples A..B -o FILE.shard` writes, whole or as far as a killed process came, and the
-checkpoints beside pictures; tables those of `translucid reference … --photons A..B --table FILE.npz`. The result has the
-bits of one run, whatever the parts, their order, threads and machines; merged parts may be merged again.
+`translucid render … --samples A..B -o FILE.shard` writes shards, complete or not; checkpoints beside pictures are
+shards, too. `translucid reference … --photons A..B --table FILE.npz` writes tables. The result has the bits of one
+run, whatever the parts, their order, threads and machines. Merged parts may be merged again.
 
 Examples:
   translucid merge head.exr head-0000.shard head-0001.shard
@@ -30,7 +30,7 @@ Examples:
   translucid merge --allow-gaps so-far.exr head-*.shard
   translucid merge all.npz part-*.npz";
 
-/// Joins shards of a picture, or parts of a table of photons, to the bits of one run
+/// Joins shards of a picture, or parts of a photon table
 #[derive(Args, Debug)]
 #[command(after_help = HELP)]
 pub(crate) struct MergeArguments {
@@ -40,12 +40,12 @@ pub(crate) struct MergeArguments {
     /// Shards, or tables
     #[arg(value_name = "PART", required = true)]
     parts: Vec<PathBuf>,
-    /// Write it although samples or photons are missing
+    /// Merge although samples or photons are missing
     ///
     /// Every pixel is then the mean of the samples that it has.
     #[arg(long)]
     allow_gaps: bool,
-    /// Denoise the picture by Open Image Denoise, if installed
+    /// Denoise the picture with Open Image Denoise, if installed
     #[arg(long)]
     denoise: bool,
     #[command(flatten, next_help_heading = "Picture")]
@@ -153,13 +153,13 @@ fn report_gaps(merge: &ShardMerge, gaps: &[Gap], planned: u32, is_allowed: bool)
     if gaps.len() > MOST_GAPS {
         list.push(format!("{} more", gaps.len() - MOST_GAPS));
     }
-    let message = format!("of {planned} samples per pixel the parts lack {}", list.join(", "));
+    let message = format!("the parts lack {} of {planned} samples per pixel", list.join(", "));
     if is_allowed {
         let fewest = whole.samples();
         messages::print_warning(&format!("{message}; pixels have {fewest} samples or more"));
         return Ok(());
     }
-    let help = "render these with the same options, or merge what there is with --allow-gaps";
+    let help = "render these with the same options, or merge without them with --allow-gaps";
     Err(Failure::work(message).with_help(help))
 }
 

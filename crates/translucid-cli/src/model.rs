@@ -289,7 +289,7 @@ impl ModelArguments {
         }
         let known = Model::ALL.into_iter().filter(|model| model.knows_boundary()).map(Model::name);
         let known = known.collect::<Vec<_>>().join(", ");
-        let message = format!("{option} is {}, but {model} is made for {fitted} only", exact(found));
+        let message = format!("{option} is {}, but {model} is fitted for {fitted} only", exact(found));
         let help = format!("the model stands for {meaning}; leave {option} out, or use one of {known}");
         Err(Failure::input(message).with_help(help))
     }

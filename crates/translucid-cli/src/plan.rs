@@ -24,12 +24,12 @@ const TRIAL: Duration = Duration::from_secs(3);
 const HELP: &str = "\
 Prints one JSON object:
   scene, size, samples_per_pixel
-  seconds_to_prepare, seconds_per_sample   with --minutes: as measured here, on the threads of this machine
+  seconds_to_prepare, seconds_per_sample   with --minutes: as measured on this machine
   shards: [{samples: [A, B], region: [X0, Y0, X1, Y1] or null, output, command}, …]
   merge: the command that joins them
-Commands are lists of words. Whatever queue runs them, in whatever order and how often, the picture is that of one run.
-Samples are divided first; where there are more shards than samples, the picture is divided, too, which costs more the
-smaller its parts are: light is shared across their edges.
+Commands are lists of words. They may run anywhere, in any order and repeatedly; the picture is that of one run.
+Samples are divided first. With more shards than samples the picture is divided, too; small parts cost more, because
+light is shared across their edges.
 
 Examples:
   translucid plan scene.toml --shards 16
@@ -46,7 +46,7 @@ pub(crate) struct PlanArguments {
     /// Number of shards
     #[arg(long, value_name = "N", group = "division", value_parser = clap::value_parser!(u32).range(1..=i64::from(MOST_SHARDS)))]
     shards: Option<u32>,
-    /// Time that a shard is to take here, scene and all
+    /// Minutes that a shard takes on this machine, loading included
     #[arg(long, value_name = "M", group = "division", value_parser = parse_minutes)]
     minutes: Option<f64>,
     /// Picture that the shards become [default: the scene's name, .exr]

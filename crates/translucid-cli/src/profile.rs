@@ -11,7 +11,7 @@ const EXAMPLES: &str = "\
 Columns: r, reflectance R(r) per area, enclosed = integral of R 2 pi r' dr' from 0 to r.
 Radii are in the unit of --mfp or --dmfp, with --sigma-a and --sigma-s in its inverse.
 Lengths of a --table are in units of --mfp; `translucid reference` prints such tables.
-R grows like 1/r towards r = 0, where a huge finite number stands for infinity.
+R grows like 1/r towards r = 0, where it is a huge finite number in place of infinity.
 
 Examples:
   translucid profile --surface-albedo 0.8 --mfp 1 --at 0.1,1,10

@@ -50,25 +50,26 @@ const CHECKPOINT_INTERVAL: Duration = Duration::from_secs(30);
 const SOON: Duration = Duration::from_secs(1);
 
 const EXAMPLES: &str = "\
-Output: -o FILE.exr writes that file and FILE.png beside it, -o FILE.png only that, -o FILE.shard the samples, from which
-`translucid merge` makes the picture; with --samples A..B of several processes or machines, see `translucid plan`.
-Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it; one is also saved now and then. So do
-SIGTERM, by which queues and containers end a process, and SIGHUP of a terminal that closes, but not under nohup.
---resume goes on from there; the result is the same as if nothing had happened.
---tev[=HOST:PORT] shows the picture under the name of its file in tev (https://github.com/Tom94/tev), twice a second, or less
-often where that would take more than a hundredth of the time. A tev that goes or reads too slowly stops nothing.
---denoise looks for the library by the system's means, or where the variable TRANSLUCID_OIDN says. FILE.exr keeps
-all its layers and gets another, denoised.RGB; FILE.png shows that.
+Output: -o FILE.exr writes that file and FILE.png, -o FILE.png only the PNG, -o FILE.shard the samples, from which
+`translucid merge` makes the picture. Several processes or machines share a picture by --samples A..B: see
+`translucid plan`.
+Ctrl-C writes the picture as far as it is and keeps a checkpoint beside it, and so do SIGTERM (queues, containers)
+and SIGHUP (a terminal that closes, but not under nohup). A checkpoint is also saved every 30 s.
+--resume continues from there; the result is the same as that of an uninterrupted run.
+--tev[=HOST:PORT] shows the picture under the name of its file in tev (https://github.com/Tom94/tev), twice a second,
+or less often if that would take more than 1 % of the time. If tev quits or is too slow, the rendering goes on.
+--denoise loads the system's library, or the one that the variable TRANSLUCID_OIDN names. FILE.exr keeps all its
+layers and gets the layer denoised; FILE.png shows that.
 
 Several models after --subsurface render the scene with each and write to a directory, -o DIR:
   MODEL.exr, MODEL.png   the picture with each MODEL; same seed and samples, --time is for each
-  MODEL-flip.png         what a viewer sees who flips between it and the judge (ꟻLIP), from black to nearly white
-  MODEL-difference.png   darker (blue) or brighter (orange) than the judge, white where there is no difference
-  sheet.svg, index.html  all of them side by side with times and errors; neither needs another file
+  MODEL-flip.png         visible difference from the judge (ꟻLIP), from black to nearly white
+  MODEL-difference.png   darker (blue) or brighter (orange) than the judge, white for no difference
+  sheet.svg, index.html  all of them side by side with times and errors, self-contained
   errors.csv             model, against, samples, seconds, cpu_seconds, relative_mse, noise, mean_flip, max_flip
-                         relative_mse: mean of (x - ref)^2 / (ref^2 + 0.01) over channels and pixels that are not
-                         background; noise: how much of it is noise, estimated from halves of the samples,
-                         rather too high; empty where unknown.
+                         relative_mse: mean of (x - ref)^2 / (ref^2 + 0.01) over channels and pixels without the
+                         background; noise: the part of it that is noise, estimated from halves of the samples,
+                         rather too high; empty if unknown.
 
 Examples:
   translucid render
@@ -89,8 +90,8 @@ pub(crate) struct Arguments {
     pub(crate) scene: Option<PathBuf>,
     /// Picture to write, .exr or .png; .shard; with several models a directory
     ///
-    /// By default both, in the current directory, with the scene's name; of several models the directory has that name and
-    /// -side-by-side.
+    /// By default .exr and .png in the current directory, with the scene's name; for several models a directory with that
+    /// name and -side-by-side.
     #[arg(short, long, value_name = "FILE|DIR")]
     output: Option<PathBuf>,
     /// Width and height in pixels [default: the scene's]
@@ -98,18 +99,18 @@ pub(crate) struct Arguments {
     pub(crate) size: Option<[u32; 2]>,
     /// Render these pixels only, from (X0, Y0) to just before (X1, Y1)
     ///
-    /// (0, 0) is at the top left. They are those of the whole picture, bit for bit, and the file has their size.
+    /// (0, 0) is at the top left. They are the same as in the whole picture, bit for bit; the file has their size.
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_region)]
     pub(crate) region: Option<[u32; 4]>,
     /// Samples per pixel [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(MAX_SAMPLES)))]
     pub(crate) spp: Option<u32>,
-    /// Render the samples of these numbers only, into -o FILE.shard
+    /// Render samples A to just before B only, into -o FILE.shard
     ///
-    /// From A to just before B of those that the picture has in the end, the scene's or --spp.
+    /// The whole picture has the scene's samples or --spp.
     #[arg(long, value_name = "A..B", value_parser = parse_range)]
     samples: Option<Range<u32>>,
-    /// Render for this long; with --spp until whichever comes first
+    /// Render for this long, or until --spp is reached
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     time: Option<Duration>,
     /// Seed of the random numbers [default: the scene's]
@@ -118,38 +119,36 @@ pub(crate) struct Arguments {
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(crate) threads: Option<u16>,
-    /// Go on from an unfinished rendering's checkpoint, and keep one
+    /// Continue from the checkpoint of an unfinished rendering
     #[arg(long)]
     resume: bool,
-    /// How often it is saved for --resume [default: 30]
-    ///
-    /// Against power cuts and kills; the first time after as long.
+    /// Interval of checkpoints for --resume [default: 30]
     #[arg(long, value_name = "SECONDS", value_parser = parse_seconds, allow_negative_numbers = true)]
     checkpoint: Option<Duration>,
     /// Model under surfaces (see `translucid models`), or several
     ///
-    /// By default the scene's, which for materials that name none is random-walk, random-walk-rough if η is above 1, or a
-    /// profile where they ask for what walks do not do.
+    /// By default the scene's. A material that names none uses random-walk, random-walk-rough if η is above 1, or a
+    /// profile if it asks for something that walks cannot do.
     #[arg(long, value_name = "MODEL,...", value_delimiter = ',', hide_possible_values = true)]
     subsurface: Vec<ModelName>,
     /// Model that the others are compared with
     ///
-    /// By default random-walk or else exact, if among them, else the first.
+    /// By default random-walk if it is among them, else exact, else the first.
     #[arg(long, value_name = "MODEL", hide_possible_values = true)]
     against: Option<ModelName>,
-    /// How light under surfaces is found: ray-traced, point-based or cycles-disk
+    /// Find entry points: ray-traced, point-based or cycles-disk
     #[arg(long, value_name = "METHOD", value_parser = parse_method)]
     subsurface_method: Option<SubsurfaceMethod>,
-    /// Whether light below a pixel serves those around: true or false
+    /// Whether pixels share light below the surface: true or false
     #[arg(long, value_name = "BOOL", hide_possible_values = true)]
     subsurface_sharing: Option<bool>,
     /// Material of a bare mesh; `list` shows all
     #[arg(long, value_name = "NAME", help_heading = MESH_AND_VIEW)]
     pub(crate) preset: Option<String>,
-    /// Unit of a bare mesh: mm, cm or m [default: mm, of glTF m]
+    /// Unit of a bare mesh: mm, cm or m [default: mm, glTF m]
     #[arg(long, hide_possible_values = true, help_heading = MESH_AND_VIEW)]
     pub(crate) unit: Option<UnitName>,
-    /// Mesh file in place of that of object NAME, or the only one
+    /// Mesh file for object NAME, or for the only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = parse_mesh, help_heading = MESH_AND_VIEW)]
     pub(crate) mesh: Vec<(Option<String>, PathBuf)>,
     /// Show the picture as it grows in a running tev
@@ -160,7 +159,7 @@ pub(crate) struct Arguments {
     tev: Option<String>,
     #[command(flatten)]
     watch: WatchArguments,
-    /// Denoise it at the end by Open Image Denoise, if installed
+    /// Denoise the picture with Open Image Denoise, if installed
     #[arg(long)]
     denoise: bool,
     // The headings hold for all that comes after them
@@ -202,7 +201,7 @@ impl Arguments {
             (self.watch.preview.is_some(), "--preview"),
         ] {
             if given {
-                let message = format!("after --: {option} is not for all shards alike");
+                let message = format!("after --: {option} cannot be the same for all shards");
                 return Err(Failure::input(message).with_help("leave it out, and add it to single commands"));
             }
         }
@@ -237,7 +236,7 @@ fn run_here(arguments: &Arguments) -> Result<(), Failure> {
             (arguments.look.turntable.is_some(), "--turntable"),
         ] {
             if given {
-                let message = format!("{option} is not for comparisons, but --subsurface has several models");
+                let message = format!("{option} is for one model, but --subsurface has several");
                 return Err(
                     Failure::input(message).with_help(format!("leave {option} out, or name one model"))
                 );
@@ -388,7 +387,7 @@ fn check_samples(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
         Some(Range { start, end }) if *end > all => {
             let message = format!("--samples is {start}..{end}, but the picture has {all} samples per pixel");
             Err(Failure::input(message)
-                .with_help(format!("give it more with --spp {end}, for every shard the same")))
+                .with_help(format!("increase them with --spp {end}, for every shard the same")))
         }
         _ => Ok(()),
     }
@@ -482,7 +481,7 @@ pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
 fn parse_range(text: &str) -> Result<Range<u32>, String> {
     let wrong = || {
         format!(
-            "a range is A..B with 0 ≤ A < B ≤ {MAX_SAMPLES}, which has the samples from A to just before B, like 0..64"
+            "a range is A..B with 0 ≤ A < B ≤ {MAX_SAMPLES}, the samples from A to just before B, like 0..64"
         )
     };
     let (start, end) = text.split_once("..").ok_or_else(wrong)?;

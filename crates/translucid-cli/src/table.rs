@@ -49,7 +49,7 @@ impl TableArguments {
         match input_among(self.output.iter().map(PathBuf::as_path), inputs) {
             Some(path) => {
                 let message =
-                    format!("--output is {}, a file that is read, and would be written over", path.display());
+                    format!("--output is {}, a file that is read, and would be overwritten", path.display());
                 Err(Failure::input(message).with_help("choose another file for the printed table"))
             }
             None => Ok(()),

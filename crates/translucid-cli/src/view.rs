@@ -14,8 +14,8 @@ use crate::render;
 use crate::{command_line, interrupt, machine, messages};
 
 const EXAMPLES: &str = "\
-The page is served on this machine only, at an address with a random token, which is printed to stdout.
-All pages that are open show the same scene and picture. Ctrl-C ends it.
+The page is served on this machine only; its address, with a random token, is printed to stdout.
+All open pages show the same scene and picture. Ctrl-C ends the server.
 
 Examples:
   translucid view
@@ -23,14 +23,14 @@ Examples:
   translucid view scenes/head.toml --size 960x540
   translucid view scene.toml --no-open --port 8080";
 
-/// Opens a page in the browser that renders a scene live while its materials and lights are edited
+/// Opens a page in the browser to edit a scene while it is rendered
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct ViewArguments {
     /// Scene file (.toml) or mesh (.glb, .gltf, .obj, .ply, .stl) [default: the built-in still life]
     #[arg(value_name = "SCENE|MESH")]
     scene: Option<PathBuf>,
-    /// Port of the page's address; 0 takes one that is free
+    /// Port of the page's address; 0 chooses a free one
     #[arg(long, value_name = "N", default_value_t = 0)]
     port: u16,
     /// Print the address only, without opening a browser
@@ -39,7 +39,7 @@ pub(crate) struct ViewArguments {
     /// Width and height in pixels [default: the scene's]
     #[arg(long, value_name = "WxH", value_parser = render::parse_size)]
     size: Option<[u32; 2]>,
-    /// Samples per pixel to go for [default: the scene's]
+    /// Samples per pixel to render [default: the scene's]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(render::MAX_SAMPLES)))]
     spp: Option<u32>,
     /// Seed of the random numbers [default: the scene's]
@@ -48,7 +48,7 @@ pub(crate) struct ViewArguments {
     /// Threads to render with [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
-    /// Model of the transport under all surfaces, in place of the scene's
+    /// Model for all materials, in place of the scene's
     #[arg(long, value_name = "MODEL")]
     subsurface: Option<ModelName>,
     /// Material of a bare mesh; `translucid render --preset list` shows all
@@ -57,7 +57,7 @@ pub(crate) struct ViewArguments {
     /// Unit of a bare mesh's coordinates [default: m for glTF, else mm]
     #[arg(long)]
     unit: Option<UnitName>,
-    /// Mesh file in place of that of the scene's object NAME, or of its only one
+    /// Mesh file for object NAME, or for the only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = render::parse_mesh)]
     mesh: Vec<(Option<String>, PathBuf)>,
 }

@@ -27,7 +27,7 @@ pub(super) fn check(directory: &Directory) -> Result<(), Failure> {
     paths.iter().try_for_each(|path| check_writable(path))?;
     match paths.iter().find(|path| path.exists()) {
         Some(path) if !is_own_page(&paths[0], TITLE) => {
-            Err(refusal(path, "is there already, and translucid has not made it"))
+            Err(refusal(path, "exists already, and was not made by translucid"))
         }
         _ => Ok(()),
     }

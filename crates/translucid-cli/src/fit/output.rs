@@ -69,11 +69,11 @@ fn check(directory: &Directory, files: &[&str], input: Option<&Path>) -> Result<
     let paths: Vec<PathBuf> = files.iter().chain([&REPORT]).map(|file| directory.file(file)).collect();
     paths.iter().try_for_each(|path| check_writable(path))?;
     if let Some(path) = input_among(paths.iter().map(PathBuf::as_path), input.into_iter()) {
-        return Err(refusal(path, "is a file that is read, and would be written over"));
+        return Err(refusal(path, "is a file that is read, and would be overwritten"));
     }
     match paths.iter().find(|path| path.exists()) {
         Some(path) if !is_own(&directory.file(REPORT)) => {
-            Err(refusal(path, "is there already, and translucid has not made it"))
+            Err(refusal(path, "exists already, and was not made by translucid"))
         }
         _ => Ok(()),
     }

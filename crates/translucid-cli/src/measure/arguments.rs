@@ -11,12 +11,11 @@ use crate::failure::Failure;
 use crate::model::ConfigurationName;
 
 const EXAMPLES: &str = "\
-The photograph shows a flat piece, half of it under an opaque card, in light that falls on all of it evenly:
-how far light creeps below the card is the mean free path. White paper of known reflectance beside it
-makes the brightness of the lit half a surface albedo. With --setup spot there is a small round spot of light
-on a dark piece, and how far around it the piece glows is the mean free path. How to set it up:
-docs/guide/measure.md.
-With --scene it shows a thing of any shape, and the renderer finds the parameters with which it is that picture.
+The photograph shows a flat piece in even light, half of it under an opaque card. The distance that light spreads
+below the card determines the mean free path; white paper of known reflectance beside the piece determines the
+surface albedo. With --setup spot a small round spot of light falls on a dark piece, and the size of the glow around
+it determines the mean free path. docs/guide/measure.md describes the setups.
+With --scene the piece has any known shape, and the renderer finds the parameters that reproduce the photograph.
 
 Columns: channel, quantity, value, from and to of 68 % and of 95 % confidence, unit.
 
@@ -27,7 +26,7 @@ Examples:
   translucid measure laser.exr --setup spot --mm-per-pixel 0.042 --white-photo laser-on-paper.exr
   translucid measure ball.exr --scene ball.toml --fit material.surface_albedo,material.mfp";
 
-/// Measures surface albedo and mean free path in a photograph of an edge of light or of a spot
+/// Measures surface albedo and mean free path in a photograph
 #[derive(Args, Debug)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct MeasureArguments {
@@ -37,29 +36,29 @@ pub(crate) struct MeasureArguments {
     /// Setup of the photograph: the thing that shapes the light on the piece
     #[arg(long, value_enum, default_value = "edge")]
     pub(super) setup: SetupName,
-    /// Thickness of the slab \[mm\]
+    /// Thickness of the slab [mm]
     #[arg(long, value_name = "MM", value_parser = parse_positive, required_if_eq("setup", "slab"))]
     pub(super) thickness: Option<f64>,
-    /// Width of a pixel on the piece \[mm\]
+    /// Width of a pixel on the piece [mm]
     #[arg(long, value_name = "MM", value_parser = parse_positive)]
     pub(super) mm_per_pixel: Option<f64>,
-    /// In its place two points of the photograph and the distance between them \[mm\]
+    /// In its place two points of the photograph and the distance between them [mm]
     #[arg(long, value_name = "X0,Y0,X1,Y1,MM", value_parser = parse_ruler, conflicts_with = "mm_per_pixel")]
     pub(super) ruler: Option<[f64; 5]>,
     /// White card in the photograph, in the same light [default: none, and no surface albedo is measured]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_rectangle)]
     pub(super) white: Option<[usize; 4]>,
-    /// Another photograph of the same exposure and light, with white paper in place of the piece: it makes light even that is
-    /// not, and corners that the lens darkens; of a spot it tells the power
+    /// Another photograph with the same exposure and light and white paper in place of the piece: it corrects uneven light and
+    /// dark corners of the lens, and measures the power of a spot
     #[arg(long, value_name = "PHOTO", conflicts_with_all = ["white", "exposure"])]
     pub(super) white_photo: Option<PathBuf>,
-    /// Reflectance of what is white, in (0, 1]: one or three, comma-separated [default: 0.9, or 1 of the panel behind a slab]
+    /// Reflectance of the white paper, in (0, 1]: one or three, comma-separated [default: 0.9, or 1 for the panel behind a slab]
     #[arg(long, value_name = "R", value_delimiter = ',')]
     pub(super) white_reflectance: Vec<f64>,
-    /// Surface albedo where no white card is seen, in (0, 1): one or three; the shape hardly depends on it
+    /// Surface albedo in place of a white card, in (0, 1): one or three; the mean free path depends on it a little
     #[arg(long, value_name = "A", value_delimiter = ',', conflicts_with_all = ["white", "white_photo"])]
     pub(super) surface_albedo: Vec<f64>,
-    /// Part of the photograph that holds the edge and nothing else [default: all of it]
+    /// Part of the photograph that shows the edge and nothing else [default: all of it]
     #[arg(long, value_name = "X0,Y0,X1,Y1", value_parser = parse_rectangle)]
     pub(super) region: Option<[usize; 4]>,
     /// Two points of the card's edge [default: found]
@@ -68,35 +67,34 @@ pub(crate) struct MeasureArguments {
     /// Middle of the spot [default: found]
     #[arg(long, value_name = "X,Y", value_parser = parse_point, conflicts_with = "edge")]
     pub(super) center: Option<[f64; 2]>,
-    /// Place of the card: out of the picture, as in a projector's shadow (hidden), or on the dark side (visible)
+    /// Place of the card: outside the picture, as with a projector (hidden), or on the dark side (visible)
     /// [default: found]
     #[arg(long, value_enum)]
     pub(super) card: Option<CardName>,
-    /// Another exposure of the same view, to be merged; may be repeated
+    /// Another exposure of the same view, merged with the first; may be repeated
     #[arg(long, value_name = "PHOTO", conflicts_with = "dark")]
     pub(super) exposure: Vec<PathBuf>,
     /// Photograph with the light off and the same exposure, which is subtracted
     #[arg(long, value_name = "PHOTO")]
     pub(super) dark: Option<PathBuf>,
-    /// Take values of integers as linear instead of sRGB
+    /// Read integer files as linear instead of sRGB
     #[arg(long)]
     pub(super) linear: bool,
-    /// How light falls on a matt piece: from all around (diffuse); or on a clear one that is seen from straight above
-    /// (searchlight)
+    /// Surface of the piece: matt (diffuse), or clear, in light from all around and seen from straight above (searchlight)
     #[arg(long, value_enum, default_value = "diffuse")]
     pub(super) configuration: ConfigurationName,
-    /// Angle between a lamp's rays and the surface's normal, for a clear piece that is seen from straight above, in (-90, 90)
-    /// degrees: positive where the rays run from dark to lit
+    /// Angle between a lamp's rays and the normal of a clear piece, seen from straight above, in (-90, 90) degrees: positive
+    /// if the rays run from the dark side to the lit one
     #[arg(long, value_name = "DEGREES", allow_negative_numbers = true, conflicts_with = "configuration",
         value_parser = parse_angle)]
     pub(super) incidence: Option<f64>,
-    /// Relative refractive index of a piece that is smooth, in \[0.5, 3\]; 1 is none
+    /// Relative refractive index of a smooth surface, in [0.5, 3]; 1 is index-matched
     #[arg(long, value_name = "ETA", default_value_t = 1.0)]
     pub(super) eta: f64,
-    /// Mean cosine of scattering, in (-1, 1): the mean free path is that of the similar medium
+    /// Mean cosine of scattering, in (-1, 1); the mean free path is that of the similar medium
     #[arg(long, value_name = "G", default_value_t = 0.0, allow_negative_numbers = true)]
     pub(super) g: f64,
-    /// Directory for a page: the fit, what it leaves over, where in the photograph it was made
+    /// Directory for a page with the fit, its residuals and the measured place in the photograph
     #[arg(long, value_name = "DIR")]
     pub(super) page: Option<PathBuf>,
     /// File to write instead of stdout

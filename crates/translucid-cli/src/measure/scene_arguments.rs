@@ -10,20 +10,20 @@ use crate::render;
 /// Options of the scene whose picture the photograph is.
 #[derive(Args, Debug)]
 pub(super) struct SceneArguments {
-    /// Scene file of what the photograph shows: shape, camera and lights are known, --fit is not
+    /// Scene file with the shape, camera and lights of the photograph
     #[arg(long, value_name = "SCENE", requires = "fit", conflicts_with_all = ["mm_per_pixel", "white", "surface_albedo",
         "edge", "configuration", "ruler", "card", "exposure", "dark", "page", "setup", "center", "white_photo", "incidence", "thickness"])]
     pub(super) scene: Option<PathBuf>,
     /// Parameters to find: material.surface_albedo, material.mfp, material.g, light.radiance
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', requires = "scene")]
     pub(super) fit: Vec<String>,
-    /// Name of the material that they belong to [default: the scene's translucent one]
+    /// Name of the material to fit [default: the scene's translucent one]
     #[arg(long, value_name = "NAME", requires = "scene")]
     pub(super) material: Option<String>,
-    /// Model of light under its surface, in place of the scene's
+    /// Model of subsurface scattering, in place of the scene's
     #[arg(long, value_name = "MODEL", requires = "scene", hide_possible_values = true)]
     pub(super) subsurface: Option<ModelName>,
-    /// Mesh file in place of that of object NAME, or the only one
+    /// Mesh file for object NAME, or for the only one
     #[arg(long, value_name = "[NAME=]PATH", value_parser = render::parse_mesh, requires = "scene")]
     pub(super) mesh: Vec<(Option<String>, PathBuf)>,
     /// Samples per pixel of each picture [default: the scene's]
@@ -39,7 +39,7 @@ pub(super) struct SceneArguments {
     /// File that keeps an unfinished fit [default: PHOTO.fit in the current directory]
     #[arg(long, value_name = "FILE", requires = "scene")]
     pub(super) checkpoint: Option<PathBuf>,
-    /// Go on from an unfinished fit
+    /// Continue an unfinished fit
     #[arg(long, requires = "scene")]
     pub(super) resume: bool,
 }

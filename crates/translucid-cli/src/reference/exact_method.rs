@@ -48,7 +48,7 @@ pub(super) fn run(arguments: &ReferenceArguments, problem: &Problem) -> Result<(
 fn refuse_what_is_not_solved(arguments: &ReferenceArguments, problem: &Problem) -> Result<(), Failure> {
     let parameters = problem.parameters();
     let refuse = |what: String| {
-        Err(Failure::input(format!("the exact method knows no {what}"))
+        Err(Failure::input(format!("the exact method has no {what}"))
             .with_help("use --method monte-carlo, which does"))
     };
     match parameters.phase_function {

@@ -28,7 +28,7 @@ pub(crate) fn merge_tables(out: &Path, parts: &[PathBuf], allow_gaps: bool) -> R
     };
     check_writable(out)?;
     if let Some(path) = input_among([out].into_iter(), parts.iter().map(PathBuf::as_path)) {
-        let message = format!("{} is one of the tables to merge, and would be written over", path.display());
+        let message = format!("{} is one of the tables to merge, and would be overwritten", path.display());
         return Err(Failure::input(message).with_help("choose another file for the result"));
     }
     let _lock = OutputLock::take(out)?;
@@ -52,7 +52,7 @@ fn refusal(error: TableError, first: &Path, path: &Path, held: &[(&PathBuf, Vec<
             first.display(),
             path.display()
         ))
-        .with_help("tables of one command but for --photons and --seed can be merged"),
+        .with_help("only tables of one command can be merged, except for --photons and --seed"),
         TableError::Repeated(photons) => {
             let holds = |ranges: &[PhotonRange]| {
                 ranges.iter().any(|range| {
@@ -77,13 +77,13 @@ fn report_gaps(gaps: &[PhotonRange], allow_gaps: bool) -> Result<(), Failure> {
     if gaps.len() > GAPS_LISTED {
         list += &format!(" and {} more", gaps.len() - GAPS_LISTED);
     }
-    let message = format!("photons are missing, those of {list}");
+    let message = format!("photons are missing: {list}");
     if allow_gaps {
         messages::line(&message);
         return Ok(());
     }
     Err(Failure::work(message)
-        .with_help("walk them and merge again, or take what there is with --allow-gaps"))
+        .with_help("walk them and merge again, or merge without them with --allow-gaps"))
 }
 
 #[cfg(test)]
@@ -203,7 +203,7 @@ mod tests {
             (vec!["a.npz", "damaged.npz"], vec!["damaged.npz"]),
             (vec!["newer.npz", "a.npz"], vec!["newer.npz", "version.npy", "is 2"]),
             (vec!["a.npz", "none.npz"], vec!["none.npz"]),
-            (vec!["a.npz", "out.npz"], vec!["out.npz is one of the tables", "written over"]),
+            (vec!["a.npz", "out.npz"], vec!["out.npz is one of the tables", "overwritten"]),
         ] {
             let files: Vec<_> = parts.iter().map(|name| path(name)).collect();
             let failure = merge_tables(&path("out.npz"), &files, true).unwrap_err();

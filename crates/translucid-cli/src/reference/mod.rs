@@ -24,18 +24,18 @@ use crate::table::{TableArguments, exact};
 const EXAMPLES: &str = "\
 Columns: surface_albedo, single_scattering_albedo, r, reflectance R(r) per area, enclosed = integral of
 R 2 pi r' dr' from 0 to r, standard_error of reflectance (exact: an estimate of its numerical error).
-Lengths are in the unit of --mfp. All is per unit of flux that has entered the medium: what the boundary
-reflects from outside is not part of it.
+Lengths are in the unit of --mfp. Everything is per unit of flux that has entered the medium, without the light
+that the boundary reflects outside.
 
-The exact method knows the half space with isotropic scattering (g = 0), with any boundary.
-The walk knows everything else, too. Its reflectance is the mean over a ring around r, of half width
-min(0.02 r, 0.05 mean free paths) or less where radii are dense; enclosed has no such width. With --azimuth it
-is the mean over a sector of that ring, one degree wide, or wider (up to 10) where there are many radii.
+The exact method covers the half space with isotropic scattering (g = 0) and any boundary; the walk covers
+everything. Its reflectance is the mean over a ring around r, of half width min(0.02 r, 0.05 mean free paths), or
+less if radii are dense; enclosed has no such width. With --azimuth it is the mean over a sector of that ring, one
+degree wide, or up to 10 with many radii.
 R grows like 1/r towards r = 0, where the exact method prints a huge finite number and the walk has no ring.
 
-One walk serves all albedos of the list. With --table its photons stay in a file, to be continued with
---resume and joined with --merge; no photon counts twice. With --photons A..B many machines share a walk: their
-tables, merged in whatever order, are bit for bit the table of one run.
+One walk serves all albedos of the list. --table keeps its photons in a file, which --resume continues and --merge
+joins to others; no photon counts twice. With --photons A..B many machines share a walk: their tables, merged in
+any order, are bit for bit the table of one run.
 
 Examples:
   translucid reference --method exact --configuration searchlight --surface-albedo 0.2,0.5,0.8 --at 0.1,1,10
@@ -88,14 +88,14 @@ pub(crate) struct ReferenceArguments {
     /// Angle of incidence of the searchlight, outside, in degrees from the normal
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     incidence_angle: Option<f64>,
-    /// Direction in which to look from the entry, in degrees from where the tilted beam points to
+    /// Direction from the entry point, in degrees from the direction of the tilted beam
     /// [default: the mean over all directions]
     #[arg(long, value_name = "DEG", allow_negative_numbers = true, requires = "incidence_angle")]
     azimuth: Option<f64>,
     /// Thickness of a slab [default: a half space]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     thickness: Option<f64>,
-    /// Side of the slab on which light is collected
+    /// Side of the slab where light is collected
     #[arg(long, value_enum, default_value_t = SideName::Reflected)]
     side: SideName,
     /// Radius of the disc over which light enters evenly

@@ -34,11 +34,11 @@ const MOST_CELLS: usize = 25_000;
 /// Options of the walk alone.
 #[derive(Args, Debug)]
 pub(super) struct WalkArguments {
-    /// Number of photons, those of --table and --merge included, or a half-open range A..B of them, one machine's part
-    /// of a walk on many [default: 1e7]
+    /// Number of photons, including those of --table and --merge, or a half-open range A..B of them for one of many
+    /// machines [default: 1e7]
     #[arg(long, value_name = "N|A..B", value_parser = Photons::parse, conflicts_with = "error")]
     photons: Option<Photons>,
-    /// Relative standard error that every reflectance of the table is to reach, in place of --photons
+    /// Relative standard error to reach for every reflectance, in place of --photons
     #[arg(long, value_name = "E", allow_negative_numbers = true)]
     error: Option<f64>,
     /// Seed of the random numbers [default: 0]
@@ -47,13 +47,13 @@ pub(super) struct WalkArguments {
     /// Number of threads, at most 1024 [default: one per processor]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub(super) threads: Option<u16>,
-    /// File that keeps the photons' table (NPZ); -o FILE.npz keeps it, too, and prints nothing
+    /// File (NPZ) that keeps the table of photons; -o FILE.npz also does, and prints nothing
     #[arg(long = "table", value_name = "FILE.npz")]
     pub(super) table_file: Option<PathBuf>,
-    /// Go on from what --table holds, if it is there
+    /// Continue the walk of --table, if the file exists
     #[arg(long)]
     resume: bool,
-    /// Tables whose photons to add, comma-separated; of other seeds or other machines
+    /// Tables to add, comma-separated, of other seeds or other machines
     #[arg(long, value_name = "FILE.npz,...", value_delimiter = ',')]
     merge: Vec<PathBuf>,
 }
@@ -175,7 +175,7 @@ impl<'a> WalkWork<'a> {
                 if table.problem() != problem {
                     return Err(foreign_table(
                         arguments,
-                        "is of another problem: geometry, boundary or light",
+                        "is for another problem: geometry, boundary or light",
                     ));
                 }
                 if table.layout() != &layout {
@@ -198,7 +198,7 @@ impl<'a> WalkWork<'a> {
         work.check_range()?;
         let none = arguments.walk.photons.as_ref().filter(|photons| photons.are_none());
         if let Some(photons) = none.filter(|_| work.table.photons() == 0 && arguments.table.npz().is_none()) {
-            let message = format!("--photons is {photons}, and there are none in a table to go on from");
+            let message = format!("--photons is {photons}, but no table has photons to continue from");
             return Err(Failure::input(message));
         }
         Ok(work)
@@ -463,15 +463,15 @@ fn earlier_table(arguments: &ReferenceArguments) -> Result<Option<WhiteTable>, F
     match (arguments.walk.resume, path.exists()) {
         (true, true) => {
             let table = WhiteTable::load(path).map_err(table_failure)?;
-            messages::line(&format!("going on from {} photons", table.photons()));
+            messages::line(&format!("continuing from {} photons", table.photons()));
             Ok(Some(table))
         }
         (true, false) => {
             messages::line(&format!("there is no {} yet: starting anew", path.display()));
             Ok(None)
         }
-        (false, true) => Err(Failure::input(format!("{} is there already", path.display()))
-            .with_help("--resume goes on from it; delete it to start anew")),
+        (false, true) => Err(Failure::input(format!("{} exists already", path.display()))
+            .with_help("--resume continues it; delete it to start anew")),
         (false, false) => Ok(None),
     }
 }

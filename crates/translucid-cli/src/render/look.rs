@@ -13,7 +13,7 @@ const MOST_PICTURES: i64 = 3600;
 pub(crate) struct Look {
     /// Axis of a bare mesh that points up: x, y, z, -x, -y or -z
     ///
-    /// By default y, or z where a mesh other than glTF stands on that plane.
+    /// By default y, or z if a mesh other than glTF stands on the plane z = 0.
     #[arg(long, value_name = "AXIS", value_parser = parse_up, allow_hyphen_values = true)]
     up: Option<UpAxis>,
     /// Turn a bare mesh by degrees about x, y, then z, or y alone
@@ -23,7 +23,7 @@ pub(crate) struct Look {
     rotate: Option<[f32; 3]>,
     /// Floor below a bare mesh: none, backdrop, shadow, #rrggbb or a grey
     ///
-    /// A grey is in [0, 1]. By default backdrop where neither camera nor light is given, else none.
+    /// A grey is in [0, 1]. By default backdrop if the file has neither camera nor light, else none.
     #[arg(long, value_name = "FLOOR", value_parser = parse_floor)]
     floor: Option<Floor>,
     /// Camera of a scene or glTF file, by name [default: the first]
@@ -31,27 +31,26 @@ pub(crate) struct Look {
     camera: Option<String>,
     /// Side to look from: front, left, …, or degrees right and up
     ///
-    /// front, back, left, right, top or bottom: at a bare mesh with a camera that frames it, in a scene about what its
-    /// camera looks at.
+    /// front, back, left, right, top or bottom. The camera frames a bare mesh, and turns about its target in a scene.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = parse_view, allow_hyphen_values = true)]
     view: Option<Viewpoint>,
-    /// Make things so many times as large in the picture
+    /// Enlarge things in the picture by this factor
     #[arg(long, value_name = "FACTOR", value_parser = parse_zoom, allow_negative_numbers = true)]
     zoom: Option<f32>,
     /// Write N pictures, NAME-001 and so on, of one turn
     ///
-    /// A bare mesh turns, and about a scene the camera does.
+    /// A bare mesh turns; in a scene the camera turns about its target.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=MOST_PICTURES))]
     pub(super) turntable: Option<u32>,
     /// Image of the sky (.hdr, .exr, .png, .jpg)
     ///
-    /// In place of the scene's environment, and of the lights of a bare mesh.
+    /// It replaces the scene's environment, or the lights of a bare mesh.
     #[arg(long, value_name = "FILE")]
     pub(super) environment: Option<PathBuf>,
     /// Turn the environment about y
     #[arg(long, value_name = "DEGREES", value_parser = parse_angle, allow_negative_numbers = true)]
     environment_rotation: Option<f32>,
-    /// Make the environment so many times as bright
+    /// Brighten the environment by this factor
     #[arg(long, value_name = "FACTOR", value_parser = parse_strength, allow_negative_numbers = true)]
     environment_strength: Option<f32>,
 }

@@ -89,7 +89,7 @@ impl Outputs {
     pub(crate) fn spare<'a>(&self, inputs: impl Iterator<Item = &'a Path>) -> Result<(), OutputError> {
         match input_among(self.files(), inputs) {
             Some(path) => {
-                let message = "is a file that the scene is read from, and would be written over";
+                let message = "is a file that the scene is read from, and would be overwritten";
                 Err(OutputError::new(path, message).with_help("name another picture with -o FILE"))
             }
             None => Ok(()),
@@ -101,7 +101,7 @@ impl Outputs {
     pub(crate) fn spare_others(&self) -> Result<(), OutputError> {
         match self.images().find(|path| path.exists() && !is_own(path)) {
             Some(path) => {
-                let message = "is there already, and translucid has not made it";
+                let message = "exists already, and was not made by translucid";
                 Err(OutputError::new(path, message).with_help("name the picture with -o FILE"))
             }
             None => Ok(()),
@@ -142,7 +142,7 @@ pub(crate) fn spare_others_than_checkpoints<'a>(
 ) -> Result<(), OutputError> {
     match paths.into_iter().find(|path| path.exists() && !is_shard(path)) {
         Some(path) => {
-            let message = "is there already, and is no checkpoint or shard of translucid";
+            let message = "exists already, and is not a checkpoint or shard of translucid";
             Err(OutputError::new(path, message)
                 .with_help("move it away, or name another picture with -o FILE"))
         }

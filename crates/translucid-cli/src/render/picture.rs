@@ -131,7 +131,7 @@ impl<'a> Work<'a> {
         session.set_notes(notes(task, session.prepared().scene()), run);
         if is_to_resume(task) {
             session.resume(&task.outputs.checkpoint)?;
-            messages::line(&format!("going on from {} samples per pixel", session.film().samples()));
+            messages::line(&format!("continuing from {} samples per pixel", session.film().samples()));
         }
         let seconds_before = session.seconds();
         let is_warned = AtomicBool::new(false);
@@ -435,7 +435,7 @@ fn warn_once(is_warned: &AtomicBool, error: &OutputError) {
     if !is_warned.swap(true, Ordering::Relaxed) {
         let message = error.located_message();
         messages::print_warning(&format!(
-            "{message}; the rendering goes on, but --resume could not go on from here"
+            "{message}; the rendering continues, but --resume cannot continue from here"
         ));
     }
 }
@@ -450,7 +450,7 @@ fn is_to_resume(task: &Task<'_>) -> bool {
         }
         (false, true) => {
             let message = format!(
-                "the unfinished rendering {} will be replaced; --resume goes on from one of the same scene and settings",
+                "the unfinished rendering {} will be replaced; --resume continues one of the same scene and settings",
                 path.display()
             );
             messages::print_note(&message);

@@ -24,7 +24,7 @@ pub(super) fn show(
     let (path, display) = (path.to_owned(), Box::new(display));
     let screen = PreviewScreen { path, film, place, display, shown: 0, is_given_up: false, pool: None };
     Showing::start(screen)
-        .map_err(|error| Failure::work(format!("--preview: no thread can be started: {error}")))
+        .map_err(|error| Failure::work(format!("--preview: cannot start a thread: {error}")))
 }
 
 /// A picture in a file.
@@ -69,7 +69,7 @@ impl PreviewScreen {
         self.shown = change;
         if let Err(error) = self.write() {
             self.is_given_up = true;
-            messages::print_warning(&format!("{}; there are no more previews", error.located_message()));
+            messages::print_warning(&format!("{}; previews stop here", error.located_message()));
         }
     }
 

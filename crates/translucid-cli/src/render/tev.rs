@@ -64,7 +64,7 @@ impl Tev {
     ) -> Result<Showing, Failure> {
         let screen = TevScreen { tev: self.clone(), name: name.to_owned(), film, place, size, shown: 0 };
         Showing::start(screen)
-            .map_err(|error| Failure::work(format!("--tev: no thread can be started: {error}")))
+            .map_err(|error| Failure::work(format!("--tev: cannot start a thread: {error}")))
     }
 }
 
@@ -151,7 +151,7 @@ impl TevScreen {
             _ => format!("is gone: {error}"),
         };
         messages::print_note(&format!(
-            "the tev at {} {reason}; it gets no more of the picture",
+            "the tev at {} {reason}; it gets no further updates",
             self.tev.address
         ));
         false

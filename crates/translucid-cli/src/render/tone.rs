@@ -9,10 +9,10 @@ use translucid_scene::Film;
 /// The options.
 #[derive(Args, Debug, Default)]
 pub(crate) struct Tone {
-    /// Stops by which FILE.png is brighter, or auto
+    /// Exposure of FILE.png in stops, or auto
     ///
-    /// auto is metered on the first picture, so that its bright parts are no highlights. By default auto for a mesh, else
-    /// the scene's.
+    /// auto meters the first picture, so that its bright parts are not clipped. By default auto for a mesh, else the
+    /// scene's.
     #[arg(long, value_name = "STOPS|auto", value_parser = parse_exposure, allow_negative_numbers = true)]
     exposure: Option<ExposureWord>,
     /// Curve from light to FILE.png: srgb, neutral or agx

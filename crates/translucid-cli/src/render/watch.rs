@@ -9,31 +9,32 @@ use crate::failure::Failure;
 use crate::files::input_among;
 
 pub(super) const HELP: &str = "\
---json-progress writes one JSON object a line to stderr and nothing else, but for mistakes in the options themselves. Each
+--json-progress writes one JSON object per line to stderr and nothing else, except errors in the options themselves. Each
 has \"event\":
-  progress    unit (samples), done, total, fraction in [0, 1] of the work or of --time, seconds, seconds_left, and label
-              where there are several models; twice a second
-  message, note, warning, error   text, and help and place where there are any
-  statistics  as --stats
+  progress    unit (samples), done, total, fraction in [0, 1] of the work or of --time, seconds, seconds_left; label with
+              several models; twice a second
+  message, note, warning, error   text; help and place if there are any
+  statistics  the fields of --stats
 --stats writes one JSON object at the end:
   version, command, scene, outcome (finished, time-up, interrupted), files
   width, height, threads, objects, triangles
-  samples_per_pixel, samples: fewest of any pixel and all, earlier runs included; samples_now, samples_per_second: of this
+  samples_per_pixel (of the pixel with the fewest), samples (of all pixels), earlier runs included
+  samples_now, samples_per_second: of this run
   seconds: loading, preparing, rendering (with denoising), writing; and rendering_before, of earlier runs; cpu_seconds of
   the rendering, peak_memory_bytes
-  relative_noise: the mean square of the noise over (x^2 + 0.01), estimated from halves of the samples, rather too high;
-  null where the samples of --spp or the scene were not reached, were begun by another run, or are denoised
-What is not known is null.";
+  relative_noise: mean of noise^2 / (x^2 + 0.01), estimated from halves of the samples, rather too high; null with --time or
+  --denoise, or if this run did not make both halves
+Unknown values are null.";
 
 #[derive(Args, Clone, Debug, Default)]
 pub(crate) struct WatchArguments {
-    /// Keep the picture so far in a file, whole every few seconds
+    /// Write the picture so far to a file every few seconds
     #[arg(long, value_name = "FILE.png")]
     pub(super) preview: Option<PathBuf>,
-    /// Write progress and messages to stderr as JSON, an object a line
+    /// Write progress and messages to stderr, one JSON object a line
     #[arg(long, conflicts_with_all = ["quiet", "verbose"])]
     pub(super) json_progress: bool,
-    /// Write times, samples, memory and noise as JSON at the end
+    /// Write times, samples, memory and noise to a JSON file at the end
     #[arg(long, value_name = "FILE")]
     pub(super) stats: Option<PathBuf>,
 }

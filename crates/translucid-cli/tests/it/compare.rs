@@ -197,8 +197,8 @@ fn wrong_input_is_refused_before_anything_is_written() {
         ("--seed x", "x"),
         ("-o file", "cannot make the directory"),
         ("-o file/below", "cannot make the directory"),
-        ("-o site", "translucid has not made it"),
-        ("-o data", "translucid has not made it"),
+        ("-o site", "was not made by translucid"),
+        ("-o data", "was not made by translucid"),
         ("-o trap", "is a directory, not a file"),
     ] {
         let output = run(path, &format!("compare {options}"));

@@ -171,7 +171,7 @@ fn tables_are_kept_continued_and_joined() {
     assert!(stderr(&output).contains("twice"), "{}", stderr(&output));
     let output = run(path, &format!("{walk} --photons 0"));
     assert_eq!(output.status.code(), Some(2));
-    assert!(stderr(&output).contains("--photons is 0, and there are none"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--photons is 0, but no table"), "{}", stderr(&output));
     let output = run(path, &format!("{walk} --photons 10 --table a.npz"));
     assert_eq!(output.status.code(), Some(2));
     assert!(stderr(&output).contains("--resume"), "{}", stderr(&output));
@@ -289,7 +289,7 @@ fn wrong_options_are_refused_with_a_reason() {
         ("--single-scattering-albedo 0.9 --at 1 --threads 0", "--threads"),
         (
             "--single-scattering-albedo 0.9 --at 1 --method monte-carlo --table a.npz -o ./a.npz",
-            "written over",
+            "overwritten",
         ),
         ("--single-scattering-albedo 0.9 --points 1000000000 --max 1 --method monte-carlo", "too many"),
     ] {

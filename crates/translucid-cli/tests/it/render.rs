@@ -79,7 +79,7 @@ fn render_resumes_to_the_same_bits() {
     stdout(&directory, "render ball.toml -q --spp 4 --resume -o parts.exr");
     assert!(files(&directory).contains(&String::from("parts.exr.checkpoint")));
     let output = run(&directory, "render ball.toml --spp 9 --resume -o parts.exr");
-    assert!(stderr(&output).contains("going on from 4 samples"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("continuing from 4 samples"), "{}", stderr(&output));
     assert_eq!(exr_values(&directory.join("whole.exr")), exr_values(&directory.join("parts.exr")));
     assert_eq!(
         fs::read(directory.join("whole.png")).unwrap(),
@@ -334,7 +334,7 @@ fn render_never_writes_over_its_inputs() {
     ] {
         let output = run(&directory, words);
         assert_eq!(output.status.code(), Some(2), "{words}: {}", stderr(&output));
-        assert!(stderr(&output).contains("written over"), "{words}: {}", stderr(&output));
+        assert!(stderr(&output).contains("overwritten"), "{words}: {}", stderr(&output));
         assert_eq!(fs::read(directory.join("bark.png")).unwrap(), before, "{words}");
         assert_eq!(files(&directory), files_before, "{words}");
     }
@@ -348,7 +348,7 @@ fn render_never_writes_over_its_inputs() {
     fs::write(directory.join("measured.toml"), scene).unwrap();
     let output = run(&directory, "render measured.toml --spp 2 -o table.exr");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("written over"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("overwritten"), "{}", stderr(&output));
     assert_eq!(fs::read_to_string(directory.join("table.png")).unwrap(), table);
 }
 
@@ -428,7 +428,7 @@ fn render_denoises_no_comparison() {
     let (_keep, directory) = directory_with_ball();
     let output = run(&directory, "render ball.toml --subsurface dipole,none --denoise -o both");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("--denoise is not for comparisons"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("--denoise is for one model"), "{}", stderr(&output));
     assert_eq!(files(&directory), ["ball.toml"]);
 }
 

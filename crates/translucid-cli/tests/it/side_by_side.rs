@@ -177,7 +177,7 @@ fn files_of_others_are_spared() {
     fs::write(directory.join("textured.toml"), scene).unwrap();
     let output = run(&directory, "render textured.toml -q --spp 1 --subsurface dipole,none -o two");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
-    assert!(stderr(&output).contains("written over"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("overwritten"), "{}", stderr(&output));
     // Nor does another verb take the page for one of its own
     let output = run(&directory, "compare --models dipole --photons 0 --samples 0 -o two");
     assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
@@ -199,7 +199,7 @@ fn resumed_work_ends_in_the_same_pictures() {
     stdout(&directory, &format!("{few} --resume -o parts"));
     let output = run(&directory, &format!("{} --threads 1 --resume -o parts", words.replace(" -q", "")));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("going on from 12") && stderr(&output).contains("going on from 4"));
+    assert!(stderr(&output).contains("continuing from 12") && stderr(&output).contains("continuing from 4"));
     assert_eq!(pictures(&directory.join("whole")), pictures(&parts));
     // The first had no half any more, and so no estimate of the noise; the second got there on its way
     let rows = errors(&parts);
@@ -271,7 +271,7 @@ fn interrupt_keeps_what_there_is_and_the_way_on() {
     );
     let output = run(&directory, &format!("{words} --resume"));
     assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-    assert!(stderr(&output).contains("going on from 120"), "{}", stderr(&output));
+    assert!(stderr(&output).contains("continuing from 120"), "{}", stderr(&output));
     stdout(&directory, &words.replace("-o two", "-q -o whole"));
     assert_eq!(pictures(&directory.join("two")), pictures(&directory.join("whole")));
 }

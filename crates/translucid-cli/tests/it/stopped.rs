@@ -231,7 +231,7 @@ fn bare_command_is_short_for_a_small_still_life_and_goes_on() {
     {
         let mut child = start(directory.path(), "exec", words);
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
-        let short = format!("this is short for: translucid render --size 640x360 --spp 20{options}");
+        let short = format!("short for: translucid render --size 640x360 --spp 20{options}");
         assert_eq!(lines.next(), Some(short));
         assert!(lines.any(|line| line.starts_with(then)), "{words}");
         wait_for(&directory.path().join(".still-life.png.lock"));

@@ -194,7 +194,7 @@ fn table_that_is_read_is_not_written_over() {
         let output =
             run(directory.path(), &format!("{words} --table table.csv --surface-albedo 0.5 --mfp 1"));
         assert_eq!(output.status.code(), Some(2), "{words}");
-        assert!(stderr(&output).contains("--output") && stderr(&output).contains("written over"), "{words}");
+        assert!(stderr(&output).contains("--output") && stderr(&output).contains("overwritten"), "{words}");
         assert_eq!(std::fs::read_to_string(&path).unwrap(), text, "{words}");
     }
 }

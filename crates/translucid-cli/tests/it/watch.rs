@@ -55,7 +55,7 @@ fn files_of_followers_are_their_own() {
         ("--preview b.png --stats b.png", "--stats is b.png, which is written as well"),
         ("--stats ball.toml", "--stats is ball.toml, a file that the scene is read from"),
         ("--preview missing/b.png", "missing"),
-        ("--stats s.json --subsurface dipole,none", "--stats is not for comparisons"),
+        ("--stats s.json --subsurface dipole,none", "--stats is for one model"),
         ("--json-progress -q", "cannot be used with"),
     ] {
         let output = run(&directory, &format!("render ball.toml --spp 1 -o a.exr {options}"));

@@ -51,11 +51,11 @@ pub(super) fn check<'a>(
     let image = images.iter().find(|path| path.exists() && !is_own(path));
     let text = || texts.iter().find(|path| path.exists() && !is_own_page(&texts[0], TITLE));
     if let Some(path) = image.or_else(text) {
-        return Err(refusal(path, "is there already, and is not a file of pictures side by side"));
+        return Err(refusal(path, "exists already, and is not a file of pictures side by side"));
     }
     spare_others_than_checkpoints(kept.iter().map(PathBuf::as_path))?;
     match input_among(images.iter().chain(&texts).map(PathBuf::as_path), inputs) {
-        Some(path) => Err(refusal(path, "is a file that the scene is read from, and would be written over")),
+        Some(path) => Err(refusal(path, "is a file that the scene is read from, and would be overwritten")),
         None => Ok(()),
     }
 }
