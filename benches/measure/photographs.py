@@ -4,7 +4,7 @@
     python3 benches/measure/photographs.py [--collisions 6e6] [--write]
 
 README.md says what is measured and how. The first run installs mitsuba from PyPI into target/peers/mitsuba; where it can't
-be had, it says so and ends well. --write puts the tables into docs/accuracy/measure.md.
+be had, it says so and ends well. --write puts the first table into docs/accuracy/measure.md.
 """
 
 import argparse
@@ -303,12 +303,11 @@ def table(heads, rows):
     return "\n".join(lines + ["| " + " | ".join(row) + " |" for row in rows])
 
 
-def write(name, content):
-    """Puts a table between its marks on the page."""
-    text = PAGE.read_text()
-    begin = f"<!-- photographs: {name} -->\n"
-    start = text.index(begin) + len(begin)
-    PAGE.write_text(text[:start] + "\n" + content + "\n\n" + text[text.index("<!-- end of photographs -->", start):])
+def write(script, content):
+    """Puts what a script printed between its marks on the page."""
+    begin, end = f"<!-- measured: python3 benches/measure/{script} --write -->", "<!-- end of what was measured -->"
+    head, rest = PAGE.read_text().split(begin)
+    PAGE.write_text(f"{head}{begin}\n\n{content}\n\n{end}{rest.split(end, 1)[1]}")
 
 
 def percent(value):
@@ -405,8 +404,7 @@ def main():
     for text in (first, second):
         print(text + "\n")
     if arguments.write:
-        write("photographs", first)
-        write("bias", second)
+        write("photographs.py", first)
 
 
 if __name__ == "__main__":

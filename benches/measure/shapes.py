@@ -177,7 +177,7 @@ def main():
     text = table(["shape", "channel", "parameter", "truth", "measured", "95 % interval", "error"], lines)
     print(f"{text}\n\nLargest error {percent(worst)}.")
     if arguments.write:
-        write("shapes", text)
+        write("shapes.py", text)
 
 
 if __name__ == "__main__":

@@ -1,8 +1,10 @@
-//! Distance of the profiles of oblique light from the exact half space (g = 0, η = 1), as a table in Markdown.
+//! Distance of the profiles of oblique light from the exact half space (g = 0, η = 1), as tables in Markdown.
 //!
 //! ```text
-//! cargo run --release -p translucid-fit -F generators --example oblique_errors
+//! cargo run --release -p translucid-fit -F generators --example oblique_errors [-- --write]
 //! ```
+//!
+//! `--write` puts the means over the surface albedo into `docs/accuracy/oblique.md`.
 //!
 //! An error is ∫|R_model − R| dA / ∫R dA over the whole plane, in percent: as the model is, told A for light along the
 //! normal, and multiplied to the exact energy of the angle.
@@ -21,6 +23,7 @@ use translucid_profile::{
     PhotonBeamDiffusion, RefinedDiffusion, half_space_single_scattering_albedo,
 };
 use translucid_reference::exact::ObliqueHalfSpace;
+use translucid_testing::write_measured;
 
 use beam::ObliqueBeam;
 
@@ -37,21 +40,28 @@ const NAMES: [&str; 5] =
     ["oblique", "refined", "normalized diffusion", "directional dipole", "oblique beam diffusion"];
 
 fn main() {
-    println!("| A | θ₀ | {} |", NAMES.join(" | "));
-    println!("|---|---|{}", "---|".repeat(NAMES.len()));
-    let mut sums = [[0.0; 2]; NAMES.len()];
+    let names = NAMES.join(" | ");
+    println!("| A | θ₀ | {names} |\n|---|---|{}", "---|".repeat(NAMES.len()));
+    let mut means = [[[0.0; 2]; NAMES.len()]; DEGREES.len()];
     for a in ALBEDOS {
-        for degrees in DEGREES {
+        for (degrees, mean) in DEGREES.into_iter().zip(&mut means) {
             let errors = errors(a, degrees, COARSE);
             println!("| {a} | {degrees}° | {} |", row(&errors));
-            for (sum, error) in sums.as_flattened_mut().iter_mut().zip(errors.as_flattened()) {
-                *sum += error / (ALBEDOS.len() * DEGREES.len()) as f64;
-            }
+            add(mean, &errors, ALBEDOS.len());
         }
     }
-    println!("| mean | | {} |", row(&sums));
-    println!();
-    println!("Percent: as the model is / at the exact energy.");
+    let mut all = [[0.0; 2]; NAMES.len()];
+    means.iter().for_each(|mean| add(&mut all, mean, DEGREES.len()));
+    let mut table = format!("| θ₀ | {names} |\n|---|{}\n", "---|".repeat(NAMES.len()));
+    for (degrees, mean) in DEGREES.iter().zip(&means) {
+        table += &format!("| {degrees}° | {} |\n", row(mean));
+    }
+    table += &format!("| all | {} |", row(&all));
+    println!("\n{table}\n\nPercent: as the model is / at the exact energy; the second table has the means over A.");
+    if std::env::args().any(|argument| argument == "--write") {
+        let command = "cargo run --release -p translucid-fit -F generators --example oblique_errors -- --write";
+        write_measured("docs/accuracy/oblique.md", command, &table);
+    }
     let change = CHECKED.map(|(a, degrees)| {
         let [coarse, fine] = [COARSE, FINE].map(|cells| errors(a, degrees, cells));
         let pairs = coarse.as_flattened().iter().zip(fine.as_flattened());
@@ -59,6 +69,13 @@ fn main() {
     });
     let worst = 100.0 * change.into_iter().fold(0.0, f64::max);
     println!("Twice as many radii and azimuths change no figure of {CHECKED:?} by more than {worst:.2}.");
+}
+
+/// Adds errors to their mean over so many cases.
+fn add(mean: &mut [[f64; 2]], errors: &[[f64; 2]], cases: usize) {
+    for (mean, error) in mean.as_flattened_mut().iter_mut().zip(errors.as_flattened()) {
+        *mean += error / cases as f64;
+    }
 }
 
 fn row(errors: &[[f64; 2]]) -> String {

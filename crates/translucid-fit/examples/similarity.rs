@@ -1,11 +1,12 @@
-//! Errors of similarity, before and after its repair: the tables of `docs/accuracy/similarity.md`.
+//! Errors of similarity, before and after its repair.
 //!
 //! ```text
 //! cargo run --release -p translucid-fit -F generators --example similarity_tables > target/similarity_tables.csv
-//! cargo run --release -p translucid-fit -F generators --example similarity -- target/similarity_tables.csv
+//! cargo run --release -p translucid-fit -F generators --example similarity -- target/similarity_tables.csv [--write]
 //! ```
 //!
 //! Without the file the tables are made anew, which takes some minutes.
+//! `--write` puts the errors over the whole grid into `docs/accuracy/similarity.md`.
 
 #![allow(clippy::print_stdout, reason = "the tables go to standard output")]
 
@@ -18,6 +19,7 @@ use translucid_profile::{
     Appearance, Configuration, ExactProfile, NormalizedDiffusion, Parameterization, Profile,
     RefinedDiffusion, SimilarRefinedDiffusion, Similarity, half_space_single_scattering_albedo,
 };
+use translucid_testing::write_measured;
 
 /// Contenders of the tables of errors.
 const COLUMNS: [&str; 8] = [
@@ -25,26 +27,38 @@ const COLUMNS: [&str; 8] = [
     "exact, ℓ*",
     "exact at A', ℓ*",
     "normalized diffusion, ℓ*",
-    "the same, repaired",
+    "normalized diffusion, repaired",
     "refined, ℓ*",
-    "the same, repaired",
-    "from ℓ_d",
+    "refined, repaired",
+    "refined, repaired, from ℓ_d",
 ];
 
 fn main() {
     let all = tables();
     print_ring_check();
-    for configuration in CONFIGURATIONS {
+    let summary = CONFIGURATIONS.map(|configuration| {
         let words = match configuration {
             Configuration::Searchlight => "Searchlight",
             Configuration::Diffuse => "Diffuse transmission",
         };
         let of_configuration: Vec<&Table> =
             all.iter().filter(|table| table.case.configuration == configuration).collect();
-        print_errors(words, &of_configuration);
+        let over_grid = print_errors(words, &of_configuration);
         print_by_albedo(words, &of_configuration);
         print_by_distance(words, &of_configuration);
         print_albedos(words, &of_configuration);
+        over_grid
+    });
+    let mut table =
+        String::from("| profile | searchlight: mean | worst | diffuse: mean | worst |\n|---|---|---|---|---|\n");
+    for (i, name) in COLUMNS.iter().enumerate() {
+        let [searchlight, diffuse] = [0, 1].map(|c: usize| summary[c][i].replace(" / ", " | "));
+        table += &format!("| {name} | {searchlight} | {diffuse} |\n");
+    }
+    println!("\n### Both, over the whole grid\n\n{table}");
+    if std::env::args().any(|argument| argument == "--write") {
+        let command = "cargo run --release -p translucid-fit -F generators --example similarity -- --write";
+        write_measured("docs/accuracy/similarity.md", command, &table);
     }
 }
 
@@ -101,7 +115,8 @@ fn row(case: Case) -> String {
     format!("{} | {} | {reference}{held_out}", case.g, case.eta)
 }
 
-fn print_errors(words: &str, tables: &[&Table]) {
+/// Errors of each case; returns those over the grid without its first row, mean and worst.
+fn print_errors(words: &str, tables: &[&Table]) -> [String; COLUMNS.len()] {
     println!("\n### {words}: errors, mean / worst over A, in percent\n");
     println!("| g | η | reference | noise | {} |", COLUMNS.join(" | "));
     println!("|---|---|---|---|{}", "---|".repeat(COLUMNS.len()));
@@ -116,8 +131,9 @@ fn print_errors(words: &str, tables: &[&Table]) {
             sums.iter_mut().enumerate().for_each(|(i, sum)| sum.extend(all.iter().map(|errors| errors[i])));
         }
     }
-    let columns: Vec<String> = sums.iter().map(|sum| mean_and_worst(sum.iter().copied())).collect();
+    let columns = sums.map(|sum| mean_and_worst(sum.iter().copied()));
     println!("| all | | without the first row of g = 0 and what is held out | | {} |", columns.join(" | "));
+    columns
 }
 
 /// Means over the grid for each surface albedo.
@@ -209,7 +225,7 @@ fn print_ring_check() {
     let configuration = Configuration::Searchlight;
     let mut worst: f64 = 0.0;
     let case = Case { g: 0.0, eta: 1.0, configuration };
-    let table = Table::new(case);
+    let table = Table::new(case, tables::COLLISIONS);
     for point in &table.points {
         let a = point.surface_albedo;
         let known = "an albedo in (0, 1)";

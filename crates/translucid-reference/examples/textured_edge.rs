@@ -2,9 +2,10 @@
 //! has to have to be near it.
 //!
 //! ```text
-//! cargo run --release -p translucid-reference --example textured_edge
+//! cargo run --release -p translucid-reference --example textured_edge [-- --write]
 //! ```
 //!
+//! `--write` puts the mean and the worst error of each choice into `docs/accuracy/textures.md`.
 //! One side of the step is lit evenly, the exit is on the other. Where the two lie on the same side, all ways to choose
 //! the parameters are one.
 //! The profile is the refined one, which is the exact half space's to 0.2 %.
@@ -17,6 +18,7 @@ use translucid_profile::{
     Configuration, Parameterization, Profile, RefinedDiffusion, half_space_single_scattering_albedo,
 };
 use translucid_reference::body::{Half, TwoHalves};
+use translucid_testing::write_measured;
 
 const PHOTONS: u64 = 1_000_000;
 /// Distances of the exit from the step, in mean free paths of its own side.
@@ -61,7 +63,7 @@ fn main() {
     let names = CHOICES.map(|(name, ..)| name).join(" | ");
     println!("| exit A, ℓ | entry A, ℓ | distance | truth | {names} |");
     println!("|---|---|---|---|{}", "---|".repeat(CHOICES.len()));
-    let mut sums = [0.0; CHOICES.len()];
+    let (mut sums, mut worst) = ([0.0; CHOICES.len()], [0.0_f64; CHOICES.len()]);
     for [exit, entry] in STEPS {
         let half = |[a, mfp]: Side| {
             let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
@@ -80,8 +82,10 @@ fn main() {
                 beyond_line(&profile.expect("an albedo in (0, 1)"), x)
             });
             let columns = shares.map(|share| format!("{share:.4}")).join(" | ");
-            for (sum, share) in sums.iter_mut().zip(shares) {
-                *sum += (share / truth.value).ln().abs();
+            for (i, share) in shares.into_iter().enumerate() {
+                let error = (share / truth.value).ln().abs();
+                sums[i] += error;
+                worst[i] = worst[i].max(error);
             }
             let [[a, l], [b, m]] = [exit, entry];
             println!(
@@ -91,8 +95,15 @@ fn main() {
         }
     }
     let cases = (STEPS.len() * DISTANCES.len()) as f64;
-    let means = sums.map(|sum| format!("{:.0} %", 100.0 * (sum / cases).exp_m1())).join(" | ");
-    println!("| mean error as a factor | | | | {means} |");
+    let mut summary = String::from("| A and ℓ | mean error | worst |\n|---|---|---|\n");
+    for (i, (name, ..)) in CHOICES.iter().enumerate() {
+        summary += &format!("| {name} | {:.2} | {:.1} |\n", (sums[i] / cases).exp(), worst[i].exp());
+    }
+    println!("\n{summary}");
+    if std::env::args().any(|argument| argument == "--write") {
+        let command = "cargo run --release -p translucid-reference --example textured_edge -- --write";
+        write_measured("docs/accuracy/textures.md", command, &summary);
+    }
 }
 
 /// Energy of a profile beyond a line at a distance x: ∫ acos(x/r)/π dE.

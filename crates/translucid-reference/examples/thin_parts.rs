@@ -1,8 +1,10 @@
 //! Light that thin and curved parts return, by a walk of photons and by the models of a flat half space.
 //!
 //! ```text
-//! cargo run --release -p translucid-reference --example thin_parts
+//! cargo run --release -p translucid-reference --example thin_parts [-- --write]
 //! ```
+//!
+//! `--write` puts tables of the oblique model and of the normalization into `docs/accuracy/thin-parts.md`.
 //!
 //! Bodies are homogeneous, scatter isotropically and have no boundary (g = 0, η = 1).
 //! Their size is a sphere's diameter, a slab's thickness, and in a wedge the distance of a point from the edge.
@@ -29,6 +31,7 @@ use translucid_profile::{
 };
 use translucid_reference::Estimate;
 use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS, Shape, Tally};
+use translucid_testing::write_measured;
 
 const ALBEDOS: [f64; 4] = [0.2, 0.5, 0.8, 0.95];
 /// d over size.
@@ -71,23 +74,25 @@ const KINDS: [(&str, Kind); 4] = [
 fn main() {
     let media: Vec<Models> = ALBEDOS.iter().map(|&a| Models::new(a)).collect();
     let mut summary = Summary::default();
+    let mut uniform = pivot("body, A", THINNESSES);
     for (title, kind) in KINDS {
         println!("### {title} in even light\n");
         let names: Vec<&str> = RADIAL.iter().map(|model| model.name()).collect();
         println!("| A | d/size | scattered | straight | oblique | {} | normalized |", names.join(" | "));
         println!("|---|---|---|---|---|{}---|", "---|".repeat(RADIAL.len()));
         for models in &media {
-            for thinness in THINNESSES {
+            let oblique = THINNESSES.map(|thinness| {
                 let size = models.d / thinness;
                 let truth = truth(kind, models.a, size, Lighting::Uniform);
                 let energies = models.energies(kind, size);
                 println!("{}", even_row(models.a, thinness, &truth, &energies));
                 summary.add(&truth, &energies, models.a);
-            }
+                percent(energies[0] / truth.leaving().value)
+            });
+            uniform += &format!("| {title}, {} | {} |\n", models.a, oblique.join(" | "));
         }
         println!();
     }
-    summary.print();
     println!("### Light from one side\n");
     println!(
         "| body | A | d/size | truth | normalized-diffusion | normalized-diffusion-refined | normalized |"
@@ -104,13 +109,39 @@ fn main() {
         "| light along | A | d/size | through | straight | oblique | normalized-diffusion | normalized-diffusion-refined |"
     );
     println!("|---|---|---|---|---|---|---|---|");
-    for light in [Lighting::Uniform, Lighting::Distant] {
-        for (models, thinness) in
-            media.iter().flat_map(|m| THINNESSES_FROM_BEHIND.map(|thinness| (m, thinness)))
-        {
-            println!("{}", models.row_from_behind(thinness, light));
+    let mut behind = pivot("light along, A", THINNESSES_FROM_BEHIND);
+    for (name, light) in [("all directions", Lighting::Uniform), ("the normal", Lighting::Distant)] {
+        for models in &media {
+            let oblique = THINNESSES_FROM_BEHIND.map(|thinness| {
+                let [truth, straight, shares @ ..] = models.cells_from_behind(thinness, light);
+                println!(
+                    "| {name} | {} | {thinness} | {truth} | {straight} | {} |",
+                    models.a,
+                    shares.join(" | ")
+                );
+                let [oblique, ..] = shares;
+                oblique
+            });
+            behind += &format!("| {name}, {} | {} |\n", models.a, oblique.join(" | "));
         }
     }
+    let tables =
+        [("in uniform light", uniform), ("from behind", behind), ("by normalization", summary.table())];
+    for (what, table) in &tables {
+        println!("\n### Summary, {what}\n\n{table}");
+    }
+    if std::env::args().any(|argument| argument == "--write") {
+        for (what, table) in tables {
+            let command = "cargo run --release -p translucid-reference --example thin_parts -- --write";
+            write_measured("docs/accuracy/thin-parts.md", &format!("{command}, {what}"), &table);
+        }
+    }
+}
+
+/// The head of a table with a column for each of these d/size.
+fn pivot(first: &str, thinnesses: [f64; 5]) -> String {
+    let columns = thinnesses.map(|thinness| thinness.to_string()).join(" | ");
+    format!("| {first} | d/size = {columns} |\n|---|{}\n", "---|".repeat(thinnesses.len()))
 }
 
 fn body(kind: Kind, size: f64) -> Shape {
@@ -185,8 +216,9 @@ impl Models {
         (0..steps[0].len()).map(|face| steps.iter().map(|step| step[face]).sum()).collect()
     }
 
-    /// The far face of a slab with light on the near one.
-    fn row_from_behind(&self, thinness: f64, light: Lighting) -> String {
+    /// The far face of a slab with light on the near one: what gets through, scattered and straight, and the shares of
+    /// the former that the oblique model and the first two radial ones have.
+    fn cells_from_behind(&self, thinness: f64, light: Lighting) -> [String; 5] {
         let size = self.d / thinness;
         let tally = truth(Kind::Slab, self.a, size, light);
         let through = tally.scattered_through(1);
@@ -196,12 +228,11 @@ impl Models {
                 self.oblique_times_r_toward(along(q, r), [0.0, 0.0, 1.0])
             }),
         };
-        let name = if light == Lighting::Uniform { "all directions" } else { "the normal" };
         let share = |energy: f64| percent(energy / through.value);
-        let models = [oblique[1], self.radial[0].beyond(size), self.radial[1].beyond(size)].map(share);
+        let [oblique, normalized, refined] =
+            [oblique[1], self.radial[0].beyond(size), self.radial[1].beyond(size)].map(share);
         let truth = format!("{:.2} ± {:.2}", 100.0 * through.value, 100.0 * through.error);
-        let straight = percent(tally.straight().value);
-        format!("| {name} | {} | {thinness} | {truth} | {straight} | {} |", self.a, models.join(" | "))
+        [truth, percent(tally.straight().value), oblique, normalized, refined]
     }
 
     /// r R averaged over light from everywhere.
@@ -353,31 +384,30 @@ fn sphere_rings(profile: &dyn Profile, radius: f64) -> Vec<f64> {
 /// Mean |error| of what is returned, by d/size.
 #[derive(Default)]
 struct Summary {
-    rows: Vec<[f64; 3]>,
+    /// Without and with normalization.
+    rows: Vec<[f64; 2]>,
 }
 
 impl Summary {
     fn add(&mut self, truth: &Tally, energies: &[f64], a: f64) {
         let all = truth.leaving().value;
         let off = |energy: f64| (energy / all - 1.0).abs();
-        self.rows.push([off(energies[0]), off(energies[2]), off(a)]);
+        self.rows.push([off(energies[2]), off(a)]);
     }
 
-    fn print(&self) {
-        println!("### Mean error of the energy in even light\n");
-        println!("| body | d/size | oblique | normalized-diffusion-refined | normalized |");
-        println!("|---|---|---|---|---|");
-        for (body, (title, _)) in KINDS.iter().enumerate() {
-            for (i, thinness) in THINNESSES.iter().enumerate() {
-                let rows: Vec<&[f64; 3]> = (0..ALBEDOS.len())
-                    .map(|a| &self.rows[(body * ALBEDOS.len() + a) * THINNESSES.len() + i])
-                    .collect();
+    /// The refined profile without and with normalization, means over the surface albedos.
+    fn table(&self) -> String {
+        let mut table = pivot("body", THINNESSES);
+        for ((title, _), rows) in KINDS.iter().zip(self.rows.chunks(ALBEDOS.len() * THINNESSES.len())) {
+            let cells = (0..THINNESSES.len()).map(|i| {
                 let mean = |column: usize| {
-                    percent(rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64)
+                    let of_thinness = rows.iter().skip(i).step_by(THINNESSES.len());
+                    percent(of_thinness.map(|row| row[column]).sum::<f64>() / ALBEDOS.len() as f64)
                 };
-                println!("| {title} | {thinness} | {} | {} | {} |", mean(0), mean(1), mean(2));
-            }
+                format!("{} / {}", mean(0), mean(1))
+            });
+            table += &format!("| {title} | {} |\n", cells.collect::<Vec<_>>().join(" | "));
         }
-        println!();
+        table
     }
 }

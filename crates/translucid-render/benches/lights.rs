@@ -14,13 +14,11 @@
 //! to that of the selection by power: the time to the same error.
 //! The ways take turns, seed by seed, on one thread.
 //! A second table has the time of single calls, in nanoseconds, from random points of the hall.
-//! `--write` puts both into `docs/speed/many-lights.md`.
+//! `--write` puts the first into `docs/speed/many-lights.md`.
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
-use std::fmt::Write;
 use std::hint::black_box;
-use std::path::Path;
 
 use glam::{Mat3, Vec3};
 use translucid_profile::Model;
@@ -31,7 +29,7 @@ use translucid_scene::{
     ScalarInput, Scene, SubsurfaceModel, Unit,
 };
 use translucid_shapes::{ShapeParameters, build_shape};
-use translucid_testing::{SplitMix, cpu_seconds};
+use translucid_testing::{SplitMix, cpu_seconds, write_measured};
 
 /// Total power of all lamps (per channel).
 const POWER: f32 = 4000.0;
@@ -69,23 +67,18 @@ impl Options {
 fn main() {
     let options = Options::new();
     let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread pool");
-    let tables = pool.install(|| [pictures(&options), calls(&options)]);
+    let pictures = pool.install(|| {
+        let pictures = pictures(&options);
+        calls(&options);
+        pictures
+    });
     if options.write {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/speed/many-lights.md");
-        let document = std::fs::read_to_string(&path).expect("docs/speed/many-lights.md is there");
-        let names = ["pictures", "calls"];
-        let document =
-            names.iter().zip(tables).fold(document, |d, (name, table)| between_marks(&d, name, &table));
-        std::fs::write(&path, document).expect("docs/speed/many-lights.md can be written");
+        let command = format!(
+            "cargo bench -p translucid-render --bench lights -- --seeds {} --reference-samples {} --write",
+            options.seeds, options.reference_samples
+        );
+        write_measured("docs/speed/many-lights.md", &command, &pictures);
     }
-}
-
-/// The document with a new text between `<!-- name -->` and `<!-- end of name -->`.
-fn between_marks(document: &str, name: &str, text: &str) -> String {
-    let (begin, end) = (format!("<!-- {name} -->\n"), format!("<!-- end of {name} -->"));
-    let (before, rest) = document.split_once(&begin).expect("the document has the marks");
-    let (_, after) = rest.split_once(&end).expect("the document has both marks");
-    format!("{before}{begin}{text}{end}{after}")
 }
 
 /// Numbers that depend on the lamp only.
@@ -287,12 +280,9 @@ fn pictures(options: &Options) -> String {
     table
 }
 
-fn calls(options: &Options) -> String {
-    let mut table = String::from(
-        "| lights | selection | prepare ms | sample ns | density ns | ray ns |\n|---|---|---|---|---|---|\n",
-    );
-    println!();
-    print!("{table}");
+/// Prints the times of single calls.
+fn calls(options: &Options) {
+    println!("\n| lights | selection | prepare ms | sample ns | density ns | ray ns |\n|---|---|---|---|---|---|");
     for &lamps in &options.lights {
         let scene = hall(lamps);
         let shards = &scene.objects[4].mesh;
@@ -336,18 +326,13 @@ fn calls(options: &Options) -> String {
                 black_box(lights.intersect(point, normal, 30.0));
             });
             let few = way == LightSelection::Power && lamps <= 31;
-            let mut row = String::new();
             let label = if few { name(LightSelection::Weighed) } else { name(way) };
-            let _ = writeln!(
-                row,
+            println!(
                 "| {lamps} | {label} | {:.2} | {sample:.0} | {density:.0} | {ray:.0} |",
                 1e3 * prepare
             );
-            print!("{row}");
-            table += &row;
         }
     }
-    table
 }
 
 /// Mean CPU time of a call over at least half a second.

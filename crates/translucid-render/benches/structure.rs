@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-render --bench structure [-- CASE…] [--samples N] [--pictures N] [--write]
 //! ```
 //!
-//! Prints the table of `docs/speed/noise.md`, which says what its columns are; `--write` puts it there.
+//! Prints the table of `docs/speed/noise.md`, which explains its columns; `--samples 1 --write` puts it there.
 
 #![allow(clippy::print_stdout, reason = "the table is the bench's output")]
 
@@ -71,11 +71,9 @@ fn main() {
     }
     println!("{table}");
     if arguments.iter().any(|argument| argument == "--write") {
-        write_measured(
-            "docs/speed/noise.md",
-            "cargo bench -p translucid-render --bench structure -- --write",
-            &table,
-        );
+        let count = samples.map_or_else(String::new, |count| format!("--samples {count} "));
+        let command = format!("cargo bench -p translucid-render --bench structure -- {count}--write");
+        write_measured("docs/speed/noise.md", &command, &table);
     }
 }
 

@@ -4,8 +4,9 @@
 //! cargo bench -p translucid-render --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
 //! ```
 //!
-//! Prints the tables of `docs/accuracy/total-error.md`, which says what their columns are; `--write` puts them there, if no
-//! scenes are named. With `--eta` all materials have that index under their surface.
+//! Prints each walk's total error over those of the profiles, and all that they are made of; `--write` puts the table that
+//! decides on the default into `docs/accuracy/total-error.md`, which explains it, if no scenes are named.
+//! With `--eta` all materials have that index under their surface.
 //! Every model makes two pictures a, of seeds of their own, and so does every truth t:
 //!
 //! ```text
@@ -71,15 +72,16 @@ fn main() {
             None => println!("{}: skipped, its mesh is not in TRANSLUCID_ASSETS", case.name),
         }
     }
-    let tables = [summary(&models, &results), details(&models, &results)].concat();
-    println!("{tables}\n{size} pixels wide, {samples} samples, {:.0} CPU s", cpu_seconds() - start);
+    let tables = summary(&models, &results);
+    println!("{}\n{}", tables.join("\n"), details(&models, &results));
+    println!("{size} pixels wide, {samples} samples, {:.0} CPU s", cpu_seconds() - start);
     if arguments.iter().any(|argument| argument == "--write") {
         assert_eq!(results.len(), cases.len(), "the document has all scenes");
         let of_eta = eta.map_or(String::new(), |eta| format!("--eta {eta} "));
         write_measured(
             "docs/accuracy/total-error.md",
             &format!("cargo bench -p translucid-render --bench total_error -- {of_eta}--write"),
-            &tables,
+            if eta.is_some() { &tables[2] } else { &tables[0] },
         );
     }
 }
@@ -338,15 +340,15 @@ fn mean(truth: &[FilmSums; 2], quantity: impl Fn(&Place) -> f64) -> (f64, f64) {
 
 /// For each walk its total error over those of the profiles in the same time, held against itself, and for a rough one also
 /// against the other.
-fn summary(models: &Models, results: &[(&str, Findings)]) -> String {
-    let mut text = String::new();
+fn summary(models: &Models, results: &[(&str, Findings)]) -> Vec<String> {
     let columns: Vec<(usize, f64)> =
         PROFILES.iter().flat_map(|&p| BUDGETS.map(|budget| (p, budget))).collect();
     let mut walks = vec![(0, TRUTHS[0]), (1, TRUTHS[1])];
     if models[TRUTHS[1]] == SubsurfaceModel::RandomWalk(WalkSurface::Rough) {
         walks.push((0, TRUTHS[1]));
     }
-    for (t, walk) in walks {
+    let table = |(t, walk): (usize, usize)| {
+        let mut text = String::new();
         let budgets = BUDGETS.map(|samples| format!("{samples}")).join(" | ");
         let heads = PROFILES.map(|profile| format!("over `{}`: {budgets}", models[profile].name()));
         let truth = format!(", held against `{}`", models[TRUTHS[t]].name());
@@ -364,9 +366,10 @@ fn summary(models: &Models, results: &[(&str, Findings)]) -> String {
             let sum: f64 = results.iter().map(|(_, findings)| ratio(findings, column).ln()).sum();
             format!("{:.2}", (sum / results.len() as f64).exp())
         });
-        let _ = writeln!(text, "| geometric mean | {} |\n", middles.collect::<Vec<_>>().join(" | "));
-    }
-    text
+        let _ = writeln!(text, "| geometric mean | {} |", middles.collect::<Vec<_>>().join(" | "));
+        text
+    };
+    walks.into_iter().map(table).collect()
 }
 
 fn details(models: &Models, results: &[(&str, Findings)]) -> String {

@@ -1,8 +1,10 @@
 //! Light that leaves a translucent sphere, by a walk of photons through it and by the models of a flat half space.
 //!
 //! ```text
-//! cargo run --release -p translucid-render --example sphere_truth
+//! cargo run --release -p translucid-render --example sphere_truth [-- --write]
 //! ```
+//!
+//! `--write` puts the rows of distant light into `docs/accuracy/oblique.md`.
 //!
 //! The sphere is homogeneous, scatters isotropically and has no boundary (g = 0, η = 1). The walk is that of
 //! `translucid_reference::body`, of which nothing is shared with the models. Light that passes without a collision is
@@ -23,6 +25,7 @@ use translucid_profile::{
     ObliqueDiffusionTable, Parameterization, RefinedDiffusion, half_space_single_scattering_albedo,
 };
 use translucid_reference::body::{Body, Interior, Lighting, SPHERE_RINGS as RINGS, Shape};
+use translucid_testing::write_measured;
 
 const ALBEDOS: [f64; 2] = [0.5, 0.9];
 /// In mean free paths.
@@ -31,8 +34,10 @@ const PHOTONS: u64 = 2_000_000;
 const NAMES: [&str; 4] = ["oblique", "refined", "normalized diffusion", "directional dipole"];
 
 fn main() {
-    println!("| A | radius/ℓ | light | truth | {} |", NAMES.join(" | "));
-    println!("|---|---|---|---|{}", "---|".repeat(NAMES.len()));
+    let names = NAMES.join(" | ");
+    println!("| A | radius/ℓ | light | truth | {names} |\n|---|---|---|---|{}", "---|".repeat(NAMES.len()));
+    let mut table =
+        format!("| A | radius/ℓ | truth | {names} |\n|---|---|---|{}\n", "---|".repeat(NAMES.len()));
     let mut profiles = Vec::new();
     for a in ALBEDOS {
         let alpha = half_space_single_scattering_albedo(a, Configuration::Diffuse);
@@ -41,8 +46,10 @@ fn main() {
             for light in [Lighting::Distant, Lighting::Uniform] {
                 let truth = Truth::walk(alpha, radius, light);
                 let radiosities = models.radiosities(radius, light);
-                println!("| {a} | {radius} | {light:?} | {} |", summary(&truth, &radiosities));
+                let row = summary(&truth, &radiosities);
+                println!("| {a} | {radius} | {light:?} | {row} |");
                 if light == Lighting::Distant {
+                    table += &format!("| {a} | {radius} | {row} |\n");
                     profiles.push((a, radius, truth, radiosities));
                 }
             }
@@ -55,6 +62,10 @@ fn main() {
     println!("Models: Σ|B_model − B| / Σ B over these rings / what leaves over the truth's; in percent.");
     for (a, radius, truth, radiosities) in &profiles {
         print_rings(*a, *radius, truth, radiosities);
+    }
+    if std::env::args().any(|argument| argument == "--write") {
+        let command = "cargo run --release -p translucid-render --example sphere_truth -- --write";
+        write_measured("docs/accuracy/oblique.md", command, &table);
     }
 }
 

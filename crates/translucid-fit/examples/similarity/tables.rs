@@ -66,9 +66,9 @@ pub(crate) struct Table {
     pub(crate) points: Vec<Point>,
 }
 
-/// The tables in the file that the command's argument names, or else made anew.
+/// The tables in the file that the command's first argument names, or else made anew.
 pub(crate) fn tables() -> Vec<Table> {
-    match std::env::args().nth(1) {
+    match std::env::args().nth(1).filter(|argument| !argument.starts_with("--")) {
         Some(path) => {
             let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
             let mut tables = read(&text);
@@ -76,7 +76,7 @@ pub(crate) fn tables() -> Vec<Table> {
             tables.sort_by_key(|table| cases.iter().position(|case| *case == table.case));
             tables
         }
-        None => cases().into_iter().map(Table::new).collect(),
+        None => cases().into_iter().map(|case| Table::new(case, COLLISIONS)).collect(),
     }
 }
 
@@ -88,9 +88,9 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 impl Table {
-    /// Solves or walks.
-    pub(crate) fn new(case: Case) -> Self {
-        Self { case, points: case.points(COLLISIONS) }
+    /// Solves, or walks with so many collisions each.
+    pub(crate) fn new(case: Case, collisions: f64) -> Self {
+        Self { case, points: case.points(collisions) }
     }
 
     /// One line a point: configuration, g, η, A, α, its error, shares, shares of the halves.

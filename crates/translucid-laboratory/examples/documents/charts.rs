@@ -26,9 +26,8 @@ pub(crate) fn model(model: Model, references: &References) -> Result<Chart, Stri
         chart = chart.with(curve(contender.title, Ink::Model(model), &*profile));
     }
     Ok(chart.with_caption(
-        "Light per logarithm of the radius, 2πr² R(r), for a searchlight and a mean free path ℓ of 1. \
-         Equal areas below a curve are equal parts of the light, and all of it is A: 0.2 for the lowest pair of curves, \
-         0.5 for the middle one and 0.8 for the highest.",
+        "Light per logarithm of the radius, 2πr² R(r), for a searchlight and ℓ = 1: equal areas below a curve are equal \
+         amounts of light. The pairs of curves are A = 0.2, 0.5 and 0.8, from the lowest to the highest.",
     ))
 }
 
@@ -44,9 +43,8 @@ pub(crate) fn exact(references: &References) -> Chart {
         }
     }
     chart.with_caption(
-        "Light per logarithm of the radius, 2πr² R(r), for a mean free path ℓ of 1. \
-         Equal areas below a curve are equal parts of the light, and all of it is A: 0.2 for the lowest pair of curves, \
-         0.5 for the middle one and 0.8 for the highest. \
+        "Light per logarithm of the radius, 2πr² R(r), for ℓ = 1: equal areas below a curve are equal amounts of light. \
+         The pairs of curves are A = 0.2, 0.5 and 0.8, from the lowest to the highest. \
          Light that enters from all directions stays a little nearer than light that enters straight.",
     )
 }

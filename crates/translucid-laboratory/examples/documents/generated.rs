@@ -59,18 +59,14 @@ impl Generated {
         generated.add("tables/samples", tables::errors_of_samples(&references)?);
         generated.add_chart(&charts::samples(&references)?);
         generated.add_chart(&charts::noise(noise_page)?);
-        for (name, inversion, configuration) in tables::ALL_ERRORS {
-            generated.add(name, tables::all_errors(contenders, errors, configuration, inversion));
-        }
+        generated.add("how-good/errors-searchlight", tables::all_errors(contenders, errors));
         generated.add("how-good/claims", tables::claims(&comparison.claims));
         generated.add("how-good/scaling", tables::scaling(&comparison.scaling));
-        generated.add("how-good/scaling-values", tables::scaling_values(&comparison.scaling));
         // Figures of the page that `translucid compare` writes
         let report = Report::new(comparison);
         report.page.charts().for_each(|chart| generated.add_chart(chart));
         if settings.timing_rounds > 0 {
             generated.add("how-good/times", tables::times(contenders, &comparison.timings));
-            generated.add("how-good/table-times", tables::table_times(contenders, &comparison.timings));
         } else {
             generated.blocks.retain(|name, _| !Self::is_time(name));
             generated.figures.retain(|name, _| !Self::is_time(name));

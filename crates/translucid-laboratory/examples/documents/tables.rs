@@ -9,13 +9,6 @@ use translucid_profile::{
 
 use super::references::{ALBEDOS, CONFIGURATIONS, References};
 
-/// The tables of all errors: name, how models find their medium, and how light enters.
-pub(crate) const ALL_ERRORS: [(&str, Inversion, Configuration); 3] = [
-    ("how-good/errors-searchlight", Inversion::Own, Configuration::Searchlight),
-    ("how-good/errors-exact-alpha", Inversion::Exact, Configuration::Searchlight),
-    ("how-good/errors-diffuse", Inversion::Own, Configuration::Diffuse),
-];
-
 /// Radii at which profiles are compared with the exact one, in mean free paths.
 const RADII: [f64; 6] = [0.01, 0.1, 0.3, 1.0, 3.0, 10.0];
 
@@ -69,6 +62,9 @@ fn light(configuration: Configuration) -> &'static str {
 const ERROR_COLUMNS: [&str; 8] =
     ["r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r", "A = 0.2", "A = 0.5", "A = 0.8", "worst A", "of 99"];
 
+/// Those of a model's own page.
+const MODEL_COLUMNS: std::ops::Range<usize> = 2..7;
+
 /// Mean errors in three ranges, errors at [`ALBEDOS`], the worst, and how many albedos are reached.
 fn error_cells(
     errors: &ErrorTable,
@@ -87,15 +83,15 @@ fn error_cells(
     Some(cells)
 }
 
-/// Errors of every contender.
-pub(crate) fn all_errors(
-    contenders: &[Contender],
-    errors: &ErrorTable,
-    configuration: Configuration,
-    inversion: Inversion,
-) -> String {
-    let rows = contenders.iter().filter_map(|one| {
-        let cells = error_cells(errors, one.name, configuration, inversion)?;
+/// A model, or the best fit of a kind that is no model: pages of models have their variants.
+fn is_of_all(contender: &Contender) -> bool {
+    contender.is_model() || contender.group == Group::Fit && contender.model.is_none()
+}
+
+/// Errors of every model for a searchlight, beside the best sums of exponentials.
+pub(crate) fn all_errors(contenders: &[Contender], errors: &ErrorTable) -> String {
+    let rows = contenders.iter().filter(|one| is_of_all(one)).filter_map(|one| {
+        let cells = error_cells(errors, one.name, Configuration::Searchlight, Inversion::Own)?;
         Some([vec![one.title.to_owned()], cells].concat())
     });
     table(&[&["model"][..], &ERROR_COLUMNS].concat(), rows)
@@ -112,11 +108,11 @@ pub(crate) fn errors_of_model(model: Model, contenders: &[Contender], errors: &E
                     Inversion::Own => one.title.to_owned(),
                     Inversion::Exact => format!("{}, exact α", one.title),
                 };
-                rows.push([vec![what, light(configuration).to_owned()], cells].concat());
+                rows.push([&[what, light(configuration).to_owned()][..], &cells[MODEL_COLUMNS]].concat());
             }
         }
     }
-    table(&[&["what", "light"][..], &ERROR_COLUMNS].concat(), rows)
+    table(&[&["what", "light"][..], &ERROR_COLUMNS[MODEL_COLUMNS]].concat(), rows)
 }
 
 /// Mean errors of all models, and those at [`ALBEDOS`], best first.
@@ -278,7 +274,7 @@ pub(crate) fn errors_of_samples(references: &References) -> Result<String, Strin
     Ok(table(&["samples", "A = 0.2", "A = 0.5", "A = 0.8"], rows))
 }
 
-/// Claims of the talk, and what the errors say of them.
+/// Claims of the talk with their errors, the media found by the models' own albedo inversions.
 pub(crate) fn claims(claims: &[Claim]) -> String {
     let verdict = |errors: &Option<[f64; 2]>| match errors {
         Some([better, worse]) => {
@@ -287,14 +283,10 @@ pub(crate) fn claims(claims: &[Claim]) -> String {
         }
         None => String::from("–"),
     };
-    let rows = claims.iter().map(|claim| {
-        let statement = match claim.inversion {
-            Inversion::Own => claim.statement.clone(),
-            Inversion::Exact => String::from("… and of the exact α"),
-        };
+    let rows = claims.iter().filter(|claim| claim.inversion == Inversion::Own).map(|claim| {
         let whose = if claim.is_the_talks { "talk" } else { "ours" };
         let verdicts = claim.errors.iter().chain([&claim.means]).map(verdict);
-        [statement, whose.to_owned()].into_iter().chain(verdicts).collect()
+        [claim.statement.clone(), whose.to_owned()].into_iter().chain(verdicts).collect()
     });
     table(&["claim", "whose", "A = 0.2", "A = 0.5", "A = 0.8", "mean"], rows)
 }
@@ -326,66 +318,30 @@ pub(crate) fn scaling(cases: &[ScalingCase]) -> String {
     table(&["length, light", "whose", "s(A)", "stated", "r ≤ 8 ℓ", "r ≤ 16 ℓ", "all r"], rows)
 }
 
-/// s at some albedos: best, the talk's, ours.
-pub(crate) fn scaling_values(cases: &[ScalingCase]) -> String {
-    let mut head = vec![String::from("A")];
-    for one in cases {
-        head.extend(["best", "talk", "ours"].map(|whose| format!("{}: {whose}", case(one))));
-    }
-    let rows = [1, 5, 10, 20, 30, 40, 50, 60, 70, 80, 90, 95, 99].map(|percent| {
-        let a = f64::from(percent) / 100.0;
-        let mut row = vec![a.to_string()];
-        for one in cases {
-            let best = one.points.iter().find(|point| point[0] == a).map_or(f64::NAN, |point| point[1]);
-            row.extend([best, one.talk.eval(a), one.fitted.eval(a)].map(|s| digits(s, 4)));
-        }
-        row
-    });
-    table(&head.iter().map(String::as_str).collect::<Vec<_>>(), rows)
-}
-
-/// Nanoseconds, and how many times normalized diffusion's.
-fn time_rows<const N: usize>(
-    contenders: &[Contender],
-    timings: &[Timing],
-    columns: [[Quantity; 2]; N],
-) -> Vec<Vec<String>> {
+/// Times of the models and of their tables in nanoseconds, and as multiples of normalized diffusion's own time.
+pub(crate) fn times(contenders: &[Contender], timings: &[Timing]) -> String {
+    // A quantity, and the one that it is a multiple of
+    const COLUMNS: [(&str, Quantity, Quantity); 6] = [
+        ("build", Quantity::Build, Quantity::Build),
+        ("eval", Quantity::Eval, Quantity::Eval),
+        ("sample", Quantity::Sample, Quantity::Sample),
+        ("tabulate", Quantity::Tabulate, Quantity::Build),
+        ("table eval", Quantity::TableEval, Quantity::Eval),
+        ("table sample", Quantity::TableSample, Quantity::Sample),
+    ];
     let of = |name: &str, quantity: Quantity| {
         Some(timings.iter().find(|one| one.contender == name && one.quantity == quantity)?.nanoseconds)
     };
     let yardstick = Model::NormalizedDiffusion.name();
-    let timed = contenders.iter().filter(|one| one.group == Group::Model);
     let row = |one: &Contender| {
-        let cell =
-            |[quantity, compared]: [Quantity; 2]| match (of(one.name, quantity), of(yardstick, compared)) {
-                (Some(time), Some(unit)) => format!("{} ({}×)", digits(time, 2), digits(time / unit, 2)),
-                _ => String::from("–"),
-            };
-        std::iter::once(one.title.to_owned()).chain(columns.map(cell)).collect()
+        let cell = |(_, quantity, unit)| match (of(one.name, quantity), of(yardstick, unit)) {
+            (Some(time), Some(unit)) => format!("{} ({}×)", digits(time, 2), digits(time / unit, 2)),
+            _ => String::from("–"),
+        };
+        std::iter::once(one.title.to_owned()).chain(COLUMNS.map(cell)).collect()
     };
-    timed.map(row).collect()
-}
-
-/// Times of the models themselves.
-pub(crate) fn times(contenders: &[Contender], timings: &[Timing]) -> String {
-    let columns = [Quantity::Build, Quantity::Eval, Quantity::Enclosed, Quantity::Sample];
-    let rows = time_rows(contenders, timings, columns.map(|quantity| [quantity, quantity]));
-    table(&["model", "build", "eval", "enclosed", "sample"], rows)
-}
-
-/// Times of their tables, over those of normalized diffusion by itself.
-pub(crate) fn table_times(contenders: &[Contender], timings: &[Timing]) -> String {
-    let rows = time_rows(
-        contenders,
-        timings,
-        [
-            [Quantity::Tabulate, Quantity::Build],
-            [Quantity::TableEval, Quantity::Eval],
-            [Quantity::TableEnclosed, Quantity::Enclosed],
-            [Quantity::TableSample, Quantity::Sample],
-        ],
-    );
-    table(&["model", "tabulate", "table eval", "table enclosed", "table sample"], rows)
+    let head: Vec<&str> = std::iter::once("model").chain(COLUMNS.map(|(name, ..)| name)).collect();
+    table(&head, contenders.iter().filter(|one| one.group == Group::Model).map(row))
 }
 
 #[cfg(test)]
