@@ -273,9 +273,7 @@ fn print_header(fits: &[Coefficients; 2]) {
         println!("//! | {words} | {} |", columns.join(" | "));
     }
     println!("//!");
-    println!(
-        "//! More errors are in `docs/accuracy/similarity.md`, as `--example similarity` of the same crate prints them."
-    );
+    println!("//! `--example similarity` of the same crate prints more errors.");
     println!("//!");
     println!(
         "//! Rows are the factors of g, g², g³, L, L², gL, g²L, where 1 − e^(−L) is the boundary's reflectance for"

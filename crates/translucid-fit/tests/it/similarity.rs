@@ -32,8 +32,8 @@ fn errors(case: Case, point: &Point) -> [[f64; 2]; 2] {
     ]
 }
 
-/// Against the exact solution, at an index between those of the fit: 20 % and 6 % are what `docs/accuracy/similarity.md` states
-/// for the worst of neighboring indices at these albedos.
+/// Against the exact solution, at an index between those of the fit: the example `similarity` prints 20 % and 6 % for the worst
+/// of neighboring indices at these albedos.
 #[test]
 fn boundary_is_repaired_as_stated() {
     for configuration in CONFIGURATIONS {

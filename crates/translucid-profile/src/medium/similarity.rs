@@ -38,7 +38,7 @@ const MONOMIALS: usize = 7;
 /// Without phase function and boundary (g = 0, η = 1) f = b = 0 and c = 1, exactly.
 /// Below A = 0.02 and above 0.98 the values there stand in.
 /// 1 − α' is off by 0.9 % on average and 9 % at most, ℓ* by 0.1 % and 4 %;
-/// `docs/accuracy/similarity.md` has the errors of everything, before and after.
+/// `docs/accuracy/similarity.md` has the errors of the profiles, before and after.
 ///
 /// ```
 /// use translucid_profile::{Configuration, Parameterization, Similarity};

@@ -14,7 +14,7 @@
 //! | searchlight | 40.2 / 73.8 | 15.3 / 38.1 | 38.3 / 73.5 | 2.5 / 7.3 | 0.9 / 9.2 |
 //! | diffuse transmission | 39.6 / 72.5 | 13.8 / 31.5 | 38.3 / 73.5 | 2.2 / 6.7 | 0.8 / 4.3 |
 //!
-//! More errors are in `docs/accuracy/similarity.md`, as `--example similarity` of the same crate prints them.
+//! `--example similarity` of the same crate prints more errors.
 //!
 //! Rows are the factors of g, g², g³, L, L², gL, g²L, where 1 − e^(−L) is the boundary's reflectance for
 //! diffuse light from inside; columns are those of 1, √A, A, …

@@ -28,7 +28,7 @@ const LENGTH_MAX: f64 = 1e150;
 ///
 /// The L1 error against walks and, for g = 0, the exact solution is on average over g ∈ {−0.5, 0, 0.5, 0.8, 0.9},
 /// η ∈ {1, 1.3, 1.4, 1.5} and A = 0.02 … 0.98 2.6 % (searchlight) or 2.3 % (diffuse transmission), at most 7.5 % or
-/// 6.7 %, where similarity alone leaves 40 % on average and 74 % at most; `docs/accuracy/similarity.md` has the tables.
+/// 6.7 %, where similarity alone leaves 40 % on average and 74 % at most; `docs/accuracy/similarity.md` has the table.
 ///
 /// The price of the negative weight is sampling: [`sample`](Profile::sample) inverts the cdf by iteration.
 /// For many samples tabulate the profile ([`TabulatedProfile`](crate::TabulatedProfile)).
