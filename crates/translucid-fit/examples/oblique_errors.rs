@@ -57,9 +57,12 @@ fn main() {
         table += &format!("| {degrees}° | {} |\n", row(mean));
     }
     table += &format!("| all | {} |", row(&all));
-    println!("\n{table}\n\nPercent: as the model is / at the exact energy; the second table has the means over A.");
+    println!(
+        "\n{table}\n\nPercent: as the model is / at the exact energy; the second table has the means over A."
+    );
     if std::env::args().any(|argument| argument == "--write") {
-        let command = "cargo run --release -p translucid-fit -F generators --example oblique_errors -- --write";
+        let command =
+            "cargo run --release -p translucid-fit -F generators --example oblique_errors -- --write";
         write_measured("docs/accuracy/oblique.md", command, &table);
     }
     let change = CHECKED.map(|(a, degrees)| {

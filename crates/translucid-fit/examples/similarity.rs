@@ -49,8 +49,9 @@ fn main() {
         print_albedos(words, &of_configuration);
         over_grid
     });
-    let mut table =
-        String::from("| profile | searchlight: mean | worst | diffuse: mean | worst |\n|---|---|---|---|---|\n");
+    let mut table = String::from(
+        "| profile | searchlight: mean | worst | diffuse: mean | worst |\n|---|---|---|---|---|\n",
+    );
     for (i, name) in COLUMNS.iter().enumerate() {
         let [searchlight, diffuse] = [0, 1].map(|c: usize| summary[c][i].replace(" / ", " | "));
         table += &format!("| {name} | {searchlight} | {diffuse} |\n");

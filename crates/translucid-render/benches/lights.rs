@@ -282,7 +282,9 @@ fn pictures(options: &Options) -> String {
 
 /// Prints the times of single calls.
 fn calls(options: &Options) {
-    println!("\n| lights | selection | prepare ms | sample ns | density ns | ray ns |\n|---|---|---|---|---|---|");
+    println!(
+        "\n| lights | selection | prepare ms | sample ns | density ns | ray ns |\n|---|---|---|---|---|---|"
+    );
     for &lamps in &options.lights {
         let scene = hall(lamps);
         let shards = &scene.objects[4].mesh;
@@ -327,10 +329,7 @@ fn calls(options: &Options) {
             });
             let few = way == LightSelection::Power && lamps <= 31;
             let label = if few { name(LightSelection::Weighed) } else { name(way) };
-            println!(
-                "| {lamps} | {label} | {:.2} | {sample:.0} | {density:.0} | {ray:.0} |",
-                1e3 * prepare
-            );
+            println!("| {lamps} | {label} | {:.2} | {sample:.0} | {density:.0} | {ray:.0} |", 1e3 * prepare);
         }
     }
 }

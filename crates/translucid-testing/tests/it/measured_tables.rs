@@ -62,7 +62,9 @@ fn numbers_in_tables_are_written_by_commands() {
     assert!(pages.len() > 20, "{}", pages.len());
     let places: Vec<String> = pages
         .iter()
-        .flat_map(|(path, text)| unwritten_rows(text).into_iter().map(|row| format!("{}:{row}", path.display())))
+        .flat_map(|(path, text)| {
+            unwritten_rows(text).into_iter().map(|row| format!("{}:{row}", path.display()))
+        })
         .collect();
     assert!(
         places.is_empty(),
@@ -79,7 +81,11 @@ fn commands_of_measured_tables_write_them() {
         for command in text.lines().filter_map(|line| line.strip_prefix(MEASURED)) {
             count += 1;
             let is_written = source(command).is_some_and(|source| writes(&source));
-            assert!(is_written, "{}: there is no such command, or it has no --write: {command}", path.display());
+            assert!(
+                is_written,
+                "{}: there is no such command, or it has no --write: {command}",
+                path.display()
+            );
         }
     }
     assert!(count > 10, "{count}");
