@@ -226,7 +226,7 @@ fn print_ring_check() {
     let configuration = Configuration::Searchlight;
     let mut worst: f64 = 0.0;
     let case = Case { g: 0.0, eta: 1.0, configuration };
-    let table = Table::new(case, tables::COLLISIONS);
+    let table = Table::new(case);
     for point in &table.points {
         let a = point.surface_albedo;
         let known = "an albedo in (0, 1)";

@@ -5,21 +5,18 @@
 //! ```
 //!
 //! Some seven minutes of one core. The seed is fixed, and the numbers do not depend on the threads.
-//! `-- 1e6` makes walks of so many collisions, for a quick look.
 
 #![allow(clippy::print_stdout, clippy::print_stderr, reason = "a table and the progress")]
 
 #[path = "similarity/tables.rs"]
 mod tables;
 
-use tables::{COLLISIONS, Table, cases};
+use tables::{Table, cases};
 
 fn main() {
-    let number = |text: String| text.parse().expect("a number of collisions");
-    let collisions = std::env::args().nth(1).map_or(COLLISIONS, number);
     let cases = cases();
     for (i, case) in cases.iter().enumerate() {
         eprintln!("{} of {}: {case:?}", i + 1, cases.len());
-        print!("{}", Table::new(*case, collisions).write());
+        print!("{}", Table::new(*case).write());
     }
 }

@@ -76,7 +76,7 @@ pub(crate) fn tables() -> Vec<Table> {
             tables.sort_by_key(|table| cases.iter().position(|case| *case == table.case));
             tables
         }
-        None => cases().into_iter().map(|case| Table::new(case, COLLISIONS)).collect(),
+        None => cases().into_iter().map(Table::new).collect(),
     }
 }
 
@@ -88,9 +88,9 @@ pub(crate) fn cases() -> Vec<Case> {
 }
 
 impl Table {
-    /// Solves, or walks with so many collisions each.
-    pub(crate) fn new(case: Case, collisions: f64) -> Self {
-        Self { case, points: case.points(collisions) }
+    /// Solves or walks.
+    pub(crate) fn new(case: Case) -> Self {
+        Self { case, points: case.points(COLLISIONS) }
     }
 
     /// One line a point: configuration, g, η, A, α, its error, shares, shares of the halves.
