@@ -219,7 +219,10 @@ mod tests {
                 excerpt: Some((Arc::clone(&text), span)),
                 part: None,
             };
-            format(&Renderer::plain(), Level::ERROR, "odd", Some(&place), None);
+            let shown = format(&Renderer::plain(), Level::ERROR, "odd", Some(&place), None);
+            for part in ["error: odd", "a.toml:1:", "ä = 1"] {
+                assert!(shown.contains(part), "{part} is missing in\n{shown}");
+            }
         }
     }
 

@@ -288,10 +288,12 @@ mod tests {
     }
 
     #[test]
-    fn png_survives_values_that_are_not_finite() {
-        for odd in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
-            written(&constant(["R", "G", "B", "A"], [odd; 4]), PLAIN);
-            written(&constant(["R", "G", "B", "A"], [odd, odd, odd, 1.0]), PLAIN);
+    fn png_of_values_that_are_not_finite_is_black_or_white() {
+        for (odd, code) in [(f64::NAN, 0), (f64::INFINITY, 255), (f64::NEG_INFINITY, 0), (1e300, 255)] {
+            let (_, codes, _) = written(&constant(["R", "G", "B", "A"], [odd, odd, odd, 1.0]), PLAIN);
+            assert!(codes.iter().all(|&found| found == code), "{odd}: {codes:?}");
+            let (info, ..) = written(&constant(["R", "G", "B", "A"], [odd; 4]), PLAIN);
+            assert_eq!((info.width, info.height), (32, 32));
         }
     }
 
