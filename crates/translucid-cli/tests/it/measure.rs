@@ -33,11 +33,21 @@ impl Edge {
 
     fn of(half_space: &HalfSpace) -> Self {
         let surface_albedo = half_space.total().value;
+        // Its logarithm over that of the radius, from the least to the greatest that is asked for: straight to 1e-5 in between
+        let (first, step) = ((0.9 * Self::STEP).ln(), 0.01);
+        let logarithms: Vec<f64> = (0..1100)
+            .map(|i| half_space.beyond((first + step * f64::from(i)).exp()).value.max(1e-300).ln())
+            .collect();
+        let outside = |r: f64| {
+            let place = (r.ln() - first) / step;
+            let (i, t) = (place as usize, place.fract());
+            (logarithms[i] + t * (logarithms[i + 1] - logarithms[i])).exp()
+        };
         let n = 200;
         let beyond = |x: f64| {
             let outside = |i: i32| match i {
                 _ if i == n => 0.0,
-                _ => half_space.beyond(x / (FRAC_PI_2 * f64::from(i) / f64::from(n)).cos()).value,
+                _ => outside(x / (FRAC_PI_2 * f64::from(i) / f64::from(n)).cos()),
             };
             // ∫ acos(x/r)/π dE over rings
             let share = |i: i32| (outside(i) - outside(i + 1)) * (f64::from(i) + 0.5) / f64::from(2 * n);
