@@ -158,9 +158,12 @@ fn half_channels() -> Vec<(String, usize)> {
 
 #[cfg(test)]
 mod tests {
-    use std::path::Path;
-
-    use translucid_load::{LoadOptions, SceneFile};
+    use glam::{Affine3A, Vec3};
+    use translucid_profile::Model;
+    use translucid_scene::{
+        Camera, Film, Light, Material, Object, ScalarInput, Scene, SubsurfaceModel, Unit,
+    };
+    use translucid_shapes::{ShapeParameters, build_shape};
 
     use super::*;
     use crate::SampleRanges;
@@ -259,34 +262,40 @@ mod tests {
 
     /// A ball of wax under a lamp.
     fn picture(samples: u32, seed: u64) -> FilmSums {
-        let text = "
-            unit = \"cm\"
-            [camera]
-            position = [0.0, 1.0, 5.0]
-            target = [0.0, 0.0, 0.0]
-            [[light]]
-            type = \"rectangle\"
-            center = [-4.0, 4.0, 2.0]
-            target = [0.0, 0.0, 0.0]
-            size = [2.0, 2.0]
-            radiance = [10.0, 10.0, 10.0]
-            [[material]]
-            name = \"wax\"
-            subsurface_weight = 1.0
-            subsurface_radius = 0.2
-            subsurface_model = \"normalized-diffusion-oblique\"
-            [[object]]
-            shape = \"sphere\"
-            material = \"wax\"
-            [[object]]
-            shape = \"rectangle\"
-            width = 20.0
-            height = 20.0
-            translate = [0.0, 0.0, -2.0]
-        ";
-        let file = SceneFile::parse(text, Path::new("ball.toml")).unwrap();
-        let options = LoadOptions { size: Some([96, 64]), ..LoadOptions::default() };
-        let mut scene = file.load(&options, &mut Vec::new()).unwrap();
+        let wax = Material {
+            subsurface_weight: ScalarInput::constant(1.0),
+            subsurface_radius: ScalarInput::constant(0.2),
+            subsurface_model: SubsurfaceModel::Profile(Model::NormalizedDiffusionOblique),
+            ..Material::default()
+        };
+        let shape = |name: &str, parameters: &ShapeParameters, material, z| Object {
+            mesh: build_shape(name, parameters)
+                .expect("a shape")
+                .transformed(&Affine3A::from_translation(Vec3::Z * z))
+                .into(),
+            material,
+            subsurface_group: material as u32,
+            ..Object::default()
+        };
+        let wall = ShapeParameters::new().with("width", 20.0).with("height", 20.0);
+        let mut scene = Scene {
+            unit: Unit::Centimeter,
+            camera: Camera { position: Vec3::new(0.0, 1.0, 5.0), ..Camera::default() },
+            film: Film { width: 96, height: 64, ..Film::default() },
+            objects: vec![
+                shape("sphere", &ShapeParameters::new(), 0, 0.0),
+                shape("rectangle", &wall, 1, -2.0),
+            ],
+            materials: vec![wax, Material::default()],
+            lights: vec![Light::Rectangle {
+                center: Vec3::new(-4.0, 4.0, 2.0),
+                edge_x: Vec3::new(0.9, 0.0, 1.8),
+                edge_y: Vec3::new(1.2, 1.5, -0.6),
+                radiance: Vec3::splat(10.0),
+                visible: true,
+            }],
+            ..Scene::default()
+        };
         scene.integrator.seed = seed;
         let prepared = PreparedScene::new(scene).unwrap();
         let mut film = FilmSums::new(96, 64);

@@ -1,4 +1,4 @@
-//! The renderer against exact answers, against independent renderers and against itself.
+//! The renderer against exact answers and against itself; see `translucid-benches` for scenes from files.
 //!
 //! Tests whose power is a number of samples, pictures or scenes run at an eighth of it, unless `TRANSLUCID_THOROUGH` is
 //! `1`; see `translucid_testing`.
@@ -15,7 +15,6 @@ mod agreement;
 mod broken_scenes;
 mod determinism;
 mod exact_answers;
-mod fuzzed_scenes;
 mod groups;
 mod instances;
 mod many_lights;
@@ -31,4 +30,3 @@ mod sharing;
 mod textures;
 mod transport;
 mod views;
-mod volume_truth;

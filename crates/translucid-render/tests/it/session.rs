@@ -5,15 +5,16 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use glam::Vec3;
-use translucid_load::{LoadOptions, still_life};
+use translucid_broken_scenes::scene_of_everything;
 use translucid_render::{Edit, Event, Fraction, Outcome, Plan, PreparedScene, Session};
 use translucid_scene::{Material, ScalarInput, SubsurfaceMethod};
 
-use crate::common::{on_threads, scene, sphere, uniform_environment};
+use crate::common::{on_threads, prepare, scene, sphere, uniform_environment};
 
 fn session() -> Session {
-    let options = LoadOptions { size: Some([96, 54]), ..LoadOptions::default() };
-    let prepared = PreparedScene::new(still_life(&options).expect("built in")).expect("a valid scene");
+    let mut scene = scene_of_everything();
+    (scene.film.width, scene.film.height) = (96, 54);
+    let prepared = prepare(scene);
     let view = prepared.view().expect("a valid view");
     Session::new(prepared, view)
 }

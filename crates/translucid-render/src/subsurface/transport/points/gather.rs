@@ -503,8 +503,7 @@ mod tests {
             triangles: vec![[0, 1, 2]],
             ..Mesh::default()
         };
-        let mut scene = translucid_load::still_life(&translucid_load::LoadOptions::default())
-            .expect("the built-in scene is valid");
+        let mut scene = Scene::default();
         scene.materials = vec![material];
         scene.objects = vec![Object {
             name: "o".into(),

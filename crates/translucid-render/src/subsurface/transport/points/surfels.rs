@@ -264,7 +264,6 @@ struct Orphan {
 mod tests {
     use std::sync::atomic::AtomicBool;
 
-    use translucid_load::{LoadOptions, still_life};
     use translucid_scene::{Material, Mesh, Object, ScalarInput, SubsurfaceMethod, SubsurfaceModel};
 
     use super::*;
@@ -273,7 +272,7 @@ mod tests {
 
     /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
     fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
-        let mut scene = still_life(&LoadOptions::default()).expect("the built-in scene is valid");
+        let mut scene = Scene::default();
         scene.materials = vec![Material {
             subsurface_weight: ScalarInput::constant(1.0),
             subsurface_model: SubsurfaceModel::Profile(translucid_profile::Model::NormalizedDiffusion),

@@ -1,7 +1,7 @@
 //! Worth and cost of sharing light between the pixels of a block.
 //!
 //! ```text
-//! cargo bench -p translucid-render --bench sharing [-- CASE…] [--write]
+//! cargo bench -p translucid-benches --bench sharing [-- CASE…] [--write]
 //! ```
 //!
 //! Prints the table of `docs/speed/how-fast.md`, which says what its columns are; `--write` puts it there.
@@ -57,7 +57,7 @@ fn main() {
     if arguments.iter().any(|argument| argument == "--write") {
         write_measured(
             "docs/speed/how-fast.md",
-            "cargo bench -p translucid-render --bench sharing -- --write",
+            "cargo bench -p translucid-benches --bench sharing -- --write",
             &table,
         );
     }

@@ -2,9 +2,9 @@
 //! panic, and every sum of the film is finite.
 //!
 //! ```text
-//! cargo test -p translucid-render --test it fuzzed_scenes                                   those of every run
-//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-render --test it fuzzed_scenes          one; its files are kept
-//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-render --test it fuzzed_scenes  others
+//! cargo test -p translucid-benches --test it fuzzed_scenes                                   those of every run
+//! TRANSLUCID_FUZZ_SEEDS=17 cargo test -p translucid-benches --test it fuzzed_scenes          one; its files are kept
+//! TRANSLUCID_FUZZ_SEEDS=1000..9000 cargo test -p translucid-benches --test it fuzzed_scenes  others
 //! ```
 
 #![allow(clippy::print_stdout, reason = "the harness shows what a failed or watched run has printed")]
@@ -156,7 +156,7 @@ impl Totals {
 
 fn reproduction(totals: &Totals) -> String {
     let seed = totals.failed.first().unwrap_or(&0);
-    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-render --test it fuzzed_scenes")
+    format!("TRANSLUCID_FUZZ_SEEDS={seed} cargo test -p translucid-benches --test it fuzzed_scenes")
 }
 
 /// Gathers verdicts until all are there, or a scene hangs.
@@ -262,12 +262,6 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
         Some(what) => Verdict::Bad(what),
         None => Verdict::Good(before.zip(thread_cpu_seconds()).map(|(before, after)| after - before)),
     }
-}
-
-/// The scene of a seed, whose files are written into a directory; `None` where the loader refuses it.
-pub(crate) fn scene(seed: u64, directory: &Path) -> Option<Scene> {
-    images::write(directory);
-    load_scene(&scenes::write(seed, directory), &LoadOptions::default(), &mut Vec::new()).ok()
 }
 
 /// Tells whether nothing in the scene shines.
