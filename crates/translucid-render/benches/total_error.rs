@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-render --bench total_error [-- dragon "slab 0.3" --size 192 --samples 32 --eta 1.4 --write]
 //! ```
 //!
-//! Prints the tables of `docs/accuracy/total-error.md`, which says what their columns are; `--write` puts them there, if no
+//! Prints the tables of `docs/accuracy/total-error.md`, which explains their columns; `--write` puts them there, if no
 //! scenes are named. With `--eta` all materials have that index under their surface.
 //! Every model makes two pictures a, of seeds of their own, and so does every truth t:
 //!
@@ -38,7 +38,7 @@ const PROFILES: [usize; 2] = [0, 1];
 const TRUTHS: [usize; 2] = [2, 3];
 /// Samples of the first model whose CPU time all may take.
 const BUDGETS: [f64; 3] = [16.0, 64.0, 256.0];
-/// Edge of the blocks whose means tell a standard error.
+/// Edge of the blocks whose means give a standard error.
 const BLOCK: u32 = 16;
 /// Surface albedo of spheres and slabs.
 const ALBEDO: f64 = 0.8;

@@ -68,7 +68,7 @@ fn region_beyond_the_film_is_refused() {
     }
 }
 
-/// A fraction shows what the whole picture shows: means over the same squares agree, up to what the edges of pixels change.
+/// A fraction shows the same picture: means over the same squares agree, up to the change at the edges of pixels.
 #[test]
 fn fraction_shows_the_same_picture() {
     let prepared = PreparedScene::new(ball(true)).expect("a valid scene");
