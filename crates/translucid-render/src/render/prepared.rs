@@ -313,8 +313,11 @@ impl PreparedScene {
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
     ) -> Result<Option<PointCloud>, SceneError> {
-        let laid =
-            PointCloud::laid(&self.world, &self.plan_points(view), &PointSettings { memory, progress, stop })?;
+        let laid = PointCloud::laid(
+            &self.world,
+            &self.plan_points(view),
+            &PointSettings { memory, progress, stop },
+        )?;
         // Paths that begin at entry points are in no pixel
         let tracer = || self.tracer(PixelWidth::default());
         Ok(laid.and_then(|points| points.lit(&self.world, tracer, progress, stop)))

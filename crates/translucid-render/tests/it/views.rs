@@ -163,9 +163,3 @@ fn lamps_are_seen_where_their_middles_project() {
         }
     }
 }
-
-fn rendered_whole(scene: Scene, samples: u32) -> FilmSums {
-    let prepared = PreparedScene::new(scene).expect("a valid scene");
-    let view = prepared.view().expect("a valid view");
-    rendered(&prepared, &view, samples)
-}
