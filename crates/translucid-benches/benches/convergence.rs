@@ -9,7 +9,7 @@
 //! samples and another seed: relMSE = mean of (x − ref)² / (ref² + 0.01) over all channels of all pixels
 //! that are not background. `--model` takes the place of the scenes' own model; `--alone` shares no light between pixels.
 //!
-//! With `--curve` it prints the table of `docs/speed/noise.md` instead, which says what its columns are: errors up to 4,096
+//! With `--curve` it prints the table of `docs/speed/noise.md` instead, which explains its columns: errors up to 4,096
 //! samples, and how they fall. `--write` puts it there.
 //!
 //! The meshes are scans, which are not part of the project (`docs/inside/scans.md`). A mesh that is not there is skipped.
@@ -126,7 +126,7 @@ const CURVE_PART: f32 = 1.0 / 3.0;
 const CURVE_STEPS: u32 = 7;
 /// Pictures of each kind, each of its own seed.
 const CURVE_SEEDS: u64 = 3;
-/// Edge of the squares of pixels whose absence tells the error of a slope.
+/// Edge of the squares of pixels that are left out in turn for the error of a slope.
 const SQUARE: u32 = 8;
 
 /// Prints how errors fall with the number of samples.

@@ -95,7 +95,7 @@ fn write_ring(path: &Path, triangles: u64) -> std::io::Result<()> {
     file.flush()
 }
 
-/// Most memory that the process has had, in bytes; 0 where the system does not tell.
+/// Most memory that the process has had, in bytes; 0 where the system does not report it.
 fn peak_memory() -> u64 {
     let kilobytes = |text: String| -> Option<u64> {
         let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

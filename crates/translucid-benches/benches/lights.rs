@@ -1,5 +1,5 @@
-//! What lights cost, from one to ten thousand of them: a light tree beside the selection by power alone and beside
-//! weighing every light at every point.
+//! The cost of one to ten thousand lights: a light tree beside the selection by power alone and beside weighing every light
+//! at every point.
 //!
 //! ```text
 //! cargo bench -p translucid-benches --bench lights

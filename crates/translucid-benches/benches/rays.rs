@@ -5,7 +5,7 @@
 //! cargo bench -p translucid-benches --bench rays -- dragon_198k --serve
 //! ```
 //!
-//! The kinds are what a path tracer with subsurface scattering asks for:
+//! The kinds are those of a path tracer with subsurface scattering:
 //!
 //! | kind | rays | question |
 //! |---|---|---|
@@ -71,7 +71,7 @@ fn main() {
     }
 }
 
-/// What a ray is traced for.
+/// The query of a ray.
 #[derive(Clone, Copy, PartialEq)]
 enum Question {
     Nearest,
@@ -295,7 +295,7 @@ impl<'a> Rays<'a> {
         let mut segments = Vec::with_capacity(starts.len());
         for start in starts {
             let Frame { x, y, z } = Frame::from_normal(start.normal);
-            // Of three probes two go along the normal.
+            // Two of three probes go along the normal.
             let (axis, first, second) = match (6.0 * self.random.uniform_f32()) as u32 {
                 0 => (x, y, z),
                 1 => (y, z, x),

@@ -1,12 +1,12 @@
-//! How the cost of a picture grows: with its triangles, with the mean free path, with the threads.
+//! Growth of a picture's cost with its triangles, with the mean free path and with the threads.
 //!
 //! ```text
 //! cargo bench -p translucid-benches --bench scaling [-- --triangles 1e4,1e5,1e6,1e7 --write]
 //! ```
 //!
-//! Prints the tables of `docs/speed/scaling.md`, which says what their columns are; `--write` puts them there.
+//! Prints the tables of `docs/speed/scaling.md`, which explains their columns; `--write` puts them there.
 //! The scene is made here: a ball with bumps, 2 across and seen whole, in normalized diffusion under a lamp and a sky.
-//! What lights cost is the business of the bench `lights`.
+//! The bench `lights` measures the cost of lights.
 
 #![allow(clippy::print_stdout, reason = "the tables are the bench's output")]
 
@@ -119,7 +119,7 @@ fn by_threads() -> String {
     text + "\n"
 }
 
-/// What a scene's picture costs and is worth.
+/// The cost and the noise of a scene's picture.
 struct Measured {
     /// CPU µs of a sample of a pixel of the frame.
     micros: f64,

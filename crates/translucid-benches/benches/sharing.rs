@@ -4,7 +4,7 @@
 //! cargo bench -p translucid-benches --bench sharing [-- CASE…] [--write]
 //! ```
 //!
-//! Prints the table of `docs/speed/how-fast.md`, which says what its columns are; `--write` puts it there.
+//! Prints the table of `docs/speed/how-fast.md`, which explains its columns; `--write` puts it there.
 //! Planes and balls are made here. Head and dragon are scans, and left out where they are not
 //! there (`docs/inside/scans.md`).
 

@@ -167,7 +167,7 @@ fn run(case: &Case, options: &LoadOptions, runs: usize) {
     );
 }
 
-/// What the directional albedos of all distinct pairs of indices take.
+/// Cost of the directional albedos of all distinct pairs of indices.
 fn cost_of_tables(scene: &Scene) -> Cost {
     let mut known = HashSet::new();
     let start = now();
@@ -179,7 +179,7 @@ fn cost_of_tables(scene: &Scene) -> Cost {
     between(start, now())
 }
 
-/// Most memory that the process has had, in bytes; 0 where the system does not tell.
+/// Most memory that the process has had, in bytes; 0 where the system does not report it.
 fn peak_memory() -> u64 {
     let kilobytes = |text: String| -> Option<u64> {
         let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;

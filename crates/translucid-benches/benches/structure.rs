@@ -203,7 +203,7 @@ impl Errors {
                 films.iter().all(|film| film.mean(x, y)[layer::ALPHA] == 1.0).then_some((mean, unit))
             })
             .collect();
-        // What the mean has of a picture's own error
+        // Share of a picture's own error in the mean
         let scale = (n / (n - 1.0)).sqrt();
         let of_film = |film: &FilmSums| {
             let error = |((x, y), of_pixel): ((u32, u32), &Option<(f64, f64)>)| {

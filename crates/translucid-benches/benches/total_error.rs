@@ -39,7 +39,7 @@ const PROFILES: [usize; 2] = [0, 1];
 const TRUTHS: [usize; 2] = [2, 3];
 /// Samples of the first model whose CPU time all may take.
 const BUDGETS: [f64; 3] = [16.0, 64.0, 256.0];
-/// Edge of the blocks whose means tell a standard error.
+/// Edge of the blocks whose means give a standard error.
 const BLOCK: u32 = 16;
 /// Surface albedo of spheres and slabs.
 const ALBEDO: f64 = 0.8;

@@ -10,7 +10,7 @@
 //! under surfaces alone (the layer `subsurface`), because that is what the method computes.
 //! The reference is the mean of two pictures; a quarter of the relMSE of one against the other is its noise, below
 //! which no error can be told.
-//! A picture of few pixels with many samples tells the error of the method from the noise of pixels.
+//! A picture of few pixels with many samples separates the error of the method from the noise of pixels.
 //! Below the points' rows stand ray-traced pictures, to compare CPU time at equal error.
 //! Mean free paths are longer than in the files of the scenes, so that the points of all tolerances are made in minutes.
 //! Paths may be long here (`max_depth` 64): where they end early, points are lit by as many events as a surface that

@@ -99,7 +99,7 @@ fn print_rings(a: f64, radius: f64, truth: &Truth, models: &Radiosities) {
     }
 }
 
-/// What photons say.
+/// The results of photons.
 struct Truth {
     radiosity: [f64; RINGS],
     /// Standard errors.
@@ -113,7 +113,7 @@ impl Truth {
         let interior = Interior { single_scattering_albedo: alpha, g: 0.0, eta: 1.0 };
         let body = Body::new(Shape::Sphere { radius }, interior, light).expect("an albedo in (0, 1)");
         let tally = body.walk(PHOTONS, 1);
-        // Of πρ² of distant flux at irradiance 1, or 4πρ² of uniform, on 4πρ²/RINGS of area
+        // Flux πρ² of distant light at irradiance 1, or 4πρ² of uniform light, on an area of 4πρ²/RINGS
         let per_share = match light {
             Lighting::Distant => RINGS as f64 / 4.0,
             Lighting::Uniform => RINGS as f64,
@@ -202,7 +202,7 @@ impl Models {
         sums
     }
 
-    /// The same for light with a cosine distribution at every entry.
+    /// The results for light with a cosine distribution at every entry.
     fn under_uniform(&self, radius: f64) -> [f64; NAMES.len()] {
         let [azimuths, angles] = DIRECTIONS;
         let mut sums = [0.0; NAMES.len()];

@@ -37,7 +37,7 @@
 //!     ..Scene::default()
 //! };
 //!
-//! // Prepare it; whatever is wrong with the scene is said here, with its place
+//! // Prepare it; an invalid scene gives an error that names its place
 //! let prepared = PreparedScene::new(scene)?;
 //! let view = prepared.view()?;
 //! let mut session = Session::new(prepared, view);
@@ -81,8 +81,8 @@ mod world;
 pub use ray::{Geometry, Hit, Ray};
 pub use render::{
     Edit, FilmLayer, FilmSums, Fingerprint, Fraction, Gap, Goal, ImageInfo, LiveFilm, Outcome, Picked,
-    Picker, PreparedScene, Progress, Renewed, SampleRanges, ShardHeader, ShardMerge, ShardNotes, ShardReader,
-    ShardRun, TILE_SIZE, TileSums, View, content_hash, is_shard, save_shard,
+    Picker, PreparedScene, Renewed, SampleProgress, SampleRanges, ShardHeader, ShardMerge, ShardNotes,
+    ShardReader, ShardRun, TILE_SIZE, TileSums, View, content_hash, is_shard, save_shard,
 };
 pub use session::{CheckpointPlan, Event, Observer, Plan, RunningSession, Session, available_memory};
 pub use subsurface::transport::points::{PointCloud, PointPass, PointPlan, PointProgress};

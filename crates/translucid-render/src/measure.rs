@@ -1,4 +1,4 @@
-//! Doors for tests and benches, which no picture needs.
+//! Functions for tests and benches that no picture needs.
 
 use std::sync::atomic::AtomicBool;
 
@@ -36,14 +36,14 @@ pub fn add_samples(prepared: &PreparedScene, film: &mut FilmSums, samples: u32) 
     Ok(())
 }
 
-/// Selects lights in another way than what suits their number. The picture stays the same but for its noise.
+/// Overrides the way in which lights are selected. The picture stays the same except for its noise.
 pub fn select_lights(prepared: &mut PreparedScene, way: LightSelection) {
     let lights = &mut prepared.world_mut().lights;
     *lights = lights.clone().with_selection(way);
 }
 
 /// Sets the probabilities, in [0, 1], of probing along (tangent, tangent, normal) at an exit point.
-/// Every choice has the same mean where no surface is parallel to all axes in use.
+/// Every choice has the same mean where no surface is parallel to all axes in use. Points that were set are forgotten.
 pub fn set_probe_axes(prepared: &mut PreparedScene, probabilities: [f32; 3]) {
-    prepared.subsurface_mut().set_axes(probabilities);
+    prepared.set_probe_axes(probabilities);
 }

@@ -95,7 +95,7 @@ fn bust() -> Scene {
     load_scene(&data("bust.toml"), &LoadOptions::default(), &mut Vec::new()).unwrap()
 }
 
-/// What `benches/measure/truth.py` has written.
+/// Content of the file that `benches/measure/truth.py` writes.
 fn bust_truth() -> Vec<Brightness> {
     let text = read_to_string(data("bust-truth.csv")).unwrap();
     let rows = text.lines().filter(|line| line.starts_with(|first: char| first.is_ascii_digit()));
@@ -218,7 +218,7 @@ mod scans {
                     |i: u32| film.radiance(i % SIZE as u32, i / SIZE as u32).map(|value| value as f32);
                 (0..(SIZE * SIZE) as u32).map(|i| Vec3::from_array(radiance(i))).sum()
             };
-            // The same paths: their noise is the same, too, as far as they go
+            // Equal seeds trace equal paths, so their noise is equal, too, as far as they go
             let all = light(&scene);
             let mut limited = scene.clone();
             (limited.integrator.max_depth, limited.integrator.max_diffuse_depth) =

@@ -1,4 +1,4 @@
-//! Bounds of a cluster of lights: where they are, whither they shine, and how brightly.
+//! Bounds of a cluster of lights: their place, the directions of their emission, and their intensity.
 //!
 //! The description is that of A. Conty Estevez & C. Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
 //! Splitting", Proc. ACM Comput. Graph. Interact. Tech. 1(2), §3: a box, a cone of normals and an angle about each
@@ -8,7 +8,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::cone::Cone;
+use super::cone::SpotCone;
 
 /// Room for the rounding of cones to single precision \[rad\].
 const CONE_ROOM: f32 = 1e-6;
@@ -63,7 +63,7 @@ impl LightBounds {
     }
 
     /// A light that shines from a box into a cone, with so much intensity on the axis.
-    pub(crate) fn cone(low: Vec3, high: Vec3, cone: &Cone, strength: f32) -> Self {
+    pub(crate) fn cone(low: Vec3, high: Vec3, cone: &SpotCone, strength: f32) -> Self {
         if cone.cos_outer <= -1.0 {
             return Self::everywhere(low, high, strength);
         }
@@ -86,7 +86,7 @@ impl LightBounds {
         }
     }
 
-    /// Whether every number in it is one.
+    /// Returns `true` if every number is finite.
     pub(crate) fn is_finite(&self) -> bool {
         self.low.is_finite() && self.high.is_finite() && self.axis.is_finite() && self.strength.is_finite()
     }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// A cone whose light falls, between two angles from its axis, by the smooth step 3x² − 2x³ in the cosine.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Cone {
+pub(crate) struct SpotCone {
     /// Unit axis.
     pub(crate) axis: Vec3,
     /// Cosine of the angle up to which the light is even.
@@ -13,7 +13,7 @@ pub(crate) struct Cone {
     pub(crate) cos_outer: f32,
 }
 
-impl Cone {
+impl SpotCone {
     /// By half-angles \[degrees\]; none if it holds no direction.
     pub(crate) fn new(axis: Vec3, inner_angle: f32, outer_angle: f32) -> Option<Self> {
         let axis = axis.try_normalize()?;

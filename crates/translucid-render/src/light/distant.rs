@@ -18,12 +18,12 @@ const LEAST_ANGULAR_RADIUS: f32 = 0.01;
 pub(crate) struct Distant {
     direction: Vec3,
     irradiance: Vec3,
-    disc: Option<Disc>,
+    disc: Option<SkyDisc>,
 }
 
 /// The part of the sky that a distant light fills.
 #[derive(Clone, Copy, Debug)]
-struct Disc {
+struct SkyDisc {
     sin2: f32,
     one_minus_cos: f32,
 }
@@ -34,12 +34,12 @@ impl Distant {
         let direction = direction.try_normalize()?;
         let disc = (angular_radius >= LEAST_ANGULAR_RADIUS).then(|| {
             let sin = libm::sin(f64::from(angular_radius.min(90.0)).to_radians()) as f32;
-            Disc { sin2: sin * sin, one_minus_cos: one_minus_cos(sin * sin) }
+            SkyDisc { sin2: sin * sin, one_minus_cos: one_minus_cos(sin * sin) }
         });
         (luminance(irradiance) > 0.0).then_some(Self { direction, irradiance, disc })
     }
 
-    /// Whether it fills a solid angle.
+    /// Returns `true` if it fills a solid angle.
     pub(crate) fn is_disc(&self) -> bool {
         self.disc.is_some()
     }
@@ -81,8 +81,8 @@ impl Distant {
         }
     }
 
-    /// By the chord, whose square is 2(1 − cos θ): a cosine could not tell the rim of the sun.
-    fn covers(&self, disc: &Disc, direction: Vec3) -> bool {
+    /// Tests the chord, whose square is 2(1 − cos θ): a cosine is not exact enough for the rim of the sun.
+    fn covers(&self, disc: &SkyDisc, direction: Vec3) -> bool {
         (direction - self.direction).length_squared() <= 2.0 * disc.one_minus_cos
     }
 }

@@ -17,9 +17,9 @@ pub(crate) struct Discrete {
 /// A choice of [`Discrete::sample`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Choice {
-    /// Which entry.
+    /// Number of the entry.
     pub(crate) index: usize,
-    /// With what probability.
+    /// Its probability.
     pub(crate) probability: f64,
     /// Random number in [0, 1) that is left: uniform given the choice.
     pub(crate) rest: f64,

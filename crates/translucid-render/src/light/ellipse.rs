@@ -11,7 +11,7 @@ use glam::{DVec3, Vec3};
 use super::LightSample;
 use super::bounds::LightBounds;
 use super::receiver::Receiver;
-use super::rectangle::{Rectangle, SphericalRectangle, View};
+use super::rectangle::{LocalRectangle, Rectangle, SphericalRectangle};
 use crate::sampling::concentric_disk;
 
 /// See [`translucid_scene::Light::Ellipse`].
@@ -63,7 +63,7 @@ impl Ellipse {
 
     /// Draws a direction; the selection is not in its density.
     pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
-        let view = View::new(self.around.local_corner(point), self.around.size)?;
+        let view = LocalRectangle::new(self.around.local_corner(point), self.around.size)?;
         let [p, q] = concentric_disk(v).map(f64::from);
         let (offset, pdf) = match view.spherical() {
             Some(spherical) => {
@@ -89,13 +89,16 @@ impl Ellipse {
 
     /// Solid-angle density with which `sample` makes the direction from `point` to `hit`.
     pub(crate) fn pdf(&self, point: Vec3, hit: Vec3) -> f32 {
-        let Some(view) = View::new(self.around.local_corner(point), self.around.size) else { return 0.0 };
+        let Some(view) = LocalRectangle::new(self.around.local_corner(point), self.around.size) else {
+            return 0.0;
+        };
         let offset = hit - point;
         let Rectangle { x, y, normal, .. } = self.around;
         let local = Vec3::new(offset.dot(x), offset.dot(y), offset.dot(normal)).as_dvec3();
         match view.spherical() {
             Some(spherical) => {
-                let left = SphericalRectangle::new(&View { x1: local.x.clamp(view.x0, view.x1), ..view });
+                let left =
+                    SphericalRectangle::new(&LocalRectangle { x1: local.x.clamp(view.x0, view.x1), ..view });
                 let share = left.solid_angle / spherical.solid_angle;
                 strip_pdf(&view, &spherical, local.x, share)
             }
@@ -114,7 +117,7 @@ impl Ellipse {
 }
 
 /// Ends of the ellipse at x.
-fn chord(view: &View, x: f64) -> [f64; 2] {
+fn chord(view: &LocalRectangle, x: f64) -> [f64; 2] {
     let at = (2.0 * x - view.x0 - view.x1) / (view.x1 - view.x0);
     let half = 0.5 * (view.y1 - view.y0) * (1.0 - at * at).max(0.0).sqrt();
     let middle = 0.5 * (view.y0 + view.y1);
@@ -122,7 +125,7 @@ fn chord(view: &View, x: f64) -> [f64; 2] {
 }
 
 /// Solid-angle density of the strip at x, up to which such a share of the rectangle's solid angle lies.
-fn strip_pdf(view: &View, spherical: &SphericalRectangle, x: f64, share: f64) -> f32 {
+fn strip_pdf(view: &LocalRectangle, spherical: &SphericalRectangle, x: f64, share: f64) -> f32 {
     // A disk's density over its width
     let density = 8.0 / PI * (share * (1.0 - share)).max(0.0).sqrt();
     let [low, high] = view.sines(x, [view.y0, view.y1]);

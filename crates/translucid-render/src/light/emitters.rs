@@ -6,7 +6,7 @@ use translucid_scene::{Light, Scene};
 use super::LightSample;
 use super::beam::Beam;
 use super::bounds::LightBounds;
-use super::cone::Cone;
+use super::cone::SpotCone;
 use super::distant::Distant;
 use super::ellipse::Ellipse;
 use super::environment::Environment;
@@ -45,7 +45,7 @@ impl PlacedLight {
                 Ellipse::new(center, edge_x, edge_y, radiance, visible).map(Self::Ellipse)
             }
             Light::Spot { position, direction, radius, intensity, inner_angle, outer_angle, visible } => {
-                let cone = Cone::new(direction, inner_angle, outer_angle)?;
+                let cone = SpotCone::new(direction, inner_angle, outer_angle)?;
                 match radius {
                     0.0 => Spot::new(position, intensity, cone).map(Self::Spot),
                     _ => Sphere::of_spot(position, radius, intensity, cone, visible).map(Self::Sphere),
@@ -57,7 +57,7 @@ impl PlacedLight {
         }
     }
 
-    /// Whether light comes from infinity in directions that can be met by chance.
+    /// Returns `true` if light comes from infinity in directions that paths can meet by chance.
     pub(crate) fn is_infinite(&self) -> bool {
         match self {
             Self::Distant(light) => light.is_disc(),
@@ -65,15 +65,15 @@ impl PlacedLight {
         }
     }
 
-    /// Whether no ray can meet it.
-    pub(crate) fn is_unmet(&self) -> bool {
+    /// Returns `true` if no ray can meet it.
+    pub(crate) fn is_delta(&self) -> bool {
         match self {
             Self::Distant(light) => !light.is_disc(),
             _ => matches!(self, Self::Spot(_) | Self::Beam(_)),
         }
     }
 
-    /// Whether it is a surface at some place.
+    /// Returns `true` if it is a surface that rays meet.
     pub(crate) fn is_surface(&self) -> bool {
         matches!(self, Self::Rectangle(_) | Self::Ellipse(_) | Self::Sphere(_))
     }
@@ -138,7 +138,7 @@ impl Emitters {
         self.sources.len() + self.triangles.len()
     }
 
-    /// Number of the light that a primitive is, and the triangle.
+    /// The triangle of a primitive, with its number among the lights.
     pub(crate) fn of_primitive(&self, primitive: u64) -> Option<(usize, &EmissiveTriangle)> {
         let found = self.triangles.binary_search_by_key(&primitive, |triangle| triangle.primitive);
         found.ok().map(|index| (self.sources.len() + index, &self.triangles[index]))
@@ -161,7 +161,7 @@ impl Emitters {
         }
     }
 
-    /// Radiance that a light that is a surface sends in a unit direction, if it is not the same in all.
+    /// Radiance of a light with a surface in a unit direction, if it depends on the direction.
     pub(crate) fn radiance_toward(&self, light: usize, direction: Vec3) -> Option<Vec3> {
         match self.sources.get(light) {
             Some(PlacedLight::Sphere(light)) => Some(light.radiance_toward(direction)),
@@ -169,7 +169,7 @@ impl Emitters {
         }
     }
 
-    /// Unit normal at a place of a light that is a surface.
+    /// Unit normal at a place on the surface of a light.
     pub(crate) fn normal_at(&self, light: usize, place: Vec3) -> Option<Vec3> {
         match self.sources.get(light) {
             Some(PlacedLight::Rectangle(light)) => Some(light.normal()),
@@ -180,7 +180,7 @@ impl Emitters {
         }
     }
 
-    /// Where a light is and whither it shines; none of lights at infinity and beams.
+    /// Place and emission of a light; `None` for lights at infinity and beams.
     pub(crate) fn bounds(&self, light: usize) -> Option<LightBounds> {
         let bounds = match self.sources.get(light) {
             Some(source) => source.bounds(),

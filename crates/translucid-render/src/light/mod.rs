@@ -1,16 +1,31 @@
-//! The lights of a scene: which directions to try at a point, and how likely each was tried.
+//! The lights of a scene: a direction toward one of them from a point, and the density of drawing it.
 //!
-//! [`LightSet::sample`] selects one light in proportion to an estimate of what it contributes at the point and
-//! draws a direction toward it.
-//! The query functions tell with which density it would have drawn a direction found otherwise (by a
-//! BSDF); they give the same numbers as the sample itself, so that the two strategies can be combined
-//! [Veach & Guibas 1995].
+//! [`LightSet::sample`] selects one light in proportion to an estimate of its contribution at the point and draws a
+//! direction toward it.
+//! The query functions give the density with which it would have drawn a direction found otherwise (by a BSDF). They give
+//! the same numbers as the sample itself, so that MIS can combine the two strategies [Veach & Guibas 1995].
 //!
-//! All light from infinity, that is the environment and the discs of distant lights, adds up: wherever one of
-//! them is asked for, radiance and density are those of all of them together.
+//! Each light is a file with a type that provides these functions:
+//!
+//! ```text
+//! every light       new(…) -> Option<Self>                      None if it sheds no light
+//!                   importance(receiver) -> f32                 about its irradiance (luminance); 0 only if it brings none
+//!                   power() -> f32                              emitted power (luminance), rather too high than too low
+//! at a place        bounds() -> LightBounds                     place and emission, for the light tree; not for beams
+//! with a surface    sample(point, v) -> Option<LightSample>     a direction, its radiance, its density
+//! (rectangle …)     pdf(point, on_light) -> f32                 the density of sample for a direction found otherwise
+//!                   intersect(origin, direction) -> Option<f32> distance at which a ray meets the emitting side
+//! from infinity     sample(receiver, v), pdf, radiance          as above, by direction
+//! delta lights      sample(point) -> Option<LightSample>        the one direction, which no ray meets by chance
+//! ```
+//!
+//! `emitters.rs` puts them side by side in `PlacedLight`, `surfaces.rs` intersects them, and `tests/` holds them to the
+//! same laws.
+//!
+//! Light from infinity, which is the environment and the discs of distant lights, adds up: radiance and density of one of
+//! them are always those of all of them together.
 
 mod beam;
-mod bent;
 mod bounds;
 mod cone;
 mod directions;
@@ -21,6 +36,7 @@ mod emitters;
 mod environment;
 mod receiver;
 mod rectangle;
+mod refracted;
 mod selection;
 mod sphere;
 mod spot;
@@ -32,11 +48,11 @@ mod weights;
 use glam::Vec3;
 use translucid_scene::Scene;
 
-use bent::Unmet;
-pub(crate) use bent::bent_pdf;
 use emitters::{Emitters, PlacedLight};
 use receiver::Receiver;
 pub(crate) use receiver::luminance;
+use refracted::DeltaLights;
+pub(crate) use refracted::refracted_pdf;
 use selection::Selection;
 use surfaces::Surfaces;
 
@@ -55,7 +71,7 @@ pub struct LightSample {
     pub radiance: Vec3,
     /// Solid-angle density \[1/sr\], selection included; of a delta light the probability of its selection.
     pub pdf: f32,
-    /// Whether no direction found otherwise can meet the light.
+    /// No direction found otherwise can meet the light.
     pub is_delta: bool,
     /// The emissive triangle, if it is one: its `radiance` is the triangle's mean.
     pub primitive: Option<u64>,
@@ -70,7 +86,7 @@ impl LightSample {
         Self { direction, distance, radiance: irradiance, pdf: 1.0, is_delta: true, primitive: None }
     }
 
-    /// Whether a contribution can be computed from it.
+    /// Returns `true` if a contribution can be computed from it.
     fn is_usable(&self) -> bool {
         let directed = self.direction.is_finite() && self.distance >= 0.0;
         directed && self.pdf > 0.0 && self.pdf.is_finite() && self.radiance.is_finite()
@@ -109,7 +125,7 @@ pub struct LightSet {
     emitters: Emitters,
     selection: Selection,
     surfaces: Surfaces,
-    unmet: Option<Unmet>,
+    delta: Option<DeltaLights>,
     /// The environment and the discs among the sources.
     infinite: Vec<usize>,
     environment: Option<usize>,
@@ -132,7 +148,7 @@ impl LightSet {
         Self {
             selection: Selection::new(&emitters, cross_section, LightSelection::Automatic),
             surfaces: Surfaces::new(&emitters.sources),
-            unmet: Unmet::new(&emitters, cross_section),
+            delta: DeltaLights::new(&emitters, cross_section),
             infinite: indices(PlacedLight::is_infinite),
             environment: indices(|source| matches!(source, PlacedLight::Environment(_))).pop(),
             environment_visible: scene.environment.is_some_and(|environment| environment.visible),
@@ -141,14 +157,14 @@ impl LightSet {
         }
     }
 
-    /// Selects lights in another way than what suits their number. For measuring.
+    /// Selects lights in the given way, for measuring.
     #[must_use]
     pub fn with_selection(mut self, way: LightSelection) -> Self {
         self.selection = Selection::new(&self.emitters, self.cross_section, way);
         self
     }
 
-    /// Whether nothing sheds light.
+    /// Returns `true` if nothing sheds light.
     pub fn is_empty(&self) -> bool {
         self.emitters.len() == 0
     }
@@ -216,8 +232,7 @@ impl LightSet {
         finite_product(self.probability(&Receiver { point, normal }, light), density)
     }
 
-    /// Radiance that arrives from infinity: environment and discs of distant lights. This is what a path sees
-    /// that was scattered.
+    /// Radiance that arrives from infinity, which scattered paths see: environment and discs of distant lights.
     pub fn environment_radiance(&self, direction: Vec3) -> Vec3 {
         let radiance = |&index: &usize| match &self.emitters.sources[index] {
             PlacedLight::Environment(light) => light.radiance(direction),
@@ -227,7 +242,7 @@ impl LightSet {
         self.infinite.iter().map(radiance).sum()
     }
 
-    /// Radiance of the environment alone: what the camera sees behind everything.
+    /// Radiance of the environment alone, which the camera sees behind everything.
     pub fn background_radiance(&self, direction: Vec3) -> Vec3 {
         match self.environment.map(|index| &self.emitters.sources[index]) {
             Some(PlacedLight::Environment(light)) => light.radiance(direction),
@@ -243,7 +258,7 @@ impl LightSet {
         self.infinite_pdf(&receiver, (first, self.probability(&receiver, first)), direction)
     }
 
-    /// Whether the camera sees the environment.
+    /// Returns `true` if the camera sees the environment.
     pub fn environment_visible(&self) -> bool {
         self.environment_visible
     }
@@ -270,7 +285,7 @@ impl LightSet {
     }
 }
 
-/// The product of a probability and a density, 0 where that is no usable number: no sample has it either.
+/// The product of a probability and a density, 0 where that is not finite: no sample has it either.
 fn finite_product(probability: f32, density: f32) -> f32 {
     let product = probability * density;
     if product.is_finite() { product } else { 0.0 }

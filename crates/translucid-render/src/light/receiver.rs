@@ -1,4 +1,4 @@
-//! The point that light is wanted for.
+//! The point that receives light.
 
 use glam::Vec3;
 
@@ -11,7 +11,7 @@ pub(crate) struct Receiver {
 }
 
 impl Receiver {
-    /// Whether only the hemisphere about the normal matters.
+    /// Returns `true` if only the hemisphere about the normal matters.
     pub(crate) fn has_normal(&self) -> bool {
         self.normal != Vec3::ZERO
     }

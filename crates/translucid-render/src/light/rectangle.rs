@@ -11,7 +11,7 @@ use super::bounds::LightBounds;
 use super::receiver::{Receiver, luminance};
 
 /// Rectangles that look smaller than about this solid angle \[sr\] are drawn from uniformly in area: the density
-/// then varies by a tenth over the rectangle, which is little beside what the cosine at the receiver does, and no
+/// then varies by a tenth over the rectangle, which is little beside the cosine at the receiver, and no
 /// angle need be computed.
 const LEAST_SOLID_ANGLE: f64 = 3e-3;
 
@@ -77,7 +77,7 @@ impl Rectangle {
     pub(crate) fn importance(&self, receiver: &Receiver) -> f32 {
         let corner = self.local_corner(receiver.point);
         let highest = if receiver.has_normal() { self.highest(receiver) } else { f32::INFINITY };
-        // A NaN passes: what overflows is not forgotten.
+        // A NaN passes, so that no light is lost by overflow.
         if corner.z >= 0.0 || highest <= 0.0 {
             return 0.0;
         }
@@ -107,7 +107,7 @@ impl Rectangle {
 
     /// Draws a direction; the selection is not in its density.
     pub(crate) fn sample(&self, point: Vec3, v: [f32; 2]) -> Option<LightSample> {
-        let view = View::new(self.local_corner(point), self.size)?;
+        let view = LocalRectangle::new(self.local_corner(point), self.size)?;
         let (offset, pdf) = match view.spherical() {
             Some(spherical) => (spherical.sample(&view, v), 1.0 / spherical.solid_angle as f32),
             None => view.sample_area(v),
@@ -120,7 +120,7 @@ impl Rectangle {
 
     /// Solid-angle density with which `sample` makes the direction from `point` to `hit`.
     pub(crate) fn pdf(&self, point: Vec3, hit: Vec3) -> f32 {
-        let Some(view) = View::new(self.local_corner(point), self.size) else { return 0.0 };
+        let Some(view) = LocalRectangle::new(self.local_corner(point), self.size) else { return 0.0 };
         if let Some(spherical) = view.spherical() {
             return 1.0 / spherical.solid_angle as f32;
         }
@@ -155,7 +155,7 @@ impl Rectangle {
 }
 
 /// A rectangle as it is seen from a point, in the rectangle's frame; double precision because angles nearly cancel.
-pub(super) struct View {
+pub(super) struct LocalRectangle {
     pub(super) x0: f64,
     pub(super) x1: f64,
     pub(super) y0: f64,
@@ -164,7 +164,7 @@ pub(super) struct View {
     pub(super) z0: f64,
 }
 
-impl View {
+impl LocalRectangle {
     /// `corner` relative to the point; none if the point is not in front.
     #[inline]
     pub(super) fn new(corner: Vec3, size: [f32; 2]) -> Option<Self> {
@@ -187,7 +187,7 @@ impl View {
         let nearest2 = x * x + y * y + self.z0 * self.z0;
         let looks_large = self.area() * -self.z0 > LEAST_SOLID_ANGLE * nearest2 * nearest2.sqrt();
         let spherical = looks_large.then(|| SphericalRectangle::new(self));
-        // What still looks small, a strip seen end on, is lost in rounding.
+        // A strip seen end on still looks small, and would be lost in rounding.
         spherical.filter(|spherical| spherical.solid_angle >= 1e-3 * LEAST_SOLID_ANGLE)
     }
 
@@ -238,7 +238,7 @@ pub(super) struct SphericalRectangle {
 
 impl SphericalRectangle {
     #[inline]
-    pub(super) fn new(view: &View) -> Self {
+    pub(super) fn new(view: &LocalRectangle) -> Self {
         let z2 = view.z0 * view.z0;
         let normal_z = |edge: f64| edge / (z2 + edge * edge).sqrt();
         let (n0, n1, n2, n3) = (-normal_z(view.y0), normal_z(view.x1), normal_z(view.y1), -normal_z(view.x0));
@@ -256,14 +256,14 @@ impl SphericalRectangle {
 
     /// Offset from the point to a point of the rectangle, uniform in solid angle.
     #[inline]
-    fn sample(&self, view: &View, v: [f32; 2]) -> DVec3 {
+    fn sample(&self, view: &LocalRectangle, v: [f32; 2]) -> DVec3 {
         let x = self.x_at(view, f64::from(v[0]));
         view.on_line(x, [view.y0, view.y1], f64::from(v[1]))
     }
 
     /// The x up to which so great a share of the solid angle lies.
     #[inline]
-    pub(super) fn x_at(&self, view: &View, share: f64) -> f64 {
+    pub(super) fn x_at(&self, view: &LocalRectangle, share: f64) -> f64 {
         let (sin, cos) = libm::sincos(share * self.solid_angle);
         let [cos_au, sin_au] = times([cos, sin], self.k);
         let fu = (cos_au * self.b0 - self.b1) / sin_au;

@@ -1,13 +1,13 @@
-//! Which light to sample.
+//! Selection of the light to sample.
 //!
-//! Few lights are weighed one by one for each point; of many lights a tree selects. Lights that are nowhere (at
-//! infinity) or fill no box (beams) stand beside the tree, each weighed by itself.
+//! Few lights are weighed one by one for each point; a tree selects among many. Lights without a place (at infinity) or a
+//! box (beams) stand beside the tree, each weighed by itself.
 
 use super::distribution::Discrete;
 use super::emitters::Emitters;
 use super::receiver::Receiver;
 use super::tree::{LightTree, Root};
-use super::weights::{GREATEST_IMPORTANCE, Weights, importance};
+use super::weights::{GREATEST_IMPORTANCE, LightWeights, importance};
 
 /// Up to this many lights are weighed one by one.
 ///
@@ -35,7 +35,7 @@ pub enum LightSelection {
     Tree,
 }
 
-/// How lights are selected.
+/// A way to select lights, with its tables.
 #[derive(Clone, Debug)]
 pub(crate) enum Selection {
     /// By their importance for the point at hand.
@@ -44,8 +44,8 @@ pub(crate) enum Selection {
     AllWeighed,
     /// Always with these probabilities.
     Fixed(Discrete),
-    /// By a tree, and beside it.
-    Tree { tree: LightTree, apart: Apart },
+    /// By a tree, and beside it those that it cannot hold.
+    Tree { tree: LightTree, apart: UntreedLights },
 }
 
 impl Selection {
@@ -66,7 +66,7 @@ impl Selection {
                 let placed: Vec<_> = (0..emitters.len()).filter_map(bounds).collect();
                 LightTree::new(placed, emitters.len()).map_or(Self::AllWeighed, |tree| {
                     let apart = (0..emitters.len()).filter(|&light| !tree.holds(light)).collect();
-                    Self::Tree { apart: Apart::new(apart, emitters, cross_section), tree }
+                    Self::Tree { apart: UntreedLights::new(apart, emitters, cross_section), tree }
                 })
             }
         }
@@ -112,8 +112,8 @@ impl Selection {
                 match apart.place(light) {
                     Some(place) => groups.probability(0) * beside.probability(place),
                     None => {
-                        let front = tree.front(&root, emitters, receiver);
-                        groups.probability(1) * tree.probability(&front, emitters, receiver, light)
+                        let cut = tree.cut(&root, emitters, receiver);
+                        groups.probability(1) * tree.probability(&cut, emitters, receiver, light)
                     }
                 }
             }
@@ -123,16 +123,16 @@ impl Selection {
 
 /// Each of few lights weighed.
 #[inline]
-fn weighed<const N: usize>(emitters: &Emitters, receiver: &Receiver) -> Weights<N> {
+fn weighed<const N: usize>(emitters: &Emitters, receiver: &Receiver) -> LightWeights<N> {
     let mut weights = [0.0; N];
     let len = emitters.len().min(N);
     for (light, weight) in weights[..len].iter_mut().enumerate() {
         *weight = importance(emitters, light, receiver);
     }
-    Weights::of_first(weights, len, EVEN_SHARE)
+    LightWeights::of_first(weights, len, EVEN_SHARE)
 }
 
-/// The weights of any number of lights, as [`Weights`] makes them.
+/// The weights of any number of lights, as [`LightWeights`] makes them.
 struct Total {
     sum: f64,
     count: u32,
@@ -174,7 +174,7 @@ fn choose_of_all(emitters: &Emitters, receiver: &Receiver, u: f64) -> Option<(us
 
 /// The lights that no tree can hold.
 #[derive(Clone, Debug)]
-pub(crate) struct Apart {
+pub(crate) struct UntreedLights {
     /// Their numbers in rising order.
     lights: Vec<usize>,
     /// Where there are too many to weigh: their probabilities, and the importance of all of them.
@@ -182,12 +182,12 @@ pub(crate) struct Apart {
 }
 
 /// The lights beside the tree weighed for a point.
-enum Beside<'a> {
-    Weighed(Weights<MOST_WEIGHED>),
+enum UntreedWeights<'a> {
+    Weighed(LightWeights<MOST_WEIGHED>),
     Fixed(&'a Discrete, f32),
 }
 
-impl Apart {
+impl UntreedLights {
     fn new(lights: Vec<usize>, emitters: &Emitters, cross_section: f32) -> Self {
         let fixed = (lights.len() > MOST_WEIGHED).then(|| {
             let powers: Vec<_> =
@@ -204,19 +204,23 @@ impl Apart {
     }
 
     #[inline]
-    fn weigh(&self, emitters: &Emitters, receiver: &Receiver) -> Beside<'_> {
+    fn weigh(&self, emitters: &Emitters, receiver: &Receiver) -> UntreedWeights<'_> {
         if let Some((discrete, importance)) = &self.fixed {
-            return Beside::Fixed(discrete, *importance);
+            return UntreedWeights::Fixed(discrete, *importance);
         }
         let mut weights = [0.0; MOST_WEIGHED];
         for (weight, &light) in weights.iter_mut().zip(&self.lights) {
             *weight = importance(emitters, light, receiver);
         }
-        Beside::Weighed(Weights::of_first(weights, self.lights.len().min(MOST_WEIGHED), EVEN_SHARE))
+        UntreedWeights::Weighed(LightWeights::of_first(
+            weights,
+            self.lights.len().min(MOST_WEIGHED),
+            EVEN_SHARE,
+        ))
     }
 }
 
-impl Beside<'_> {
+impl UntreedWeights<'_> {
     fn importance(&self) -> f32 {
         match self {
             Self::Weighed(weights) => weights.sum(),
@@ -243,13 +247,13 @@ impl Beside<'_> {
 }
 
 /// The choice between the lights beside the tree and those in it.
-fn groups(root: &Root, beside: &Beside<'_>) -> Weights<2> {
-    Weights::new([beside.importance(), root.importance()], EVEN_SHARE)
+fn groups(root: &Root, beside: &UntreedWeights<'_>) -> LightWeights<2> {
+    LightWeights::new([beside.importance(), root.importance()], EVEN_SHARE)
 }
 
 fn choose_by_tree(
     tree: &LightTree,
-    apart: &Apart,
+    apart: &UntreedLights,
     emitters: &Emitters,
     receiver: &Receiver,
     u: f64,
@@ -261,7 +265,7 @@ fn choose_by_tree(
         let (place, probability) = beside.choose(u)?;
         (apart.lights[place], probability)
     } else {
-        tree.choose(&tree.front(&root, emitters, receiver), emitters, receiver, u)?
+        tree.choose(&tree.cut(&root, emitters, receiver), emitters, receiver, u)?
     };
     Some((light, share * probability))
 }
@@ -273,18 +277,18 @@ mod tests {
     #[test]
     fn probabilities_sum_to_one_and_skip_what_cannot_contribute() {
         let weights = [0.0, 1.0, 1e30, 1e30, 0.0, 1e-30];
-        let odds = Weights::new(weights, EVEN_SHARE);
+        let odds = LightWeights::new(weights, EVEN_SHARE);
         let sum: f32 = (0..weights.len()).map(|i| odds.probability(i)).sum();
         assert!((sum - 1.0).abs() < 1e-6, "{sum}");
         for (index, weight) in weights.into_iter().enumerate() {
             assert_eq!(odds.probability(index) > 0.0, weight > 0.0, "{weight}");
         }
-        assert!(Weights::new([0.0; 3], EVEN_SHARE).choose(0.5).is_none());
+        assert!(LightWeights::new([0.0; 3], EVEN_SHARE).choose(0.5).is_none());
     }
 
     #[test]
     fn choose_follows_the_odds() {
-        let odds = Weights::new([0, 1, 2, 3, 4, 5, 6].map(|i| (i * i % 5) as f32), EVEN_SHARE);
+        let odds = LightWeights::new([0, 1, 2, 3, 4, 5, 6].map(|i| (i * i % 5) as f32), EVEN_SHARE);
         let n = 100_000;
         let mut counts = [0_u32; 7];
         for i in 0..n {

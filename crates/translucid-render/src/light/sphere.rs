@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use super::cone::Cone;
+use super::cone::SpotCone;
 use super::directions::{uniform_cone, uniform_cone_pdf};
 use super::receiver::{Receiver, luminance};
 
@@ -24,7 +24,7 @@ pub(crate) struct Sphere {
     radius: f32,
     radiance: Vec3,
     luminance: f32,
-    cone: Option<Cone>,
+    cone: Option<SpotCone>,
     pub(crate) visible: bool,
 }
 
@@ -41,7 +41,7 @@ impl Sphere {
         center: Vec3,
         radius: f32,
         intensity: Vec3,
-        cone: Cone,
+        cone: SpotCone,
         visible: bool,
     ) -> Option<Self> {
         let sphere = Self::new(center, radius, intensity / (PI * radius * radius), visible)?;

@@ -6,7 +6,7 @@ use glam::Vec3;
 
 use super::LightSample;
 use super::bounds::LightBounds;
-use super::cone::Cone;
+use super::cone::SpotCone;
 use super::receiver::{Receiver, luminance};
 
 /// See [`translucid_scene::Light::Spot`], of radius 0.
@@ -15,12 +15,12 @@ pub(crate) struct Spot {
     position: Vec3,
     intensity: Vec3,
     luminance: f32,
-    cone: Cone,
+    cone: SpotCone,
 }
 
 impl Spot {
     /// None if it sheds no light.
-    pub(crate) fn new(position: Vec3, intensity: Vec3, cone: Cone) -> Option<Self> {
+    pub(crate) fn new(position: Vec3, intensity: Vec3, cone: SpotCone) -> Option<Self> {
         let luminance = luminance(intensity);
         (luminance > 0.0).then_some(Self { position, intensity, luminance, cone })
     }

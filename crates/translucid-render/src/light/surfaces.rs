@@ -23,12 +23,12 @@ const WIDEN: f32 = 8.0 * f32::EPSILON;
 pub(crate) struct Surfaces {
     /// Their numbers.
     lights: Vec<u32>,
-    hierarchy: Option<Hierarchy>,
+    hierarchy: Option<LightHierarchy>,
 }
 
 /// Boxes over the lights.
 #[derive(Clone, Debug)]
-struct Hierarchy {
+struct LightHierarchy {
     nodes: Vec<Bvh2Node>,
     /// Places among the lights, in the order of the leaves.
     places: Vec<u32>,
@@ -46,13 +46,13 @@ impl Surfaces {
             let places = (0..boxes.len() as u32).collect();
             let (distance, precision) = (PlocSearchDistance::Medium, SortPrecision::U64);
             let built = PlocBuilder::with_capacity(boxes.len()).build(distance, &boxes, places, precision, 1);
-            Hierarchy { nodes: built.nodes, places: built.primitive_indices }
+            LightHierarchy { nodes: built.nodes, places: built.primitive_indices }
         });
         Self { lights, hierarchy }
     }
 
-    /// The nearest one that a ray meets on the side that emits before `t_max`, among those that count by whether the
-    /// camera sees them.
+    /// The nearest one that a ray meets before `t_max` on the side that emits, among those that `counts` accepts by
+    /// their visibility to the camera.
     #[inline]
     pub(crate) fn nearest(
         &self,
@@ -105,7 +105,7 @@ fn intersect(
 
 /// Calls `test` for the primitives whose boxes a ray meets before the distance that it returned last.
 fn traverse(
-    hierarchy: &Hierarchy,
+    hierarchy: &LightHierarchy,
     (origin, direction): (Vec3, Vec3),
     t_max: f32,
     mut test: impl FnMut(usize) -> f32,
@@ -122,7 +122,7 @@ fn traverse(
         (begin * (1.0 - WIDEN) <= (end * (1.0 + WIDEN)).min(limit)).then_some(begin)
     };
     let mut limit = t_max;
-    let mut open = Open::new();
+    let mut open = TraversalStack::new();
     if let Some(t) = enters(0, limit) {
         open.push((0, t));
     }
@@ -152,13 +152,13 @@ fn traverse(
 }
 
 /// Nodes yet to visit with the distance to them: an array, and beyond it memory that only degenerate trees need.
-struct Open {
+struct TraversalStack {
     array: [(u32, f32); Self::ARRAY],
     used: usize,
     overflow: Vec<(u32, f32)>,
 }
 
-impl Open {
+impl TraversalStack {
     const ARRAY: usize = 48;
 
     fn new() -> Self {

@@ -1,4 +1,4 @@
-//! How much lights matter at a point, and a choice by that.
+//! Weights of lights at a point, and a choice in proportion to them.
 
 use super::emitters::Emitters;
 use super::receiver::Receiver;
@@ -8,7 +8,7 @@ pub(crate) const GREATEST_IMPORTANCE: f32 = 1e30;
 
 /// Probabilities in proportion to weights, but for a share that goes evenly to all that are not 0.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Weights<const N: usize> {
+pub(crate) struct LightWeights<const N: usize> {
     weights: [f32; N],
     /// Number of weights in use.
     len: usize,
@@ -18,7 +18,7 @@ pub(crate) struct Weights<const N: usize> {
     even: f32,
 }
 
-impl<const N: usize> Weights<N> {
+impl<const N: usize> LightWeights<N> {
     /// From weights that are not negative, and whose sum is finite.
     #[inline]
     pub(crate) fn new(weights: [f32; N], even_share: f32) -> Self {
@@ -52,7 +52,7 @@ impl<const N: usize> Weights<N> {
         if weight > 0.0 { weight * self.scale + self.even } else { 0.0 }
     }
 
-    /// Chooses; returns the index, its probability and what is left of the random number. None if all weights
+    /// Chooses; returns the index, its probability and the remainder of the random number. None if all weights
     /// are 0.
     #[inline]
     pub(crate) fn choose(&self, u: f64) -> Option<(usize, f32, f64)> {

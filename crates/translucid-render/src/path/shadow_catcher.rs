@@ -1,4 +1,4 @@
-//! Shadows without the surface that they fall on.
+//! Shadows on a surface that is not seen itself.
 
 use glam::Vec3;
 
@@ -6,19 +6,19 @@ use crate::light::{LightSample, luminance};
 use crate::ray::SurfacePoint;
 use crate::world::{PathState, ShadowMedium, World};
 
-/// Light samples of which one is looked for. Their sum stands in for all light: where it varies by a share v from
-/// sample to sample, shadows are off by about v²/16.
+/// Number of light samples of which one gets a shadow ray. Their sum represents all light: where it varies by a share v
+/// from sample to sample, shadows are off by about v²/16.
 const CANDIDATES: u32 = 16;
 
 /// 1/φ, 1/φ², 1/φ³ with φ⁴ = φ + 1: their multiples cover the unit cube evenly [Roberts 2018, "The unreasonable
 /// effectiveness of quasirandom sequences"].
 const STEPS: Vec3 = Vec3::new(0.819_172_5, 0.671_043_6, 0.549_700_5);
 
-/// Share of the direct light of a diffuse surface that others keep from it: 0 or 1, and between where they are clear, so that
-/// the mean over samples is the share.
+/// Share of the direct light of a diffuse surface that other surfaces keep from it: 0 or 1 for a sample, between them behind
+/// clear surfaces. The mean over samples is the share.
 ///
-/// One of several light samples is chosen in proportion to what it would bring [Talbot, Cline & Egbert 2005,
-/// "Importance Resampling for Global Illumination"], and looked for.
+/// One of several light samples is chosen in proportion to its unshadowed light [Talbot, Cline & Egbert 2005,
+/// "Importance Resampling for Global Illumination"], and gets a shadow ray.
 pub(super) fn missing_light(world: &World, path: &PathState, point: &SurfacePoint, u: [f32; 4]) -> f32 {
     let facing = point.shading_normal.dot(-path.ray.direction);
     let normal = point.shading_normal * 1.0_f32.copysign(facing);

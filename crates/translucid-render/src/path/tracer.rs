@@ -7,14 +7,15 @@ use translucid_scene::{CameraVisibility, Material};
 
 use super::emission::{add_emission, add_environment, add_light_in_the_way};
 use super::shadow_catcher::missing_light;
+use super::vertex::Vertex;
 use crate::ray::{Hit, Ray, SurfacePoint};
-use crate::sampling::{Frame, Reserved, Sampler};
-use crate::subsurface::{ExitPoint, SubsurfaceSet, Tracing, TransportScratch};
+use crate::sampling::{Reserved, Sampler};
+use crate::subsurface::{ExitPoint, Subsurface, Tracer, TransportScratch, Transports};
 use crate::surface;
-use crate::surface::bsdf::{Bsdf, BsdfSample, Lobe, SurfaceParameters};
+use crate::surface::bsdf::{Bsdf, BsdfSample, SurfaceParameters};
 use crate::world::{
-    BlockPlace, Layer, Origin, PathState, PixelSample, PixelWidth, ShadowMedium, World, absorbed,
-    absorption_behind, power_heuristic, straight_transmittance, weighed,
+    BlockPlace, Layer, PathState, PixelSample, PixelWidth, ShadowMedium, World, absorbed, absorption_behind,
+    power_heuristic, straight_transmittance, weighed,
 };
 
 /// Scattering events after which paths of little throughput are ended at random.
@@ -23,12 +24,12 @@ const ROULETTE_AFTER: u32 = 3;
 /// Traces paths; one for each thread, because it keeps scratch memory.
 pub(crate) struct PathTracer<'a> {
     world: &'a World,
-    subsurface: &'a SubsurfaceSet,
+    transports: &'a Transports,
     scratch: TransportScratch<'a>,
     pixel_width: PixelWidth,
 }
 
-impl<'a> Tracing<'a> for PathTracer<'a> {
+impl<'a> Tracer<'a> for PathTracer<'a> {
     fn scratch(&mut self) -> &mut TransportScratch<'a> {
         &mut self.scratch
     }
@@ -38,11 +39,7 @@ impl<'a> Tracing<'a> for PathTracer<'a> {
     }
 
     fn shape_factor(&mut self, exit: &ExitPoint<'_>) -> Vec3 {
-        self.subsurface.shape_factor(&self.world.scene, exit, &mut self.scratch.points)
-    }
-
-    fn shape_factor_of(&self, exit: &ExitPoint<'_>, energy: Vec3) -> Vec3 {
-        SubsurfaceSet::shape_factor_of(&self.world.scene, exit, energy)
+        self.transports.shape_factor(&self.world.scene, exit, &mut self.scratch.points)
     }
 
     fn pixel_width(&self) -> PixelWidth {
@@ -52,8 +49,8 @@ impl<'a> Tracing<'a> for PathTracer<'a> {
 
 impl<'a> PathTracer<'a> {
     /// A tracer for pixels of a width.
-    pub(crate) fn new(world: &'a World, subsurface: &'a SubsurfaceSet, pixel_width: PixelWidth) -> Self {
-        Self { world, subsurface, scratch: TransportScratch::default(), pixel_width }
+    pub(crate) fn new(world: &'a World, transports: &'a Transports, pixel_width: PixelWidth) -> Self {
+        Self { world, transports, scratch: TransportScratch::default(), pixel_width }
     }
 
     /// Light that arrives at the ray's origin along the ray.
@@ -106,7 +103,7 @@ impl<'a> PathTracer<'a> {
         self.interact(path, &point, &hit, sampler)
     }
 
-    /// Meets a surface: emission, light from one sampled light, the next direction.
+    /// Scatters the path at the surface that it has met; false when it is over.
     fn interact(
         &mut self,
         path: &mut PathState,
@@ -117,85 +114,86 @@ impl<'a> PathTracer<'a> {
         let world = self.world;
         let (index, material) = world.material(point);
         let u = Choices(sampler.reserve());
-
-        // Pass surfaces that are not there
-        let opacity = surface::opacity_at(&world.scene, material, point);
-        if opacity < 1.0 && u.of_opacity() >= opacity {
-            return path.pass(point, Vec3::ONE);
+        if let Some(goes_on) = pass_or_hide(world, path, point, material, u, sampler) {
+            return goes_on;
         }
-
-        // Show the camera what it is to see, if that is not the surface
-        if path.depth == 0 && material.camera_visibility != CameraVisibility::Surface {
-            if material.camera_visibility == CameraVisibility::None {
-                return path.pass(point, Vec3::ONE);
-            }
-            // As far as it is seen: a body that light passes may lie before it
-            let seen = (path.throughput.element_sum() / 3.0).min(1.0);
-            path.sample.alpha = 1.0 - seen * (1.0 - missing_light(world, path, point, sampler.next_4d()));
-            return false;
-        }
-
-        // Add emission before a clear surface is passed: light samples of it bring all of its emission, too
+        // Before a clear surface is passed: light samples of it bring all of its emission, too
         add_emission(world, path, point, material, hit);
-
-        // Evaluate the material as this path sees it
-        let normal = surface::shading_normal_at(&world.scene, material, point);
-        let normal = surface::facing(normal, point.geometric_normal, -path.ray.direction);
-        let mut subsurface = self.subsurface.at(&world.scene, index, point);
-        if path.diffuse_depth > 0 && self.subsurface.transports()[index].is_lambertian_behind_diffuse() {
-            subsurface.length = Vec3::ZERO;
+        let stated = surface::parameters_at(&world.scene, material, point);
+        if path.soft && stated.clear_part() > 0.0 && u.of_clearness() < stated.clear_part() {
+            return pass_clear(path, point, material, &stated);
         }
-        let mut surface = surface::parameters_at(&world.scene, material, point)
-            .with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
-        if path.soft {
-            let clear = surface.transmission_weight * (1.0 - surface.metalness);
-            if clear > 0.0 && u.of_clearness() < clear {
-                return pass_clear(path, point, material, &surface);
-            }
-            surface = surface.seen_softly();
-        }
-        let may_pass = world.media.of(index).is_some();
-        if path.diffuse_depth >= world.scene.integrator.max_diffuse_depth {
-            surface = if may_pass && surface.metalness == 0.0 {
-                without_matte(surface)
-            } else {
-                without_diffuse(surface)
-            };
-        }
-        if path.ray.direction.dot(normal) < 0.0 {
-            self.subsurface.brighten(index, &mut surface);
-        }
-        let is_matte = surface.metalness < 1.0 && surface.transmission_weight < 1.0;
-        let soft = path.soft || (is_matte && !world.scene.integrator.caustics);
-        let frame = Frame::from_normal(normal);
-        let bsdf = Bsdf::new(&surface, world.surfaces.of(index), frame.to_local(-path.ray.direction));
+        let vertex = Vertex::new(world, path, point, &stated);
+        let (surface, subsurface) = self.surface_as_seen(path, &vertex, stated);
+        let bsdf = Bsdf::new(&surface, world.surfaces.of(index), vertex.frame.to_local(-path.ray.direction));
         if path.depth == 0 && path.sample.alpha == 0.0 {
-            see_first(path, point, normal, bsdf.albedo());
+            see_first(path, &vertex, bsdf.albedo());
         }
-
-        // End the path by its depth, unless it may pass a body straight, or by Russian roulette
-        let is_over = path.depth >= world.scene.integrator.max_depth;
-        if (is_over && !may_pass) || !survives(path, || u.of_roulette()) {
+        if !vertex.can_scatter() || !survives(path, || u.of_roulette()) {
             return false;
         }
-
-        // Add light from one sampled light
-        let vertex = Vertex { point, frame, normal, material, soft };
-        if !is_over && !bsdf.is_smooth_only() {
+        if !vertex.is_depth_spent && !bsdf.is_smooth_only() {
             self.add_direct_light(path, &vertex, &bsdf, sampler.next_4d());
         }
+        self.choose(path, &vertex, &bsdf, subsurface, sampler)
+    }
 
-        // Draw the next direction from the BSDF
+    /// The surface at a point, and the medium below, as the path sees them.
+    ///
+    /// Each rule changes the parameters that the rules above it have left:
+    ///
+    /// | condition | change |
+    /// |---|---|
+    /// | the path has left a diffuse surface; probes on the disks of Cycles | every channel is Lambertian |
+    /// | the path is [soft](crate::path) | no clear part, rough reflections |
+    /// | its diffuse depth is spent; light may pass the body straight | no matte base |
+    /// | its diffuse depth is spent; any other surface | a black base |
+    /// | it arrives from outside | A is raised where entry points may be brighter than the exit |
+    fn surface_as_seen(
+        &self,
+        path: &PathState,
+        vertex: &Vertex<'_>,
+        stated: SurfaceParameters,
+    ) -> (SurfaceParameters, Subsurface) {
+        let scene = &self.world.scene;
+        let transport = self.transports.of(vertex.index);
+        let mut subsurface = transport.at(scene, vertex.material, vertex.point);
+        if path.diffuse_depth > 0 && transport.is_lambertian_behind_diffuse() {
+            subsurface.length = Vec3::ZERO;
+        }
+        let mut seen = stated.with_subsurface(subsurface.surface_albedo, subsurface.length.cmpgt(Vec3::ZERO));
+        if path.soft {
+            seen = seen.seen_softly();
+        }
+        if path.diffuse_depth >= scene.integrator.max_diffuse_depth {
+            let keeps_body = vertex.can_be_passed && seen.metalness == 0.0;
+            seen = if keeps_body { seen.without_matte() } else { seen.without_diffuse() };
+        }
+        if path.ray.direction.dot(vertex.normal) < 0.0 {
+            transport.brighten(&mut seen);
+        }
+        (seen, subsurface)
+    }
+
+    /// Draws how the path goes on, and takes it there; false when it is over.
+    fn choose(
+        &mut self,
+        path: &mut PathState,
+        vertex: &Vertex<'_>,
+        bsdf: &Bsdf<'_>,
+        subsurface: Subsurface,
+        sampler: &mut Sampler,
+    ) -> bool {
         let v = sampler.next_4d();
         let mut drawn = bsdf.sample(v[0], [v[1], v[2]]);
-        if is_over && matches!(drawn, Some(BsdfSample::Direction { .. })) {
+        if vertex.is_depth_spent && matches!(drawn, Some(BsdfSample::Direction { .. })) {
             drawn = None;
         }
         if path.depth == 0
             && let Some(below) = bsdf.sample_below(v[0])
         {
             if let Some(drawn) = drawn {
-                self.follow_beside(path, &vertex, &drawn, sampler);
+                self.follow_beside(path, vertex, &drawn, sampler);
             }
             drawn = Some(below);
         }
@@ -203,18 +201,16 @@ impl<'a> PathTracer<'a> {
             None => false,
             Some(BsdfSample::Subsurface { weight }) => {
                 path.throughput *= weight;
-                let side = if path.ray.direction.dot(point.geometric_normal) > 0.0 { -1.0 } else { 1.0 };
-                let exit = ExitPoint { point, material: index, normal, side, subsurface };
-                let transport = &self.subsurface.transports()[index];
-                transport.scatter(self, world, path, &exit, sampler)
+                let exit = vertex.exit_point(path.ray.direction, subsurface);
+                self.transports.scatter(self, self.world, path, &exit, sampler)
             }
-            Some(direction) => follow_surface(path, &vertex, &direction),
+            Some(direction) => vertex.follow(path, &direction),
         }
     }
 
     /// Follows a path that the surface reflects to its end, beside the one that goes on under it.
     ///
-    /// Light from below is most of what the camera sees of a translucent surface. If each sample drew either that or a
+    /// Most light that the camera sees of a translucent surface comes from below. If each sample drew either that or a
     /// reflection, the choice would be much of a glossy picture's noise.
     fn follow_beside(
         &mut self,
@@ -224,13 +220,13 @@ impl<'a> PathTracer<'a> {
         sampler: &Sampler,
     ) {
         let mut beside = path.beside();
-        if follow_surface(&mut beside, vertex, drawn) {
+        if vertex.follow(&mut beside, drawn) {
             self.follow(&mut beside, &mut sampler.clone());
         }
         path.sample = beside.sample;
     }
 
-    /// Light from one sampled light, reflected or transmitted by a surface.
+    /// Adds light from one sampled light, reflected or transmitted by a surface.
     fn add_direct_light(&self, path: &mut PathState, vertex: &Vertex<'_>, bsdf: &Bsdf<'_>, u: [f32; 4]) {
         let world = self.world;
         let normal = vertex.light_normal(path.ray.direction);
@@ -260,6 +256,35 @@ impl<'a> PathTracer<'a> {
     }
 }
 
+/// Passes a surface that is not there, or hides it from the camera; returns whether the path goes on. `None` where the
+/// path meets the surface.
+fn pass_or_hide(
+    world: &World,
+    path: &mut PathState,
+    point: &SurfacePoint,
+    material: &Material,
+    u: Choices,
+    sampler: &mut Sampler,
+) -> Option<bool> {
+    let opacity = surface::opacity_at(&world.scene, material, point);
+    if opacity < 1.0 && u.of_opacity() >= opacity {
+        return Some(path.pass(point, Vec3::ONE));
+    }
+    if path.depth > 0 {
+        return None;
+    }
+    match material.camera_visibility {
+        CameraVisibility::Surface => None,
+        CameraVisibility::None => Some(path.pass(point, Vec3::ONE)),
+        CameraVisibility::Shadow => {
+            // Coverage counts as far as the surface is seen: a body that light passes may lie before it
+            let seen = (path.throughput.element_sum() / 3.0).min(1.0);
+            path.sample.alpha = 1.0 - seen * (1.0 - missing_light(world, path, point, sampler.next_4d()));
+            Some(false)
+        }
+    }
+}
+
 /// Passes a clear surface without refraction, after a diffuse event with caustics off.
 fn pass_clear(
     path: &mut PathState,
@@ -271,32 +296,16 @@ fn pass_clear(
     path.pass(point, straight_transmittance(surface, point, path.ray.direction))
 }
 
-/// A surface with a black matte base: light samples and paths then leave out the same.
-fn without_diffuse(surface: SurfaceParameters) -> SurfaceParameters {
-    SurfaceParameters {
-        subsurface_weight: 1.0,
-        surface_albedo: Vec3::ZERO,
-        subsurface_active: [false; 3],
-        ..surface
-    }
-}
-
-/// A surface without its matte base above a body that light may pass straight.
-fn without_matte(surface: SurfaceParameters) -> SurfaceParameters {
-    let surface_albedo = surface.subsurface_albedo_active();
-    SurfaceParameters { base_color: Vec3::ZERO, surface_albedo, ..surface }
-}
-
-/// Keeps what the camera sees first.
-fn see_first(path: &mut PathState, point: &SurfacePoint, normal: Vec3, albedo: Vec3) {
+/// Keeps the first surface that the camera sees.
+fn see_first(path: &mut PathState, vertex: &Vertex<'_>, albedo: Vec3) {
     path.sample.alpha = 1.0;
     path.sample.albedo = albedo;
-    path.sample.normal = normal;
-    // From the lens, also if surfaces that are partly opaque were passed.
-    path.sample.depth = point.position.distance(path.origin.point);
+    path.sample.normal = vertex.normal;
+    // From the lens, even where the path has passed partly opaque surfaces
+    path.sample.depth = vertex.point.position.distance(path.origin.point);
 }
 
-/// Random numbers that decide what a path sees of a surface, made when they are needed.
+/// Random numbers for choices at a surface, made when they are needed.
 #[derive(Clone, Copy)]
 struct Choices(Reserved);
 
@@ -314,60 +323,10 @@ impl Choices {
     }
 }
 
-/// Goes on in a direction drawn from the surface's BSDF; false where the path is over.
-fn follow_surface(path: &mut PathState, vertex: &Vertex<'_>, drawn: &BsdfSample) -> bool {
-    let BsdfSample::Direction { wi, weight, diffuse_share, pdf, lobe, transmitted } = *drawn else {
-        return false;
-    };
-    let direction = vertex.frame.to_world(wi).normalize();
-    let geometric = vertex.point.geometric_normal;
-    let to = direction.dot(geometric);
-    // The shading normal promised one side, the geometry has another: such light cannot be.
-    if (-path.ray.direction.dot(geometric) * to < 0.0) != transmitted {
-        return false;
-    }
-    if transmitted {
-        path.absorption = absorption_behind(vertex.material, vertex.point, direction);
-    }
-    let origin = Origin {
-        point: vertex.point.position,
-        normal: vertex.light_normal(path.ray.direction),
-        pdf: if pdf > 0.0 { pdf } else { f32::INFINITY },
-        is_bent: false,
-    };
-    let ray = Ray::new(vertex.point.ray_origin(direction), direction);
-    path.diffuse_depth += u32::from(lobe == Lobe::Diffuse);
-    // A mirror direction takes no part in MIS and sees clear bodies as they are.
-    path.soft |= vertex.soft && pdf > 0.0;
-    path.scatter(Layer::Surface(diffuse_share), ray, weight, origin);
-    path.throughput != Vec3::ZERO
-}
-
-/// A surface point with what was worked out about it.
-struct Vertex<'a> {
-    point: &'a SurfacePoint,
-    frame: Frame,
-    /// Shading normal on the outside.
-    normal: Vec3,
-    material: &'a Material,
-    /// Whether light that falls here has come straight through clear surfaces.
-    soft: bool,
-}
-
-impl Vertex<'_> {
-    /// The normal that light selection may rely on: none where light from both sides counts.
-    fn light_normal(&self, incoming: Vec3) -> Vec3 {
-        if self.material.transmission_weight.factor > 0.0 {
-            Vec3::ZERO
-        } else if incoming.dot(self.normal) > 0.0 {
-            -self.normal
-        } else {
-            self.normal
-        }
-    }
-}
-
-/// Russian roulette on the throughput: true if the path goes on.
+/// Plays Russian roulette with the throughput; returns whether the path goes on.
+///
+/// No factor η² is needed where the index changes: the throughput carries basic radiance L/n², so refraction does not
+/// change it (see [`bsdf`](crate::surface::bsdf)).
 fn survives(path: &mut PathState, u: impl Fn() -> f32) -> bool {
     if path.depth < ROULETTE_AFTER {
         return true;

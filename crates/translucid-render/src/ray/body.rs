@@ -5,10 +5,10 @@ use glam::Vec3;
 use translucid_scene::{Object, Scene};
 
 use super::clearance::Clearance;
-use super::facets::{Beyond, Crossing, Query};
+use super::facets::{Crossing, LightOrigin, Query};
 use super::geometry::{Geometry, SurfacePoint};
 use super::hit::{Hit, offset_at};
-use super::instances::Alone;
+use super::instances::LoneInstance;
 use super::triangle::Ray;
 
 /// Surfaces between a point in the body and where it ends: meshes of a group that overlap, or that are doubled.
@@ -17,7 +17,7 @@ const MOST_SURFACES: u32 = 64;
 /// Cosine to the normal below which a path begins below its ray rather than on it: the way to there would be long.
 const GRAZING: f32 = 0.1;
 
-/// A point inside a body, as a path keeps track of it.
+/// A point inside a body.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Inside {
     pub(crate) position: Vec3,
@@ -32,7 +32,7 @@ pub(crate) struct Body<'a> {
     clearance: Option<&'a Clearance>,
     group: u32,
     /// The only object of the group, if it shares its mesh.
-    alone: Option<Alone<'a>>,
+    alone: Option<LoneInstance<'a>>,
     /// 1, or −1 where the surface is seen from its back: the body is then in front of its surfaces.
     side: f32,
     /// Distance from surfaces at which a point is safely on one side \[L\].
@@ -81,7 +81,7 @@ impl<'a> Body<'a> {
         }
     }
 
-    /// Whether the body is what closed surfaces hold: flights end there, and what is inside does not depend on the way there.
+    /// Returns `true` if closed surfaces bound the body: flights end there, and a point is inside whatever the way to it.
     pub(crate) fn is_bounded(&self) -> bool {
         let orientation = match (self.alone, self.clearance) {
             (Some(alone), _) => alone.orientation(self.geometry.cells()),
@@ -110,7 +110,7 @@ impl<'a> Body<'a> {
         (cosine > 0.0).then(|| (Inside::below(start), skipped))
     }
 
-    /// Whether a flight is known to end inside, whatever its direction: without a ray.
+    /// Returns `true` if a flight surely ends inside, in any direction; takes no ray.
     pub(crate) fn surely_holds(&self, from: Inside, length: f32) -> bool {
         length + self.offset <= self.clear_around(from.position)
     }
@@ -176,8 +176,8 @@ impl<'a> Body<'a> {
         None
     }
 
-    /// Whether the way from a point to another leads through the body alone; the other has a normal where it is the body's
-    /// end, and 0 inside.
+    /// Returns `true` if the segment between two points lies in the body; the second has the surface's normal on the body's
+    /// surface, and 0 inside.
     pub(crate) fn connects(&self, from: Inside, to: Vec3, normal: Vec3) -> bool {
         let (direction, length) = (to - from.position).normalize_and_length();
         // Collisions lie that much before the body's end. The place of the end itself is no more exact, which along a ray that
@@ -192,13 +192,13 @@ impl<'a> Body<'a> {
             || matches!(self.fly(from, direction, length - offset / cosine), FlightEnd::Inside(_))
     }
 
-    /// Calls `found` for every way on which light from outside could reach a point through a facet, refracted, if nothing
-    /// were in the way; `objects` are those of the scene, `eta` > 1 the index inside over that outside.
+    /// Calls `found` for every refracted way on which light from outside could reach a point through a facet, if nothing were
+    /// in between; `objects` are those of the scene, `eta` > 1 the index inside over that outside.
     pub(crate) fn crossings(
         &self,
         objects: &[Object],
         (from, reach): (Inside, f32),
-        beyond: Beyond,
+        beyond: LightOrigin,
         eta: f32,
         found: impl FnMut(Crossing),
     ) {
@@ -206,7 +206,7 @@ impl<'a> Body<'a> {
             return;
         }
         let query = Query { from: from.position, beyond, reach, eta, side: self.side };
-        match self.alone.filter(Alone::keeps_angles) {
+        match self.alone.filter(LoneInstance::keeps_angles) {
             Some(alone) => alone.crossings(&query, found),
             None => {
                 if let Some(facets) = self.geometry.facets(objects, self.group) {
@@ -223,7 +223,7 @@ impl<'a> Body<'a> {
         (self.geometry.object_and_triangle_of(&hit) == crossing.triangle).then_some(hit)
     }
 
-    /// Whether a point is so far off that there is nothing to come back to, or nowhere at all.
+    /// Returns `true` if a point is too far off to come back to the body, or not finite.
     pub(crate) fn is_lost(&self, at: &Inside) -> bool {
         let (low, high) = self.geometry.bounds();
         let farthest = (high - low) * FARTHEST;
@@ -284,7 +284,7 @@ mod tests {
         union
     }
 
-    /// Flights through boxes against intervals along the line: where they end, what is behind the gaps, and what is seen.
+    /// Flights through boxes against intervals along the line: their ends, the boxes behind gaps, and visibility.
     #[test]
     fn flights_are_those_through_a_union_of_boxes() {
         let objects = BOXES.map(|(x, half)| {

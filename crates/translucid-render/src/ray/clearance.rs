@@ -1,15 +1,15 @@
 //! Lower bounds of the distance from points to the surfaces of a subsurface group.
 //!
 //! Most flights of a walk are short and far from any surface. A grid of cells over a group's box knows for each cell how
-//! many cells around it no triangle touches, by Euclidean distance, so that such flights need no ray. What is found
-//! does not depend on it.
+//! many cells around it no triangle touches, by Euclidean distance, so that such flights need no ray. No result depends on
+//! it.
 //!
 //! The distance transform is that of P. F. Felzenszwalb and D. P. Huttenlocher, *Distance Transforms of Sampled
 //! Functions*, 2012: the lower envelope of parabolas, one axis after the other.
 
 use glam::{UVec3, Vec3};
 
-use super::closed::orientation;
+use super::orientation::orientation;
 
 /// Steps of a cell's edge in which distances are kept, rounded down.
 const STEPS: f32 = 2.0;
@@ -187,7 +187,7 @@ mod tests {
     use crate::ray::groups::CELLS;
 
     /// Every bound is below the distance to all triangles, by points spread over them, and not by more than the diagonals of
-    /// a cell at each end, and what is rounded.
+    /// a cell at each end, and the rounding.
     #[test]
     fn bounds_are_below_the_distance() {
         let random = |i: u32, salt: u32| sobol_burley::sample(i, salt, 7);

@@ -1,4 +1,4 @@
-//! All triangles of a scene in one hierarchy, but for those of meshes that objects share, with the queries of a path tracer.
+//! All triangles of a scene in one hierarchy, except those of meshes that objects share, with the queries of a path tracer.
 //!
 //! The rest of the renderer knows only the queries below, so that another hierarchy can take the place of
 //! the one at hand.
@@ -12,8 +12,8 @@ use super::clearance::Clearance;
 use super::facets::Facets;
 use super::groups::{CELLS, Groups};
 use super::hit::{Hit, offset_at};
-use super::instances::{Alone, InstanceBlock, Instances, NONE, Sharing};
-use super::primitive::{Needs, Primitive, PrimitiveSource};
+use super::instances::{InstanceBlock, Instances, LoneInstance, MeshSharing, NONE};
+use super::primitive::{BlockNeeds, Primitive, PrimitiveSource};
 use super::triangle::TriangleBlock;
 use super::wide_tree::WideTree;
 use crate::ray::Ray;
@@ -43,7 +43,7 @@ impl SurfacePoint {
     }
 }
 
-/// The triangles of objects and the tree over them: what a ray meets.
+/// The triangles of objects and the tree over them.
 ///
 /// ```
 /// use glam::Vec3;
@@ -78,7 +78,7 @@ impl Geometry {
         Self::with_sharing(objects, Mesh::is_worth_sharing, None)
     }
 
-    /// The tree over other objects, with what is known of the meshes that both share.
+    /// The tree over other objects, which takes over the trees of meshes that both share.
     pub(crate) fn renewed(&self, objects: &[Object]) -> Self {
         Self::with_sharing(objects, Mesh::is_worth_sharing, self.instances.as_deref())
     }
@@ -97,10 +97,10 @@ impl Geometry {
 
     fn with_sharing(
         objects: &[Object],
-        is_worth: impl Fn(&Mesh, usize) -> bool,
+        should_share: impl Fn(&Mesh, usize) -> bool,
         old: Option<&Instances>,
     ) -> Self {
-        let sharing = Sharing::new(objects, is_worth);
+        let sharing = MeshSharing::new(objects, should_share);
         let instances = Instances::new(objects, &sharing, old).map(Box::new);
         let mut first_triangle = vec![0_u64];
         let own =
@@ -109,7 +109,11 @@ impl Geometry {
         for (index, object) in objects.iter().enumerate() {
             let count = object.mesh.triangles.len() as u32;
             if !sharing.is_shared(index) {
-                places.extend((0..count).map(|triangle| Place { object, index: index as u32, triangle }));
+                places.extend((0..count).map(|triangle| TrianglePlace {
+                    object,
+                    index: index as u32,
+                    triangle,
+                }));
             }
             first_triangle.push(first_triangle[index] + u64::from(count));
         }
@@ -155,7 +159,7 @@ impl Geometry {
     }
 
     /// The body that an object is by itself and a place of a shared mesh.
-    pub(super) fn alone(&self, object: u32) -> Option<Alone<'_>> {
+    pub(super) fn alone(&self, object: u32) -> Option<LoneInstance<'_>> {
         self.instances.as_ref()?.alone(object)
     }
 
@@ -188,7 +192,7 @@ impl Geometry {
         self.instances.as_deref().filter(|_| hit.instance != NONE)
     }
 
-    /// The object that a hit belongs to, and its triangle's number there: whatever the tree, the same.
+    /// The object that a hit belongs to, and its triangle's number there, which do not depend on the tree.
     pub fn object_and_triangle_of(&self, hit: &Hit) -> (u32, u32) {
         let Primitive { object, triangle, .. } = self.triangle(hit);
         (object, triangle)
@@ -203,7 +207,7 @@ impl Geometry {
         }
     }
 
-    /// Whether anything lies on a segment.
+    /// Returns `true` if anything lies on a segment.
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.tree.occluded(ray) || self.instances.as_ref().is_some_and(|instances| instances.occluded(ray))
     }
@@ -259,7 +263,7 @@ impl Geometry {
     pub(crate) fn point_on(&self, scene: &Scene, primitive: u64, position: Vec3) -> SurfacePoint {
         let (object, triangle) = self.object_and_triangle(primitive);
         let owner = &scene.objects[object as usize];
-        let leaf = Place { object: owner, index: object, triangle }.primitive();
+        let leaf = TrianglePlace { object: owner, index: object, triangle }.primitive();
         let point = surface_point(scene, &leaf, barycentric(&leaf.vertices, position));
         match self.instances.as_ref().and_then(|instances| instances.of_object(object)) {
             Some((_, block)) => beyond_errors(point, block),
@@ -268,21 +272,21 @@ impl Geometry {
     }
 }
 
-/// Where a triangle is to be found: a third of the size of the triangle itself, of which there may be ten millions.
+/// The place of a triangle: a third of the size of the triangle itself, of which there may be ten million.
 #[derive(Clone, Copy)]
-struct Place<'a> {
+struct TrianglePlace<'a> {
     object: &'a Object,
     index: u32,
     triangle: u32,
 }
 
-impl Boundable for Place<'_> {
+impl Boundable for TrianglePlace<'_> {
     fn aabb(&self) -> Aabb {
         self.primitive().aabb()
     }
 }
 
-impl Place<'_> {
+impl TrianglePlace<'_> {
     fn primitive(&self) -> Primitive {
         let vertices = self.object.vertices(self.triangle as usize);
         let group = self.object.subsurface_group;
@@ -290,11 +294,11 @@ impl Place<'_> {
     }
 }
 
-impl PrimitiveSource for Place<'_> {
+impl PrimitiveSource for TrianglePlace<'_> {
     type Block = TriangleBlock;
 
-    fn needs(&self) -> Option<Needs> {
-        Some(Needs::triangle(self.index, self.object.corners(self.triangle as usize)))
+    fn needs(&self) -> Option<BlockNeeds> {
+        Some(BlockNeeds::triangle(self.index, self.object.corners(self.triangle as usize)))
     }
 
     fn place(&self) -> Vec3 {
@@ -477,7 +481,7 @@ mod tests {
             pool.install(|| Geometry::new(&objects))
         };
         let (one, two) = (build(1), build(2));
-        // Empty lanes are NaN, so compare what would be printed.
+        // Empty lanes are NaN, so compare their text.
         assert_eq!(format!("{:?}", one.tree), format!("{:?}", two.tree));
     }
 

@@ -1,4 +1,4 @@
-//! What walks have to know of the surfaces of each subsurface group, made when it is first asked for.
+//! Clearance and facets of each subsurface group, which walks need; made when they are first asked for.
 
 use std::sync::OnceLock;
 
@@ -11,9 +11,9 @@ use super::facets::{Facet, Facets};
 pub(super) const CELLS: f32 = 2_097_152.0;
 
 /// The subsurface groups of a scene.
-pub(super) struct Groups(Vec<Group>);
+pub(super) struct Groups(Vec<GroupSurfaces>);
 
-struct Group {
+struct GroupSurfaces {
     number: u32,
     /// Numbers of its objects.
     objects: Vec<usize>,
@@ -26,7 +26,7 @@ impl Groups {
     pub(super) fn new(objects: &[Object], needs_group: impl Fn(usize) -> bool) -> Self {
         let mut order: Vec<usize> = (0..objects.len()).filter(|&object| needs_group(object)).collect();
         order.sort_by_key(|&index| objects[index].subsurface_group);
-        let group = |objects_of_group: &[usize]| Group {
+        let group = |objects_of_group: &[usize]| GroupSurfaces {
             number: objects[objects_of_group[0]].subsurface_group,
             objects: objects_of_group.to_vec(),
             clearance: OnceLock::new(),
@@ -40,8 +40,7 @@ impl Groups {
         self.0.len()
     }
 
-    /// How far from a point no surface of a group is, which are those of the objects that this was made for.
-    /// Its grid has about so many cells.
+    /// The clearance grid of a group of the objects that this was made for, of about so many cells.
     pub(super) fn clearance(&self, objects: &[Object], group: u32, cells: f32) -> Option<&Clearance> {
         let group = self.of(group)?;
         let vertices = || group.facets(objects).map(|facet| facet.vertices);
@@ -54,13 +53,13 @@ impl Groups {
         Some(group.facets.get_or_init(|| Facets::new(group.facets(objects).collect())))
     }
 
-    fn of(&self, group: u32) -> Option<&Group> {
+    fn of(&self, group: u32) -> Option<&GroupSurfaces> {
         let index = self.0.binary_search_by_key(&group, |group| group.number).ok()?;
         Some(&self.0[index])
     }
 }
 
-impl Group {
+impl GroupSurfaces {
     fn facets<'a>(&'a self, objects: &'a [Object]) -> impl Iterator<Item = Facet> + 'a {
         self.objects.iter().flat_map(|&number| {
             let object = &objects[number];

@@ -1,4 +1,4 @@
-//! Where a ray meets a surface.
+//! The point where a ray meets a surface.
 
 use super::triangle::TriangleHit;
 
@@ -11,7 +11,7 @@ pub struct Hit {
     pub barycentric: [f32; 2],
     /// The triangle's number in its tree.
     pub(super) leaf: u32,
-    /// Where in the tree over places its object is, if that shares its mesh with others.
+    /// Place of its object in the tree over places, if the object shares its mesh with others.
     pub(super) instance: u32,
 }
 

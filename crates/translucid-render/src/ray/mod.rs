@@ -1,20 +1,20 @@
-//! Rays, triangles and the hierarchy over them: what a ray meets.
+//! Rays, triangles and the hierarchy over them.
 
 mod body;
 mod clearance;
-mod closed;
-mod eight;
 mod facets;
 mod geometry;
 mod groups;
 mod hit;
 mod instances;
+mod orientation;
 mod primitive;
+mod simd;
 mod triangle;
 mod wide_tree;
 
 pub(crate) use body::{Body, FlightEnd, Inside};
-pub(crate) use facets::{Beyond, Crossing};
+pub(crate) use facets::{Crossing, LightOrigin};
 pub use geometry::Geometry;
 pub(crate) use geometry::SurfacePoint;
 pub use hit::Hit;

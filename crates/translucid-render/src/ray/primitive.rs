@@ -1,13 +1,13 @@
-//! Triangles, and other things, on their way into a hierarchy.
+//! Triangles, and other things, to be sorted into a hierarchy.
 
 use bytemuck::Pod;
 use glam::{Vec3, Vec3A};
 use obvhs::Boundable;
 use obvhs::aabb::Aabb;
 
-use super::eight::LANES;
+use super::simd::LANES;
 
-/// What a leaf of a tree holds: as long as some cache lines.
+/// The content of a tree's leaf; its size is a multiple of a cache line's.
 pub(crate) trait Block: Pod + Default + Send + Sync {
     /// Things that there is room for.
     const LANES: usize;
@@ -16,27 +16,27 @@ pub(crate) trait Block: Pod + Default + Send + Sync {
     fn set_first(&mut self, _first: u32) {}
 }
 
-/// Where what is in a tree comes from.
+/// A thing to be put into a tree.
 pub(crate) trait PrimitiveSource: Boundable + Sync {
-    /// What holds it in the tree.
+    /// The block that holds it in the tree.
     type Block: Block;
 
-    /// What it needs of a block; all of it if none.
-    fn needs(&self) -> Option<Needs>;
+    /// Its needs in a block; `None` if it needs a whole block.
+    fn needs(&self) -> Option<BlockNeeds>;
 
     /// A point of it.
     fn place(&self) -> Vec3;
 
-    /// Puts it into a lane, those below have things already, and returns its number.
+    /// Puts it into a lane of a block whose lower lanes are filled, and returns its number.
     fn put(&self, block: &mut Self::Block, lane: usize) -> u32;
 }
 
 /// Corners that a block has room for.
 pub(crate) const CORNERS: usize = LANES;
 
-/// What things need of a block that they are in together.
+/// The needs of things that are in a block together.
 #[derive(Clone, Copy)]
-pub(crate) struct Needs {
+pub(crate) struct BlockNeeds {
     object: u32,
     things: usize,
     corner_count: usize,
@@ -44,8 +44,8 @@ pub(crate) struct Needs {
     corners: [u32; CORNERS],
 }
 
-impl Needs {
-    /// Of a triangle with corners of an object.
+impl BlockNeeds {
+    /// The needs of a triangle with corners of an object.
     pub(crate) fn triangle(object: u32, corners: [u32; 3]) -> Self {
         let mut needs = Self { object, things: 1, corner_count: 0, corners: [u32::MAX; CORNERS] };
         corners.into_iter().for_each(|corner| needs.add(corner));
@@ -85,7 +85,7 @@ pub(crate) struct Primitive {
 impl Boundable for Primitive {
     fn aabb(&self) -> Aabb {
         let [a, b, c] = self.vertices.map(Vec3A::from);
-        // The box test rounds: a little room keeps it from culling what the triangle test would hit.
+        // The box test rounds: a little room keeps it from culling triangles that the triangle test would hit.
         // It differs between triangles, since the builder takes quadratic time over equal boxes.
         let jitter = (self.triangle.wrapping_mul(0x9e37_79b9) >> 28) as f32;
         let room = a.abs().max(b.abs()).max(c.abs()).max_element() * (4.0 + jitter) * f32::EPSILON;

@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec4};
 
-use super::eight::{Eight, LANES, Vectors};
 use super::primitive::{Block, CORNERS, Primitive};
+use super::simd::{F32x8, LANES, SimdToken};
 
 /// A ray segment: points `origin + t direction` with `t_min < t < t_max`.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,12 @@ pub struct Ray {
     /// Unit length, so that t is a distance; where a mesh's own space is traced it is not, and t is the distance in the world.
     pub(crate) direction: Vec3,
     pub(crate) t_max: f32,
-    way: Way,
+    way: RayVectors,
 }
 
-/// A ray as trees want it: vectors, since a processor that has written numbers one by one waits before it reads them as one.
+/// A ray as vectors, for trees: a processor that has written numbers one by one waits before it reads them as one vector.
 #[derive(Clone, Copy, Debug)]
-struct Way {
+struct RayVectors {
     origin: Vec4,
     /// One over the direction, with a finite stand-in for 1/0.
     inverse: Vec4,
@@ -28,7 +28,7 @@ struct Way {
     axes: u32,
 }
 
-impl Way {
+impl RayVectors {
     #[inline(always)]
     fn new(origin: Vec3, direction: Vec3) -> Self {
         let Vec3 { x, y, z } = direction;
@@ -66,10 +66,10 @@ impl Ray {
     /// A ray that ends at distance `t_max` \[L\]; the direction has unit length.
     #[inline]
     pub fn segment(origin: Vec3, direction: Vec3, t_max: f32) -> Self {
-        Self { origin, direction, t_max, way: Way::new(origin, direction) }
+        Self { origin, direction, t_max, way: RayVectors::new(origin, direction) }
     }
 
-    /// The same ray with another end.
+    /// The ray with another end.
     #[inline]
     pub(crate) fn until(&self, t_max: f32) -> Self {
         Self { t_max, ..*self }
@@ -114,7 +114,7 @@ pub(crate) struct BlockRay {
 impl BlockRay {
     #[inline(always)]
     pub(crate) fn new(ray: &Ray) -> Self {
-        let Way { origin, shear, axes, .. } = &ray.way;
+        let RayVectors { origin, shear, axes, .. } = &ray.way;
         let last = (axes >> 4) as usize;
         let axes = [AXES[last + 1], AXES[last + 2], last];
         Self {
@@ -224,13 +224,13 @@ impl TriangleBlock {
 
     /// The nearest hit and its lane; of equal distances the first.
     #[inline(always)]
-    pub(crate) fn closest(&self, vectors: impl Vectors, ray: &BlockRay) -> Option<(TriangleHit, usize)> {
+    pub(crate) fn closest(&self, vectors: impl SimdToken, ray: &BlockRay) -> Option<(TriangleHit, usize)> {
         self.intersect(vectors, ray)?.nearest()
     }
 
-    /// Whether there is a hit.
+    /// Returns `true` if there is a hit.
     #[inline(always)]
-    pub(crate) fn is_hit(&self, vectors: impl Vectors, ray: &BlockRay) -> bool {
+    pub(crate) fn is_hit(&self, vectors: impl SimdToken, ray: &BlockRay) -> bool {
         self.intersect(vectors, ray).is_some()
     }
 
@@ -238,7 +238,7 @@ impl TriangleBlock {
     #[inline(always)]
     pub(crate) fn all(
         &self,
-        vectors: impl Vectors,
+        vectors: impl SimdToken,
         ray: &BlockRay,
         mut found: impl FnMut(TriangleHit, usize),
     ) {
@@ -260,7 +260,7 @@ impl TriangleBlock {
     /// shared edge or vertex. Zeros are decided so that one triangle of an edge has the ray and the other
     /// has not: a probe counts all its hits.
     #[inline(always)]
-    fn intersect<V: Vectors>(&self, vectors: V, ray: &BlockRay) -> Option<BlockHits> {
+    fn intersect<V: SimdToken>(&self, vectors: V, ray: &BlockRay) -> Option<BlockHits> {
         // Without closures: the compiler would not make vector instructions part of them.
         let BlockRay { axes: [x, y, z], origin: [ox, oy, oz], factors: [fx, fy, fz], .. } = *ray;
         let depth = vectors.load(&self.corners[z]) - vectors.splat(oz);
@@ -271,7 +271,7 @@ impl TriangleBlock {
         let (bx, by) = (vectors.pick(sheared_x, b), vectors.pick(sheared_y, b));
         let (cx, cy) = (vectors.pick(sheared_x, c), vectors.pick(sheared_y, c));
         let (mut u, mut v, mut w) = (cx * by - cy * bx, ax * cy - ay * cx, bx * ay - by * ax);
-        // Of a hit all are positive or all negative, and zeros may become either. Most rays that meet a block's box meet no
+        // For a hit all are positive or all negative, and zeros may become either. Most rays that meet a block's box meet no
         // triangle.
         let zero = vectors.splat(0.0);
         let (least, greatest) = (u.lesser(v).lesser(w), u.greater(v).greater(w));
@@ -296,7 +296,7 @@ impl TriangleBlock {
             (vectors.pick(sheared_z, a), vectors.pick(sheared_z, b), vectors.pick(sheared_z, c));
         let inverse = vectors.splat(1.0) / (u + v + w);
         let t = (u * az + v * bz + w * cz) * inverse;
-        // Comparisons with NaN are false: what has no area is missed.
+        // Comparisons with NaN are false: triangles without area are missed.
         let before_end = zero.is_below(t) & t.is_below(vectors.splat(ray.t_max));
         let mask = inside & before_end & self.lanes;
         if mask == 0 {
@@ -367,7 +367,7 @@ impl BlockHits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ray::eight::Loops;
+    use crate::ray::simd::Portable;
 
     /// A block with the triangle.
     fn leaf(vertices: [Vec3; 3]) -> TriangleBlock {
@@ -385,7 +385,7 @@ mod tests {
             let origin = Vec3::new(0.4, -3.0, -7.0);
             let ray = Ray::new(origin, (point - origin).normalize());
             let hit = triangle
-                .closest(Loops, &BlockRay::new(&ray))
+                .closest(Portable, &BlockRay::new(&ray))
                 .expect("the ray aims at a point of the triangle")
                 .0;
             assert!((hit.t - (point - origin).length()).abs() < 1e-5, "{hit:?}");
@@ -412,7 +412,7 @@ mod tests {
             let origin = Vec3::new(random(1) * 20.0 - 10.0, random(2) * 20.0 - 10.0, -4.0 - random(3) * 30.0);
             let ray = Ray::new(origin, (target - origin).normalize());
             assert!(
-                fan.iter().any(|t| t.closest(Loops, &BlockRay::new(&ray)).is_some()),
+                fan.iter().any(|t| t.closest(Portable, &BlockRay::new(&ray)).is_some()),
                 "ray {k} slips through"
             );
         }
@@ -431,8 +431,10 @@ mod tests {
             let origin = Vec3::new(along + random(0), along + random(1), 1.0);
             for direction in [Vec3::NEG_Z, Vec3::new(0.3, 0.3, -0.9).normalize()] {
                 let ray = Ray::new(origin, direction);
-                let hits =
-                    halves.iter().filter(|half| half.closest(Loops, &BlockRay::new(&ray)).is_some()).count();
+                let hits = halves
+                    .iter()
+                    .filter(|half| half.closest(Portable, &BlockRay::new(&ray)).is_some())
+                    .count();
                 assert_eq!(hits, 1, "ray {k} from {origin}");
             }
         }
@@ -446,7 +448,7 @@ mod tests {
         for triangle in [point, line, huge] {
             for direction in [Vec3::X, Vec3::Y, Vec3::Z, Vec3::ONE.normalize()] {
                 let ray = Ray::new(Vec3::new(-1.0, -1.0, -1.0), direction);
-                if let Some((hit, _)) = triangle.closest(Loops, &BlockRay::new(&ray)) {
+                if let Some((hit, _)) = triangle.closest(Portable, &BlockRay::new(&ray)) {
                     assert!(hit.t.is_finite() && hit.b1.is_finite() && hit.b2.is_finite());
                 }
             }

@@ -12,14 +12,14 @@ use crate::world::layer;
 pub(super) struct ExactSums {
     /// The exact sums, rounded to the nearest number.
     pub(super) rounded: Vec<[f64; layer::COUNT]>,
-    /// What is left of sums that are no `f64`: number of the sum and a part, in the order of the numbers, the parts of
-    /// a sum from the greatest to the smallest. Each part is the rest that those before it leave, rounded.
+    /// Rests of sums that are not exact in an `f64`: the number of the sum and a part, in the order of the numbers, the parts
+    /// of a sum from the greatest to the smallest. Each part is the rest that the parts before it leave, rounded.
     rests: Vec<(u32, f64)>,
     /// For each pixel the sums that have a rest, as bits; empty where there was none yet.
     has_rest: Vec<u32>,
 }
 
-/// Equal sums, whatever their rests went through.
+/// Sums are equal if rounded sums and rests are.
 impl PartialEq for ExactSums {
     fn eq(&self, other: &Self) -> bool {
         (&self.rounded, &self.rests) == (&other.rounded, &other.rests)
@@ -89,7 +89,7 @@ impl ExactSums {
             }
             sums.add_exactly(number / layer::COUNT, number % layer::COUNT, part);
         }
-        // What is as it should be stays as it is
+        // Adding the rests must not have changed the rounded sums
         (sums.rounded == before && sums.rests == rests).then_some(sums)
     }
 

@@ -9,7 +9,7 @@ use super::sample_ranges::SampleRanges;
 use super::tile_grid::TileGrid;
 use crate::world::layer;
 
-/// Sums over the samples of one tile, the exact ones rounded: in whatever order and grouping samples were added.
+/// Sums over the samples of one tile: the exact sums, rounded, so that the order of the samples does not matter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TileSums {
     /// Samples that each pixel of the tile has received.

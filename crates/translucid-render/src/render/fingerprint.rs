@@ -1,4 +1,4 @@
-//! What a picture depends on, in words that tell scenes apart.
+//! Fingerprints: everything that a picture depends on, as text that differs where scenes do.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -13,7 +13,7 @@ const MOST_NAMED: usize = 256;
 /// Longest text that stands for itself.
 const LONGEST_TEXT: usize = 100;
 
-/// Everything that decides the samples of a picture, part by part: program, settings, hashes of what is long.
+/// Everything that the samples of a picture depend on, part by part: program, settings, hashes of long data.
 ///
 /// Two renderings with the same one may be joined. The number of samples, the part of the picture and the display are not in
 /// it.
@@ -21,7 +21,7 @@ const LONGEST_TEXT: usize = 100;
 pub struct Fingerprint(BTreeMap<String, String>);
 
 impl Fingerprint {
-    /// Words on the first part that is not the same in both, this one's value first.
+    /// Describes the first part that differs, this fingerprint's value first; `None` if they are equal.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let value = |of: &Self, key: &str| of.0.get(key).cloned().unwrap_or_else(|| String::from("missing"));
         let keys = self.0.keys().chain(other.0.keys());

@@ -9,7 +9,7 @@ use translucid_image::PixelRect;
 use super::film::{FilmSums, mean_depth, radiance};
 use crate::world::layer;
 
-/// A layer of a picture, for those who read it.
+/// A layer of a picture that is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FilmLayer {
     /// All light: linear Rec. 709 radiance, 3 channels.
@@ -167,7 +167,7 @@ impl LiveFilm {
         (0..sums.tiles.len()).filter(is_later).map(|tile| sums.tile_rect(tile)).collect()
     }
 
-    /// Has `add` add to the sums; it says which tiles it has changed.
+    /// Lets `add` change the sums; it returns for each tile whether it has changed it.
     pub(super) fn change(&self, add: impl FnOnce(&mut FilmSums) -> Vec<bool>) {
         let mut sums: RwLockWriteGuard<'_, FilmSums> =
             self.sums.write().unwrap_or_else(PoisonError::into_inner);

@@ -19,7 +19,7 @@ mod view;
 pub use film::{FilmSums, TileSums};
 pub use fingerprint::{Fingerprint, content_hash};
 pub use live_film::{FilmLayer, LiveFilm};
-pub use passes::{Goal, Outcome, Progress};
+pub use passes::{Goal, Outcome, SampleProgress};
 pub use picker::{Picked, Picker};
 pub use picture::ImageInfo;
 pub use prepared::{Edit, PreparedScene, Renewed};

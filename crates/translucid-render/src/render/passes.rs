@@ -14,6 +14,7 @@ use super::live_film::LiveFilm;
 use super::pixel_blocks::{BlockGrid, number_in, pixels_of};
 use super::prepared::PreparedScene;
 use super::sample_ranges::SampleRanges;
+use super::tile_grid::TileGrid;
 use super::view::View;
 use crate::path::PathTracer;
 use crate::sampling::Sampler;
@@ -33,7 +34,7 @@ pub struct Goal {
 
 /// How far a rendering is.
 #[derive(Clone, Copy, Debug)]
-pub struct Progress {
+pub struct SampleProgress {
     /// Camera paths done, those of an earlier run included.
     pub samples_done: u64,
     /// Camera paths in all.
@@ -51,24 +52,13 @@ pub enum Outcome {
     Interrupted,
 }
 
-/// A block of pixels in a sample number's grid.
-#[derive(Clone, Copy)]
-struct BlockSample {
-    /// Number of the sample.
-    number: u32,
-    /// Place of the sample number among those at hand.
-    place: usize,
-    /// Number of the block in the grid.
-    block: usize,
-}
-
 impl PreparedScene {
     /// Adds samples of a view to the film until the goal is reached, on the current rayon pool.
     ///
-    /// The film has the size of the view's region. It can be read meanwhile. Of an interrupted rendering it has all samples
-    /// that were done, and a rendering that goes on from there gives the same bits as one that was not interrupted: the
-    /// sums are exact, and who shares light with whom depends on the samples' numbers alone, so nothing depends on the
-    /// number of threads, on where the work was interrupted, or on which part of it was done elsewhere.
+    /// The film has the size of the view's region, and can be read meanwhile. An interrupted rendering leaves all samples
+    /// in it that were done. One that goes on from there gives the same bits as one that was not interrupted: the sums are
+    /// exact, and the samples' numbers alone decide which pixels share light. So nothing depends on the number of threads,
+    /// on where the work was interrupted, or on which part of it was done elsewhere.
     ///
     /// `stop` ends the work within the time of a path.
     pub fn render(
@@ -76,96 +66,133 @@ impl PreparedScene {
         view: &View,
         film: &LiveFilm,
         goal: &Goal,
-        progress: &(dyn Fn(Progress) + Sync),
+        progress: &(dyn Fn(SampleProgress) + Sync),
         stop: &AtomicBool,
     ) -> Outcome {
-        let region = view.region();
-        let Goal { samples: Range { start, end }, deadline } = goal.clone();
-        let (grid_of_film, mut taken) = {
+        let (tiles, mut taken) = {
             let sums = film.sums();
             (sums.grid().clone(), taken(&sums))
         };
-        let lacking =
-            |taken: &SampleRanges| -> u64 { taken.missing(start..end).map(|gap| gap.len() as u64).sum() };
-        let left: u64 =
-            (0..).zip(&taken).map(|(tile, taken)| lacking(taken) * grid_of_film.rect(tile).area()).sum();
-        let total = region.area() * (start..end).len() as u64;
-        let done = AtomicU64::new(total - left);
-        let late = || deadline.is_some_and(|deadline| Instant::now() >= deadline);
-        let first = |taken: &[SampleRanges]| {
-            taken.iter().filter_map(|taken| taken.missing(start..end).next()).map(|gap| gap.start).min()
-        };
-        let tracers = Mutex::new(Vec::new());
-        let most = (MOST_PENDING / region.area().max(1)).max(1);
-        while let Some(next) = first(&taken) {
-            // A first picture comes soon, and later the threads seldom wait for each other.
-            let count = most.min(u64::from((next - start) / 2).clamp(1, 16)) as u32;
-            let numbers = next..next.saturating_add(count).min(end);
-            let grids: Vec<BlockGrid> =
-                numbers.clone().map(|number| BlockGrid::new(view.whole_size(), number)).collect();
-            let blocks: Vec<BlockSample> = numbers
-                .clone()
-                .zip(&grids)
-                .enumerate()
-                .flat_map(|(place, (number, grid))| {
-                    grid.blocks_in(region).map(move |block| BlockSample { number, place, block })
-                })
-                .collect();
-            let samples: Vec<Option<Vec<PixelSample>>> = blocks
-                .par_iter()
-                .map(|&BlockSample { number, place, block }| {
-                    let rect = grids[place].rect(block);
-                    let wanted = rect.intersection(&region)?;
-                    let mut touched = grid_of_film.touching(within(wanted, region));
-                    if touched.all(|tile| taken[tile].contains(number))
-                        || stop.load(Ordering::Relaxed)
-                        || late()
-                    {
-                        return None;
-                    }
-                    let tracer = tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
-                    let mut tracer = tracer.unwrap_or_else(|| self.tracer(view.pixel_width()));
-                    let samples = self.trace_block(&mut tracer, view, rect, number, stop);
-                    tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
-                    let added = wanted.area();
-                    let samples_done = (done.fetch_add(added, Ordering::Relaxed) + added).min(total);
-                    progress(Progress { samples_done, samples_total: total });
-                    samples
-                })
-                .collect();
+        let rendering = Rendering::new(self, (view, goal), (tiles, &taken), progress, stop);
+        while let Some(batch) = rendering.next_batch(&taken) {
+            let traced = rendering.trace(&batch, &taken);
             film.change(|sums| {
-                let mut done = blocks.iter().zip(samples).peekable();
-                for (place, (number, grid)) in numbers.zip(&grids).enumerate() {
-                    let mut traced: Vec<Option<Vec<PixelSample>>> = Vec::new();
-                    traced.resize_with(grid.len(), || None);
-                    while let Some((block, samples)) = done.next_if(|(block, _)| block.place == place) {
-                        traced[block.block] = samples;
-                    }
-                    add_samples(sums, number, region, grid, &traced);
-                }
+                batch.add_to(sums, view.region(), traced);
                 let before = std::mem::replace(&mut taken, self::taken(sums));
                 taken.iter().zip(before).map(|(now, before)| *now != before).collect()
             });
             if stop.load(Ordering::Relaxed) {
                 return Outcome::Interrupted;
             }
-            if late() && first(&taken).is_some() {
+            if rendering.is_late() && rendering.first_lacking(&taken).is_some() {
                 return Outcome::TimeUp;
             }
         }
         Outcome::Finished
+    }
+}
+
+/// A rendering under way, shared by all threads.
+struct Rendering<'a> {
+    prepared: &'a PreparedScene,
+    view: &'a View,
+    goal: &'a Goal,
+    /// The film's tiles.
+    tiles: TileGrid,
+    /// Camera paths done so far, and in all.
+    done: AtomicU64,
+    total: u64,
+    /// Tracers that no thread uses at present.
+    tracers: Mutex<Vec<PathTracer<'a>>>,
+    progress: &'a (dyn Fn(SampleProgress) + Sync),
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Rendering<'a> {
+    fn new(
+        prepared: &'a PreparedScene,
+        (view, goal): (&'a View, &'a Goal),
+        (tiles, taken): (TileGrid, &[SampleRanges]),
+        progress: &'a (dyn Fn(SampleProgress) + Sync),
+        stop: &'a AtomicBool,
+    ) -> Self {
+        let lacking = |taken: &SampleRanges| -> u64 {
+            taken.missing(goal.samples.clone()).map(|gap| gap.len() as u64).sum()
+        };
+        let left: u64 = (0..).zip(taken).map(|(tile, taken)| lacking(taken) * tiles.rect(tile).area()).sum();
+        let total = view.region().area() * goal.samples.len() as u64;
+        let tracers = Mutex::new(Vec::new());
+        Self {
+            prepared,
+            view,
+            goal,
+            tiles,
+            done: AtomicU64::new(total - left),
+            total,
+            tracers,
+            progress,
+            stop,
+        }
+    }
+
+    fn is_late(&self) -> bool {
+        self.goal.deadline.is_some_and(|deadline| Instant::now() >= deadline)
+    }
+
+    /// The first sample of the goal that some tile lacks.
+    fn first_lacking(&self, taken: &[SampleRanges]) -> Option<u32> {
+        let first = |taken: &SampleRanges| taken.missing(self.goal.samples.clone()).next();
+        taken.iter().filter_map(first).map(|gap| gap.start).min()
+    }
+
+    /// The samples to trace next; `None` at the goal.
+    fn next_batch(&self, taken: &[SampleRanges]) -> Option<Batch> {
+        let Range { start, end } = self.goal.samples;
+        let next = self.first_lacking(taken)?;
+        // A first picture comes soon, and later the threads seldom wait for each other.
+        let most = (MOST_PENDING / self.view.region().area().max(1)).max(1);
+        let count = most.min(u64::from((next - start) / 2).clamp(1, 16)) as u32;
+        Some(Batch::new(self.view, next..next.saturating_add(count).min(end)))
+    }
+
+    /// Traces the blocks of a batch; `None` for those that all tiles have, or that come too late.
+    fn trace(&self, batch: &Batch, taken: &[SampleRanges]) -> Vec<Option<Vec<PixelSample>>> {
+        let trace = |block: &BlockSample| self.trace_if_lacking(block, batch.rect(block), taken);
+        batch.blocks.par_iter().map(trace).collect()
+    }
+
+    fn trace_if_lacking(
+        &self,
+        block: &BlockSample,
+        rect: PixelRect,
+        taken: &[SampleRanges],
+    ) -> Option<Vec<PixelSample>> {
+        let region = self.view.region();
+        let wanted = rect.intersection(&region)?;
+        let mut touched = self.tiles.touching(within(wanted, region));
+        let is_taken = touched.all(|tile| taken[tile].contains(block.number));
+        if is_taken || self.stop.load(Ordering::Relaxed) || self.is_late() {
+            return None;
+        }
+        let tracer = self.tracers.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut tracer = tracer.unwrap_or_else(|| self.prepared.tracer(self.view.pixel_width()));
+        let samples = self.trace_block(&mut tracer, rect, block.number);
+        self.tracers.lock().unwrap_or_else(PoisonError::into_inner).push(tracer);
+        let added = wanted.area();
+        let samples_done = (self.done.fetch_add(added, Ordering::Relaxed) + added).min(self.total);
+        (self.progress)(SampleProgress { samples_done, samples_total: self.total });
+        samples
     }
 
     /// Traces sample `number` of every pixel of a block; `None` when stopped.
     fn trace_block(
         &self,
         tracer: &mut PathTracer<'_>,
-        view: &View,
         rect: PixelRect,
         number: u32,
-        stop: &AtomicBool,
     ) -> Option<Vec<PixelSample>> {
-        let shares = self.world.scene.integrator.subsurface_sharing;
+        let Self { prepared, view, stop, .. } = *self;
+        let shares = prepared.world.scene.integrator.subsurface_sharing;
         let mut samples = Vec::with_capacity(rect.area() as usize);
         for (x, y) in pixels_of(rect) {
             if stop.load(Ordering::Relaxed) {
@@ -184,6 +211,57 @@ impl PreparedScene {
         }
         tracer.finish_block(&mut samples, stop);
         (!stop.load(Ordering::Relaxed)).then_some(samples)
+    }
+}
+
+/// Samples that wait for each other: their numbers, and the blocks of pixels of each number.
+struct Batch {
+    numbers: Range<u32>,
+    /// For each number.
+    grids: Vec<BlockGrid>,
+    /// The blocks that the view's region has a part in, number by number.
+    blocks: Vec<BlockSample>,
+}
+
+/// A block of pixels in a sample number's grid.
+#[derive(Clone, Copy)]
+struct BlockSample {
+    /// Number of the sample.
+    number: u32,
+    /// Place of the sample number in the batch.
+    place: usize,
+    /// Number of the block in the grid.
+    block: usize,
+}
+
+impl Batch {
+    fn new(view: &View, numbers: Range<u32>) -> Self {
+        let region = view.region();
+        let grids: Vec<BlockGrid> =
+            numbers.clone().map(|number| BlockGrid::new(view.whole_size(), number)).collect();
+        let of_number = |(place, (number, grid)): (usize, (u32, &BlockGrid))| {
+            grid.blocks_in(region).map(move |block| BlockSample { number, place, block }).collect::<Vec<_>>()
+        };
+        let blocks = numbers.clone().zip(&grids).enumerate().flat_map(of_number).collect();
+        Self { numbers, grids, blocks }
+    }
+
+    /// Pixels of a block of the batch.
+    fn rect(&self, block: &BlockSample) -> PixelRect {
+        self.grids[block.place].rect(block.block)
+    }
+
+    /// Adds the traced blocks to the film of a region, number by number.
+    fn add_to(&self, film: &mut FilmSums, region: PixelRect, traced: Vec<Option<Vec<PixelSample>>>) {
+        let mut blocks = self.blocks.iter().zip(traced).peekable();
+        for (place, (number, grid)) in self.numbers.clone().zip(&self.grids).enumerate() {
+            let mut of_number: Vec<Option<Vec<PixelSample>>> = Vec::new();
+            of_number.resize_with(grid.len(), || None);
+            while let Some((block, samples)) = blocks.next_if(|(block, _)| block.place == place) {
+                of_number[block.block] = samples;
+            }
+            add_samples(film, number, region, grid, &of_number);
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-//! What a pixel shows.
+//! Picking: the object that a pixel shows.
 
 use std::sync::Arc;
 
@@ -7,7 +7,7 @@ use glam::Vec3;
 use super::view::View;
 use crate::ray::Geometry;
 
-/// Finds what the pixels of a view show, while the scene that it was made of is rendered and edited elsewhere.
+/// Finds the objects that pixels of a view show, while the scene is rendered and edited elsewhere.
 #[derive(Clone)]
 pub struct Picker {
     geometry: Arc<Geometry>,

@@ -331,7 +331,7 @@ mod tests {
         let after = relative_mse(at, &reference);
         assert!(after < 0.5 * before, "relMSE {before} before and {after} after");
 
-        // What is not a number comes out as one
+        // NaN and infinity come out as finite numbers
         noisy.tiles[0].pixels_mut()[0] = [f64::NAN; layer::COUNT];
         noisy.tiles[0].pixels_mut()[1] = [f64::INFINITY; layer::COUNT];
         let denoised = noisy.denoise(&denoiser, 0).unwrap();

@@ -1,4 +1,4 @@
-//! How wide pixels are on what a view shows.
+//! Widths of pixels on the surfaces that a view shows.
 
 use super::view::{Fraction, View};
 use crate::ray::Ray;

@@ -1,4 +1,4 @@
-//! A scene made ready: what is prepared once, and again only as far as an edit reaches.
+//! A scene made ready. An edit prepares anew only the parts that it changes.
 
 use std::collections::HashSet;
 use std::sync::Arc;
@@ -16,18 +16,19 @@ use super::view::View;
 use crate::light::{EmissiveTriangle, LightSet};
 use crate::path::PathTracer;
 use crate::ray::Geometry;
-use crate::subsurface::transport::points::{Making, PointCloud, PointPlan, PointProgress, serve};
-use crate::subsurface::{Note, SubsurfaceSet};
+use crate::subsurface::transport::points::{PointCloud, PointPlan, PointProgress, PointSettings, serve};
+use crate::subsurface::{Note, Recipes, Transports, media};
 use crate::surface::{self, SurfaceTables};
 use crate::world::{PixelWidth, World};
 
-/// A scene with everything that does not depend on who looks at it: the hierarchy over its triangles, its lights, the
-/// tables of its materials.
+/// A scene with everything that does not depend on the view: the hierarchy over its triangles, its lights, the tables of
+/// its materials.
 ///
 /// The camera and the film are those of a [`View`].
 pub struct PreparedScene {
     pub(super) world: World,
-    pub(super) subsurface: SubsurfaceSet,
+    recipes: Recipes,
+    transports: Transports,
 }
 
 /// A change of a prepared scene.
@@ -41,8 +42,8 @@ pub enum Edit {
     Environment(Option<Environment>),
     /// Another object in the place of this number: mesh, place, material, subsurface group.
     Object(usize, Box<Object>),
-    /// Other objects in the place of all: some moved, added, gone. Of meshes that are shared or
-    /// [movable](Object::is_movable) only those that are new are prepared.
+    /// Other objects in the place of all: some moved, added, gone. Meshes that are shared or
+    /// [movable](Object::is_movable) are prepared only if they are new.
     Objects(Vec<Object>),
     /// Another material, behind those that the scene has.
     AddMaterial(Box<Material>),
@@ -78,16 +79,16 @@ impl PreparedScene {
     pub fn new(scene: Scene) -> Result<Self, SceneError> {
         scene.validate()?;
         // Neither needs the other; the tree leaves threads idle now and then.
-        let (geometry, (surfaces, subsurface)) = rayon::join(
+        let (geometry, (surfaces, recipes)) = rayon::join(
             || Geometry::new(&scene.objects),
-            || (SurfaceTables::new(&scene.materials, &scene.integrator), SubsurfaceSet::new(&scene)),
+            || (SurfaceTables::new(&scene.materials, &scene.integrator), Recipes::new(&scene)),
         );
         let lights = light_set(&scene, &geometry);
         let geometry = Arc::new(geometry);
-        let media = subsurface.media();
-        let mut new = Self { world: World { scene, geometry, surfaces, media, lights }, subsurface };
-        new.subsurface.normalize(&new.world);
-        Ok(new)
+        let transports = recipes.transports();
+        let world = World { media: media(&transports), scene, geometry, surfaces, lights };
+        let transports = Transports::new(&world, transports);
+        Ok(Self { world, recipes, transports })
     }
 
     /// The scene as it was given, with all edits.
@@ -103,22 +104,22 @@ impl PreparedScene {
         View::of(&self.world.scene)
     }
 
-    /// Finds what the pixels of a view show, from any thread and whatever happens to the scene meanwhile.
+    /// A picker of the objects that pixels show, for any thread; later edits do not change it.
     pub fn picker(&self) -> Picker {
         Picker::new(Arc::clone(&self.world.geometry))
     }
 
     /// Everything that is not rendered as the scene asks for.
     pub fn notes(&self) -> Vec<Note> {
-        self.subsurface.notes(&self.world.scene)
+        self.recipes.notes(&self.world.scene).chain(self.transports.note()).collect()
     }
 
-    /// What decides the picture of a view: two runs with the same one may be joined.
+    /// Fingerprint of everything that the picture of a view depends on: two runs with the same one may be joined.
     pub fn fingerprint(&self, view: &View) -> Fingerprint {
         fingerprint(&self.world.scene, view)
     }
 
-    /// Changes the scene and prepares what depends on the change, and nothing else.
+    /// Changes the scene, and prepares anew only the parts that depend on the change.
     ///
     /// Pictures are then those of a scene that is prepared anew, bit for bit.
     ///
@@ -159,7 +160,7 @@ impl PreparedScene {
                 let scene = &self.world.scene;
                 for index in 0..scene.materials.len() {
                     self.world.surfaces.update(index, &scene.materials[index], &scene.integrator);
-                    self.subsurface.update(scene, index);
+                    self.recipes.update(scene, index);
                 }
                 Renewed { materials: scene.materials.len(), ..Renewed::default() }
             }
@@ -168,11 +169,18 @@ impl PreparedScene {
             self.world.lights = light_set(&self.world.scene, &self.world.geometry);
         }
         if renewed.geometry || renewed.materials > 0 {
-            self.world.media = self.subsurface.media();
-            self.subsurface.normalize(&self.world);
+            self.renew_transports();
         }
-        self.subsurface.forget_points();
+        self.transports.forget_points();
         Ok(Renewed { points: self.wants_points(), ..renewed })
+    }
+
+    /// Takes the transports of changed materials, or for a changed geometry. They have no points yet.
+    fn renew_transports(&mut self) {
+        let transports = self.recipes.transports();
+        self.world.media = media(&transports);
+        self.transports = Transports::new(&self.world, transports);
+        self.recipes.clean();
     }
 
     /// Puts a value into the scene, which stays as it was if it is then not valid. Returns the value that was there.
@@ -202,7 +210,7 @@ impl PreparedScene {
         let scene = &self.world.scene;
         let new = &scene.materials[index];
         self.world.surfaces.update(index, new, &scene.integrator);
-        self.subsurface.update(scene, index);
+        self.recipes.update(scene, index);
         let emission = |material: &Material| (material.emission_luminance, material.emission_color);
         Ok(Renewed { lights: emission(&old) != emission(new), materials: 1, ..Renewed::default() })
     }
@@ -218,7 +226,7 @@ impl PreparedScene {
         self.world.geometry = Arc::new(self.world.geometry.renewed(&scene.objects));
         // Vertex colors may count in the widest profile of a material
         for material in [old.material, scene.objects[index].material] {
-            self.subsurface.update(scene, material);
+            self.recipes.update(scene, material);
         }
         Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
     }
@@ -243,7 +251,7 @@ impl PreparedScene {
             .map(|&(_, material)| material)
             .collect();
         for &material in &changed {
-            self.subsurface.update(scene, material);
+            self.recipes.update(scene, material);
         }
         Ok(Renewed { geometry: true, lights: true, ..Renewed::default() })
     }
@@ -257,7 +265,7 @@ impl PreparedScene {
             return Err(error);
         }
         self.world.surfaces.push(&scene.materials[index], &scene.integrator);
-        self.subsurface.push(scene);
+        self.recipes.push(scene);
         Ok(Renewed { materials: 1, ..Renewed::default() })
     }
 
@@ -273,22 +281,22 @@ impl PreparedScene {
             object.material -= usize::from(object.material > index);
         }
         self.world.surfaces.remove(index);
-        self.subsurface.remove(index);
-        self.world.media = self.subsurface.media();
+        self.recipes.remove(index);
+        self.renew_transports();
         Ok(Renewed::default())
     }
 
-    /// Whether the scene asks for points that it does not have yet. Until it has, probes find the light.
+    /// Returns `true` if the scene asks for points that it does not have yet. Until it has, probes find the light.
     pub fn wants_points(&self) -> bool {
         self.world.scene.integrator.subsurface_method == SubsurfaceMethod::PointBased
-            && !self.subsurface.has_points()
+            && !self.transports.has_points()
     }
 
     /// The points that pictures of a view need.
     ///
     /// Their spacing follows the mean free path, and no less the width of a pixel.
     pub fn plan_points(&self, view: &View) -> PointPlan {
-        PointPlan::new(&self.world, self.subsurface.transports(), &pixel_widths(&self.world, view))
+        PointPlan::new(&self.world, self.transports.all(), &pixel_widths(&self.world, view))
     }
 
     /// Lays the points that a view needs and computes the light that enters there, on the current rayon pool; `None` when
@@ -297,7 +305,7 @@ impl PreparedScene {
     /// The points do not depend on the number of threads.
     ///
     /// # Errors
-    /// The points would take more than so many bytes of memory.
+    /// The points would take more than `memory` bytes.
     pub fn make_points(
         &self,
         view: &View,
@@ -305,41 +313,49 @@ impl PreparedScene {
         progress: &(dyn Fn(PointProgress) + Sync),
         stop: &AtomicBool,
     ) -> Result<Option<PointCloud>, SceneError> {
-        let laid =
-            PointCloud::laid(&self.world, &self.plan_points(view), &Making { memory, progress, stop })?;
+        let laid = PointCloud::laid(
+            &self.world,
+            &self.plan_points(view),
+            &PointSettings { memory, progress, stop },
+        )?;
         // Paths that begin at entry points are in no pixel
         let tracer = || self.tracer(PixelWidth::default());
         Ok(laid.and_then(|points| points.lit(&self.world, tracer, progress, stop)))
     }
 
-    /// Whether points, which are this scene's, lie close enough for a view: those made for much wider pixels do not.
+    /// Returns `true` if this scene's points lie close enough for a view: points made for much wider pixels do not.
     pub fn points_serve(&self, points: &PointCloud, view: &View) -> bool {
         serve(points.groups(), &pixel_widths(&self.world, view))
     }
 
     /// Forgets points that lie too far apart for a view.
     pub(crate) fn keep_points_for(&mut self, view: &View) {
-        if self.subsurface.has_points()
-            && self.subsurface.needs_closer_points(&pixel_widths(&self.world, view))
+        if self.transports.has_points()
+            && self.transports.needs_closer_points(&pixel_widths(&self.world, view))
         {
-            self.subsurface.forget_points();
+            self.transports.forget_points();
         }
     }
 
-    /// Gathers light under surfaces from points, which are this scene's, in place of probing for it.
+    /// Gathers light under surfaces from this scene's points instead of probing for it.
     ///
-    /// Where points leave a subsurface group out, probes find the light.
+    /// Probes find the light of subsurface groups without points.
     pub fn set_points(&mut self, points: &PointCloud) {
-        self.subsurface.set_points(&self.world, points);
+        self.transports.set_points(&self.world, points);
     }
 
     /// A tracer of paths through pixels of a width.
     pub(crate) fn tracer(&self, pixel_width: PixelWidth) -> PathTracer<'_> {
-        PathTracer::new(&self.world, &self.subsurface, pixel_width)
+        PathTracer::new(&self.world, &self.transports, pixel_width)
     }
 
-    pub(crate) fn subsurface_mut(&mut self) -> &mut SubsurfaceSet {
-        &mut self.subsurface
+    /// Probes along (tangent, tangent, normal) with these probabilities.
+    pub(crate) fn set_probe_axes(&mut self, axes: [f32; 3]) {
+        self.recipes.set_axes(axes);
+        for index in 0..self.world.scene.materials.len() {
+            self.recipes.update(&self.world.scene, index);
+        }
+        self.renew_transports();
     }
 
     pub(crate) fn world_mut(&mut self) -> &mut World {
@@ -347,12 +363,12 @@ impl PreparedScene {
     }
 
     #[cfg(test)]
-    pub(crate) fn parts(&self) -> (&World, &SubsurfaceSet) {
-        (&self.world, &self.subsurface)
+    pub(crate) fn parts(&self) -> (&World, &Transports) {
+        (&self.world, &self.transports)
     }
 }
 
-/// Refuses the number of something that is not there.
+/// Refuses a number that is out of range.
 fn require(what: &str, index: usize, count: usize) -> Result<(), SceneError> {
     if index < count {
         return Ok(());

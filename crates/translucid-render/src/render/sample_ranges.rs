@@ -36,7 +36,7 @@ impl SampleRanges {
         self.0.iter().map(|range| range.end - range.start).sum()
     }
 
-    /// Whether a number is among them.
+    /// Returns `true` if a number is among them.
     pub fn contains(&self, number: u32) -> bool {
         let after = self.0.partition_point(|range| range.end <= number);
         self.0.get(after).is_some_and(|range| range.start <= number)

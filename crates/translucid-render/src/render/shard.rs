@@ -1,4 +1,4 @@
-//! Shards: a film's sums in a file, exactly, so that a rendering can go on where it stopped, or be joined with others of the
+//! Shards: a film's exact sums in a file, so that a rendering can continue where it stopped, or be joined with others of the
 //! same picture.
 //!
 //! ```text
@@ -46,10 +46,10 @@ const MAX_EDGE: u32 = 16384;
 /// Greatest sum: 2³² samples of the greatest `f32`.
 const GREATEST_SUM: f64 = 1.5e48;
 
-/// What a shard says of itself before its sums.
+/// The header of a shard, before its sums.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ShardHeader {
-    /// What decided its samples: only shards with the same can be joined.
+    /// Everything that its samples depend on: only shards with equal ones can be joined.
     pub fingerprint: Fingerprint,
     /// Width and height of the whole picture in pixels.
     pub size: [u32; 2],
@@ -59,18 +59,18 @@ pub struct ShardHeader {
     pub samples: Vec<[u32; 2]>,
     /// Where columns and rows of tiles begin in the region, and where they end.
     edges: [Vec<u32>; 2],
-    /// What the caller knows of it.
+    /// Notes of the caller.
     pub notes: ShardNotes,
 }
 
-/// What a shard says of where it comes from and how its picture is to be shown. None of it decides a sample.
+/// The origin of a shard, and the display of its picture. No sample depends on them.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ShardNotes {
     /// Where the scene came from.
     pub scene: String,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// Samples per pixel that the picture is to have in the end; 0 where nobody has said.
+    /// Samples per pixel that the picture is to have in the end; 0 if unknown.
     pub samples_per_pixel: u32,
     /// Stops by which the display is brighter; none where they are to be metered on the picture.
     pub exposure: Option<f32>,
@@ -187,7 +187,7 @@ pub fn save_shard(
     })
 }
 
-/// Whether a file is a shard, of whatever picture and version.
+/// Returns `true` if a file is a shard, of any picture and version.
 pub fn is_shard(path: &Path) -> bool {
     let mut magic = [0; 8];
     File::open(path).and_then(|mut file| file.read_exact(&mut magic)).is_ok() && magic == MAGIC
@@ -236,7 +236,7 @@ impl ShardReader {
         Ok(Self { path: path.to_owned(), header, grid, file, next: 0 })
     }
 
-    /// What the shard says of itself.
+    /// The shard's header.
     pub fn header(&self) -> &ShardHeader {
         &self.header
     }

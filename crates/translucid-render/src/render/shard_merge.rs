@@ -11,7 +11,7 @@ use super::shard::{ShardHeader, ShardNotes, ShardReader, save_shard};
 use super::tile_grid::{TILE_SIZE, TileGrid};
 use crate::world::layer;
 
-/// Shards of one picture, joined as they are read: of whatever samples and regions, in any order.
+/// Shards of one picture, joined as they are read: of any samples and regions, in any order.
 ///
 /// The sums are exact, so that the result has the bits of one rendering of all samples. In memory is the picture and a tile.
 #[derive(Debug)]
@@ -36,7 +36,7 @@ pub struct Gap {
 }
 
 impl ShardMerge {
-    /// An empty picture with room for some shards, found to belong together as far as their headers tell.
+    /// An empty picture with room for shards whose headers belong together.
     ///
     /// # Errors
     /// There are none, one cannot be read, they are of different scenes or settings, two have the same samples, or the picture
@@ -134,7 +134,7 @@ impl ShardMerge {
         &self.film
     }
 
-    /// What the shards say of themselves, their runs together.
+    /// The shards' notes, with the runs of all of them.
     pub fn notes(&self) -> &ShardNotes {
         &self.notes
     }

@@ -54,7 +54,7 @@ pub struct View {
     region: PixelRect,
     fraction: Fraction,
     frame: Frame,
-    /// Half the width and height of what the picture shows at depth 1, and the point in its middle.
+    /// Half the width and height of the picture at depth 1, and the point in its middle.
     half_width: f32,
     half_height: f32,
     middle: [f32; 2],
@@ -191,7 +191,7 @@ impl View {
         self.fraction
     }
 
-    /// Width of a pixel at what it shows.
+    /// Width of a pixel on the surface that it shows.
     pub(crate) fn pixel_width(&self) -> PixelWidth {
         let width = 2.0 * self.half_width / self.size[0] * self.step;
         match self.camera.projection {

@@ -1,6 +1,6 @@
 //! One of a few things, in proportion to shares.
 
-/// Picks an index in proportion to shares that sum to one; returns what is left of the random number,
+/// Picks an index in proportion to shares that sum to one; returns the remainder of the random number,
 /// uniform in [0, 1) again.
 pub(crate) fn choose<const N: usize>(shares: [f32; N], u: f32) -> (usize, f32) {
     let mut rest = u;

@@ -1,4 +1,4 @@
-//! Random numbers and what directions are drawn with.
+//! Random numbers, and directions drawn with them.
 
 mod choose;
 mod disk;

@@ -14,7 +14,7 @@ pub(crate) struct Sampler {
     set: u32,
 }
 
-/// Four numbers that have their place, but are not computed yet.
+/// Four numbers that are not computed yet.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reserved {
     index: u32,
@@ -46,14 +46,14 @@ impl Sampler {
         self.reserve().numbers()
     }
 
-    /// The next four numbers for those who seldom need them: made when `numbers` is called.
+    /// Reserves the next four numbers, which are computed when `numbers` is called.
     pub(crate) fn reserve(&mut self) -> Reserved {
         let reserved = Reserved { index: self.index, scramble: hash_combine(self.seed, self.set) };
         self.set += 1;
         reserved
     }
 
-    /// A number of its own for the sets yet to come, of which other generators may be made.
+    /// A seed for another generator, different for each of the sets to come.
     pub(crate) fn fork(&self) -> u64 {
         let low = hash_combine(hash_combine(self.seed, self.set), self.index);
         u64::from(low) | u64::from(hash_combine(low ^ 0x5bd1_e995, self.index)) << 32

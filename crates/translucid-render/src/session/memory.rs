@@ -1,4 +1,4 @@
-//! Whether a rendering fits into memory: the system would end the process without a word.
+//! The memory that a rendering needs, checked beforehand: the system would end the process without a message.
 
 use std::collections::HashMap;
 use std::fs;
@@ -12,11 +12,11 @@ use super::Session;
 use crate::ray::TRIANGLES_AT_ONCE;
 use crate::world::{PixelSample, layer};
 
-/// Memory that each triangle takes besides its mesh while the tree over all is built: 110 bytes of ten million triangles on
-/// two threads, with what those take that are in work.
+/// Memory that each triangle takes besides its mesh while the tree over all is built: 110 bytes each for ten million
+/// triangles on two threads, those in work included.
 const BYTES_PER_TRIANGLE: u64 = 116;
-/// Memory that each triangle takes besides as long as its part of the tree is in work: 281 bytes in all of a million
-/// triangles, all of them in work on eight threads.
+/// Additional memory for each triangle whose part of the tree is in work: 281 bytes each in all for a million triangles, all
+/// of them in work on eight threads.
 const BYTES_IN_WORK: u64 = 180;
 /// Memory that each object takes, however many share its mesh.
 const BYTES_PER_OBJECT: u64 = 512;
@@ -24,7 +24,7 @@ const BYTES_PER_OBJECT: u64 = 512;
 const BYTES_PER_THREAD: u64 = 64 << 20;
 
 /// Memory that this process can still have, in bytes: the least that the system has without swapping, the limit on its
-/// address space (`ulimit -v`) and those of its control groups leave; `None` where the system does not say.
+/// address space (`ulimit -v`) and those of its control groups leave; `None` where the system does not report any.
 pub fn available_memory() -> Option<u64> {
     let read = |path: &str| fs::read_to_string(path).unwrap_or_default();
     let free = kilobytes(&read("/proc/meminfo"), "MemAvailable:");
@@ -39,7 +39,7 @@ fn kilobytes(text: &str, key: &str) -> Option<u64> {
     Some(line.split_whitespace().next()?.parse::<u64>().ok()? * 1024)
 }
 
-/// What the limit on the address space leaves, when each thread has taken its own.
+/// Memory that the limit on the address space leaves, when each thread has taken its own.
 fn room_in_address_space(limits: &str, status: &str) -> Option<u64> {
     let line = limits.lines().find_map(|line| line.strip_prefix("Max address space"))?;
     let limit: u64 = line.split_whitespace().next()?.parse().ok()?;
@@ -49,8 +49,8 @@ fn room_in_address_space(limits: &str, status: &str) -> Option<u64> {
     Some(limit.saturating_sub(taken))
 }
 
-/// What the limits of the control groups leave that a process is in, those of version 1 and 2, and of the groups around
-/// them. A container may see its own group as the root of all.
+/// Memory that the limits of the process's control groups leave: groups of version 1 and 2, and those around them. A
+/// container may see its own group as the root of all.
 fn room_in_control_groups(groups: &str, root: &Path) -> Option<u64> {
     let number = |path: &Path| fs::read_to_string(path).ok()?.trim().parse::<u64>().ok();
     let mut least = None;
@@ -104,7 +104,7 @@ impl Session {
         let of_pixels = pixels.area().saturating_mul(bytes_per_pixel);
         let needed = of_scene.saturating_add(of_pixels);
         let has_room = |bytes: &u64| {
-            // Asked for and given back, for systems that do not say what there is
+            // Allocated and freed again, for systems that do not report their memory
             let bytes = usize::try_from(*bytes).unwrap_or(usize::MAX);
             Vec::<u8>::new().try_reserve_exact(bytes).is_ok()
         };
@@ -127,7 +127,7 @@ impl Session {
     }
 }
 
-/// A number of bytes as one would say it.
+/// A number of bytes in words.
 fn in_words(bytes: u64) -> String {
     match bytes as f64 {
         bytes if bytes >= f64::from(1 << 30) => format!("{:.1} GiB", bytes / f64::from(1 << 30)),

@@ -5,9 +5,9 @@
 //!                            ↑ edit, set_view                    ↓ read at any time
 //! ```
 //!
-//! A session knows no terminal and no page: whoever drives it hears of its progress through an [`Observer`] and reads its
-//! film while it is rendered. [`Session::start`] runs it on threads of its own, so that it can be stopped within
-//! milliseconds, edited and started again.
+//! A session has no terminal and no page: its caller follows its progress through an [`Observer`] and reads its film while
+//! it is rendered. [`Session::start`] runs it on threads of its own, so that it can be stopped within milliseconds, edited
+//! and started again.
 
 mod memory;
 mod running;
@@ -22,7 +22,7 @@ use translucid_image::{Denoised, Denoiser, OutputError};
 use translucid_scene::SceneError;
 
 use crate::render::{
-    Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Progress, Renewed, ShardNotes,
+    Edit, FilmSums, Fraction, Goal, LiveFilm, Outcome, PreparedScene, Renewed, SampleProgress, ShardNotes,
     ShardReader, ShardRun, View, save_shard,
 };
 use crate::subsurface::transport::points::{PointCloud, PointProgress};
@@ -36,7 +36,7 @@ pub enum Event<'a> {
     /// Points are being made.
     Points(PointProgress),
     /// Samples were added.
-    Samples(Progress),
+    Samples(SampleProgress),
     /// One sample of each pixel at a fraction of the resolution is there.
     Preview(Fraction, &'a FilmSums),
     /// The film was saved for a later run.
@@ -47,10 +47,10 @@ pub enum Event<'a> {
     Denoising,
 }
 
-/// Hears of what happens in a session, from any of its threads.
+/// Receives the events of a session, from any of its threads.
 pub type Observer<'a> = dyn Fn(&Event<'_>) + Sync + 'a;
 
-/// How far a session is to go, and what it does on the way.
+/// The goal of a session, and its work on the way.
 #[derive(Debug)]
 pub struct Plan {
     /// Numbers of the samples that each pixel shall have in the end.
@@ -86,7 +86,7 @@ impl Plan {
 pub struct CheckpointPlan {
     /// The file.
     pub path: PathBuf,
-    /// Time between two savings: what a power cut may cost.
+    /// Time between two savings, which a power cut may cost.
     pub interval: Duration,
 }
 
@@ -97,7 +97,7 @@ pub struct Session {
     film: Arc<LiveFilm>,
     /// Time spent rendering in all runs \[s\].
     seconds: f64,
-    /// What the film's file is to say; the last of its runs is this one, which has no time yet.
+    /// Notes for the film's file; the last of its runs is this one, which has no time yet.
     notes: ShardNotes,
     denoised: Option<Result<Denoised, OutputError>>,
 }
@@ -140,7 +140,7 @@ impl Session {
         Ok(renewed)
     }
 
-    /// Looks at the scene otherwise; the film begins anew.
+    /// Sets another view; the film begins anew.
     pub fn set_view(&mut self, view: View) {
         self.prepared.keep_points_for(&view);
         self.view = view;
@@ -153,17 +153,17 @@ impl Session {
         self.notes.runs.drain(..self.notes.runs.len() - 1);
     }
 
-    /// Says what files of the film are to say of it, and of this run of the program.
+    /// Sets the notes for files of the film, and those on this run of the program.
     pub fn set_notes(&mut self, notes: ShardNotes, run: ShardRun) {
         self.notes = ShardNotes { runs: vec![run], ..notes };
     }
 
-    /// Takes the points that the scene asks for.
+    /// Sets the points that the scene asks for.
     pub fn set_points(&mut self, points: &PointCloud) {
         self.prepared.set_points(points);
     }
 
-    /// Goes on from what an earlier run has saved.
+    /// Continues the film that an earlier run has saved.
     ///
     /// # Errors
     /// The file cannot be read, is damaged, or belongs to another scene or view.
@@ -176,7 +176,7 @@ impl Session {
         Ok(())
     }
 
-    /// The film that an earlier run of this scene and view has saved, and what it says of itself.
+    /// The film that an earlier run of this scene and view has saved, and its notes.
     ///
     /// # Errors
     /// As [`resume`](Self::resume).
@@ -196,7 +196,7 @@ impl Session {
         shard.film().map(|(film, header)| (film, header.notes))
     }
 
-    /// Saves the film so that a later run can go on from it, and others can be joined with it.
+    /// Saves the film so that a later run can continue it, and others can be joined with it.
     ///
     /// # Errors
     /// The file cannot be written; an older one is then still whole.
@@ -214,7 +214,7 @@ impl Session {
 
     /// Renders on the current rayon pool until the plan is fulfilled, its deadline has come, or `stop` is true.
     ///
-    /// A stopped session goes on where it was, with the bits of one that was not stopped.
+    /// A stopped session continues where it was, with the bits of one that was not stopped.
     ///
     /// # Errors
     /// Points do not fit into memory.

@@ -39,7 +39,7 @@ impl RunningSession {
         &self.film
     }
 
-    /// Whether it has come to its end.
+    /// Returns `true` if it has come to its end.
     pub fn is_finished(&self) -> bool {
         self.thread.as_ref().is_none_or(JoinHandle::is_finished)
     }

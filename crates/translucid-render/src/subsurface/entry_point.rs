@@ -1,4 +1,4 @@
-//! A point where light enters a medium: the light that arrives there, and the way on for a path.
+//! The entry point x_i of a BSSRDF, where light enters the body: the light that arrives there, and the path's way on.
 
 use glam::Vec3;
 
@@ -6,7 +6,7 @@ use crate::ray::{Ray, SurfacePoint};
 use crate::sampling::{Frame, Reserved};
 use crate::surface;
 use crate::surface::bsdf::EntryBsdf;
-use crate::world::{Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
+use crate::world::{Layer, MisOrigin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 use super::kernel::DirectionalWeight;
 
@@ -23,7 +23,8 @@ impl Arrival {
     pub(crate) const NONE: Self = Self { direction: Vec3::Z, light: Vec3::ZERO };
 }
 
-/// A point where light enters the medium.
+/// The entry point x_i of light, found by probes or a walk.
+#[doc(alias = "BSSRDF")]
 pub(crate) struct EntryPoint<'a> {
     world: &'a World,
     pub(crate) point: SurfacePoint,
@@ -53,8 +54,8 @@ impl<'a> EntryPoint<'a> {
         }
     }
 
-    /// Goes on where light enters the medium: light from one sampled light, a cosine direction. False where the path
-    /// is over.
+    /// Continues the path at the entry point: adds light from one sampled light, and draws a cosine direction. False where
+    /// the path is over.
     pub(crate) fn enter(
         &self,
         path: &mut PathState,
@@ -81,7 +82,8 @@ impl<'a> EntryPoint<'a> {
         if direction.dot(geometric) <= 0.0 {
             return None;
         }
-        let origin = Origin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z), is_bent: false };
+        let origin =
+            MisOrigin { point: point.position, normal, pdf: EntryBsdf::pdf(wi.z), is_refracted: false };
         path.diffuse_depth += 1;
         path.soft |= !self.world.scene.integrator.caustics;
         let ray = Ray::new(point.ray_origin(direction), direction);
@@ -89,7 +91,7 @@ impl<'a> EntryPoint<'a> {
         (weight != Vec3::ZERO).then_some((direction, weight))
     }
 
-    /// Mean light of so many sampled lights that enters here, by numbers a fixed way apart.
+    /// Mean light of several sampled lights that enters here; their random numbers are evenly shifted.
     pub(crate) fn mean_direct_light(&self, absorption: Vec3, of_light: Reserved, lights: u16) -> Vec3 {
         let part = 1.0 / f32::from(lights);
         let u = of_light.numbers();
@@ -100,7 +102,7 @@ impl<'a> EntryPoint<'a> {
         (0..lights).map(light).sum::<Vec3>() * part
     }
 
-    /// Light from one sampled light that enters here, whatever its direction changes.
+    /// Light from one sampled light that enters here, without the directional factor of the kernel.
     pub(crate) fn direct_light(&self, absorption: Vec3, u: [f32; 4]) -> Option<Arrival> {
         let Self { world, ref point, normal, geometric, ref bsdf } = *self;
         let light = world.lights.sample(point.position, normal, u[0], [u[1], u[2]])?;

@@ -1,11 +1,12 @@
-//! A point that light leaves.
+//! The exit point x_o of a BSSRDF: the point where light leaves the body.
 
 use glam::Vec3;
 
 use super::parameters::Subsurface;
 use crate::ray::SurfacePoint;
 
-/// The point that light leaves, as a path has met it.
+/// The exit point x_o of light, where a path has met the surface.
+#[doc(alias = "BSSRDF")]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExitPoint<'a> {
     pub(crate) point: &'a SurfacePoint,

@@ -1,4 +1,4 @@
-//! Profiles normalized by the shape that they are used on.
+//! Normalization of profiles by the shape of the body.
 //!
 //! ```text
 //! N(x) = ∫ R(|x − x'|) dA' / A          over all surfaces of the group around x
@@ -7,6 +7,7 @@
 //! is 1 on a plane, less on a sphere, more on a slab. Light that leaves at x, divided by N(x), is A under even light.
 //! N is a sum over points in blue noise, those of the point-based method without their light.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
@@ -14,19 +15,19 @@ use translucid_scene::{Material, SceneError, SubsurfaceNormalization};
 
 use super::transport::SubsurfaceTransport;
 use super::transport::points::{
-    GatherScratch, Gatherer, Leaving, Making, PixelWidths, PointCloud, PointPlan,
+    GatherPoint, GatherScratch, Gatherer, PixelWidths, PointCloud, PointPlan, PointSettings,
 };
 use crate::world::World;
 
 /// Most memory for points, in bytes, whatever the scene allows: half a million.
 ///
-/// A body for which they do not suffice is hundreds of widths of its profile across, and N is 1 but at its thinnest.
+/// A body that needs more is hundreds of profile widths across, and N is 1 except where it is thinnest.
 const MOST_MEMORY: u64 = 128 << 20;
 
-/// Below this N counts as so much: a body that holds less of the profile is a point to it.
+/// Least N: a body that holds less of the profile is a point to it.
 const LEAST_ENERGY: f32 = 1e-6;
 
-/// The points of a scene that has materials to be normalized.
+/// The points by which a scene's materials are normalized.
 pub(crate) struct Normalizer {
     points: Gatherer,
 }
@@ -36,7 +37,10 @@ impl Normalizer {
     ///
     /// # Errors
     /// The points would take more than [`MOST_MEMORY`], or than the scene allows for points.
-    pub(crate) fn new(world: &World, transports: &[SubsurfaceTransport]) -> Result<Option<Self>, SceneError> {
+    pub(crate) fn new(
+        world: &World,
+        transports: &[Arc<SubsurfaceTransport>],
+    ) -> Result<Option<Self>, SceneError> {
         let is_asked_for = |material: &Material| {
             material.subsurface_normalization == SubsurfaceNormalization::Energy
                 && material.subsurface_weight.factor > 0.0
@@ -46,7 +50,7 @@ impl Normalizer {
         }
         let memory = (u64::from(world.scene.integrator.point_memory) << 20).min(MOST_MEMORY);
         let never = AtomicBool::new(false);
-        let making = Making { memory, progress: &|_| {}, stop: &never };
+        let making = PointSettings { memory, progress: &|_| {}, stop: &never };
         // The factors serve every view
         let plan = PointPlan::new(world, transports, &PixelWidths::default());
         let cloud = PointCloud::laid(world, &plan, &making)?;
@@ -54,18 +58,23 @@ impl Normalizer {
     }
 
     /// Factor on the light that leaves at a point of a material.
-    pub(crate) fn factor(&self, material: &Material, leaving: &Leaving, scratch: &mut GatherScratch) -> Vec3 {
+    pub(crate) fn factor(
+        &self,
+        material: &Material,
+        exit: &GatherPoint,
+        scratch: &mut GatherScratch,
+    ) -> Vec3 {
         if material.subsurface_normalization == SubsurfaceNormalization::None {
             return Vec3::ONE;
         }
-        let gathered = self.points.gather(leaving, scratch);
-        gathered.map_or(Vec3::ONE, |gathered| factor_of(material, gathered.energy))
+        let gathered = self.points.gather(exit, scratch);
+        gathered.map_or(Vec3::ONE, |gathered| shape_factor(material, gathered.energy))
     }
 }
 
-/// Factor on the light that leaves where the surfaces around hold N of the profile's energy; 1 where a channel has no
-/// profile.
-pub(crate) fn factor_of(material: &Material, energy: Vec3) -> Vec3 {
+/// Factor on the light that leaves where the surfaces around hold the share N of the profile's energy; 1 where a channel has
+/// no profile.
+pub(crate) fn shape_factor(material: &Material, energy: Vec3) -> Vec3 {
     match material.subsurface_normalization {
         SubsurfaceNormalization::None => Vec3::ONE,
         SubsurfaceNormalization::Energy => {

@@ -1,4 +1,4 @@
-//! Notes for the user on a scene as it was made ready.
+//! Notes for the user on parts of a scene that are not rendered as it asks.
 
 use std::fmt;
 
@@ -9,7 +9,7 @@ use translucid_scene::{Material, Scene};
 pub enum NoteKind {
     /// The model's profile cannot be made: `normalized-diffusion` stands in for it.
     StandIn,
-    /// g or η are beyond what the model is made for: the nearest that it knows are used.
+    /// g or η are beyond the model's range: the nearest values in it are used.
     NearestParameters,
     /// The model does not reach the greatest surface albedos: its shape at the greatest stands in there.
     AlbedoLimit,
@@ -17,23 +17,23 @@ pub enum NoteKind {
     NoisyBoundary,
     /// Points hold the mean over all directions of light.
     MeanOverDirections,
-    /// A random walk has no profile, which keys of the scene are about.
+    /// Keys of the scene are about a profile, but a random walk has none.
     NoProfile,
-    /// Shapes do not count in how much light profiles return.
+    /// Profiles are not normalized by the shape.
     NoNormalization,
 }
 
 /// Kind and words of a note on a material.
 pub(super) type Remark = (NoteKind, String);
 
-/// Something that is not rendered as the scene asks for.
+/// A note on something that is not rendered as the scene asks for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note {
     /// Its kind.
     pub kind: NoteKind,
     /// Name of the material that it is about, if it is one material's.
     pub material: Option<String>,
-    /// Words on what is done otherwise, and what would help.
+    /// The substitution that was made, and a way to avoid it.
     pub message: String,
 }
 
@@ -45,7 +45,7 @@ impl fmt::Display for Note {
 }
 
 impl Note {
-    /// Words on what is asked of a profile where a material walks.
+    /// A remark if keys of a walk's material are about profiles.
     pub(crate) fn of_walk(scene: &Scene, material: &Material) -> Option<Remark> {
         let keys = material.keys_of_profiles(&scene.integrator);
         let model = material.model(&scene.integrator).name();
@@ -53,7 +53,7 @@ impl Note {
         (!keys.is_empty()).then(|| (NoteKind::NoProfile, words()))
     }
 
-    /// Words on the g and η that a material states otherwise than its model of a name uses them; `None` where it does not.
+    /// A remark if the model uses another g or η than the material states.
     pub(crate) fn of_nearest(material: &Material, model: &str, used: [f64; 2]) -> Option<Remark> {
         let stated = [material.subsurface_scatter_anisotropy, material.subsurface_eta];
         let names = ["subsurface_scatter_anisotropy", "subsurface_eta"];

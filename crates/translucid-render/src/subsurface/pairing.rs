@@ -1,4 +1,4 @@
-//! Whose surface albedo and mean free path count where a texture gives exit and entry different ones.
+//! Surface albedo and mean free path of a pair of points, where a texture gives exit and entry different ones.
 //!
 //! ```text
 //! entry   A(x_i), ℓ(x_i)
@@ -25,14 +25,13 @@ use crate::world::World;
 /// Surface albedos among which the widest profile is sought.
 const ALBEDOS: u16 = 64;
 
-/// Margin for what the search misses between them: widths change by less than this from one to the next around the
-/// greatest.
+/// Margin for widths between these albedos: around the greatest, widths change by less than this from one to the next.
 const MARGIN: f32 = 1.02;
 
 /// How the parameters of exit and entry go together in a textured material.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pairing {
-    /// Whether the exit's parameters count as well.
+    /// The exit's parameters count as well.
     is_symmetric: bool,
     /// Greatest surface albedo anywhere, per channel.
     surface_albedo: Vec3,
@@ -42,9 +41,9 @@ pub(crate) struct Pairing {
     widest: Vec3,
 }
 
-/// What a material states where light enters.
+/// Parameters that a material states where light enters.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Stated {
+pub(crate) struct StatedParameters {
     /// Number of the material.
     material: usize,
     surface_albedo: Vec3,
@@ -52,8 +51,8 @@ pub(crate) struct Stated {
     length: Vec3,
 }
 
-impl Stated {
-    /// What is stated at a point.
+impl StatedParameters {
+    /// The parameters stated at a point.
     pub(crate) fn at(world: &World, point: &SurfacePoint) -> Self {
         let (index, material) = world.material(point);
         Self {
@@ -63,20 +62,20 @@ impl Stated {
         }
     }
 
-    /// What is stated at a point, where it counts for some exit.
+    /// The parameters stated at a point, if they count for any exit.
     pub(crate) fn if_paired(world: &World, point: &SurfacePoint) -> Option<Self> {
         let (_, material) = world.material(point);
         entries_count(material).then(|| Self::at(world, point))
     }
 }
 
-/// What counts of an exit in a pair.
+/// The exit of a pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PairedExit {
     /// Number of the material.
     material: usize,
     pub(crate) subsurface: Subsurface,
-    /// How exact its position is \[L\].
+    /// Rounding error of its position \[L\].
     offset: f32,
 }
 
@@ -87,7 +86,7 @@ impl PairedExit {
 }
 
 impl Pairing {
-    /// `None` where the exit's parameters count alone: it is asked for, or all points have the same.
+    /// `None` where the exit's parameters count alone: the material asks for it, or all points have the same.
     pub(crate) fn new(scene: &Scene, index: usize, kernel: &SubsurfaceKernel) -> Option<Self> {
         let material = &scene.materials[index];
         if !entries_count(material) {
@@ -110,12 +109,17 @@ impl Pairing {
     /// of either is.
     ///
     /// In another material, whose lengths may mean something else, the exit's count.
-    pub(crate) fn pair(&self, kernel: &SubsurfaceKernel, exit: &PairedExit, entry: &Stated) -> Subsurface {
+    pub(crate) fn pair(
+        &self,
+        kernel: &SubsurfaceKernel,
+        exit: &PairedExit,
+        entry: &StatedParameters,
+    ) -> Subsurface {
         let own = exit.subsurface;
         if entry.material != exit.material {
             return own;
         }
-        let Stated { mut surface_albedo, mut length, .. } = *entry;
+        let StatedParameters { mut surface_albedo, mut length, .. } = *entry;
         if self.is_symmetric {
             surface_albedo = geometric_mean(surface_albedo, own.surface_albedo);
             length = geometric_mean(length, own.length);
@@ -135,9 +139,9 @@ impl Pairing {
         if self.is_symmetric { geometric_mean(self.surface_albedo, exit) } else { self.surface_albedo }
     }
 
-    /// Has paths look below where an exit is dark, but light may have entered where it is bright.
+    /// Makes paths look below a dark exit where the light may have entered at a bright point.
     ///
-    /// The color only says how often.
+    /// The color only sets how often they do.
     pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
         let color = surface.surface_albedo;
         let brighter = color.max(0.5 * self.brightest(color));
@@ -152,7 +156,7 @@ fn geometric_mean(a: Vec3, b: Vec3) -> Vec3 {
     root(a) * root(b)
 }
 
-/// Whether a material asks for what its entries state, and they may differ.
+/// Returns `true` if the entries' parameters count for a material, and may differ.
 fn entries_count(material: &Material) -> bool {
     let is_varied = |color: &ColorInput| color.texture.is_some() || color.vertex_color;
     material.subsurface_texture_at != SubsurfaceTextureAt::Exit

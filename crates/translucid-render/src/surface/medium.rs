@@ -10,7 +10,7 @@ use translucid_scene::{Material, WalkSurface};
 /// off by more than 1 %.
 const LEAST_OFFSETS_OF_MFP: f32 = 8.0;
 
-/// All that decides a medium for every surface albedo: materials with equal recipes share one.
+/// The inputs of a medium: materials with equal recipes share one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct WalkRecipe {
     surface: WalkSurface,
@@ -72,12 +72,12 @@ impl WalkRecipe {
 }
 
 impl WalkMedium {
-    /// Whether light that is not scattered goes straight on.
+    /// Returns `true` if unscattered light goes straight on, without a boundary.
     pub(crate) fn is_matched(&self) -> bool {
         self.surface == WalkSurface::Clear && self.eta == 1.0
     }
 
-    /// Mean free paths \[L\] of stated lengths, 0 where positions, exact to `offset`, cannot tell them from points.
+    /// Mean free paths \[L\] of stated lengths, 0 where they are too short for positions with a rounding error of `offset`.
     pub(crate) fn resolved(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
         let of = |c: usize| {
             let mfp = self.mfp(surface_albedo[c], stated[c]);

@@ -1,4 +1,4 @@
-//! Surfaces: a material's values at a point, and how the interface there scatters light.
+//! Surfaces: a material's values at a point, and the scattering of light at its interface.
 
 pub mod bsdf;
 mod medium;

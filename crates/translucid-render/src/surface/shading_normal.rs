@@ -1,4 +1,4 @@
-//! Normals that surfaces are shaded with: those of their meshes, normal maps, and the side that is seen.
+//! Shading normals: from the mesh, bent by normal maps, on the side that is seen.
 
 use glam::Vec3;
 use translucid_scene::{Material, Scene};
@@ -21,7 +21,7 @@ pub(crate) fn shading_normal_at(scene: &Scene, material: &Material, point: &Surf
     }
 }
 
-/// Cosine of the view to which a shading normal is lifted that faces away from what is seen.
+/// Cosine of the view to which a shading normal is lifted if it faces away from the side that is seen.
 const LEAST_COSINE: f32 = 1e-3;
 
 /// The shading normal that is nearest among those that face the seen side of a surface.

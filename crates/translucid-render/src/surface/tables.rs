@@ -1,4 +1,4 @@
-//! Tables that materials need at their surfaces, made before the first path.
+//! Tables of materials' surfaces, made before the first path.
 
 use std::sync::Arc;
 
@@ -6,11 +6,11 @@ use translucid_scene::{Integrator, Material};
 
 use super::bsdf::MaterialTables;
 
-/// The reflectance tables of a scene's materials, and which of them light passes.
+/// The reflectance tables of a scene's materials, and the materials that light may pass.
 pub(crate) struct SurfaceTables {
     /// For each material; those with the same indices of refraction share one.
     tables: Vec<Arc<MaterialTables>>,
-    /// For each material, whether light may pass it: shadow rays then look closer.
+    /// For each material, `true` if light may pass it: shadow rays then evaluate it.
     lets_light_through: Vec<bool>,
 }
 
@@ -21,13 +21,13 @@ impl SurfaceTables {
         new
     }
 
-    /// Makes what a changed material needs.
+    /// Makes the tables of a changed material.
     pub(crate) fn update(&mut self, index: usize, material: &Material, integrator: &Integrator) {
         self.tables[index] = self.tables_of(material);
         self.lets_light_through[index] = lets_light_through(material, integrator);
     }
 
-    /// Makes what one more material needs.
+    /// Makes the tables of one more material.
     pub(crate) fn push(&mut self, material: &Material, integrator: &Integrator) {
         self.tables.push(self.tables_of(material));
         self.lets_light_through.push(lets_light_through(material, integrator));
@@ -57,7 +57,7 @@ impl SurfaceTables {
         self.lets_light_through[material]
     }
 
-    /// Whether any shadow ray has to look closer.
+    /// Returns `true` if light may pass any material.
     pub(crate) fn any_lets_light_through(&self) -> bool {
         self.lets_light_through.contains(&true)
     }

@@ -1,4 +1,4 @@
-//! Where a pixel is among those that are traced together, and with which of them it shares light.
+//! The place of a pixel in its block, and the pixels there that it shares light with.
 
 /// Edge \[pixels\] of a square of as many pixels as share light.
 ///
@@ -11,10 +11,11 @@ pub(crate) const COHORT_SIZE: u32 = 16;
 /// Pixels share with 1/16 of it at most. At the edge of a region whole blocks are traced, so they should not be larger.
 pub(crate) const BLOCK_SIZE: u32 = 4 * COHORT_SIZE;
 
-/// How far \[pixels\] the borders of those who share swing to either side, and over how many they swing to and fro.
+/// Amplitude and period \[pixels\] of the zigzag borders between pixels that share.
 ///
-/// Straight borders are seen where light travels a few pixels: with 0 and 4 differences across the lines of a grid are 1.22 and
-/// 1.14 times those elsewhere at one sample, for 1.02 times the error (profile of 4 pixels in the bench `structure`; head).
+/// Straight borders show where light travels a few pixels: at one sample, differences across the lines of a grid are 1.22
+/// times those elsewhere without the zigzag, and 1.14 times with it, for 1.02 times the error (profile of 4 pixels in the
+/// bench `structure`; head).
 const BEND: f32 = 4.0;
 const BEND_LENGTH: f32 = 22.0;
 
@@ -30,8 +31,8 @@ pub(crate) struct BlockPlace {
 }
 
 impl BlockPlace {
-    /// The way to those that the pixel shares with: a random one, up to so many pixels along each axis, by random bits of which
-    /// the lowest 32 count, beside that which bends their borders.
+    /// The offset from the pixel to those that it shares with: a random one of up to `spread` pixels along each axis, by the
+    /// lowest 32 of some random bits, plus the zigzag of the borders.
     pub(crate) fn offset(&self, spread: f32, bits: u64) -> [f32; 2] {
         let spread = spread.min(BLOCK_SIZE as f32);
         let random = [bits as u16, (bits >> 16) as u16].map(|u| spread * (f32::from(u) / 32768.0 - 1.0));
@@ -39,24 +40,23 @@ impl BlockPlace {
         [random[0] + y, random[1] + x]
     }
 
-    /// Number of the square of [`COHORT_SIZE`] pixels that the place so far from the pixel is in, as
-    /// [`rectangle`](Self::rectangle) says.
+    /// Number of the square of [`COHORT_SIZE`] pixels at an offset from the pixel; see [`rectangle`](Self::rectangle).
     pub(crate) fn cohort(&self, offset: [f32; 2]) -> usize {
         let [column, row] = self.rectangle([COHORT_SIZE; 2], offset);
         row * (BLOCK_SIZE / COHORT_SIZE) as usize + column
     }
 
-    /// Column and row of the rectangle whose pixels a pixel shares with: that of the place so far from it, up to
-    /// [`BLOCK_SIZE`] pixels, as seen in mirrors that stand at the block's edges.
+    /// Column and row of the rectangle whose pixels a pixel shares with: the one at an offset of up to [`BLOCK_SIZE`] pixels,
+    /// mirrored at the block's edges.
     ///
-    /// Rectangles have edges of about so many pixels. A block that the picture cuts has fewer of them rather than smaller ones:
-    /// with 12 × 12 pixels in place of 24 × 24 the error of regions of a small picture was 1.07 times as great.
+    /// Rectangles have about the given edges \[pixels\]. A block that the picture cuts has fewer of them rather than smaller
+    /// ones: with 12 × 12 pixels instead of 24 × 24 the error of regions of a small picture was 1.07 times as great.
     pub(crate) fn rectangle(&self, edges: [u32; 2], offset: [f32; 2]) -> [usize; 2] {
         [0, 1].map(|axis| {
             let size = self.size[axis] as f32;
             let count = (self.size[axis] / edges[axis]).max(1) as f32;
             let mut at = (self.at[axis] as f32 + 0.5 + offset[axis]).abs();
-            // Not a remainder, which would take long: most blocks are as wide as anyone goes
+            // A remainder would be slower: the loop seldom runs, as few offsets are wider than the block
             while at > 2.0 * size {
                 at -= 2.0 * size;
             }

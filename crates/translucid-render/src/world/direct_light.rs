@@ -8,8 +8,8 @@ use crate::light::LightSample;
 use crate::ray::{Ray, SurfacePoint};
 use crate::surface;
 
-/// Light beyond this is cut off: that of a point light at a distance of 1e-7, say, which may shine with 1e12.
-/// Products with what comes after it stay finite, and a black channel stays black.
+/// Light beyond this is cut off, for example that of a point light of 1e12 at a distance of 1e-7.
+/// Later products stay finite, and a black channel stays black.
 const GREATEST_LIGHT: f32 = 1e26;
 
 impl World {

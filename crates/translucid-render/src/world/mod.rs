@@ -1,4 +1,4 @@
-//! The scene as all paths know it, and light between two of its points.
+//! The scene as all paths see it, and light between two of its points.
 
 mod block_place;
 mod direct_light;
@@ -19,7 +19,7 @@ use crate::surface::SurfaceTables;
 pub(crate) use block_place::{BLOCK_SIZE, BlockPlace, COHORT_SIZE};
 pub(crate) use direct_light::{power_heuristic, weighed};
 pub(crate) use passage::Media;
-pub(crate) use path_state::{Layer, Origin, PathState};
+pub(crate) use path_state::{Layer, MisOrigin, PathState};
 pub use pixel_sample::{PixelSample, layer};
 pub(crate) use pixel_width::PixelWidth;
 pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_transmittance};
@@ -27,7 +27,7 @@ pub(crate) use shadow::{ShadowMedium, absorbed, absorption_behind, straight_tran
 /// A scene with its hierarchy, the tables of its surfaces and its lights, shared by all threads.
 pub(crate) struct World {
     pub(crate) scene: Scene,
-    /// Shared with those who look at the scene from other threads.
+    /// Shared with threads that look at the scene.
     pub(crate) geometry: Arc<Geometry>,
     pub(crate) surfaces: SurfaceTables,
     pub(crate) media: Media,

@@ -1,7 +1,7 @@
 //! Light that passes a body without being scattered in it.
 //!
-//! What a path may pass a shadow ray has to pass, too, or samples of lights and paths that meet them would not be two ways
-//! of finding the same light. With T the factors of the surface on both sides, both have
+//! Shadow rays have to pass every body that paths may pass. Otherwise light samples, and paths that meet the lights, would
+//! not be two ways of finding the same light. With T the factors of the surface on both sides, both have the transmittance
 //!
 //! ```text
 //! T(ωo) e^{−σ_t d} T(ωi) / T̄
@@ -30,7 +30,7 @@ impl Media {
         Self(media.map(|medium| medium.filter(|medium| medium.is_matched()).cloned()).collect())
     }
 
-    /// Whether there are any.
+    /// Returns `true` if there are any.
     pub(super) fn any(&self) -> bool {
         self.0.iter().any(Option::is_some)
     }
@@ -49,7 +49,7 @@ pub(super) struct Passage {
     pub(super) end: SurfacePoint,
 }
 
-/// How far a ray is of interest.
+/// Limits of a ray.
 #[derive(Clone, Copy)]
 pub(super) struct Reach {
     /// Distance \[L\] at which it ends.
@@ -59,7 +59,7 @@ pub(super) struct Reach {
 }
 
 impl World {
-    /// Whether shadow rays pass the body below a surface as paths do.
+    /// Returns `true` if shadow rays pass the body below a surface as paths do.
     pub(crate) fn is_passed_by_shadow_rays(&self, point: &SurfacePoint, soft: bool) -> bool {
         let (_, material) = self.material(point);
         let surface = surface::parameters_at(&self.scene, material, point);
@@ -99,7 +99,7 @@ impl World {
         let (start, skipped) = body.enter(point, direction)?;
         let FlightEnd::Boundary { distance, hit } = body.fly(start, direction, visible) else { return None };
         let distance = distance + skipped;
-        // What shines inside is not seen
+        // Lights inside are not seen
         if distance >= reach.distance {
             return None;
         }

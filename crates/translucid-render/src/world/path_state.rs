@@ -1,10 +1,10 @@
-//! A path under way: where it is, what it is worth, and what light it has found.
+//! A path under way: its place, its throughput, and the light that it has found.
 
 use glam::Vec3;
 
 use super::direct_light::power_heuristic;
 use super::{BlockPlace, PixelSample};
-use crate::light::bent_pdf;
+use crate::light::refracted_pdf;
 use crate::ray::{Ray, SurfacePoint};
 
 /// Surfaces that a path may pass straight through in a row, against endless loops.
@@ -38,17 +38,17 @@ impl Layer {
 
 /// The last point at which the path was scattered, for MIS.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Origin {
+pub(crate) struct MisOrigin {
     pub(crate) point: Vec3,
     /// Normal given to the light selection.
     pub(crate) normal: Vec3,
     /// Solid-angle density of the direction taken; infinite where lights could not be sampled instead.
     pub(crate) pdf: f32,
-    /// Whether the way of light samples to there bends at a surface.
-    pub(crate) is_bent: bool,
+    /// Light samples reach this point only refracted by a surface.
+    pub(crate) is_refracted: bool,
 }
 
-impl Origin {
+impl MisOrigin {
     /// Weight of light that the path has met, given the density with which lights are sampled for it at a point with a
     /// normal.
     pub(crate) fn weight(&self, light_pdf: impl FnOnce(Vec3, Vec3) -> f32) -> f32 {
@@ -56,7 +56,7 @@ impl Origin {
             return 1.0;
         }
         let density = light_pdf(self.point, self.normal);
-        power_heuristic(self.pdf, if self.is_bent { bent_pdf(density) } else { density })
+        power_heuristic(self.pdf, if self.is_refracted { refracted_pdf(density) } else { density })
     }
 }
 
@@ -65,18 +65,18 @@ pub(crate) struct PathState {
     pub(crate) ray: Ray,
     pub(crate) throughput: Vec3,
     pub(crate) layer: Layer,
-    pub(crate) origin: Origin,
+    pub(crate) origin: MisOrigin,
     pub(crate) depth: u32,
     pub(crate) diffuse_depth: u32,
     passes: u32,
-    /// Whether the path left a matte surface with caustics off; see [`crate::path`].
+    /// The path has left a matte surface with caustics off; see [`crate::path`].
     pub(crate) soft: bool,
     /// Number of the vertex, the camera's being 0.
     pub(crate) vertex: u32,
     /// Absorption coefficient of the clear medium around the ray [1/L].
     pub(crate) absorption: Vec3,
     pub(crate) sample: PixelSample,
-    /// Its pixel's place among those that share, until its light under a surface is left to them.
+    /// Its pixel's place in the block, until the block takes over its light under a surface.
     pub(crate) in_block: Option<BlockPlace>,
 }
 
@@ -86,7 +86,12 @@ impl PathState {
             ray,
             throughput: Vec3::ONE,
             layer: Layer::Emission,
-            origin: Origin { point: ray.origin, normal: Vec3::ZERO, pdf: f32::INFINITY, is_bent: false },
+            origin: MisOrigin {
+                point: ray.origin,
+                normal: Vec3::ZERO,
+                pdf: f32::INFINITY,
+                is_refracted: false,
+            },
             depth: 0,
             diffuse_depth: 0,
             passes: 0,
@@ -98,12 +103,12 @@ impl PathState {
         }
     }
 
-    /// A path that goes on from here under a surface and is worth `throughput`; its light is counted by itself.
+    /// A path that goes on from here under a surface with this throughput; it counts its light separately.
     pub(crate) fn branch(&self, throughput: Vec3) -> Self {
         Self { throughput, layer: Layer::Subsurface, sample: PixelSample::default(), in_block: None, ..*self }
     }
 
-    /// The path itself, to go on from here in another way, with random numbers of its own.
+    /// A copy of the path that goes on from here in another way, with random numbers of its own.
     pub(crate) fn beside(&self) -> Self {
         Self { vertex: self.vertex + BESIDE, ..*self }
     }
@@ -124,7 +129,7 @@ impl PathState {
     }
 
     /// Goes on in a new direction.
-    pub(crate) fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: Origin) {
+    pub(crate) fn scatter(&mut self, event: Layer, ray: Ray, weight: Vec3, origin: MisOrigin) {
         self.layer = self.layer_after(event);
         self.throughput *= weight;
         self.ray = ray;
@@ -133,12 +138,12 @@ impl PathState {
         self.passes = 0;
     }
 
-    /// Whether it has passed a surface since it was scattered.
+    /// Returns `true` if it has passed a surface since it was scattered.
     pub(crate) fn has_passed(&self) -> bool {
         self.passes > 0
     }
 
-    /// Goes on behind the surface in the same direction; the MIS origin stays. False where nothing is left to go on.
+    /// Goes on behind the surface in the same direction; the MIS origin stays. False where the path is over.
     pub(crate) fn pass(&mut self, point: &SurfacePoint, transmittance: Vec3) -> bool {
         self.throughput *= transmittance;
         self.ray = Ray::new(point.ray_origin(self.ray.direction), self.ray.direction);

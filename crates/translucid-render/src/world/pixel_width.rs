@@ -1,6 +1,6 @@
-//! The width of a pixel where it shows something.
+//! The width of a pixel on the surface that it shows.
 
-/// Width of a pixel \[L\] by the distance of what it shows.
+/// Width of a pixel \[L\] by the distance of the surface that it shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct PixelWidth {
     constant: f32,
@@ -8,12 +8,12 @@ pub(crate) struct PixelWidth {
 }
 
 impl PixelWidth {
-    /// The same at any distance.
+    /// A width that does not depend on the distance.
     pub(crate) fn constant(width: f32) -> Self {
         Self { constant: width, per_distance: 0.0 }
     }
 
-    /// In proportion to the distance.
+    /// A width in proportion to the distance.
     pub(crate) fn per_distance(per_distance: f32) -> Self {
         Self { constant: 0.0, per_distance }
     }

@@ -1,4 +1,4 @@
-//! How much light comes through between two points.
+//! Transmittance between two points.
 
 use glam::Vec3;
 use translucid_scene::Material;
@@ -23,14 +23,14 @@ const LEAST: f32 = 1e-6;
 pub(crate) struct ShadowMedium {
     /// Absorption coefficient of the clear medium around its origin [1/L].
     pub(crate) absorption: Vec3,
-    /// Whether the light may come straight through clear surfaces.
+    /// The light may come straight through clear surfaces.
     pub(crate) soft: bool,
 }
 
 /// Transmittance of the segment: 0 or 1 between opaque things, a color where partly opaque ones, clear
 /// media, bodies that light may pass straight or, for soft light, clear surfaces are in the way.
 ///
-/// Paths end at rectangle and sphere lights, so what shadow rays bring ends there, too.
+/// Paths end at rectangle and sphere lights, so shadow rays end there, too.
 pub(crate) fn transmittance(world: &World, ray: &Ray, medium: ShadowMedium) -> Vec3 {
     if world.surfaces.any_lets_light_through() || world.media.any() {
         through_surfaces(world, *ray, medium)
@@ -46,7 +46,7 @@ fn light_in_the_way(world: &World, ray: &Ray) -> Option<f32> {
     Some(world.lights.intersect(ray.origin, ray.direction, ray.t_max)?.t)
 }
 
-/// Marches from surface to surface, the way paths pass them: what a path loses a shadow ray has to lose.
+/// Marches from surface to surface as paths do: a shadow ray has to lose the same light as a path.
 fn through_surfaces(
     world: &World,
     mut ray: Ray,
@@ -54,7 +54,7 @@ fn through_surfaces(
 ) -> Vec3 {
     let scene = &world.scene;
     let mut result = Vec3::ONE;
-    // Along the ray as it was: what starts anew beside a surface may meet the light that it is meant for
+    // Along the original ray: a ray that starts beside a surface may meet the light that it is meant for
     let mut light = light_in_the_way(world, &ray);
     let mut done = 0.0;
     // Bodies may end between the ray's end and the light, short of which it ends
@@ -98,7 +98,7 @@ fn through_surfaces(
         }
         let opacity = surface::opacity_at(scene, material, &point);
         let surface = surface::parameters_at(scene, material, &point);
-        let clear = if soft { surface.transmission_weight * (1.0 - surface.metalness) } else { 0.0 };
+        let clear = if soft { surface.clear_part() } else { 0.0 };
         result *= absorbed(absorption, hit.t);
         if clear > 0.0 {
             absorption = absorption_behind(material, &point, ray.direction);
@@ -119,7 +119,7 @@ pub(crate) fn absorption_behind(material: &Material, point: &SurfacePoint, direc
     if direction.dot(point.geometric_normal) < 0.0 { surface::absorption(material) } else { Vec3::ZERO }
 }
 
-/// Transmittance of a clear medium over a distance; what never ends (an open mesh) absorbs nothing.
+/// Transmittance of a clear medium over a distance; an infinite one (in an open mesh) absorbs nothing.
 pub(crate) fn absorbed(absorption: Vec3, distance: f32) -> Vec3 {
     if absorption == Vec3::ZERO || distance == f32::INFINITY {
         Vec3::ONE

@@ -1,4 +1,4 @@
-//! Scenes made in code with one value changed to worse: refused with the place, or rendered; never a panic.
+//! Scenes made in code with one broken value: refused with its place, or rendered; never a panic.
 
 use translucid_broken_scenes::{BrokenScene, broken_scenes, scene_of_everything};
 use translucid_render::PreparedScene;
@@ -15,7 +15,7 @@ fn scene_with_any_value_changed_is_refused_or_rendered() {
     for BrokenScene { place, change, is_invalid, scene } in broken_scenes(&scene_of_everything()) {
         let film = scene.film;
         if let Err(error) = scene.validate() {
-            // The renderer asks no less of a scene
+            // The renderer is no less strict with a scene
             let own = PreparedScene::new(scene).err().expect("as the scene says");
             assert_eq!(own.to_string(), error.to_string());
             refused += 1;

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use glam::{Mat3, Vec3};
 use translucid_profile::Model;
-use translucid_render::{FilmSums, Goal, Outcome, Progress};
+use translucid_render::{FilmSums, Goal, Outcome, SampleProgress};
 use translucid_scene::{
     Camera, ColorInput, Environment, Film, Integrator, Light, Material, Mesh, Object, Projection,
     ScalarInput, Scene, SubsurfaceMethod, SubsurfaceModel, SubsurfaceNormalization, Unit, WalkSurface,
@@ -83,7 +83,7 @@ fn scene() -> Scene {
     }
 }
 
-/// A way of light below the surface, and the picture of one thread that nobody has disturbed.
+/// A way of light below the surface, and its picture by one thread without interruption.
 struct Way {
     name: &'static str,
     scene: Scene,
@@ -131,11 +131,11 @@ fn rendered(scene: &Scene, threads: usize, steps: &[u32]) -> FilmSums {
     })
 }
 
-/// A film whose rendering on so many threads somebody has stopped after a third.
+/// A film whose rendering on several threads was stopped after a third.
 fn interrupted(scene: &Scene, threads: usize) -> FilmSums {
     let mut film = empty_film();
     let stop = AtomicBool::new(false);
-    let stop_soon = |progress: Progress| {
+    let stop_soon = |progress: SampleProgress| {
         if progress.samples_done * 3 > progress.samples_total {
             stop.store(true, Ordering::Relaxed);
         }
@@ -150,7 +150,7 @@ fn interrupted(scene: &Scene, threads: usize) -> FilmSums {
     film
 }
 
-/// Ways that have pictures of their own, or the tests below would tell nothing of one of them.
+/// Ways with pictures of their own; without these, the tests below would not cover some way.
 #[test]
 fn ways_differ() {
     for (index, way) in WAYS.iter().enumerate() {

@@ -156,7 +156,7 @@ fn slab_transmits_what_the_disks_of_cycles_find() {
     }
 }
 
-/// With the disks of Cycles, what comes through a body serves the camera, not a floor.
+/// With the disks of Cycles, light that comes through a body reaches the camera, not a floor.
 #[test]
 fn bodies_are_lambertian_behind_a_diffuse_event_with_disks() {
     let light_of_floor = |method: SubsurfaceMethod| {

@@ -72,7 +72,7 @@ fn overlapping_meshes_of_one_group_are_their_union() {
     }
 }
 
-/// An eye in a head: what lies all inside gets no light, and takes none.
+/// An eye in a head: a mesh that is entirely inside gets no light, and takes none.
 #[test]
 fn nested_mesh_changes_nothing() {
     let (origin, direction) = (Vec3::new(0.1, 0.2, 3.0), Vec3::NEG_Z);

@@ -175,8 +175,7 @@ fn instances_of_one_group_are_one_body() {
     assert_same_light("one group", &scene);
 }
 
-/// Emissive instances are lamps: what they shed on a wall beside them is what their triangles would, found by either of
-/// lights and paths.
+/// Emissive instances are lamps: they light a wall beside them as their triangles would, by light samples and by paths.
 #[test]
 fn emissive_instances_shed_the_same_light() {
     let mut scene = row(matte(Vec3::splat(0.5)));
@@ -229,7 +228,7 @@ fn picture(scene: Scene) -> FilmSums {
     film
 }
 
-/// Moving one instance prepares what a scene that is prepared anew has, whose fingerprint tells all places apart.
+/// Moving one instance gives the pictures of a scene that is prepared anew; the fingerprint differs with every place.
 #[test]
 fn moved_instances_are_those_of_a_new_scene() {
     let mut scene = row(matte(Vec3::splat(0.5)));
@@ -251,7 +250,7 @@ fn moved_instances_are_those_of_a_new_scene() {
     assert!(before != after);
 }
 
-/// A thousand bodies take the memory of one, and a little for each place; what that is does not depend on threads.
+/// A thousand bodies take the memory of one, and a little for each place, on any number of threads.
 #[test]
 fn a_thousand_instances_take_the_memory_of_one() {
     let mesh = Arc::new(body());

@@ -103,8 +103,8 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     }
 }
 
-/// White with a diffuse mean free path is a limit that no medium has: the probes and what follows the direction of
-/// light stop at the same one before it, so that no sample counts for hundreds.
+/// White with a diffuse mean free path is a limit that no medium reaches: radial and directional profiles stop at the same
+/// albedo below it, so that no sample counts for hundreds.
 #[test]
 fn white_with_a_dmfp_is_no_noisier_than_nearly_white() {
     for texture in [false, true] {
@@ -144,8 +144,8 @@ fn slab_transmits_what_every_profile_says() {
     }
 }
 
-/// Both forms of normalized diffusion with a phase function and a boundary; what they are not fitted for counts as the
-/// nearest that they are, and a note says so.
+/// Both forms of normalized diffusion with a phase function and a boundary; parameters that they are not fitted for count
+/// as the nearest that they are, with a note.
 #[test]
 fn normalized_diffusion_knows_phase_function_and_boundary() {
     let thickness = 1.5;
@@ -171,7 +171,7 @@ fn normalized_diffusion_knows_phase_function_and_boundary() {
     }
 }
 
-/// A walk has no profile to gather from points, to pair or to normalize: what asks for one is not passed over in silence.
+/// A walk has no profile to gather from points, to pair or to normalize: keys that ask for one give a note.
 #[test]
 fn walk_says_which_keys_do_not_concern_it() {
     let notes = |material: Material, method| {
@@ -194,7 +194,7 @@ fn walk_says_which_keys_do_not_concern_it() {
     }
 }
 
-/// Where no model is named, the picture is that of the model that the scene decides on, and all that is asked for is done.
+/// Without a named model, the picture is that of the model that the scene implies, and every key is honored.
 #[test]
 fn default_renders_what_it_stands_for() {
     let sample = |scene: &Scene| {
@@ -302,7 +302,7 @@ impl SlantingBeam {
 
 const EXITS: [Vec3; 3] = [Vec3::new(0.8, 0.0, 0.0), Vec3::new(-0.8, 0.0, 0.0), Vec3::new(0.3, 0.6, 0.0)];
 
-/// A beam that arrives at a slant leaves to the right and to the left of it as the directional dipole says.
+/// A beam that arrives at a slant leaves to the right and to the left of it as the directional dipole predicts.
 #[test]
 fn directional_dipole_leaves_where_it_says() {
     let beam = SlantingBeam::new(DIRECTIONAL, 1.3);
@@ -321,7 +321,7 @@ fn directional_dipole_leaves_where_it_says() {
     assert!(expected[0] > 2.0 * expected[1], "{expected:?}");
 }
 
-/// A slanting beam leaves as oblique normalized diffusion says, which is the truth to within the model's error, with and without
+/// A slanting beam leaves as oblique normalized diffusion predicts, which is the truth to within the model's error, with and without
 /// refraction.
 #[test]
 fn oblique_diffusion_leaves_where_the_exact_solution_says() {
@@ -362,7 +362,7 @@ fn table_from_a_file_gives_the_picture_of_its_model() {
     assert_within("table", result, beyond(Model::Dipole, 0.7) / std::f32::consts::PI);
 }
 
-/// A profile too narrow for positions to tell, whatever the length that its file counts in: a Lambertian surface.
+/// A profile too narrow for positions to resolve is a Lambertian surface, whatever the unit of its file.
 #[test]
 fn narrow_table_is_the_lambertian_limit() {
     for unit in [1e-98, 1e-30, 1e-12] {

@@ -1,7 +1,7 @@
-//! Profiles normalized by shape: even light returns A from whatever has a surface.
+//! Profiles normalized by shape: in even light every surface returns A.
 //!
 //! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in 2,700 comparisons)
-//! and what a sum over points is allowed to be off by.
+//! plus the error that a sum over points may have.
 
 use glam::Vec3;
 use translucid_profile::{Appearance, Configuration, Model, Parameterization};
@@ -105,12 +105,12 @@ fn normalization_is_a_factor_of_the_exit() {
         })
     });
     let ratios = means.map(|[front, back]| back / front);
-    // The same seed draws the same paths
+    // Equal seeds draw equal paths
     assert!((ratios[0] / ratios[1] - 1.0).abs().max_element() < 1e-3, "{ratios:?}");
     assert!((means[1][0] / means[0][0]).cmplt(Vec3::splat(0.95)).all(), "{means:?}");
 }
 
-/// Points that find no room leave the picture as it would be without, and say so.
+/// Points that do not fit into memory leave the picture without normalization, and give a note.
 #[test]
 fn points_without_room_are_noted() {
     let narrow = Material {

@@ -1,7 +1,7 @@
 //! Point-based subsurface scattering against exact answers.
 //!
-//! The light on the test scenes is such that the points' irradiance has no noise, or hardly any: what is measured is
-//! the sum over points.
+//! The light on the test scenes is such that the points' irradiance has hardly any noise: the tests measure the sum over
+//! points.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -83,7 +83,7 @@ fn plane_under_uniform_light_returns_surface_albedo() {
     }
 }
 
-/// Where there is no light, points take no more samples than it needs to see that.
+/// Where there is no light, points take no more samples than they need to find that.
 #[test]
 fn points_without_light_are_soon_black() {
     let square = quad(Vec3::ZERO, Vec3::X * 4.0, Vec3::Y * 4.0);

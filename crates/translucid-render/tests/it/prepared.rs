@@ -1,4 +1,4 @@
-//! Edits of a prepared scene: it renders what a scene that is prepared anew renders, and prepares nothing else.
+//! Edits of a prepared scene: its pictures are those of a scene that is prepared anew, and only changed parts are prepared.
 
 use std::sync::Arc;
 
@@ -66,7 +66,7 @@ fn painted(number: usize) -> Material {
     Material { subsurface_color: color, ..wax(0.3) }
 }
 
-/// Objects that are moved, added and taken away, and materials with them, leave what a scene prepared anew has.
+/// Objects and materials that are moved, added and removed leave the pictures of a scene that is prepared anew.
 #[test]
 fn edited_objects_are_those_of_a_scene_prepared_anew() {
     let mut wanted = still();
@@ -80,7 +80,7 @@ fn edited_objects_are_those_of_a_scene_prepared_anew() {
     };
     check(&prepared, &wanted, "as it was");
 
-    // The same picture as of one hierarchy over all triangles, but for rounding
+    // One hierarchy over all triangles gives the same picture, but for rounding
     let baked = PreparedScene::new(still()).expect("a valid scene");
     let mean = |prepared: &PreparedScene| {
         let film = picture(prepared);
@@ -226,6 +226,19 @@ fn edited_scene_renders_as_one_that_is_prepared_anew() {
             assert_eq!(names, ["sky", "others"], "nothing refers to the first colors any more");
         }
     }
+}
+
+/// Normalization stays with its material when another one before it is removed.
+#[test]
+fn removed_material_leaves_the_others_normalized() {
+    let mut wanted = still();
+    wanted.materials[0].subsurface_normalization = SubsurfaceNormalization::Energy;
+    let mut spare = wanted.clone();
+    spare.materials.insert(0, matte(Vec3::ONE));
+    spare.objects.iter_mut().for_each(|object| object.material += 1);
+    let mut prepared = PreparedScene::new(spare).expect("a valid scene");
+    prepared.edit(Edit::RemoveMaterial(0)).expect("no object has it");
+    assert!(picture(&prepared) == picture(&PreparedScene::new(wanted).expect("a valid scene")));
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn plane_seen_along_the_normal_returns_the_albedo_of_a_pencil() {
     assert_within("normal", result, expected);
 }
 
-/// In the middle of a beam that falls perpendicularly, the light that leaves is what a pencil sends within its radius.
+/// In the middle of a perpendicular beam, the light that leaves is a pencil's light within the beam's radius.
 #[test]
 fn beam_returns_the_enclosed_energy_of_the_exact_profile() {
     let half_spaces =
@@ -145,7 +145,7 @@ fn beam_returns_the_enclosed_energy_of_the_exact_profile() {
     }
 }
 
-/// Every way of light out of a body that absorbs nothing ends in the same light.
+/// Every path out of a body that absorbs nothing ends in the same light.
 #[test]
 fn white_body_in_uniform_light_cannot_be_seen() {
     for (g, eta) in [(0.0, 1.0), (0.7, 1.0), (0.0, 1.5)] {
@@ -180,8 +180,8 @@ fn estimates(estimate: impl Fn(usize) -> Estimate) -> (Vec3, Vec3) {
     (per_channel(|c| estimate(c).value), per_channel(|c| estimate(c).error))
 }
 
-/// A slab in the same light from both sides, with and without what comes straight through, against an independent walk:
-/// where the camera does not see the environment, it does not through the slab either.
+/// A slab in the same light from both sides, with and without unscattered light, against an independent walk: a camera that
+/// does not see the environment does not see it through the slab either.
 #[test]
 fn slab_agrees_with_an_independent_walk() {
     let thickness = 1.2_f32;
@@ -215,7 +215,7 @@ fn sphere_agrees_with_an_independent_walk() {
             (normal * radius, normal)
         };
         let result = scaled(flux(&renderer, samples(1 << 15), place), std::f32::consts::PI);
-        // Of a cross section πρ² what leaves through 4πρ²/n
+        // Light on the cross section πρ² that leaves through the area 4πρ²/n
         let expected = estimates(|c| tallies[c].scattered_through(ring));
         assert_agree(&format!("ring {ring}"), result, scaled(expected, SPHERE_RINGS as f32 / 4.0));
     }
@@ -314,8 +314,8 @@ fn let_in(cosine: f32, eta: f32) -> f32 {
     1.0 - fresnel_dielectric(cosine, eta)
 }
 
-/// Light from one direction, which no ray can meet, comes to collisions refracted: a plane returns what the transfer
-/// equation says.
+/// Light from one direction, which no ray can meet, reaches collisions refracted: a plane returns the light of the transfer
+/// equation's solution.
 #[test]
 fn dielectric_plane_in_parallel_light_returns_the_exact_albedo() {
     for (eta, cosine) in [(1.05, 0.6_f32), (1.33, 1.0), (1.4, 0.5), (1.8, 0.2)] {
@@ -332,7 +332,7 @@ fn dielectric_plane_in_parallel_light_returns_the_exact_albedo() {
     }
 }
 
-/// A beam that falls perpendicularly: in its middle leaves what a pencil sends within its radius.
+/// In the middle of a perpendicular beam, the light that leaves is a pencil's light within the beam's radius.
 #[test]
 fn beam_on_a_dielectric_returns_the_enclosed_energy_of_the_exact_profile() {
     let eta = 1.4;
@@ -352,7 +352,7 @@ fn beam_on_a_dielectric_returns_the_enclosed_energy_of_the_exact_profile() {
 
 /// A dielectric sphere in light from one direction, which no ray can meet, or from a disc of the sky, which shadow rays and
 /// paths both find, against an independent walk. Left out for the first: light that crosses the sphere unscattered and is
-/// reflected inside before it collides, 1e-3 of what enters.
+/// reflected inside before it collides, 1e-3 of the light that enters.
 #[test]
 fn dielectric_sphere_agrees_with_an_independent_walk() {
     let (radius, eta) = (2.0_f32, 1.4);
@@ -360,7 +360,7 @@ fn dielectric_sphere_agrees_with_an_independent_walk() {
         let shape = Shape::Sphere { radius: f64::from(radius / LENGTH[c]) };
         Body::new(shape, interiors(eta)[c], Lighting::Distant).unwrap().walk(power(1_600_000), 3)
     });
-    // Of a cross section πρ²
+    // Per cross section πρ²
     let steps = 10_000_u16;
     let cosine = |i: u16| ((f32::from(i) + 0.5) / f32::from(steps)).sqrt();
     let entering = (0..steps).map(|i| let_in(cosine(i), eta)).sum::<f32>() / f32::from(steps);
@@ -487,8 +487,8 @@ fn floor_radiance(scene: Scene, samples: u32) -> (Vec3, Vec3) {
     measure(&prepare(scene), Vec3::new(0.3, 0.2, 1.0), Vec3::new(0.1, 0.0, -1.0).normalize(), samples)
 }
 
-/// What shadow rays bring through a body is what comes straight: light of any kind, and paths that pass it by themselves
-/// are weighted against it.
+/// Shadow rays bring the unscattered light through a body, of lights of any kind; paths that pass the body are weighted
+/// against them.
 #[test]
 fn light_that_passes_a_body_straight_is_found_by_shadow_rays_and_by_paths() {
     let thickness = 0.4_f32;
@@ -585,7 +585,7 @@ fn returned_by(most: u32, alphas: [f64; 3]) -> (Vec3, Vec3) {
     (per_channel(|c| sum[c] / n), per_channel(|c| variance(c).sqrt()))
 }
 
-/// Walks that are given up leave out what longer ones would bring.
+/// Walks that are given up leave out the light of longer ones.
 #[test]
 fn walks_of_so_many_flights_return_the_light_of_so_many() {
     let albedos = Vec3::new(1.0, 0.9, 0.6);
@@ -604,7 +604,7 @@ fn walks_of_so_many_flights_return_the_light_of_so_many() {
     }
 }
 
-/// Seen through facets that refract, a half space shows what it returns of pencils in their directions.
+/// Seen through facets that refract, a half space shows the light that it returns of pencils in the facets' directions.
 #[test]
 fn refracting_facets_show_the_albedos_of_refracted_pencils() {
     let eta = 1.4_f32;
@@ -641,7 +641,8 @@ fn refracting_facets_show_the_albedos_of_refracted_pencils() {
     }
 }
 
-/// In the middle of a beam a diffuse surface returns what the exact profile of diffuse light encloses, from any direction.
+/// In the middle of a beam a diffuse surface returns the energy of the exact diffuse profile within the beam's radius, from
+/// any direction.
 #[test]
 fn beam_on_a_diffuse_surface_returns_the_enclosed_energy_of_the_exact_profile() {
     let half_spaces =
@@ -664,8 +665,8 @@ fn beam_on_a_diffuse_surface_returns_the_enclosed_energy_of_the_exact_profile() 
     }
 }
 
-/// In even light a diffuse surface changes no total: a slab and the rings of a sphere return what an independent walk says
-/// leaves them, straight light with the rest.
+/// In even light a diffuse surface changes no total: a slab and the rings of a sphere return the light of an independent
+/// walk, unscattered light included.
 #[test]
 fn bodies_of_diffuse_surface_agree_with_an_independent_walk() {
     let thickness = 1.2_f32;

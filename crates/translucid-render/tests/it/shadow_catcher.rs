@@ -1,4 +1,4 @@
-//! Surfaces of which the camera sees only the shadows, or nothing.
+//! Surfaces that show the camera only the shadows on them, or nothing.
 
 use glam::Vec3;
 use translucid_render::layer;
@@ -13,7 +13,7 @@ use crate::common::{
 
 const SAMPLES: u32 = 4096;
 
-/// A plane at z = 0 that is seen in some way, and a black ball of radius 1 about (0, 0, 2).
+/// A plane at z = 0 of some visibility, and a black ball of radius 1 about (0, 0, 2).
 fn ball_above(visibility: CameraVisibility) -> Scene {
     let floor = quad(Vec3::ZERO, Vec3::X * 50.0, Vec3::Y * 50.0);
     let mut ball = sphere(1.0, 96);

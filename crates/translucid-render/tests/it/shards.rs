@@ -1,4 +1,4 @@
-//! Parts of a picture in files, joined: the bits of one rendering, or a refusal that says why.
+//! Parts of a picture in files, joined: the bits of one rendering, or a refusal with its reason.
 
 use std::fs;
 use std::ops::Range;
@@ -182,7 +182,7 @@ fn others_and_repetitions_are_refused_by_name() {
         let error = merged(&parts.into_iter().cloned().collect::<Vec<_>>()).expect_err("refused");
         assert!(words.iter().all(|word| error.contains(word)), "{error}");
     }
-    // Of a film in which tiles differ the header does not tell all
+    // Where tiles of a film differ, the header does not list all samples
     let prepared = prepare(ball());
     let view = prepared.view().expect("a valid view");
     let mut uneven = film(&first);
@@ -224,7 +224,7 @@ fn gaps_are_said_as_what_to_render() {
     view.region().pixels().for_each(|(x, y)| assert_eq!(merge.film().mean(x, y), film(&whole).mean(x, y)));
 }
 
-/// Clocks of machines are wrong, and go back: what a shard says of its times decides nothing.
+/// Clocks of machines are wrong, and go back: no result depends on the times in a shard.
 #[test]
 fn clocks_that_jump_change_nothing() {
     let folder = tempfile::tempdir().expect("a folder");

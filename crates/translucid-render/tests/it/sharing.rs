@@ -22,7 +22,7 @@ fn size() -> u32 {
     if is_thorough() { 48 } else { 24 }
 }
 
-/// Pictures whose spread tells the error of their mean.
+/// Pictures whose spread gives the error of their mean.
 fn seeds() -> u64 {
     if is_thorough() { 24 } else { 12 }
 }
@@ -226,7 +226,7 @@ fn sharing_keeps_the_mean_of_every_region() {
         let mut total = [0.0; 2];
         for (region, channel) in (0..regions()).flat_map(|r| (0..3).map(move |c| (r, c))) {
             let mean = |film| mean_of(film, region, channel);
-            // Of the same seed: they have their exits in common
+            // Equal seeds have their exits in common
             let pairs = shared.iter().zip(&alone).map(|(a, b)| mean(a) - mean(b));
             let (difference, squared) = statistics(pairs);
             let t = difference / squared.sqrt().max(1e-6);
@@ -356,7 +356,7 @@ fn errors(model: SubsurfaceModel, pixels: f32, is_shared: bool) -> Vec<Vec<f64>>
     (0..FINE * FINE).map(of_pixel).collect()
 }
 
-/// Mean square over pictures and places of what is asked of the errors around a place.
+/// Mean square, over pictures and places, of a function of the errors around a place.
 fn mean_square(
     errors: &[Vec<f64>],
     places: impl Iterator<Item = (u32, u32)> + Clone,
@@ -371,7 +371,7 @@ fn mean_square(
 }
 
 /// Where light travels far the squares of pixels that share do not show: steps between neighbors are 1.00 to 1.04 times as
-/// high across their borders as elsewhere, where they were 1.3 to 2 times as high had each square its pixels to itself.
+/// high across their borders as elsewhere. They would be 1.3 to 2 times as high if each square shared on its own.
 #[test]
 fn sharing_leaves_no_borders() {
     let model = SubsurfaceModel::Profile(Model::NormalizedDiffusion);
@@ -387,8 +387,8 @@ fn sharing_leaves_no_borders() {
     }
 }
 
-/// The mean of a region is as certain as without sharing, but where light travels about as far as the region is wide: which
-/// entries lie on which side of its edge is a matter of chance that a pixel alone does not know.
+/// The mean of a region is as certain as without sharing, except where light travels about as far as the region is wide:
+/// which entries lie on which side of its edge is a matter of chance that a pixel alone does not have.
 #[test]
 fn sharing_keeps_regions_as_certain() {
     let profile = SubsurfaceModel::Profile(Model::NormalizedDiffusion);
@@ -434,7 +434,7 @@ fn plane(model: SubsurfaceModel) -> Scene {
     scene
 }
 
-/// Where light is even a pixel alone is almost without noise: 16 samples of its own complement each other. The ratio is
+/// Where light is even a pixel alone has almost no noise: its 16 samples complement each other. The ratio is
 /// 1.00 here; without a fixed seed it would vary by a few percent.
 #[test]
 fn sharing_adds_no_noise_to_even_light() {

@@ -1,4 +1,4 @@
-//! Textured surface albedo and mean free path: whose count where exit and entry have different ones.
+//! Textured surface albedo and mean free path, where exit and entry have different ones.
 //!
 //! Every test fixes its seed. A mean counts as right within four standard errors (a false alarm in 2,700
 //! comparisons).
@@ -37,7 +37,7 @@ fn material(model: Model, texture_at: SubsurfaceTextureAt) -> Material {
         specular_weight: ScalarInput::constant(0.0),
         subsurface_weight: ScalarInput::constant(1.0),
         subsurface_model: SubsurfaceModel::Profile(model),
-        // What the oblique profile is along the normal, and the others are told, too
+        // The oblique profile is this one along the normal; the other models get the same parameters
         subsurface_configuration: Configuration::Searchlight,
         subsurface_texture_at: texture_at,
         ..Material::default()
@@ -103,7 +103,7 @@ fn beyond_line(model: Model, a: f32, length: f32, x: f32) -> f64 {
     (0..n).map(|i| (beyond(i) - beyond(i + 1)) * (f64::from(i) + 0.5) / f64::from(2 * n)).sum()
 }
 
-/// Radiosity at a distance x from the step under even irradiance 1: what enters on the exit's side and on the other.
+/// Radiosity at a distance x from the step under even irradiance 1, of light that enters on the exit's side and on the other.
 fn expected(model: Model, policy: SubsurfaceTextureAt, step: &Step, x: f32) -> Vec3 {
     let exit = usize::from(x > 0.0);
     Vec3::from_array(std::array::from_fn(|c| {
@@ -142,7 +142,7 @@ fn step_follows_the_line_integrals_of_its_policy() {
     }
 }
 
-/// Light that entered on a bright side leaves on a black one if the entry says how much, and only then.
+/// Light that entered on a bright side leaves on a black one if the entry's albedo counts, and only then.
 #[test]
 fn black_exit_shows_light_of_a_bright_entry() {
     let step = Step { albedo: [Vec3::splat(0.8), Vec3::ZERO], length: [Vec3::ONE; 2] };
@@ -249,7 +249,7 @@ fn every_kind_of_texture_is_covered() {
     }
 }
 
-/// Lengths of another material are its own affair: across materials of one group the exit's count.
+/// Lengths of another material do not count: across materials of one group the exit's do.
 #[test]
 fn across_materials_the_exit_counts() {
     let plane = quad(Vec3::X * 500.0, Vec3::X * 500.0, Vec3::Y * 1e3);

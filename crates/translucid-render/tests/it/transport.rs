@@ -78,7 +78,7 @@ fn clear_slab_absorbs_by_its_depth() {
     // Rays start a rounding error off the surface: 2e-3 of a slab 3 thick between quads 2,000 wide.
     assert!(((mean - expected) / expected).abs().max_element() < 3e-3, "seen through: {mean}, {expected}");
 
-    // The same slab between a lamp and a floor: light passes straight, with the same color.
+    // Between a lamp and a floor, light passes the slab straight, with the same color.
     let mut lit = scene(vec![top, bottom, quad(Vec3::NEG_Z * 9.0, Vec3::X * 1e3, Vec3::Y * 1e3)], material);
     lit.materials.push(matte(GRAY));
     lit.objects[2].material = 1;
@@ -172,7 +172,7 @@ fn normal_map_tilts_the_shading_normal() {
     assert!((mean.x * std::f32::consts::PI - 1.0).abs() < 1e-3, "{mean}");
 }
 
-/// A camera ray that misses everything sees the environment only if that is visible; alpha says so.
+/// A camera ray that misses everything sees the environment, and has alpha 1, only if that is visible.
 #[test]
 fn background_is_black_and_transparent_unless_visible() {
     for visible in [false, true] {
@@ -185,7 +185,7 @@ fn background_is_black_and_transparent_unless_visible() {
     }
 }
 
-/// Layers add up to the beauty and hold what their names say.
+/// Layers add up to the beauty and hold the light that they are named after.
 #[test]
 fn layers_hold_what_their_names_say() {
     let glossy = Material {

@@ -68,7 +68,7 @@ fn region_beyond_the_film_is_refused() {
     }
 }
 
-/// A fraction shows what the whole picture shows: means over the same squares agree, up to what the edges of pixels change.
+/// A fraction shows the same picture: means over the same squares agree, up to the change at the edges of pixels.
 #[test]
 fn fraction_shows_the_same_picture() {
     let prepared = PreparedScene::new(ball(true)).expect("a valid scene");
@@ -162,10 +162,4 @@ fn lamps_are_seen_where_their_middles_project() {
             assert!(off < 0.05, "{projection:?}, {center}: {off} pixels off {expected:?}");
         }
     }
-}
-
-fn rendered_whole(scene: Scene, samples: u32) -> FilmSums {
-    let prepared = PreparedScene::new(scene).expect("a valid scene");
-    let view = prepared.view().expect("a valid view");
-    rendered(&prepared, &view, samples)
 }

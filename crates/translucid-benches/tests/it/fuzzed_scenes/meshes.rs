@@ -146,7 +146,7 @@ impl Mesh {
         self.triangles.push([first, first + 1, first + 2]);
     }
 
-    /// As a PLY file, at times with normals, texture coordinates and colors that fit nothing.
+    /// Writes a PLY file, at times with normals, texture coordinates and colors that fit nothing.
     pub(crate) fn ply(&self, random: &mut Random) -> String {
         let (normals, uvs, colors) = (random.chance(0.3), random.chance(0.6), random.chance(0.3));
         let mut text = format!("ply\nformat ascii 1.0\nelement vertex {}\n", self.positions.len());

@@ -1,5 +1,5 @@
-//! Random scenes of extreme but valid parameters, as files: whatever the loader admits renders to an end, without
-//! panic, and every sum of the film is finite.
+//! Random scenes of extreme but valid parameters, as files: every scene that the loader admits renders to its end without
+//! a panic, and every sum of the film is finite.
 //!
 //! ```text
 //! cargo test -p translucid-benches --test it fuzzed_scenes                                   those of every run
@@ -54,14 +54,14 @@ const MOST_POINT_BYTES: u64 = 1 << 14;
 
 /// Outcome of a scene.
 enum Verdict {
-    /// Rendered; the CPU time that it took, where the system tells.
+    /// Rendered; the CPU time that it took, where the system reports it.
     Good(Option<f64>),
     /// Refused, and why.
     Refused(String),
     Bad(String),
 }
 
-/// Seeds to be taken, and what each thread is at.
+/// Seeds yet to come, and the seed that each thread is working on.
 struct Work {
     directory: PathBuf,
     next: AtomicU64,
@@ -207,7 +207,7 @@ impl Work {
                     return;
                 }
                 *self.at_hand[index].lock().expect("no thread panics here") = Some((seed, Instant::now()));
-                // A panic, too, shall tell its seed.
+                // A panic, too, has to show its seed.
                 let verdict = catch_unwind(AssertUnwindSafe(|| judge(seed, &self.directory)));
                 let verdict =
                     verdict.unwrap_or_else(|panic| Verdict::Bad(format!("panics: {}", message(&*panic))));
@@ -264,7 +264,7 @@ fn judge(seed: u64, directory: &Path) -> Verdict {
     }
 }
 
-/// Tells whether nothing in the scene shines.
+/// Returns `true` if nothing in the scene shines.
 fn is_dark(scene: &Scene) -> bool {
     let emits = |object: &Object| scene.materials[object.material].emission_luminance > 0.0;
     let color = |light: &Light| match *light {
@@ -295,7 +295,7 @@ fn complaint(film: &FilmSums, dark: bool) -> Option<String> {
     })
 }
 
-/// CPU time of this thread, where the system tells.
+/// CPU time of this thread, where the system reports it.
 fn thread_cpu_seconds() -> Option<f64> {
     let text = fs::read_to_string("/proc/thread-self/schedstat").ok()?;
     let nanoseconds = text.split_whitespace().next()?.parse::<u64>().ok()?;

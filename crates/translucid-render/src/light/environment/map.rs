@@ -3,7 +3,7 @@
 //! The radiance is interpolated bilinearly between pixel centers, around the seam and up to the poles.
 //! Directions are drawn from a table of cells, in proportion to the root mean square of the luminance in each
 //! cell times the cell's solid angle, and uniformly in solid angle within a cell.
-//! The density is therefore exactly constant in a cell, and 0 only where all that the cell interpolates is
+//! The density is therefore exactly constant in a cell, and 0 only where all pixels that the cell interpolates are
 //! black.
 //! For a density that is constant in cells the root mean square leaves the least variance; in a cell of one
 //! pixel it is the mean of the interpolated luminance.
@@ -26,7 +26,7 @@ pub(crate) struct EnvironmentMap {
     world_from_environment: Mat3,
     environment_from_world: Mat3,
     pixels: Pixels,
-    grid: Grid,
+    grid: PixelGrid,
     rows: Discrete,
     /// One for each row; none where the row is black.
     columns: Vec<Option<Discrete>>,
@@ -38,7 +38,7 @@ impl EnvironmentMap {
     /// None if the image times the factor is black.
     pub(crate) fn new(image: &Image, factor: Vec3, world_from_environment: Mat3) -> Option<Self> {
         let pixels = Pixels::new(image, factor);
-        let grid = Grid::new(pixels.width, pixels.height);
+        let grid = PixelGrid::new(pixels.width, pixels.height);
         let mean_squares = grid.mean_squares(&pixels);
         let weight = |i: usize, j: usize| {
             f64::from(mean_squares[j * grid.columns + i]).sqrt() * grid.solid_angle(i, j)
@@ -160,7 +160,7 @@ impl Pixels {
 
 /// Cells of the table: blocks of pixels.
 #[derive(Clone, Copy, Debug)]
-struct Grid {
+struct PixelGrid {
     /// Size of the image in pixels.
     pixels: [usize; 2],
     /// Size of a cell in pixels; the last ones of a row or column may be smaller.
@@ -169,7 +169,7 @@ struct Grid {
     rows: usize,
 }
 
-impl Grid {
+impl PixelGrid {
     fn new(width: usize, height: usize) -> Self {
         let block = [width.div_ceil(MOST_CELLS[0]), height.div_ceil(MOST_CELLS[1])];
         let (columns, rows) = (width.div_ceil(block[0]), height.div_ceil(block[1]));

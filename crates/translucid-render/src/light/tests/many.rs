@@ -76,7 +76,7 @@ fn receivers(count: u32) -> impl Iterator<Item = Receiver> {
 const WAYS: [LightSelection; 3] = [LightSelection::Power, LightSelection::Weighed, LightSelection::Tree];
 
 /// The sum falls short of 1 by the share of random numbers that lead to a cluster none of whose lights can contribute: its
-/// bounds promised too much. Strata of random numbers tell that share within one in 500.
+/// bounds are too wide. Strata of random numbers give that share to one in 500.
 #[test]
 fn probabilities_of_all_lights_sum_to_one_with_that_of_none() {
     let strata = 2000;
@@ -177,7 +177,7 @@ fn walled_off(from: Vec3, direction: Vec3, distance: f32) -> bool {
     })
 }
 
-/// Mean and variance of a draw of the red irradiance from what is not walled off.
+/// Mean and variance of a draw of the red irradiance by lights that are not walled off.
 fn draws(
     count: u32,
     seed: u64,

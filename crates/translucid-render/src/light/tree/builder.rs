@@ -9,16 +9,16 @@
 //! A cluster is split where the two halves cost least: the surface area orientation heuristic of Conty Estevez & Kulla
 //! (2018, §4.4), strength × area × solid angle of emission, over bins along the axes.
 //! Departures from the paper:
-//! 1. The squared diagonal stands for the box's area: it is what the estimate of a cluster suffers from, and
-//!    lights without a size, which spots are, do not make it vanish.
-//! 2. While splits are compared, the spread of normals is told from the length of their mean vector, which adds up;
+//! 1. The squared diagonal stands for the box's area: the error of a cluster's estimate grows with it, and it does not
+//!    vanish for lights without a size, such as spots.
+//! 2. While splits are compared, the spread of normals comes from the length of their mean vector, which adds up;
 //!    the cones themselves are united once for each node that is kept.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::super::bounds::LightBounds;
-use super::{Child, Node, WIDTH};
+use super::{LightChild, LightNode, WIDTH};
 
 /// Bins along an axis.
 const BINS: usize = 12;
@@ -29,28 +29,28 @@ const GREATEST_DEPTH: u32 = 24;
 /// Clusters of more lights are built in parallel.
 const PARALLEL: usize = 4096;
 
-type Item = (LightBounds, u32);
+type TreeLight = (LightBounds, u32);
 
 /// The nodes of a tree over at least one light, the root first. They do not depend on the number of threads.
-pub(crate) fn build(mut lights: Vec<Item>) -> Vec<Node> {
+pub(crate) fn build(mut lights: Vec<TreeLight>) -> Vec<LightNode> {
     let mut nodes = Vec::new();
     add_node(&mut lights, 0, &mut nodes);
     nodes
 }
 
 /// Adds a node with all that is below it behind `nodes`; returns the bounds of its lights.
-fn add_node(items: &mut [Item], depth: u32, nodes: &mut Vec<Node>) -> LightBounds {
+fn add_node(items: &mut [TreeLight], depth: u32, nodes: &mut Vec<LightNode>) -> LightBounds {
     let place = nodes.len();
-    nodes.push(Node::default());
+    nodes.push(LightNode::default());
     let is_large = items.len() > PARALLEL;
     let clusters = clusters(items, depth);
-    let children: Vec<(LightBounds, Child)> = if is_large {
+    let children: Vec<(LightBounds, LightChild)> = if is_large {
         let below: Vec<_> = clusters.into_par_iter().map(|cluster| subtree(cluster, depth)).collect();
         below.into_iter().map(|(bounds, child, subtree)| (bounds, child.placed(subtree, nodes))).collect()
     } else {
         clusters.into_iter().map(|cluster| add_child(cluster, depth, nodes)).collect()
     };
-    let mut node = Node::default();
+    let mut node = LightNode::default();
     for (lane, (bounds, child)) in children.iter().enumerate() {
         node.set(lane, bounds, *child);
     }
@@ -58,40 +58,40 @@ fn add_node(items: &mut [Item], depth: u32, nodes: &mut Vec<Node>) -> LightBound
     children.iter().map(|(bounds, _)| *bounds).reduce(|a, b| a.union(&b)).unwrap_or(items[0].0)
 }
 
-fn add_child(cluster: &mut [Item], depth: u32, nodes: &mut Vec<Node>) -> (LightBounds, Child) {
+fn add_child(cluster: &mut [TreeLight], depth: u32, nodes: &mut Vec<LightNode>) -> (LightBounds, LightChild) {
     if let [(bounds, light)] = cluster {
-        return (*bounds, Child::Light(*light));
+        return (*bounds, LightChild::Light(*light));
     }
     let index = nodes.len() as u32;
-    (add_node(cluster, depth + 1, nodes), Child::Node(index))
+    (add_node(cluster, depth + 1, nodes), LightChild::LightNode(index))
 }
 
 /// A child with nodes of its own, numbered from 0.
-fn subtree(cluster: &mut [Item], depth: u32) -> (LightBounds, Child, Vec<Node>) {
+fn subtree(cluster: &mut [TreeLight], depth: u32) -> (LightBounds, LightChild, Vec<LightNode>) {
     let mut nodes = Vec::new();
     let (bounds, child) = add_child(cluster, depth, &mut nodes);
     (bounds, child, nodes)
 }
 
-impl Child {
+impl LightChild {
     /// Puts a child's nodes behind others.
-    fn placed(self, subtree: Vec<Node>, nodes: &mut Vec<Node>) -> Self {
+    fn placed(self, subtree: Vec<LightNode>, nodes: &mut Vec<LightNode>) -> Self {
         let first = nodes.len() as u32;
         nodes.extend(subtree.into_iter().map(|mut node| {
             node.shift(first);
             node
         }));
         match self {
-            Self::Node(index) => Self::Node(index + first),
+            Self::LightNode(index) => Self::LightNode(index + first),
             light @ Self::Light(_) => light,
         }
     }
 }
 
 /// Splits lights into up to eight clusters.
-fn clusters(items: &mut [Item], depth: u32) -> Vec<&mut [Item]> {
-    let cost = |items: &[Item]| {
-        if items.len() > 1 { Summary::of(items).cost() } else { -1.0 }
+fn clusters(items: &mut [TreeLight], depth: u32) -> Vec<&mut [TreeLight]> {
+    let cost = |items: &[TreeLight]| {
+        if items.len() > 1 { ClusterCost::of(items).cost() } else { -1.0 }
     };
     let mut clusters = vec![(cost(items), items)];
     while clusters.len() < WIDTH {
@@ -107,9 +107,9 @@ fn clusters(items: &mut [Item], depth: u32) -> Vec<&mut [Item]> {
     clusters.into_iter().map(|(_, items)| items).collect()
 }
 
-/// The parts of a cluster's cost, which add up.
+/// The terms of a cluster's cost, which add up.
 #[derive(Clone, Copy, Debug)]
-struct Summary {
+struct ClusterCost {
     low: Vec3,
     high: Vec3,
     strength: f64,
@@ -118,7 +118,7 @@ struct Summary {
     count: usize,
 }
 
-impl Summary {
+impl ClusterCost {
     const EMPTY: Self = Self {
         low: Vec3::INFINITY,
         high: Vec3::NEG_INFINITY,
@@ -127,7 +127,7 @@ impl Summary {
         count: 0,
     };
 
-    fn of(items: &[Item]) -> Self {
+    fn of(items: &[TreeLight]) -> Self {
         items.iter().fold(Self::EMPTY, |sum, (bounds, _)| sum.plus(&Self::one(bounds)))
     }
 
@@ -168,14 +168,14 @@ fn center(bounds: &LightBounds) -> Vec3 {
 }
 
 /// Lowest and highest center.
-fn extent(items: &[Item]) -> (Vec3, Vec3) {
+fn extent(items: &[TreeLight]) -> (Vec3, Vec3) {
     items.iter().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), (bounds, _)| {
         (low.min(center(bounds)), high.max(center(bounds)))
     })
 }
 
-/// Orders lights so that the cheapest split is at the index that it returns. None if nothing tells them apart.
-fn partition(items: &mut [Item]) -> Option<usize> {
+/// Orders lights so that the cheapest split is at the returned index. `None` if all lights have one center.
+fn partition(items: &mut [TreeLight]) -> Option<usize> {
     let (low, high) = extent(items);
     let size = high - low;
     let longest = f64::from(size.max_element());
@@ -185,16 +185,16 @@ fn partition(items: &mut [Item]) -> Option<usize> {
     };
     let mut best: Option<(f64, usize, usize)> = None;
     for axis in (0..3).filter(|&axis| size[axis] > 0.0 && size[axis].is_finite()) {
-        let mut bins = [Summary::EMPTY; BINS];
+        let mut bins = [ClusterCost::EMPTY; BINS];
         for (bounds, _) in items.iter() {
             let bin = &mut bins[bin_of(axis, bounds)];
-            *bin = bin.plus(&Summary::one(bounds));
+            *bin = bin.plus(&ClusterCost::one(bounds));
         }
-        let mut behind = [Summary::EMPTY; BINS + 1];
+        let mut behind = [ClusterCost::EMPTY; BINS + 1];
         for split in (0..BINS).rev() {
             behind[split] = behind[split + 1].plus(&bins[split]);
         }
-        let mut before = Summary::EMPTY;
+        let mut before = ClusterCost::EMPTY;
         for split in 1..BINS {
             before = before.plus(&bins[split - 1]);
             if before.count == 0 || behind[split].count == 0 {
@@ -218,7 +218,7 @@ fn partition(items: &mut [Item]) -> Option<usize> {
 }
 
 /// Orders lights along the longest axis and splits them in equal halves.
-fn halve(items: &mut [Item]) -> usize {
+fn halve(items: &mut [TreeLight]) -> usize {
     let (low, high) = extent(items);
     let size = high - low;
     let axis = if size.x >= size.y.max(size.z) { 0 } else { 1 + usize::from(size.z > size.y) };

@@ -1,25 +1,24 @@
-//! A light tree: which of many lights to sample at a point, at a cost that grows with the logarithm of their number
+//! A light tree: it selects one of many lights at a point, at a cost that grows with the logarithm of their number
 //! [A. Conty Estevez & C. Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting",
 //! Proc. ACM Comput. Graph. Interact. Tech. 1(2)].
 //!
 //! ```text
-//! front ← the root's children
-//! three times: put the children of the weightiest node in the front in its place
-//! choose from the front by the random number, keep what is left of it
+//! cut ← the root's children
+//! three times: replace the heaviest node of the cut with its children
+//! choose from the cut by the random number, and keep its remainder
 //! while the choice is a node: choose one of its children in the same way
 //! ```
 //!
-//! The weight of a cluster is an estimate of what its lights contribute at the point, 0 only if bounds prove that they
-//! contribute nothing; a single light tells its weight itself.
-//! The probability of a light is the product along its way, which is found by going up from its leaf to the front.
-//! Where bounds promised too much, all children of a node may turn out to contribute nothing: then no light is chosen.
+//! The weight of a cluster is an estimate of its lights' contribution at the point, 0 only if bounds prove that they
+//! contribute nothing; a single light computes its own weight.
+//! The probability of a light is the product along its way, which is found by going up from its leaf to the cut.
+//! Where bounds are too wide, all children of a node may turn out to contribute nothing: then no light is chosen.
 //!
 //! Departures from the paper:
 //! 1. Nodes have eight children, which are weighed together: one look at eight small clusters is nearer to the truth
 //!    than three looks at pairs of larger ones.
-//! 2. The front is a splitting that still draws a single light: where it matters, clusters are looked at before
-//!    the choice between them, not after. Why four: one, two and eight were tried, too, and came out the same within
-//!    the noise of the measurement.
+//! 2. The cut is a splitting that still draws a single light: where it matters, clusters are evaluated before the choice
+//!    between them, not after. One, two and eight opened nodes measured the same as four, within the noise.
 //! 3. Bounds decide what is left out, but a bound is a bad estimate of a cluster of lights that shine in all directions,
 //!    or of a box cut by the horizon: there the intensity is that of the lights' mean and first moments, and the
 //!    cosine the mean over the box's heights.
@@ -33,7 +32,7 @@ use glam::{BVec4A, Vec4};
 use super::bounds::LightBounds;
 use super::emitters::Emitters;
 use super::receiver::Receiver;
-use super::weights::{Weights, importance};
+use super::weights::{LightWeights, importance};
 use builder::build;
 
 /// Children of a node.
@@ -45,7 +44,7 @@ const OPENED: usize = 4;
 /// Marks a child that is a light.
 const LEAF: u32 = 1 << 31;
 
-/// Marks what is not there: the way to the root, and to lights that are not in the tree.
+/// The number of no place: that of the root, and of lights that are not in the tree.
 const NOWHERE: u32 = u32::MAX;
 
 /// Share of a node's samples that goes evenly to all children that can contribute, in case the important ones are
@@ -71,44 +70,44 @@ const NEAREST: f32 = 0.5;
 const LEAST_WEIGHT: f32 = 1e-30;
 
 /// A number for each lane.
-type Lanes = [Vec4; WIDTH / 4];
+type LightLanes = [Vec4; WIDTH / 4];
 
-/// Clusters of lights, one in each lane. What is not there has no strength.
+/// Clusters of lights, one in each lane. Empty lanes have no strength.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C, align(64))]
-pub(crate) struct Node {
-    center: [Lanes; 3],
-    half_size: [Lanes; 3],
-    radius: Lanes,
-    axis: [Lanes; 3],
-    cos_o: Lanes,
-    sin_o: Lanes,
-    cos_e: Lanes,
-    strength: Lanes,
-    mean: Lanes,
-    lean: [Lanes; 3],
-    /// How far the bound of the intensity is to be trusted as an estimate, in [0, 1]: 1 if all normals are the same.
-    alike: Lanes,
+pub(crate) struct LightNode {
+    center: [LightLanes; 3],
+    half_size: [LightLanes; 3],
+    radius: LightLanes,
+    axis: [LightLanes; 3],
+    cos_o: LightLanes,
+    sin_o: LightLanes,
+    cos_e: LightLanes,
+    strength: LightLanes,
+    mean: LightLanes,
+    lean: [LightLanes; 3],
+    /// Weight of the bound of the intensity as an estimate, in [0, 1]: 1 if all normals are the same.
+    alike: LightLanes,
     /// Index of a node, or `LEAF` and the number of a light.
     children: [u32; WIDTH],
 }
 
 /// The content of a node's lane.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Child {
-    Node(u32),
+pub(crate) enum LightChild {
+    LightNode(u32),
     Light(u32),
 }
 
-impl Node {
+impl LightNode {
     /// Puts a cluster in a lane.
-    pub(crate) fn set(&mut self, lane: usize, bounds: &LightBounds, child: Child) {
+    pub(crate) fn set(&mut self, lane: usize, bounds: &LightBounds, child: LightChild) {
         let center = bounds.low.midpoint(bounds.high);
         let room = bounds.low.abs().max(bounds.high.abs()) * BOX_ROOM;
         let half_size = (bounds.high - center).max(center - bounds.low) + room;
         let strength = bounds.strength.max(f32::MIN_POSITIVE);
         let alike = bounds.facing.length() / strength;
-        let put = |lanes: &mut Lanes, value: f32| lanes[lane / 4][lane % 4] = value;
+        let put = |lanes: &mut LightLanes, value: f32| lanes[lane / 4][lane % 4] = value;
         for axis in 0..3 {
             put(&mut self.center[axis], center[axis]);
             put(&mut self.half_size[axis], half_size[axis]);
@@ -123,22 +122,23 @@ impl Node {
         put(&mut self.mean, bounds.mean);
         put(&mut self.alike, if alike.is_finite() { (alike * alike).min(1.0) } else { 0.0 });
         self.children[lane] = match child {
-            Child::Node(index) => index,
-            Child::Light(light) => LEAF | light,
+            LightChild::LightNode(index) => index,
+            LightChild::Light(light) => LEAF | light,
         };
     }
 
     /// The content of a lane, if there is any.
-    fn child(&self, lane: usize) -> Option<Child> {
+    fn child(&self, lane: usize) -> Option<LightChild> {
         let child = self.children[lane];
-        let found = if child & LEAF == 0 { Child::Node(child) } else { Child::Light(child & !LEAF) };
+        let found =
+            if child & LEAF == 0 { LightChild::LightNode(child) } else { LightChild::Light(child & !LEAF) };
         (self.strength[lane / 4][lane % 4] > 0.0).then_some(found)
     }
 
     /// Moves the nodes it refers to.
     pub(crate) fn shift(&mut self, by: u32) {
         for lane in 0..WIDTH {
-            if let Some(Child::Node(index)) = self.child(lane) {
+            if let Some(LightChild::LightNode(index)) = self.child(lane) {
                 self.children[lane] = index + by;
             }
         }
@@ -180,7 +180,7 @@ impl Node {
         let lean = self.lean[0][i] * x + self.lean[1][i] * y + self.lean[2][i] * z;
         let moments = (self.mean[i] - lean * per_distance).max(LEAST_LEAN * self.mean[i]);
         let intensity = self.alike[i] * bound + (1.0 - self.alike[i]) * moments.min(bound);
-        // Mean cosine over heights from the lowest to the highest corner, of what is above the horizon
+        // Mean cosine over heights from the lowest to the highest corner, above the horizon
         let middle = (normal.x * x + normal.y * y + normal.z * z) * per_distance;
         let reach =
             tilt.x * self.half_size[0][i] + tilt.y * self.half_size[1][i] + tilt.z * self.half_size[2][i];
@@ -201,11 +201,11 @@ impl Node {
         Vec4::select(hidden, Vec4::ZERO, within_limits)
     }
 
-    /// Weights of the lanes at a point: lanes that are lights count for what the light itself estimates.
+    /// Weights of the lanes at a point; lanes that are lights have the light's own estimate.
     fn weigh(&self, emitters: &Emitters, receiver: &Receiver) -> [f32; WIDTH] {
         let mut weights = self.importances(receiver);
         for (lane, weight) in weights.iter_mut().enumerate() {
-            if let Some(Child::Light(light)) = self.child(lane).filter(|_| *weight > 0.0) {
+            if let Some(LightChild::Light(light)) = self.child(lane).filter(|_| *weight > 0.0) {
                 *weight = importance(emitters, light as usize, receiver);
             }
         }
@@ -224,10 +224,10 @@ impl Node {
     }
 }
 
-/// The tree over a scene's lights that are somewhere.
+/// The tree over a scene's lights that have a place.
 #[derive(Clone, Debug)]
 pub(crate) struct LightTree {
-    nodes: Vec<Node>,
+    nodes: Vec<LightNode>,
     /// For each node the node and lane that it is in, as node × `WIDTH` + lane.
     parents: Vec<u32>,
     /// The lane of each light.
@@ -244,8 +244,8 @@ impl Root {
     }
 }
 
-/// A [`Front`] in the making.
-struct Opened {
+/// A [`TreeCut`] in the making.
+struct OpenCut {
     opened: [u32; OPENED],
     len: usize,
     weights: [f32; OPENED * WIDTH],
@@ -253,22 +253,22 @@ struct Opened {
     heaviest: [(f32, usize); OPENED],
 }
 
-impl Opened {
-    fn new(weights: [f32; WIDTH], root: &Node) -> Self {
+impl OpenCut {
+    fn new(weights: [f32; WIDTH], root: &LightNode) -> Self {
         let (opened, len) = ([0; OPENED], 0);
-        let mut front = Self { opened, len, weights: [0.0; OPENED * WIDTH], heaviest: [(0.0, 0); OPENED] };
-        front.open(0, weights, root);
-        front
+        let mut cut = Self { opened, len, weights: [0.0; OPENED * WIDTH], heaviest: [(0.0, 0); OPENED] };
+        cut.open(0, weights, root);
+        cut
     }
 
-    fn open(&mut self, index: u32, weights: [f32; WIDTH], node: &Node) {
+    fn open(&mut self, index: u32, weights: [f32; WIDTH], node: &LightNode) {
         self.opened[self.len] = index;
         self.weights[self.len * WIDTH..][..WIDTH].copy_from_slice(&weights);
         self.find_heaviest(self.len, node);
         self.len += 1;
     }
 
-    fn find_heaviest(&mut self, slot: usize, node: &Node) {
+    fn find_heaviest(&mut self, slot: usize, node: &LightNode) {
         self.heaviest[slot] = node.heaviest(&self.weights[slot * WIDTH..][..WIDTH]);
     }
 
@@ -287,13 +287,13 @@ impl Opened {
 
 /// The clusters that a point chooses from first: the lanes of a few nodes, each but the root in place of the lane
 /// that it is below.
-pub(crate) struct Front {
+pub(crate) struct TreeCut {
     opened: [u32; OPENED],
     len: usize,
-    weights: Weights<{ OPENED * WIDTH }>,
+    weights: LightWeights<{ OPENED * WIDTH }>,
 }
 
-impl Front {
+impl TreeCut {
     /// Where a lane of a node is among the clusters, if the node has been opened.
     fn place(&self, node: usize, lane: usize) -> Option<usize> {
         let opened = self.opened[..self.len].iter().position(|&opened| opened as usize == node)?;
@@ -314,8 +314,8 @@ impl LightTree {
             for lane in 0..WIDTH {
                 let place = (index * WIDTH + lane) as u32;
                 match node.child(lane) {
-                    Some(Child::Node(child)) => parents[child as usize] = place,
-                    Some(Child::Light(light)) => leaves[light as usize] = place,
+                    Some(LightChild::LightNode(child)) => parents[child as usize] = place,
+                    Some(LightChild::Light(light)) => leaves[light as usize] = place,
                     None => {}
                 }
             }
@@ -329,21 +329,21 @@ impl LightTree {
     }
 
     /// Opens the node that weighs most, again and again.
-    pub(crate) fn front(&self, root: &Root, emitters: &Emitters, receiver: &Receiver) -> Front {
-        let mut front = Opened::new(root.0, &self.nodes[0]);
-        while front.len < OPENED {
-            let Some((slot, lane)) = front.heaviest() else { break };
-            let node = self.nodes[front.opened[slot] as usize].children[lane];
-            front.weights[slot * WIDTH + lane] = 0.0;
-            front.find_heaviest(slot, &self.nodes[front.opened[slot] as usize]);
+    pub(crate) fn cut(&self, root: &Root, emitters: &Emitters, receiver: &Receiver) -> TreeCut {
+        let mut cut = OpenCut::new(root.0, &self.nodes[0]);
+        while cut.len < OPENED {
+            let Some((slot, lane)) = cut.heaviest() else { break };
+            let node = self.nodes[cut.opened[slot] as usize].children[lane];
+            cut.weights[slot * WIDTH + lane] = 0.0;
+            cut.find_heaviest(slot, &self.nodes[cut.opened[slot] as usize]);
             let opened = &self.nodes[node as usize];
-            front.open(node, opened.weigh(emitters, receiver), opened);
+            cut.open(node, opened.weigh(emitters, receiver), opened);
         }
-        let Opened { opened, len, weights, .. } = front;
-        Front { opened, len, weights: Weights::of_first(weights, len * WIDTH, EVEN_SHARE) }
+        let OpenCut { opened, len, weights, .. } = cut;
+        TreeCut { opened, len, weights: LightWeights::of_first(weights, len * WIDTH, EVEN_SHARE) }
     }
 
-    /// Whether a light is in the tree.
+    /// Returns `true` if a light is in the tree.
     pub(crate) fn holds(&self, light: usize) -> bool {
         self.leaves.get(light).is_some_and(|&leaf| leaf != NOWHERE)
     }
@@ -351,19 +351,20 @@ impl LightTree {
     /// Selects a light; returns its number and its probability. None if no light can contribute.
     pub(crate) fn choose(
         &self,
-        front: &Front,
+        cut: &TreeCut,
         emitters: &Emitters,
         receiver: &Receiver,
         u: f64,
     ) -> Option<(usize, f32)> {
-        let (place, mut probability, mut u) = front.weights.choose(u)?;
-        let mut child = self.nodes[front.opened[place / WIDTH] as usize].child(place % WIDTH)?;
+        let (place, mut probability, mut u) = cut.weights.choose(u)?;
+        let mut child = self.nodes[cut.opened[place / WIDTH] as usize].child(place % WIDTH)?;
         loop {
             let node = match child {
-                Child::Light(light) => return Some((light as usize, probability)),
-                Child::Node(index) => &self.nodes[index as usize],
+                LightChild::Light(light) => return Some((light as usize, probability)),
+                LightChild::LightNode(index) => &self.nodes[index as usize],
             };
-            let (lane, share, rest) = Weights::new(node.weigh(emitters, receiver), EVEN_SHARE).choose(u)?;
+            let (lane, share, rest) =
+                LightWeights::new(node.weigh(emitters, receiver), EVEN_SHARE).choose(u)?;
             child = node.child(lane)?;
             probability *= share;
             u = rest;
@@ -373,7 +374,7 @@ impl LightTree {
     /// Probability with which `choose` selects a light.
     pub(crate) fn probability(
         &self,
-        front: &Front,
+        cut: &TreeCut,
         emitters: &Emitters,
         receiver: &Receiver,
         light: usize,
@@ -383,11 +384,11 @@ impl LightTree {
         let mut place = leaf;
         while place != NOWHERE {
             let (index, lane) = (place as usize / WIDTH, place as usize % WIDTH);
-            if let Some(place) = front.place(index, lane) {
-                return probability * front.weights.probability(place);
+            if let Some(place) = cut.place(index, lane) {
+                return probability * cut.weights.probability(place);
             }
             let weights = self.nodes[index].weigh(emitters, receiver);
-            probability *= Weights::new(weights, EVEN_SHARE).probability(lane);
+            probability *= LightWeights::new(weights, EVEN_SHARE).probability(lane);
             place = self.parents[index];
         }
         0.0

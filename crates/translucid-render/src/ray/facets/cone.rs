@@ -7,7 +7,7 @@ use super::crossing::Facet;
 
 /// A box around facets, and a cone around their normals.
 #[derive(Clone, Copy)]
-pub(super) struct Cone {
+pub(super) struct NormalCone {
     pub(super) low: Vec3,
     pub(super) high: Vec3,
     pub(super) axis: Vec3,
@@ -15,7 +15,7 @@ pub(super) struct Cone {
     pub(super) cosine: f32,
 }
 
-impl Cone {
+impl NormalCone {
     /// Around nothing.
     pub(super) const EMPTY: Self =
         Self { low: Vec3::INFINITY, high: Vec3::NEG_INFINITY, axis: Vec3::Z, cosine: 1.0 };

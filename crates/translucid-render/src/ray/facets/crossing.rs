@@ -1,8 +1,8 @@
-//! The way of light through the plane of one facet to a point inside.
+//! The refracted path of light through the plane of one facet to a point inside.
 
 use glam::Vec3;
 
-/// Part of a facet by which a crossing may lie beside it, for rounding: whether it is met is for a ray to say.
+/// Part of a facet by which a crossing may lie beside it, for rounding: a ray decides later whether it is met.
 pub(super) const ROOM: f32 = 1e-3;
 
 /// Steps toward the point where light crosses a plane, by Newton's method, and by bisection where that fails.
@@ -10,14 +10,14 @@ const MOST_STEPS: u32 = 32;
 
 /// Where light comes from that crosses a surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Beyond {
+pub(crate) enum LightOrigin {
     /// A place.
     At(Vec3),
     /// This unit direction, from wherever it crosses the surface.
     Along(Vec3),
 }
 
-/// A way from a point inside through a facet toward a light.
+/// A refracted path from a point inside through a facet toward a light.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Crossing {
     /// Unit direction inside, from the point.
@@ -33,12 +33,12 @@ pub(crate) struct Crossing {
     pub(crate) triangle: (u32, u32),
 }
 
-/// What a crossing is looked for.
+/// The point and the light that a crossing connects.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::ray) struct Query {
     /// The point inside.
     pub(in crate::ray) from: Vec3,
-    pub(in crate::ray) beyond: Beyond,
+    pub(in crate::ray) beyond: LightOrigin,
     /// Longest way inside \[L\].
     pub(in crate::ray) reach: f32,
     /// Refractive index inside over that outside, > 1.
@@ -78,8 +78,8 @@ impl Facet {
             return None;
         }
         let toward = match beyond {
-            Beyond::Along(direction) => direction,
-            Beyond::At(place) => {
+            LightOrigin::Along(direction) => direction,
+            LightOrigin::At(place) => {
                 let lateral = place - from - normal * (place - from).dot(normal);
                 let height = (place - self.vertices[0]).dot(normal);
                 let sideways = crossing_of_plane(depth, height, lateral.length(), eta)?;
@@ -101,8 +101,8 @@ impl Facet {
             return None;
         }
         let spread = match beyond {
-            Beyond::Along(_) => cosine / outside,
-            Beyond::At(place) => {
+            LightOrigin::Along(_) => cosine / outside,
+            LightOrigin::At(place) => {
                 let (a, b) = (place.distance(crossing), distance / eta);
                 (a + b) * (a * (cosine / outside) + b * (outside / cosine))
             }
@@ -110,7 +110,7 @@ impl Facet {
         Some(Crossing { direction, distance, cosine, spread, triangle: self.triangle })
     }
 
-    /// Whether a point of the plane is in the facet, or just beside.
+    /// Returns `true` if a point of the plane is in the facet, or just beside it.
     fn is_near(&self, point: Vec3, normal: Vec3) -> bool {
         let [a, b, c] = self.vertices;
         let double_area = (b - a).cross(c - a).dot(normal);
@@ -120,8 +120,8 @@ impl Facet {
     }
 }
 
-/// How far sideways a ray from a depth below a plane crosses it on its way to a height above and so much `lateral`
-/// distance: the root s of η s/√(s² + depth²) = (lateral − s)/√((lateral − s)² + height²), whose difference grows with s.
+/// Lateral distance s at which a ray crosses a plane, from `depth` below it to `height` above it and `lateral` away: the root
+/// of η s/√(s² + depth²) = (lateral − s)/√((lateral − s)² + height²), whose difference grows with s.
 fn crossing_of_plane(depth: f32, height: f32, lateral: f32, eta: f32) -> Option<f32> {
     if height.is_nan() || height <= 0.0 {
         return None;
@@ -170,9 +170,9 @@ pub(super) mod tests {
     pub(crate) fn query(i: u32) -> Query {
         let place = point(i, 24);
         let beyond = match i % 3 {
-            0 => Beyond::Along(place.normalize()),
-            1 => Beyond::At(place * 20.0),
-            _ => Beyond::At(place * 2.0),
+            0 => LightOrigin::Along(place.normalize()),
+            1 => LightOrigin::At(place * 20.0),
+            _ => LightOrigin::At(place * 2.0),
         };
         let side = if i.is_multiple_of(5) { -1.0 } else { 1.0 };
         Query { from: point(i, 20), beyond, reach: 2.0 * random(i, 23), eta: 1.0 + random(i, 27), side }
@@ -191,8 +191,8 @@ pub(super) mod tests {
             let inside = crossing.direction.as_dvec3();
             let at = from + inside * f64::from(crossing.distance);
             let outside = match query.beyond {
-                Beyond::At(place) => (place.as_dvec3() - at).normalize(),
-                Beyond::Along(direction) => direction.as_dvec3(),
+                LightOrigin::At(place) => (place.as_dvec3() - at).normalize(),
+                LightOrigin::Along(direction) => direction.as_dvec3(),
             };
             let along = inside * eta - outside;
             let slanted = outside.dot(normal) < 0.02;
@@ -207,8 +207,8 @@ pub(super) mod tests {
             let step = 1e-5;
             let arrives = |dx: f64, dy: f64| {
                 let (start, toward) = match query.beyond {
-                    Beyond::At(place) => (place.as_dvec3(), (-outside + x * dx + y * dy).normalize()),
-                    Beyond::Along(_) => (at + outside + x * dx + y * dy, -outside),
+                    LightOrigin::At(place) => (place.as_dvec3(), (-outside + x * dx + y * dy).normalize()),
+                    LightOrigin::Along(_) => (at + outside + x * dx + y * dy, -outside),
                 };
                 let entry = start + toward * ((at - start).dot(normal) / toward.dot(normal));
                 let cosine = -toward.dot(normal);

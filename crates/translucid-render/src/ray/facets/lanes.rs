@@ -1,12 +1,12 @@
-//! What can be told of eight boxes or facets at once, with the widest vectors that the processor has.
+//! Culling of eight boxes or facets at once, with the widest vectors of the processor.
 //!
-//! Loops over lanes without branches, which the compiler turns into vectors; without fused operations, so that every
-//! processor finds the same. What is no number passes, as it is left to the exact test, but for facets whose normal is none.
+//! Loops over lanes have no branches, so that the compiler turns them into vectors, and no fused operations, so that every
+//! processor gives the same bits. A NaN passes, for the exact test to decide, except in the normal of a facet.
 
 use glam::Vec3;
 
-use super::cone::Cone;
-use super::crossing::{Beyond, Facet, Query, ROOM};
+use super::cone::NormalCone;
+use super::crossing::{Facet, LightOrigin, Query, ROOM};
 
 /// Children of a node and facets of a leaf at most.
 pub(super) const LANES: usize = 8;
@@ -19,7 +19,7 @@ const ROUNDING: f32 = 1e-5;
 
 /// Boxes around the facets of a node's children, and cones around their normals.
 #[derive(Clone, Copy)]
-pub(super) struct Node {
+pub(super) struct FacetNode {
     low: [Lanes; 3],
     high: [Lanes; 3],
     axis: [Lanes; 3],
@@ -32,11 +32,11 @@ pub(super) struct Node {
 #[derive(Clone, Copy)]
 pub(super) struct Leaf([[Lanes; 3]; 3]);
 
-impl Node {
-    pub(super) fn new<'a>(children: impl Iterator<Item = &'a Cone>) -> Self {
-        let mut cones = [&Cone::EMPTY; LANES];
+impl FacetNode {
+    pub(super) fn new<'a>(children: impl Iterator<Item = &'a NormalCone>) -> Self {
+        let mut cones = [&NormalCone::EMPTY; LANES];
         cones.iter_mut().zip(children).for_each(|(lane, cone)| *lane = cone);
-        let lanes = |of: fn(&Cone) -> Vec3| [0, 1, 2].map(|axis| cones.map(|cone| of(cone)[axis]));
+        let lanes = |of: fn(&NormalCone) -> Vec3| [0, 1, 2].map(|axis| cones.map(|cone| of(cone)[axis]));
         Self {
             low: lanes(|cone| cone.low),
             high: lanes(|cone| cone.high),
@@ -69,8 +69,8 @@ impl Node {
     fn may_cross_portable(&self, query: &Query) -> u32 {
         let &Query { from, beyond, reach, eta, side } = query;
         let (is_place, place) = match beyond {
-            Beyond::At(place) => (true, place),
-            Beyond::Along(direction) => (false, direction),
+            LightOrigin::At(place) => (true, place),
+            LightOrigin::Along(direction) => (false, direction),
         };
         let squared_reach = reach * reach;
         let [low_x, low_y, low_z] = &self.low;
@@ -148,8 +148,8 @@ impl Leaf {
     fn may_cross_portable(&self, query: &Query) -> u32 {
         let &Query { from, beyond, reach, eta, side } = query;
         let (is_place, to) = match beyond {
-            Beyond::At(place) => (true, place - from),
-            Beyond::Along(direction) => (false, direction),
+            LightOrigin::At(place) => (true, place - from),
+            LightOrigin::Along(direction) => (false, direction),
         };
         let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = &self.0;
         let mut may_cross = [false; LANES];
@@ -168,7 +168,7 @@ impl Leaf {
             let rise = to.x * ex + to.y * ey + to.z * ez;
             let is_behind = depth <= 0.0 || depth >= reach || rise <= if is_place { depth } else { 0.0 };
 
-            // The way sideways, and how far at least and at most
+            // The lateral direction, and the least and greatest lateral distance
             let (lx, ly, lz) = (to.x - ex * rise, to.y - ey * rise, to.z - ez * rise);
             let lateral2 = lx * lx + ly * ly + lz * lz;
             let squared_sine = lateral2 / (lateral2 + rise * rise);
@@ -180,7 +180,7 @@ impl Leaf {
             let (qx, qy, qz) = (px + lx * most, py + ly * most, pz + lz * most);
             let (px, py, pz) = (px + lx * least, py + ly * least, pz + lz * least);
 
-            // Beyond an edge: (to − from) × (p − from) · n below what may be rounding
+            // Beyond an edge: (to − from) × (p − from) · n below rounding errors
             let least_area = -ROOM * squared;
             let beyond = |fx: f32, fy: f32, fz: f32, tx: f32, ty: f32, tz: f32| {
                 let (dx, dy, dz) = (tx - fx, ty - fy, tz - fz);
@@ -220,8 +220,8 @@ mod tests {
         let mut passed = 0;
         for i in 0..2000 {
             let facets: Vec<Facet> = (0..LANES as u32).map(|lane| facet(i * 8 + lane, 0.5)).collect();
-            let cones = facets.chunks(2).map(Cone::around).collect::<Vec<_>>();
-            let (leaf, node, query) = (Leaf::new(&facets), Node::new(cones.iter()), query(i));
+            let cones = facets.chunks(2).map(NormalCone::around).collect::<Vec<_>>();
+            let (leaf, node, query) = (Leaf::new(&facets), FacetNode::new(cones.iter()), query(i));
             assert_eq!(leaf.may_cross(&query), leaf.may_cross_portable(&query));
             assert_eq!(node.may_cross(&query), node.may_cross_portable(&query));
             assert_eq!(node.may_cross(&query) >> cones.len(), 0, "nothing is found where there is no child");

@@ -1,8 +1,9 @@
-//! The flat pieces of a body's surface by place and normal: where light that is refracted reaches a point inside.
+//! The facets of a body's surface in a tree, by place and normal: through which of them refracted light reaches a point
+//! inside.
 //!
 //! Light from a place outside crosses the plane of a facet at one point on its way to a point inside. With the directions
-//! ω_i from the point inside to there, and ω_o from there on, Snell's law says that η ω_i − ω_o is along the normal. A
-//! binary tree with a box and a cone of normals for every node finds the facets for which that can be
+//! ω_i from the point inside to there, and ω_o from there on, η ω_i − ω_o is along the normal by Snell's law. A
+//! binary tree with a box and a cone of normals for every node finds the facets where that is possible
 //! [B. Walter, S. Zhao, N. Holzschuch & K. Bala 2009, "Single Scattering in Refractive Media with Triangle Mesh
 //! Boundaries", ACM Transactions on Graphics 28(3)].
 
@@ -14,10 +15,10 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use cone::Cone;
-pub(crate) use crossing::{Beyond, Crossing};
+use cone::NormalCone;
+pub(crate) use crossing::{Crossing, LightOrigin};
 pub(super) use crossing::{Facet, Query};
-use lanes::{LANES, Leaf, Node};
+use lanes::{FacetNode, LANES, Leaf};
 
 /// Nodes that wait at most on the way down: all but one child on each level of a tree over 2³² facets.
 const MOST_WAITING: usize = 96;
@@ -28,7 +29,7 @@ const BINARY: u32 = LANES.ilog2();
 /// The tree over the facets of a body.
 pub(super) struct Facets {
     /// Level after level, then come the leaves: after the root its children, then the eight children of each of those.
-    nodes: Vec<Node>,
+    nodes: Vec<FacetNode>,
     leaves: Vec<Leaf>,
     /// Children of the root.
     first: usize,
@@ -38,7 +39,8 @@ pub(super) struct Facets {
 impl Facets {
     /// The tree over facets; those without an area are left out.
     ///
-    /// On one thread: others may wait for it, and a thread that waits for help may be given work that waits for it, too.
+    /// On one thread: other threads may wait for the tree, and a thread that waits for help could be given work that waits for
+    /// it, too.
     pub(super) fn new(mut facets: Vec<Facet>) -> Self {
         facets.retain(|facet| facet.normal().is_some());
         let count = facets.len();
@@ -52,8 +54,8 @@ impl Facets {
 
         // Cones of a binary tree as a heap, of which every third level is kept
         let inner = leaves.len() - 1;
-        let mut cones = vec![Cone::EMPTY; inner];
-        cones.extend((0..leaves.len()).map(|place| Cone::around(of_leaf(place))));
+        let mut cones = vec![NormalCone::EMPTY; inner];
+        cones.extend((0..leaves.len()).map(|place| NormalCone::around(of_leaf(place))));
         for parent in (0..inner).rev() {
             cones[parent] = cones[2 * parent + 1].with(&cones[2 * parent + 2]);
         }
@@ -65,7 +67,7 @@ impl Facets {
             for place in 0..1 << level {
                 let children = (place << below)..((place + 1) << below);
                 let first_of_level = (1 << (level + below)) - 1;
-                nodes.push(Node::new(children.map(|child: usize| &cones[first_of_level + child])));
+                nodes.push(FacetNode::new(children.map(|child: usize| &cones[first_of_level + child])));
             }
             (level, below) = (level + below, BINARY);
         }
@@ -139,7 +141,7 @@ mod tests {
     use super::crossing::tests::{facet, query};
     use super::*;
 
-    /// The tree finds what a loop over all facets does.
+    /// The tree finds the same facets as a loop over all.
     #[test]
     fn all_crossings_are_found() {
         for count in [0, 1, 5, 300, 20_000] {
@@ -180,7 +182,7 @@ mod tests {
                         Facet { vertices: corners.map(|corner| corner.with_z(0.0)), triangle: (0, 0) };
                     let tree = Facets::new(vec![facet]);
                     let toward = Vec3::new(0.3 * i as f32, 0.2, 0.1 * j as f32 + 1e-3).normalize();
-                    for beyond in [Beyond::At(toward * distance), Beyond::Along(toward)] {
+                    for beyond in [LightOrigin::At(toward * distance), LightOrigin::Along(toward)] {
                         let query = Query {
                             from: Vec3::NEG_Z * depth,
                             beyond,

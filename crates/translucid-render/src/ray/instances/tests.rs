@@ -72,7 +72,7 @@ fn ray(scene: &Scene, i: u32) -> Ray {
     Ray::segment(origin, (target - origin).normalize(), length)
 }
 
-/// Differences of what is the same but for rounding.
+/// Differences of equal numbers with rounding errors.
 fn assert_same(a: &SurfacePoint, b: &SurfacePoint, error: f32) {
     assert_eq!((a.object, a.group), (b.object, b.group));
     assert!(a.position.distance(b.position) <= error, "{a:?} {b:?} {error}");
@@ -233,8 +233,8 @@ fn crossings_of_instances_are_those_of_their_triangles() {
         let (low, high) = placed.bounds();
         let size = (high - low).length();
         let beyond = match i % 2 {
-            0 => Beyond::Along(vector(i, 40).normalize()),
-            _ => Beyond::At(center + vector(i, 43).normalize() * size * (1.0 + random(i, 46))),
+            0 => LightOrigin::Along(vector(i, 40).normalize()),
+            _ => LightOrigin::At(center + vector(i, 43).normalize() * size * (1.0 + random(i, 46))),
         };
         let crossings = |geometry: &Geometry| {
             let point = geometry.point_on(&scene, geometry.primitive(object, triangle), center);
@@ -274,8 +274,9 @@ fn trees_of_meshes_are_kept() {
     let before = Geometry::sharing_all(&scene.objects);
     let moved = Affine3A::from_translation(Vec3::new(100.0, 0.0, 0.0));
     scene.objects[3].world_from_local = moved;
-    let old = Instances::new(&scene.objects, &Sharing::new(&scene.objects, |_, _| true), None).unwrap();
-    let new = Instances::new(&scene.objects, &Sharing::new(&scene.objects, |_, _| true), Some(&old)).unwrap();
+    let old = Instances::new(&scene.objects, &MeshSharing::new(&scene.objects, |_, _| true), None).unwrap();
+    let new =
+        Instances::new(&scene.objects, &MeshSharing::new(&scene.objects, |_, _| true), Some(&old)).unwrap();
     assert!(Arc::ptr_eq(&old.meshes[0], &new.meshes[0]) && new.meshes.len() == 1);
     let after = Geometry::sharing_all(&scene.objects);
     let ray = Ray::new(moved.transform_point3(Vec3::new(0.0, 20.0, 0.75)), Vec3::NEG_Y);

@@ -1,7 +1,7 @@
-//! Chunks of things that lie together, each of which becomes a tree by itself.
+//! Chunks of things that lie together, each of which becomes a tree of its own.
 //!
-//! What a tree is built from is much larger than the tree, and fits into no cache where things are many: chunk after
-//! chunk it does, and processors share the work.
+//! The memory that builds a tree is much larger than the tree. For many things it fits into no cache, but for one chunk
+//! after the other it does, and processors share the work.
 
 use std::iter;
 use std::ops::Range;
@@ -17,7 +17,7 @@ const BITS: u32 = 6;
 
 const CELLS: usize = 1 << (3 * BITS);
 
-/// Of so many things one says where the grid lies.
+/// One of this many things determines where the grid lies.
 const SAMPLED: usize = 61;
 
 /// Brings the numbers of things into the order of a grid's cells along a Morton curve, which is halved until few enough
@@ -33,7 +33,7 @@ pub(super) fn chunks(things: &mut [u32], place: &(impl Fn(u32) -> Vec3 + Sync)) 
         .map(|&thing| place(thing))
         .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), at| (low.min(at), high.max(at)));
     let per_length = (1 << BITS) as f32 / (high - low).max_element();
-    // What lies beyond the grid counts for the cells at its end.
+    // Things beyond the grid count for the cells at its end.
     let cell = |&thing: &u32| morton(((place(thing) - low) * per_length).as_uvec3().to_array());
     let cells: Vec<u32> = things.par_iter().map(cell).collect();
     let mut starts = vec![0_usize; CELLS + 1];

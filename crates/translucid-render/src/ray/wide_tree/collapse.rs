@@ -1,11 +1,11 @@
-//! Which nodes of a binary tree become children of a wide node.
+//! The choice of nodes of a binary tree that become children of a wide node.
 //!
-//! The expected cost of a ray is a sum over what the tree is made of, each by the area of its box. Let C(n, i) be the
-//! least cost of what is below n if it may have up to i places in the node above [Ylitie, Karras & Laine 2017, "Efficient
+//! The expected cost of a ray is a sum over nodes and blocks, each weighted with the area of its box. Let C(n, i) be the
+//! least cost of the subtree below n if it may have up to i places in the node above [Ylitie, Karras & Laine 2017, "Efficient
 //! Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", section 3]:
 //!
 //! ```text
-//! C(n, i) = area(n) c_block                              what is below n fits into a block
+//! C(n, i) = area(n) c_block                              the subtree below n fits into a block
 //! C(n, 1) = area(n) + S(n, 8)                            a node of its own
 //! C(n, i) = min { S(n, i), C(n, i − 1) }                 i > 1
 //! S(n, i) = min { C(left, k) + C(right, i − k) : 0 < k < i }
@@ -17,7 +17,7 @@ use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
 use super::node::WIDTH;
-use crate::ray::primitive::Needs;
+use crate::ray::primitive::BlockNeeds;
 
 /// Cost of a block in units of a node.
 const BLOCK_COST: f32 = 1.0;
@@ -36,7 +36,7 @@ pub(super) struct Costs<'a> {
 
 impl<'a> Costs<'a> {
     /// Costs of a tree whose things fill a block each, but for those with `needs`, in blocks of so many lanes.
-    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lanes: usize) -> Self {
+    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<BlockNeeds>, lanes: usize) -> Self {
         let nodes = &*binary.nodes;
         let mut this = Self { binary: nodes, places: vec![BLOCK; nodes.len()], costs: Vec::new() };
         // Parents before children, with a list instead of recursion: degenerate trees are deep.
@@ -49,9 +49,9 @@ impl<'a> Costs<'a> {
                 open.extend([right, left]);
             }
         }
-        // The needs of what is done, as far as they fit into a block.
-        let mut done: Vec<Option<Needs>> = Vec::new();
-        let needs_of = |child: u32, done: &mut Vec<Option<Needs>>| {
+        // The needs of the nodes that are done, as far as they fit into a block.
+        let mut done: Vec<Option<BlockNeeds>> = Vec::new();
+        let needs_of = |child: u32, done: &mut Vec<Option<BlockNeeds>>| {
             let node = &nodes[child as usize];
             if !node.is_leaf() {
                 return done.pop().flatten();
@@ -73,7 +73,7 @@ impl<'a> Costs<'a> {
         this
     }
 
-    /// Whether a node's triangles become a block.
+    /// Returns `true` if a node's triangles become a block.
     pub(super) fn is_block(&self, node: u32) -> bool {
         self.places[node as usize] == BLOCK
     }
@@ -100,7 +100,7 @@ impl<'a> Costs<'a> {
             }
             let first = self.best_split(node, places);
             let below = self.below(node);
-            // Places that make nothing better stay empty.
+            // Places that do not lower the cost stay empty.
             let [left, right] = [(below[0], first), (below[1], places - first)].map(|(node, mut places)| {
                 let costs = self.costs_of(node);
                 while places > 1 && costs[places - 1] == costs[places - 2] {

@@ -1,15 +1,15 @@
-//! From a binary tree to wide nodes and what they lead to.
+//! From a binary tree to wide nodes and blocks.
 
 use obvhs::bvh2::Bvh2;
 
 use super::Block;
 use super::collapse::Costs;
 use super::lines::Lines;
-use super::node::Node;
-use crate::ray::primitive::Needs;
+use super::node::WideNode;
+use crate::ray::primitive::BlockNeeds;
 
 /// Turns a binary tree into wide nodes.
-pub(super) struct Gather<'a, B> {
+pub(super) struct NodeGatherer<'a, B> {
     binary: &'a Bvh2,
     costs: Costs<'a>,
     pub(super) lines: Lines<B>,
@@ -17,23 +17,23 @@ pub(super) struct Gather<'a, B> {
     pub(super) most_waiting: usize,
 }
 
-impl<'a, B: Block> Gather<'a, B> {
+impl<'a, B: Block> NodeGatherer<'a, B> {
     /// Gathers a tree's things, of which each fills a block but for those with `needs`, into empty lines.
-    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<Needs>, lines: Lines<B>) -> Self {
+    pub(super) fn new(binary: &'a Bvh2, needs: impl Fn(u32) -> Option<BlockNeeds>, lines: Lines<B>) -> Self {
         let costs = Costs::new(binary, needs, B::LANES);
         Self { binary, costs, lines, most_waiting: 0 }
     }
 
-    /// Lays out each node, by its word and the things in each of its blocks what `add` makes of them, which returns the
-    /// child, and then what is below each of its other children, one after the other.
+    /// Lays out each node: first its blocks, whose children `add` returns for the node's word and the things in a block, then
+    /// the subtrees below its other children, one after the other.
     ///
     /// Works with a list of its own instead of recursion: degenerate trees are deep.
     pub(super) fn run(&mut self, mut add: impl FnMut(&mut Lines<B>, u32, &[u32]) -> u32) {
         let (mut things, mut below) = (Vec::new(), Vec::new());
         let (mut children, mut places) = (Vec::new(), Vec::new());
-        let mut open = vec![Open { source: 0, parent: None, waiting: 0 }];
-        while let Some(Open { source, parent, waiting }) = open.pop() {
-            let mut node = Node::EMPTY;
+        let mut open = vec![OpenNode { source: 0, parent: None, waiting: 0 }];
+        while let Some(OpenNode { source, parent, waiting }) = open.pop() {
+            let mut node = WideNode::EMPTY;
             self.costs.children(source, &mut children, &mut places);
             // All but the one that is visited first.
             let waiting = waiting + children.len() - 1;
@@ -56,7 +56,7 @@ impl<'a, B: Block> Gather<'a, B> {
             }
             for (lane, &child) in children.iter().enumerate().rev() {
                 if !self.costs.is_block(child) {
-                    open.push(Open { source: child, parent: Some((word, lane)), waiting });
+                    open.push(OpenNode { source: child, parent: Some((word, lane)), waiting });
                 }
             }
         }
@@ -79,7 +79,7 @@ impl<'a, B: Block> Gather<'a, B> {
 }
 
 /// A binary node that has yet to become a wide one.
-struct Open {
+struct OpenNode {
     source: u32,
     /// Word and lane of the node that it is a child of.
     parent: Option<(u32, usize)>,

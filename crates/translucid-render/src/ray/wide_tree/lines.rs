@@ -8,7 +8,7 @@ use std::mem::MaybeUninit;
 use bytemuck::{Pod, Zeroable};
 
 use super::Block;
-use super::node::Node;
+use super::node::WideNode;
 
 /// A cache line.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
@@ -18,7 +18,7 @@ struct Line([u32; 16]);
 /// Words of eight bytes in a line.
 const WORDS: u32 = 8;
 
-/// Nodes and blocks by the number of the word at which they start: words are what a processor finds by number at once.
+/// Nodes and blocks by the number of the word at which they start: a processor addresses words by number at once.
 ///
 /// Numbers have 31 bits: 16 GiB, or 400 million triangles.
 #[derive(Debug, PartialEq)]
@@ -33,11 +33,11 @@ impl<B> Default for Lines<B> {
 impl<B: Block> Lines<B> {
     /// So many empty nodes.
     pub(super) fn of_empty_nodes(count: usize) -> Self {
-        let nodes = vec![Node::EMPTY; count];
+        let nodes = vec![WideNode::EMPTY; count];
         Self(bytemuck::cast_slice(&nodes).to_vec(), PhantomData)
     }
 
-    /// Makes room, unless there is enough, for so many times what is there and `other`.
+    /// Reserves room for `times` the present lines and `other`.
     pub(super) fn reserve_for(&mut self, other: &Self, times: f64) {
         let needed = self.0.len() + other.0.len();
         if needed > self.0.capacity() {
@@ -90,7 +90,7 @@ impl<B: Block> Lines<B> {
     }
 
     #[inline(always)]
-    pub(super) fn node(&self, word: u32) -> &Node {
+    pub(super) fn node(&self, word: u32) -> &WideNode {
         self.at(word)
     }
 
@@ -112,18 +112,18 @@ impl<B: Block> Lines<B> {
     }
 
     /// Calls `found` for every node where there are only nodes.
-    pub(super) fn for_each_node(&mut self, mut found: impl FnMut(u32, &mut Node)) {
-        let step = size_of::<Node>() / size_of::<u64>();
+    pub(super) fn for_each_node(&mut self, mut found: impl FnMut(u32, &mut WideNode)) {
+        let step = size_of::<WideNode>() / size_of::<u64>();
         (0..self.end()).step_by(step).for_each(|word| found(word, self.node_mut(word)));
     }
 
-    pub(super) fn node_mut(&mut self, word: u32) -> &mut Node {
+    pub(super) fn node_mut(&mut self, word: u32) -> &mut WideNode {
         let lines: &mut [Line] =
-            &mut self.0[(word / WORDS) as usize..][..size_of::<Node>() / size_of::<Line>()];
+            &mut self.0[(word / WORDS) as usize..][..size_of::<WideNode>() / size_of::<Line>()];
         &mut bytemuck::cast_slice_mut(lines)[0]
     }
 
-    pub(super) fn push_node(&mut self, node: &Node) -> u32 {
+    pub(super) fn push_node(&mut self, node: &WideNode) -> u32 {
         let word = self.end();
         self.0.extend_from_slice(bytemuck::cast_slice(std::slice::from_ref(node)));
         word

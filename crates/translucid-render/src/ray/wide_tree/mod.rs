@@ -1,8 +1,8 @@
 //! An eight-wide bounding volume hierarchy over blocks: up to eight triangles, or one instance of a mesh.
 //!
 //! `obvhs` builds a binary tree (PLOC with reinsertion); eight neighbors of it are gathered into one
-//! node, whose boxes are tested together, and as many as there is room for into a block. Of many things this is done chunk
-//! by chunk, and one more tree leads to those of the chunks.
+//! node, whose boxes are tested together, and as many things as there is room for into a block. Many things are built chunk
+//! by chunk, with one more tree over the chunks' trees.
 //! Rounding never hides a hit: boxes have a margin, far distances of the box test are widened, and the
 //! triangle test is watertight.
 
@@ -20,7 +20,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 pub(crate) use chunks::MOST as AT_ONCE;
 use chunks::chunks;
-use gather::Gather;
+use gather::NodeGatherer;
 use glam::Vec3;
 use lines::Lines;
 use node::{EMPTY, LEAF};
@@ -31,11 +31,11 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance, SortPrecision};
 use rayon::prelude::*;
 pub(super) use traversal::Visitor;
 
-use super::eight::Vectors;
 use super::primitive::{Block, Primitive, PrimitiveSource};
+use super::simd::SimdToken;
 use super::triangle::{BlockRay, Ray, TriangleBlock, TriangleHit};
 
-/// The tree over a scene's triangles, or what else its blocks are of.
+/// The tree over a scene's triangles, or over other blocks.
 #[derive(Debug, PartialEq)]
 pub(crate) struct WideTree<B = TriangleBlock> {
     lines: Lines<B>,
@@ -57,9 +57,9 @@ impl<B: Block> WideTree<B> {
         }
         let mut order: Vec<u32> = (0..primitives.len() as u32).collect();
         let chunks = chunks(&mut order, &|thing| primitives[thing as usize].place());
-        let Part { lines, numbers, most_waiting, bounds } = match &chunks[..] {
+        let Subtree { lines, numbers, most_waiting, bounds } = match &chunks[..] {
             [_] => {
-                let mut workshop = Workshop::default();
+                let mut workshop = ChunkBuilder::default();
                 workshop.build(primitives, &order, 0);
                 workshop.part
             }
@@ -122,60 +122,60 @@ impl WideTree {
 
     #[inline(always)]
     fn nearest(&self, ray: &Ray, counts: impl Fn(&TriangleBlock) -> bool) -> Option<(TriangleHit, u32)> {
-        let mut nearest = Nearest { counts, hit: None };
+        let mut nearest = NearestVisitor { counts, hit: None };
         self.traverse(ray, &mut nearest);
         nearest.hit
     }
 
-    /// Whether anything lies on a segment.
+    /// Returns `true` if anything lies on a segment.
     #[inline]
     pub(crate) fn occluded(&self, ray: &Ray) -> bool {
-        self.traverse(ray, &mut Any)
+        self.traverse(ray, &mut AnyVisitor)
     }
 
     /// Calls `found` for every hit of a segment, in the tree's order.
     #[inline]
     pub(crate) fn all(&self, ray: &Ray, found: impl FnMut(TriangleHit, u32)) {
-        self.traverse(ray, &mut Every { found });
+        self.traverse(ray, &mut EveryVisitor { found });
     }
 }
 
-/// A tree over some of all things.
-struct Part<B> {
+/// A tree over some of the things.
+struct Subtree<B> {
     lines: Lines<B>,
     numbers: Vec<u32>,
     most_waiting: usize,
     bounds: Aabb,
 }
 
-impl<B: Block> Default for Part<B> {
+impl<B: Block> Default for Subtree<B> {
     fn default() -> Self {
         Self { lines: Lines::default(), numbers: Vec::new(), most_waiting: 0, bounds: Aabb::empty() }
     }
 }
 
-/// Memory for the tree over a chunk and for what it is made with, used again by the next one.
-struct Workshop<B> {
+/// Memory for building the tree over a chunk, used again by the next chunk.
+struct ChunkBuilder<B> {
     boxes: Vec<Aabb>,
     builder: PlocBuilder,
     optimizer: ReinsertionOptimizer,
     binary: Bvh2,
-    part: Part<B>,
+    part: Subtree<B>,
 }
 
-impl<B: Block> Default for Workshop<B> {
+impl<B: Block> Default for ChunkBuilder<B> {
     fn default() -> Self {
         Self {
             boxes: Vec::new(),
             builder: PlocBuilder::new(),
             optimizer: ReinsertionOptimizer::default(),
             binary: Bvh2::default(),
-            part: Part::default(),
+            part: Subtree::default(),
         }
     }
 }
 
-impl<B: Block> Workshop<B> {
+impl<B: Block> ChunkBuilder<B> {
     /// Builds the tree over a chunk, before whose numbers there are `first` of others.
     fn build<T: PrimitiveSource<Block = B>>(&mut self, primitives: &[T], chunk: &[u32], first: u32) {
         let thing = |index: u32| &primitives[chunk[index as usize] as usize];
@@ -183,7 +183,8 @@ impl<B: Block> Workshop<B> {
         self.boxes.extend(chunk.iter().map(|&number| primitives[number as usize].aabb()));
         self.build_binary();
         let mut numbers = take(&mut self.part.numbers);
-        let mut gather = Gather::new(&self.binary, |index| thing(index).needs(), take(&mut self.part.lines));
+        let mut gather =
+            NodeGatherer::new(&self.binary, |index| thing(index).needs(), take(&mut self.part.lines));
         gather.run(|lines, word, things| {
             let mut block = B::default();
             block.set_first(first + numbers.len() as u32);
@@ -192,7 +193,7 @@ impl<B: Block> Workshop<B> {
             LEAF | (lines.push_block(&block) - word)
         });
         let (lines, most_waiting) = (gather.lines, gather.most_waiting);
-        self.part = Part { lines, numbers, most_waiting, bounds: *self.binary.nodes[0].aabb() };
+        self.part = Subtree { lines, numbers, most_waiting, bounds: *self.binary.nodes[0].aabb() };
     }
 
     /// Makes a good binary tree over the boxes.
@@ -208,13 +209,13 @@ impl<B: Block> Workshop<B> {
 }
 
 /// Builds a tree for each chunk of the things in this order, and one more that leads to them.
-fn join<T: PrimitiveSource>(primitives: &[T], order: &[u32], chunks: &[Range<usize>]) -> Part<T::Block> {
-    let joined = Mutex::new(Joined::new(chunks.len(), order.len()));
+fn join<T: PrimitiveSource>(primitives: &[T], order: &[u32], chunks: &[Range<usize>]) -> Subtree<T::Block> {
+    let joined = Mutex::new(JoinedTree::new(chunks.len(), order.len()));
     let workshops = Mutex::new(Vec::new());
     // One after the other: few trees have to wait for their turn.
     chunks.iter().enumerate().par_bridge().for_each(|(number, chunk)| {
         let free = locked(&workshops).pop();
-        let mut workshop: Workshop<T::Block> = free.unwrap_or_default();
+        let mut workshop: ChunkBuilder<T::Block> = free.unwrap_or_default();
         workshop.build(primitives, &order[chunk.clone()], chunk.start as u32);
         locked(&joined).add(number, &mut workshop.part);
         locked(&workshops).push(workshop);
@@ -227,27 +228,27 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 /// The trees of chunks, one after the other, behind the room for the tree that leads to them.
-struct Joined<B> {
-    part: Part<B>,
+struct JoinedTree<B> {
+    part: Subtree<B>,
     /// Number of all things.
     things: usize,
     /// Words at which the trees begin, and the boxes around them.
     starts: Vec<u32>,
     boxes: Vec<Aabb>,
     /// Trees that have come before their turn.
-    early: BTreeMap<usize, Part<B>>,
+    early: BTreeMap<usize, Subtree<B>>,
 }
 
-impl<B: Block> Joined<B> {
+impl<B: Block> JoinedTree<B> {
     fn new(chunks: usize, things: usize) -> Self {
         // Every node leads to two others or more.
         let lines = Lines::of_empty_nodes(chunks - 1);
-        let part = Part { lines, numbers: Vec::with_capacity(things), ..Part::default() };
+        let part = Subtree { lines, numbers: Vec::with_capacity(things), ..Subtree::default() };
         Self { part, things, starts: Vec::new(), boxes: Vec::new(), early: BTreeMap::new() }
     }
 
-    /// Takes what the tree of a chunk consists of.
-    fn add(&mut self, number: usize, part: &mut Part<B>) {
+    /// Adds the tree of a chunk.
+    fn add(&mut self, number: usize, part: &mut Subtree<B>) {
         if number != self.starts.len() {
             self.early.insert(number, take(part));
             return;
@@ -258,10 +259,10 @@ impl<B: Block> Joined<B> {
         }
     }
 
-    fn append(&mut self, part: &mut Part<B>) {
+    fn append(&mut self, part: &mut Subtree<B>) {
         let all = &mut self.part;
         all.numbers.append(&mut part.numbers);
-        // A little more than the trees so far let expect
+        // A little more than the trees so far suggest
         all.lines.reserve_for(&part.lines, 1.06 * self.things as f64 / all.numbers.len() as f64);
         self.starts.push(all.lines.end());
         self.boxes.push(part.bounds);
@@ -270,13 +271,13 @@ impl<B: Block> Joined<B> {
         part.lines.clear();
     }
 
-    fn finish(mut self) -> Part<B> {
-        let mut workshop = Workshop::<B> { boxes: self.boxes, ..Workshop::default() };
+    fn finish(mut self) -> Subtree<B> {
+        let mut workshop = ChunkBuilder::<B> { boxes: self.boxes, ..ChunkBuilder::default() };
         workshop.build_binary();
-        let mut gather = Gather::<B>::new(&workshop.binary, |_| None, Lines::default());
-        // Until it is known at which node a part is its number stands for that.
+        let mut gather = NodeGatherer::<B>::new(&workshop.binary, |_| None, Lines::default());
+        // A part's number stands for its node until that is known.
         gather.run(|_, _, part| LEAF | part[0]);
-        let Gather { lines: mut top, most_waiting, .. } = gather;
+        let NodeGatherer { lines: mut top, most_waiting, .. } = gather;
         top.for_each_node(|word, node| {
             for child in node.children.iter_mut().filter(|child| **child != EMPTY && **child & LEAF != 0) {
                 *child = self.starts[(*child & !LEAF) as usize] - word;
@@ -289,20 +290,20 @@ impl<B: Block> Joined<B> {
     }
 }
 
-/// Looks for the nearest hit.
-struct Nearest<F> {
-    /// Whether the triangles of a block count.
+/// Finds the nearest hit.
+struct NearestVisitor<F> {
+    /// Returns `true` if the triangles of a block count.
     counts: F,
     hit: Option<(TriangleHit, u32)>,
 }
 
-impl<F: Fn(&TriangleBlock) -> bool> Visitor<TriangleBlock> for Nearest<F> {
+impl<F: Fn(&TriangleBlock) -> bool> Visitor<TriangleBlock> for NearestVisitor<F> {
     const IS_ORDERED: bool = true;
 
     #[inline(always)]
     fn visit(
         &mut self,
-        vectors: impl Vectors,
+        vectors: impl SimdToken,
         ray: &mut BlockRay,
         block: &TriangleBlock,
         first: u32,
@@ -318,30 +319,30 @@ impl<F: Fn(&TriangleBlock) -> bool> Visitor<TriangleBlock> for Nearest<F> {
     }
 }
 
-/// Is content with any hit.
-struct Any;
+/// Stops at any hit.
+struct AnyVisitor;
 
-impl Visitor<TriangleBlock> for Any {
+impl Visitor<TriangleBlock> for AnyVisitor {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, vectors: impl Vectors, ray: &mut BlockRay, block: &TriangleBlock, _: u32) -> bool {
+    fn visit(&mut self, vectors: impl SimdToken, ray: &mut BlockRay, block: &TriangleBlock, _: u32) -> bool {
         block.is_hit(vectors, ray)
     }
 }
 
 /// Reports every hit.
-struct Every<F> {
+struct EveryVisitor<F> {
     found: F,
 }
 
-impl<F: FnMut(TriangleHit, u32)> Visitor<TriangleBlock> for Every<F> {
+impl<F: FnMut(TriangleHit, u32)> Visitor<TriangleBlock> for EveryVisitor<F> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
     fn visit(
         &mut self,
-        vectors: impl Vectors,
+        vectors: impl SimdToken,
         ray: &mut BlockRay,
         block: &TriangleBlock,
         first: u32,
@@ -365,17 +366,17 @@ fn avx2_is_available() -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ray::primitive::Needs;
+    use crate::ray::primitive::BlockNeeds;
 
     impl PrimitiveSource for Primitive {
         type Block = TriangleBlock;
 
-        fn needs(&self) -> Option<Needs> {
+        fn needs(&self) -> Option<BlockNeeds> {
             let factors = [0x9e37_79b9, 0x85eb_ca6b, 0xc2b2_ae35];
             let mix =
                 |sum: u32, (x, factor): (f32, u32)| sum.rotate_left(7) ^ x.to_bits().wrapping_mul(factor);
             let corner = |vertex: Vec3| vertex.to_array().into_iter().zip(factors).fold(0, mix);
-            Some(Needs::triangle(self.object, self.vertices.map(corner)))
+            Some(BlockNeeds::triangle(self.object, self.vertices.map(corner)))
         }
 
         fn place(&self) -> Vec3 {

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::Vec4;
 
 use crate::ray::Ray;
-use crate::ray::eight::{Eight, Vectors};
+use crate::ray::simd::{F32x8, SimdToken};
 
 /// Children of a node.
 pub(super) const WIDTH: usize = 8;
@@ -15,10 +15,10 @@ pub(super) const LEAF: u32 = 1 << 31;
 /// Marks a child that is not there.
 pub(super) const EMPTY: u32 = u32::MAX;
 
-/// Eight boxes with what is in them. An empty child's box is inside out, so no ray meets it.
+/// Eight boxes with their children. An empty child's box is inside out, so no ray meets it.
 #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
 #[repr(C, align(64))]
-pub(super) struct Node {
+pub(super) struct WideNode {
     /// Lower x, upper x, lower y, upper y, lower z, upper z.
     pub(super) bounds: [[f32; WIDTH]; 6],
     /// By how many words a child starts after this node, with `LEAF` if it is a block.
@@ -27,7 +27,7 @@ pub(super) struct Node {
     pub(super) unused: [u32; WIDTH],
 }
 
-impl Node {
+impl WideNode {
     /// A node without children.
     pub(super) const EMPTY: Self = Self {
         bounds: [
@@ -45,7 +45,7 @@ impl Node {
 
 /// The boxes that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Met {
+pub(super) struct BoxHits {
     /// A bit for each.
     pub(super) mask: u32,
     /// Distances at which the ray enters them, 0 from inside.
@@ -77,7 +77,7 @@ impl SlabRay {
 
     /// Tests the ray against eight boxes.
     #[inline(always)]
-    pub(super) fn meet<V: Vectors>(&self, vectors: V, node: &Node, t_max: f32) -> Met {
+    pub(super) fn meet<V: SimdToken>(&self, vectors: V, node: &WideNode, t_max: f32) -> BoxHits {
         // Without closures: the compiler would not make vector instructions part of them.
         let (ox, ix) = (vectors.splat(self.origin.x), vectors.splat(self.inverse.x));
         let (oy, iy) = (vectors.splat(self.origin.y), vectors.splat(self.inverse.y));
@@ -94,7 +94,7 @@ impl SlabRay {
         // Negative distances, which bits put into the wrong order, lie behind the ray all the same.
         let near = ax.greater_bits(ay).greater_bits(az.greater_bits(vectors.splat(0.0)));
         let far = bx.lesser_bits(by).lesser_bits(bz.lesser_bits(vectors.splat(t_max)));
-        Met { mask: near.is_below_bits(far), near: near.to_array() }
+        BoxHits { mask: near.is_below_bits(far), near: near.to_array() }
     }
 }
 

@@ -1,4 +1,4 @@
-//! The way of a ray through the tree.
+//! Traversal of the tree by a ray.
 //!
 //! ```text
 //! loop
@@ -7,29 +7,28 @@
 //!   a block: ask the visitor, and take the next from the stack
 //! ```
 //!
-//! Everything below is compiled twice, plainly and for AVX2, which is chosen at run time; both find the same.
+//! Everything below is compiled twice, portably and for AVX2, which is chosen at run time; both find the same hits.
 
 use std::mem::MaybeUninit;
 
 use super::lines::Lines;
-use super::node::{LEAF, Met, Node, SlabRay, WIDTH};
+use super::node::{BoxHits, LEAF, SlabRay, WIDTH, WideNode};
 use super::{Block, WideTree};
 #[cfg(target_arch = "x86_64")]
-use crate::ray::eight::Avx2;
-use crate::ray::eight::{Loops, Vectors};
+use crate::ray::simd::Avx2;
+use crate::ray::simd::{Portable, SimdToken};
 use crate::ray::triangle::{BlockRay, Ray};
 
-/// A question about a ray's way.
+/// A visitor of the blocks on a ray's way.
 pub(in crate::ray) trait Visitor<B> {
-    /// Whether near blocks shall come before far ones, and what lies beyond the ray's end, which then may come nearer,
-    /// be left out.
+    /// Near blocks come before far ones, and blocks beyond the ray's end, which visits may bring nearer, are left out.
     const IS_ORDERED: bool;
 
     /// Looks at a block whose first lane has the number `first`; true ends the way.
-    fn visit(&mut self, vectors: impl Vectors, ray: &mut BlockRay, block: &B, first: u32) -> bool;
+    fn visit(&mut self, vectors: impl SimdToken, ray: &mut BlockRay, block: &B, first: u32) -> bool;
 }
 
-/// Children yet to visit for which there is room without asking for memory: scanned meshes have up to 70.
+/// Children yet to visit that fit without an allocation: scanned meshes have up to 70.
 pub(super) const STACK: usize = 96;
 
 /// Children yet to visit: making room for them costs nothing as long as it is not written.
@@ -59,7 +58,7 @@ impl Visit {
 }
 
 impl<B: Block> WideTree<B> {
-    /// Leads a visitor to the blocks whose boxes a ray meets; whether it has ended the way.
+    /// Leads a visitor to the blocks whose boxes a ray meets; returns `true` if the visitor has ended the traversal.
     #[inline(always)]
     pub(in crate::ray) fn traverse<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V) -> bool {
         if self.lines.is_empty() {
@@ -84,7 +83,7 @@ impl<B: Block> WideTree<B> {
 
     #[inline(never)]
     fn traverse_portable<V: Visitor<B>>(&self, ray: &Ray, visitor: &mut V, stack: &mut Stack) -> bool {
-        self.traverse_with(Loops, ray, visitor, stack)
+        self.traverse_with(Portable, ray, visitor, stack)
     }
 
     #[cfg(target_arch = "x86_64")]
@@ -97,7 +96,7 @@ impl<B: Block> WideTree<B> {
     #[inline(always)]
     fn traverse_with<V: Visitor<B>>(
         &self,
-        vectors: impl Vectors,
+        vectors: impl SimdToken,
         ray: &Ray,
         visitor: &mut V,
         stack: &mut Stack,
@@ -117,7 +116,7 @@ impl<B: Block> WideTree<B> {
                     break;
                 }
                 let first = child + node.children[met.mask.trailing_zeros() as usize % WIDTH];
-                // Mostly there is one, and the next node's address has to wait for nothing else.
+                // Mostly there is one, and the next node's address depends on nothing else.
                 child = if met.mask & (met.mask - 1) == 0 {
                     first
                 } else {
@@ -130,7 +129,7 @@ impl<B: Block> WideTree<B> {
                     return true;
                 }
             }
-            // Go on with what is left.
+            // Go on with the rest of the stack.
             loop {
                 if used == 0 {
                     return false;
@@ -151,8 +150,8 @@ impl<B: Block> WideTree<B> {
     #[inline(always)]
     fn choose<V: Visitor<B>>(
         &self,
-        (word, node): (u32, &Node),
-        met: &Met,
+        (word, node): (u32, &WideNode),
+        met: &BoxHits,
         stack: &mut Stack,
         used: &mut usize,
     ) -> u32 {
@@ -187,7 +186,7 @@ impl<B: Block> WideTree<B> {
         nearest.child()
     }
 
-    /// Tells the processor what will be read soon: on large meshes most of the time would go into waiting for memory.
+    /// Prefetches a child: on large meshes, waiting for memory would take most of the time.
     #[inline(always)]
     fn prefetch(&self, child: u32) {
         #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,4 @@
-//! The profile that probes are drawn from: cut where little of the energy is left.
+//! The profile that probes are drawn from: cut at the radius beyond which little energy is left.
 
 use std::ops::Range;
 
@@ -22,7 +22,7 @@ pub(crate) struct CutProfile<'a> {
 pub(crate) struct Cutting {
     /// Energy beyond R_m, in (0, 1).
     tail: f32,
-    /// The cuts of a material whose points all have the same color.
+    /// The cuts of a material that has the same color everywhere.
     known: Vec<KnownCut>,
 }
 
@@ -35,7 +35,7 @@ struct KnownCut {
 }
 
 impl Cutting {
-    /// Cuts profiles of a kernel where no more than `tail` of their energy is outside.
+    /// Cuts the profiles of a kernel so that no more than `tail` of their energy is outside.
     pub(crate) fn new(kernel: &SubsurfaceKernel, tail: f32) -> Self {
         let albedos = kernel.radial.surface_albedos();
         let of_color = if albedos.len() <= 3 { albedos } else { &[] };
@@ -73,7 +73,7 @@ impl Cutting {
 }
 
 impl<'a> CutProfile<'a> {
-    /// Cuts a profile where no more than `tail` of its energy is outside.
+    /// Cuts a profile so that no more than `tail` of its energy is outside.
     pub(crate) fn new(view: ProfileViewF32<'a>, tail: f32) -> Self {
         let longest = view.truncation_radius(tail);
         Self { view, longest, inverse_within: 1.0 / view.cdf(longest) }

@@ -1,16 +1,16 @@
-//! How much more or less light leaves at a point for the direction in which it enters at another.
+//! The factor of a directional model: how the light that leaves depends on the direction from which it enters.
 //!
 //! Probes find entry points by a radial profile, before any light is known.
-//! Where the model knows directions, light at the entry is then weighted with R(x_o − x_i; ω_i)/R(|x_o − x_i|).
+//! A directional model then weights the light at the entry with R(x_o − x_i; ω_i)/R(|x_o − x_i|).
 
 use std::f32::consts::FRAC_1_PI;
 
 use glam::Vec3;
 use translucid_profile::{DirectionalDipoleF32, ObliqueDiffusionF32, ProfileViewF32};
 
-/// The way of light below the surface, with normals on the side that is seen.
+/// The offset of an exit from an entry point, with normals on the side that is seen.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Passage {
+pub(crate) struct EntryToExit {
     /// From the entry to the exit \[L\].
     pub(crate) offset: Vec3,
     /// Unit normal at the entry.
@@ -19,7 +19,7 @@ pub(crate) struct Passage {
     pub(crate) exit_normal: Vec3,
 }
 
-/// A model that knows directions at the parameters of an exit point, per channel.
+/// A directional model at the parameters of an exit point, per channel.
 #[allow(
     clippy::large_enum_variant,
     reason = "one for each exit of a block, in memory that is kept: a box would allocate in the inner loop"
@@ -32,14 +32,14 @@ pub(crate) enum DirectedProfiles {
     Oblique([ObliqueDiffusionF32; 3]),
 }
 
-/// Directional part of the kernel for the parameters of an exit point; none where all directions are alike.
+/// Directional part of the kernel for the parameters of an exit point; `None` where all directions are alike.
 #[derive(Clone, Copy)]
 pub(crate) struct Directions<'a>(pub(super) Option<(DirectedProfiles, RadialMean<'a>)>);
 
-/// The weight of light by its direction, per channel; none where all directions are alike.
-pub(crate) struct DirectionalWeight<'a>(Option<(&'a DirectedProfiles, Passage, Vec3)>);
+/// The weight of light by its direction, per channel; `None` where all directions are alike.
+pub(crate) struct DirectionalWeight<'a>(Option<(&'a DirectedProfiles, EntryToExit, Vec3)>);
 
-/// The profiles that entries are found by, of the shape that their table has.
+/// The radial profiles by which probes find entry points.
 #[derive(Clone, Copy)]
 pub(crate) struct RadialMean<'a> {
     pub(super) views: [ProfileViewF32<'a>; 3],
@@ -63,8 +63,8 @@ impl RadialMean<'_> {
 }
 
 impl Directions<'_> {
-    /// The weights of light that goes a way below the surface.
-    pub(crate) fn along(&self, passage: Passage) -> DirectionalWeight<'_> {
+    /// The weights of light that travels from an entry to the exit point.
+    pub(crate) fn along(&self, passage: EntryToExit) -> DirectionalWeight<'_> {
         let distance = passage.offset.length();
         DirectionalWeight(self.0.as_ref().map(|(profiles, mean)| {
             // 1/R(|x_o − x_i|), or 1/(r R(r)), of the profile that the entry was found by
@@ -97,16 +97,16 @@ impl DirectionalWeight<'_> {
     }
 }
 
-impl Passage {
+impl EntryToExit {
     /// Offset, direction toward the light, and normals at entry and exit.
     fn arrays(&self, toward_light: Vec3) -> [[f32; 3]; 4] {
         [self.offset, toward_light, self.entry_normal, self.exit_normal].map(|v| v.to_array())
     }
 }
 
-/// inverse · value, 0 in channels whose inverse is.
+/// inverse · value, 0 in channels whose inverse is 0.
 ///
-/// So is a product of the greatest and the least numbers: far away from a channel's light, where others have theirs.
+/// It is 0, too, where the product overflows: far away from a channel's light, where other channels have theirs.
 fn per_channel(inverse: Vec3, value: impl Fn(usize) -> f32) -> Vec3 {
     let product = |c: usize| {
         let product = if inverse[c] <= 0.0 { 0.0 } else { value(c) * inverse[c] };

@@ -1,11 +1,19 @@
-//! The subsurface kernel of a material: how much light that has entered at one point leaves at another.
+//! The subsurface kernel of a material, the spatial part of its BSSRDF: how much of the light that enters at the entry
+//! point x_i leaves at the exit point x_o.
 //!
 //! ```text
-//! S(x_i, ω_i, x_o) = A p(|x_o − x_i|) w(x_o − x_i, ω_i)
+//! S(x_i, ω_i, x_o) = A p(|x_o − x_i|) w(x_o − x_i, ω_i),      R(r) = A p(r)
 //! ```
 //!
 //! p is a radial profile, tabulated for the surface albedos of the material and cut where little of its energy is
-//! left: entry points are drawn from it. w is 1 where a model knows no direction, else the model over its own mean.
+//! left: entry points are drawn from it. w is 1 where a model has no directions, else the model over its own mean.
+//! The surface adds the rest of the BSSRDF, T(ω_i) T(ω_o) / (π T̄): see [`bsdf`](crate::surface::bsdf).
+//!
+//! On its way to a probe, one R(r) goes through four types:
+//!
+//! ```text
+//! AlbedoTableF32 (every A) → ProfileViewF32 (one A and ℓ) → CutProfile (within R_m) → ProbeStrategy (3 channels, 3 axes)
+//! ```
 
 mod cut;
 mod direction;
@@ -19,22 +27,23 @@ use super::parameters::Subsurface;
 
 pub(crate) use cut::{CutProfile, Cutting};
 use direction::DirectedProfiles;
-pub(crate) use direction::{DirectionalWeight, Directions, Passage};
+pub(crate) use direction::{DirectionalWeight, Directions, EntryToExit};
 pub(crate) use recipe::{KernelRecipe, unfitted};
 
 /// The profile of one material, or of several that are alike.
+#[doc(alias = "BSSRDF")]
 pub(crate) struct SubsurfaceKernel {
     radial: AlbedoTableF32,
-    /// Surface albedo whose shape stands in above it: what follows the direction of light has to have that shape, too,
-    /// or most of its light would leave where probes hardly look.
+    /// Surface albedo whose shape stands in above it. Directional profiles use that shape, too; otherwise most of their
+    /// light would leave where probes hardly look.
     brightest: f32,
-    /// Whether a user has made the profile: it may have any shape, holes included.
+    /// A user has made the profile: it may have any shape, holes included.
     is_from_file: bool,
     angular: Angular,
     notes: Vec<Remark>,
 }
 
-/// A kernel's knowledge of directions.
+/// The directional part of a kernel.
 enum Angular {
     Nothing,
     Dipole(DirectionalDipoleTable),
@@ -50,7 +59,7 @@ impl SubsurfaceKernel {
 
     /// Lengths with 0 for those whose profiles are points, where positions are exact to `offset`.
     ///
-    /// The length says little of the width: a file's radii may be in any unit.
+    /// The median radius decides, not the length: a file's radii may be in any unit.
     pub(crate) fn resolved(&self, surface_albedo: Vec3, length: Vec3, offset: f32) -> Vec3 {
         let of = |c: usize| {
             let length = length[c];
@@ -65,12 +74,12 @@ impl SubsurfaceKernel {
         self.radial.median_radius(surface_albedo, length)
     }
 
-    /// Shortcomings of the kernel against its material, in words that follow its model's name.
+    /// Ways in which the kernel falls short of its material, worded to follow the model's name.
     pub(crate) fn notes(&self) -> &[Remark] {
         &self.notes
     }
 
-    /// Whether the direction of light counts.
+    /// Returns `true` if the direction of light counts.
     pub(crate) fn knows_directions(&self) -> bool {
         !matches!(self.angular, Angular::Nothing)
     }

@@ -9,7 +9,7 @@ use translucid_scene::{Material, ProfileTable, SubsurfaceModel};
 use super::{Angular, SubsurfaceKernel};
 use crate::subsurface::note::{Note, NoteKind, Remark};
 
-/// Least surface albedo that a table has a row for: the shapes of darker profiles are that one's to 1e-3.
+/// Least surface albedo with a row in a table: darker profiles have its shape to within 1e-3.
 const DARKEST: f64 = 1e-3;
 /// Greatest surface albedo of a table over the diffuse mean free path, which does not exist at 1.
 const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
@@ -18,7 +18,7 @@ const BRIGHTEST_WITH_DMFP: f64 = 0.9999;
 /// index it grows without end.
 const LEAST_ETA_OF_DIRECTIONAL_DIPOLE: f64 = 1.1;
 
-/// All that decides a kernel: materials with equal recipes share one.
+/// The inputs of a kernel: materials with equal recipes share one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum KernelRecipe {
     Model(ModelRecipe),
@@ -26,14 +26,14 @@ pub(crate) enum KernelRecipe {
     File(usize),
 }
 
-/// All that decides the kernel of a model.
+/// The inputs of a model's kernel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct ModelRecipe {
     model: Model,
     parameterization: Parameterization,
     configuration: Configuration,
     eta: f64,
-    /// By which light is refracted that is then followed by its direction.
+    /// Index of refraction for models that follow the direction of the refracted light.
     eta_of_refraction: f64,
     g: f64,
     /// The three surface albedos of a material that is not textured.
@@ -50,7 +50,7 @@ impl KernelRecipe {
         }
     }
 
-    /// Burley's index-matched profile with a material's parameters, which stands in for what cannot be made.
+    /// Burley's index-matched profile with a material's parameters, which stands in for profiles that cannot be made.
     pub(crate) fn stand_in(material: &Material) -> Self {
         let model = Model::NormalizedDiffusion;
         Self::Model(ModelRecipe { g: 0.0, eta: 1.0, ..ModelRecipe::of(model, material) })
@@ -83,7 +83,7 @@ fn nearest_known(model: Model, material: &Material) -> [f64; 2] {
     model.nearest_known(f64::from(g), f64::from(eta))
 }
 
-/// Words on the g and η that a material asks for and its model is not fitted for.
+/// A remark if a model is not fitted for the g and η that a material asks for.
 pub(crate) fn unfitted(material: &Material, model: SubsurfaceModel) -> Option<Remark> {
     let SubsurfaceModel::Profile(model) = model else { return None };
     let used = nearest_known(model, material);

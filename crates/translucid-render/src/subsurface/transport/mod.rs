@@ -1,22 +1,22 @@
-//! The ways in which light under a surface is found, one for each material.
+//! Ways to find the light under a surface. Each material has one; a scene may gather light from points instead.
 //!
 //! ```text
 //! probes/   segments near the exit point draw an entry point; the path goes on from there
-//! shared/   the same, and what enters below one pixel serves the pixels around it
-//! points/   a sum over points all over the surface, whose light is known beforehand
+//! shared/   probes, but the light that enters below one pixel serves the pixels around it
 //! walk/     the volume itself, collision by collision; neighbors share the ends of their flights
+//! points/   a sum over points all over the surface, whose light is known beforehand
 //! ```
 //!
-//! `gathering` is what the pixels of a block have in common to share what they find.
+//! `gathering` shares light among the pixels of a block.
 //!
-//! A new one is a folder here and a line in [`SubsurfaceTransport`].
+//! A new transport is a folder here and a variant of [`SubsurfaceTransport`].
 
 mod gathering;
 pub(crate) mod points;
 pub(crate) mod probes;
 mod shared;
+mod simd_loop;
 pub(crate) mod walk;
-mod widest;
 
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -28,27 +28,27 @@ use super::exit_point::ExitPoint;
 use super::parameters::Subsurface;
 use crate::ray::SurfacePoint;
 use crate::sampling::Sampler;
+use crate::surface::bsdf::SurfaceParameters;
 use crate::surface::{self, WalkMedium};
 use crate::world::{Layer, PathState, PixelWidth, World};
-use points::{GatherScratch, Gatherer};
+use points::GatherScratch;
 use probes::{ProbeScratch, Probes};
 use shared::SharedEntries;
 use walk::{SharedCollisions, Walks};
 
-/// How light under the surface of a material is found.
+/// The way in which light under the surface of a material is found.
+#[doc(alias = "BSSRDF")]
 pub(crate) enum SubsurfaceTransport {
     /// Light leaves where it enters.
     Lambertian,
     Probes(Probes),
     /// Paths in a block of pixels share their entry points, others have probes alone.
     Shared(Probes),
-    /// Where a subsurface group has no points, the other transport finds the light.
-    Points(Box<Self>, Option<Arc<Gatherer>>),
     Walk(Walks),
 }
 
 /// The path tracer as a transport sees it.
-pub(crate) trait Tracing<'a> {
+pub(crate) trait Tracer<'a> {
     /// Memory of this thread.
     fn scratch(&mut self) -> &mut TransportScratch<'a>;
 
@@ -57,9 +57,6 @@ pub(crate) trait Tracing<'a> {
 
     /// Factor on light that leaves at a point, for its shape.
     fn shape_factor(&mut self, exit: &ExitPoint<'_>) -> Vec3;
-
-    /// [`shape_factor`](Self::shape_factor) where the share of the profile that the shape holds is known.
-    fn shape_factor_of(&self, exit: &ExitPoint<'_>, energy: Vec3) -> Vec3;
 
     /// Width of a pixel of the picture.
     fn pixel_width(&self) -> PixelWidth;
@@ -100,25 +97,15 @@ impl SubsurfaceTransport {
         Subsurface { surface_albedo, length: self.length(surface_albedo, stated, point.offset) }
     }
 
-    /// Lengths as the transport uses them, 0 in channels whose light leaves where it enters as far as positions, exact
-    /// to `offset`, can tell.
+    /// Lengths as the transport uses them, 0 in channels whose light leaves too near its entry for positions with a rounding
+    /// error of `offset` to resolve.
     fn length(&self, surface_albedo: Vec3, stated: Vec3, offset: f32) -> Vec3 {
         match self {
             Self::Lambertian => Vec3::ZERO,
             Self::Probes(probes) | Self::Shared(probes) => {
                 probes.kernel.resolved(surface_albedo, stated, offset)
             }
-            Self::Points(other, _) => other.length(surface_albedo, stated, offset),
             Self::Walk(walks) => walks.medium.resolved(surface_albedo, stated, offset),
-        }
-    }
-
-    /// Sets the probabilities of probing along (tangent, tangent, normal).
-    pub(crate) fn set_axes(&mut self, axes: [f32; 3]) {
-        match self {
-            Self::Lambertian | Self::Walk(_) => {}
-            Self::Probes(probes) | Self::Shared(probes) => probes.axes = axes,
-            Self::Points(other, _) => other.set_axes(axes),
         }
     }
 
@@ -132,17 +119,23 @@ impl SubsurfaceTransport {
         match self {
             Self::Lambertian | Self::Walk(_) => None,
             Self::Probes(probes) | Self::Shared(probes) => Some(probes),
-            Self::Points(other, _) => other.probes(),
         }
     }
 
-    /// Whether light that has left another diffuse surface toward this one leaves it where it enters.
+    /// Makes paths look below a material where an exit is dark, but light may have entered where it is bright.
+    pub(crate) fn brighten(&self, surface: &mut SurfaceParameters) {
+        if let Some(pairing) = self.probes().and_then(|probes| probes.pairing.as_ref()) {
+            pairing.brighten(surface);
+        }
+    }
+
+    /// Returns `true` if light that has left another diffuse surface toward this one leaves it where it enters.
     pub(crate) fn is_lambertian_behind_diffuse(&self) -> bool {
         matches!(self, Self::Probes(probes) | Self::Shared(probes) if probes.is_disk)
     }
 
     /// Leaves a surface through the medium below; false where the path is over.
-    pub(crate) fn scatter<'a, T: Tracing<'a>>(
+    pub(crate) fn scatter<'a, T: Tracer<'a>>(
         &'a self,
         tracer: &mut T,
         world: &'a World,
@@ -154,10 +147,6 @@ impl SubsurfaceTransport {
             Self::Lambertian => false,
             Self::Probes(probes) => probes.scatter(tracer, world, path, exit, sampler),
             Self::Shared(probes) => shared::scatter(probes, tracer, world, path, exit, sampler),
-            Self::Points(other, gatherer) => {
-                let has_points = gatherer.as_ref().is_some_and(|points| points.scatter(tracer, path, exit));
-                !has_points && other.scatter(tracer, world, path, exit, sampler)
-            }
             Self::Walk(walks) => walks.scatter(tracer, world, path, exit, sampler),
         }
     }

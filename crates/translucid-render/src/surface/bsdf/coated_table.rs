@@ -1,4 +1,4 @@
-//! Light that a rough lobe under a coat loses to the coat, beyond what the coat takes from the direction seen.
+//! Light that a rough lobe under a coat loses to the coat, beyond the coat's loss in the direction seen.
 //!
 //! A facet lobe under a coat is scaled by the lesser of the coat's transmittances in both directions,
 //! which is reciprocal. Of a lobe with directional albedo E seen at μ, the coat of reflectance `E_c` then
@@ -13,8 +13,8 @@
 use super::dielectric::fresnel_dielectric;
 use super::ggx::Ggx;
 use super::reflectance_table::{
-    AVERAGE_ROWS, COSINE_NODES, Grid, MetalTable, ReflectanceTable, ReflectionQuadrature, average_position,
-    average_roughness, cosine_mean, gauss_legendre, mirrored_cos, mix, passed_share, split,
+    AVERAGE_ROWS, COSINE_NODES, MetalTable, ReflectanceTable, ReflectionQuadrature, TableGrid,
+    average_position, average_roughness, cosine_mean, gauss_legendre, mirrored_cos, mix, passed_share, split,
 };
 
 /// Nodes over t, over the base's roughness and over the coat's: X is small and smooth.
@@ -25,16 +25,16 @@ const COAT_ROWS: usize = 6;
 /// X over (μ, roughness of the base, roughness of the coat), and its cosine mean.
 #[derive(Clone, Debug)]
 struct Loss {
-    grids: [Grid<COLUMNS, BASE_ROWS>; COAT_ROWS],
+    grids: [TableGrid<COLUMNS, BASE_ROWS>; COAT_ROWS],
     average: [[f32; BASE_ROWS]; COAT_ROWS],
 }
 
 impl Loss {
     fn new(coat: &ReflectanceTable, fresnel: impl Fn(f32) -> f32) -> Self {
         let facets = ReflectionQuadrature::new();
-        let grids: [Grid<COLUMNS, BASE_ROWS>; COAT_ROWS] = std::array::from_fn(|row| {
+        let grids: [TableGrid<COLUMNS, BASE_ROWS>; COAT_ROWS] = std::array::from_fn(|row| {
             let coat_roughness = row as f32 / (COAT_ROWS - 1) as f32;
-            Grid::new(|mu, roughness| {
+            TableGrid::new(|mu, roughness| {
                 let ggx = Ggx::from_roughness(roughness);
                 let seen = coat.eval(mu, coat_roughness);
                 facets.mean(mu, roughness, |wo, h| {
@@ -46,7 +46,7 @@ impl Loss {
         });
         let average = std::array::from_fn(|coat_row| {
             std::array::from_fn(|row| {
-                let roughness = Grid::<COLUMNS, BASE_ROWS>::row_roughness(row);
+                let roughness = TableGrid::<COLUMNS, BASE_ROWS>::row_roughness(row);
                 cosine_mean(|mu| grids[coat_row].eval(mu, roughness))
             })
         });
@@ -66,7 +66,7 @@ impl Loss {
             return 0.0;
         }
         let (row, r) = split(coat_roughness * (COAT_ROWS - 1) as f32, COAT_ROWS);
-        let (base, b) = Grid::<COLUMNS, BASE_ROWS>::row_position(roughness);
+        let (base, b) = TableGrid::<COLUMNS, BASE_ROWS>::row_position(roughness);
         let line = |row: usize| mix(self.average[row][base], self.average[row][base + 1], b);
         mix(line(row), line(row + 1), r)
     }

@@ -21,7 +21,7 @@ impl Ggx {
         Self { alpha2: alpha * alpha }
     }
 
-    /// Whether the surface is a mirror: α < 0.001.
+    /// Returns `true` for a mirror: α < 0.001.
     pub fn is_smooth(&self) -> bool {
         self.alpha2 < SMOOTH_ALPHA * SMOOTH_ALPHA
     }

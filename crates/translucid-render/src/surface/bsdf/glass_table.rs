@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use super::dielectric::{fresnel_dielectric, refract, scaled_ior};
 use super::ggx::Ggx;
-use super::reflectance_table::{FacetQuadrature, FineGrid, Grid, mirrored_cos, mix, passed_share};
+use super::reflectance_table::{FacetQuadrature, FineGrid, TableGrid, mirrored_cos, mix, passed_share};
 
 /// Reflected plus transmitted fraction of lossless rough glass in single scattering, by which its lobes
 /// are divided [after Turquin 2019, "Practical multiple scattering compensation for microfacet models"].
@@ -81,7 +81,7 @@ impl Sides {
 
 fn kept<const CAP: usize, const TURN: usize>(eta: f32) -> FineGrid {
     let facets = FacetQuadrature::<CAP, TURN>::new();
-    Grid::new(|mu, roughness| {
+    TableGrid::new(|mu, roughness| {
         let ggx = Ggx::from_roughness(roughness);
         facets.mean(mu, roughness, |wo, h| {
             let fresnel = fresnel_dielectric(wo.dot(h), eta);

@@ -9,7 +9,7 @@ use super::{
     Bsdf, BsdfSample, BsdfValue, EntryBsdf, Lobe, MaterialTables, SurfaceParameters, fresnel_dielectric,
 };
 
-/// Random numbers and what is made of them.
+/// Random numbers, directions and materials.
 struct Random(SplitMix);
 
 impl Random {

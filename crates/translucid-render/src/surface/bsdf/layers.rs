@@ -108,12 +108,12 @@ impl<'a> Layers<'a> {
         })
     }
 
-    /// T(μ): what passes both interfaces, without the coat's tint; `coat` is the coat's reflectance there.
+    /// T(μ): share that passes both interfaces, without the coat's tint; `coat` is the coat's reflectance there.
     pub(super) fn transmittance_under(&self, coat: f32, mu: f32) -> f32 {
         (1.0 - coat) * (1.0 - self.specular_reflectance(mu)) + self.specular_loss(mu)
     }
 
-    /// T(μ): what passes both interfaces, without the coat's tint.
+    /// T(μ): share that passes both interfaces, without the coat's tint.
     pub(super) fn transmittance(&self, mu: f32) -> f32 {
         self.transmittance_under(self.coat_reflectance(mu), mu)
     }

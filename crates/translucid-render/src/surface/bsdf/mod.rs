@@ -1,4 +1,4 @@
-//! Scattering at a surface point: what a material does with light at its interface.
+//! The BSDF: scattering of light at the interface of a material.
 //!
 //! Directions are unit vectors in the local shading frame whose z axis is the shading normal and points
 //! out of the object; `wo` goes to where light is carried, `wi` to where it comes from, both away from
@@ -10,15 +10,15 @@
 //! ```text
 //! f = coat + K (metal + specular reflection + transmission) + A T(ωi) T(ωo) / (π T̄)
 //! K(ωi, ωo) = min(T_coat(ωi), T_coat(ωo))         reciprocal, never gains energy, exact for a mirror
-//! T(ω) = (1 − E_coat(ω)) (1 − E_specular(ω)) + X(ω)       what passes the interfaces from direction ω
+//! T(ω) = (1 − E_coat(ω)) (1 − E_specular(ω)) + X(ω)       share that passes the interfaces from direction ω
 //! T̄ = 2 ∫ T(μ) μ dμ                                so that uniform light sees 1 − T(ωo) + A T(ωo)
 //! ```
 //!
-//! X is what `K` takes too much from the specular reflection; it vanishes without a coat.
+//! X is the light that `K` takes too much from the specular reflection; it vanishes without a coat.
 //! The matte term is the coupling of Kelemen & Szirmay-Kalos (2001, "A Microfacet Based Coupled
 //! Specular-Matte BRDF Model with Importance Sampling"): light that the interface does not reflect enters,
-//! and A is the albedo of what enters. Subsurface scattering is the same with A spread over the surface:
-//! `S = T(ωo) R(r) T(ωi) / (π T̄)`, which without an interface is exactly `R / π`.
+//! and A is the albedo of the light that enters. Subsurface scattering is the matte term with A spread over the surface,
+//! the BSSRDF `S = T(ωo) R(r) T(ωi) / (π T̄)`, which without an interface is exactly `R / π`.
 //!
 //! # Conventions
 //! Weights carry *basic* radiance L/n² (n the refractive index where the light is): a lossless crossing

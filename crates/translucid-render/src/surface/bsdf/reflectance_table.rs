@@ -32,14 +32,14 @@ pub(super) const AVERAGE_ROWS: usize = ROWS + 1;
 
 /// Values over (t, ρ), bilinear between `C` × `R` nodes.
 #[derive(Clone, Debug)]
-pub(super) struct Grid<const C: usize, const R: usize> {
+pub(super) struct TableGrid<const C: usize, const R: usize> {
     values: Box<[[f32; C]; R]>,
 }
 
 /// The resolution of the tables here.
-pub(super) type FineGrid = Grid<COLUMNS, ROWS>;
+pub(super) type FineGrid = TableGrid<COLUMNS, ROWS>;
 
-impl<const C: usize, const R: usize> Grid<C, R> {
+impl<const C: usize, const R: usize> TableGrid<C, R> {
     /// Tabulates `f(μ, ρ)`.
     pub(super) fn new(f: impl Fn(f32, f32) -> f32) -> Self {
         let mut values = Box::new([[0.0; C]; R]);
@@ -149,7 +149,7 @@ pub(super) fn mirrored_cos(wo: Vec3, h: Vec3) -> f32 {
     2.0 * wo.dot(h) * h.z - wo.z
 }
 
-/// Share of the light that a visible facet sends to a direction of cosine `cos_i` which is not shadowed.
+/// Unshadowed share of the light that a visible facet sends to a direction of cosine `cos_i`.
 pub(super) fn passed_share(ggx: &Ggx, wo: Vec3, cos_i: f32) -> f32 {
     if cos_i <= 0.0 { 0.0 } else { ggx.masking_shadowing(wo.z, cos_i) / ggx.masking(wo.z) }
 }
@@ -166,7 +166,7 @@ pub(super) fn gauss_legendre<const N: usize>() -> [(f32, f32); N] {
 /// E(μ) = ∫ F(o·h) D(h) G₂ / (4 μ) dωi
 /// ```
 ///
-/// exactly Fresnel's reflectance for a mirror. What is tabulated is E − F; the greatest error for indices
+/// exactly Fresnel's reflectance for a mirror. The table holds E − F; the greatest error for indices
 /// in [1.2, 4] is 0.0016 at μ > 0.02 and 0.0029 below.
 #[derive(Clone, Debug)]
 pub struct ReflectanceTable {
@@ -179,7 +179,7 @@ impl ReflectanceTable {
     /// The table of an index of refraction ≥ 1.
     pub fn new(eta: f32) -> Self {
         let facets = ReflectionQuadrature::new();
-        let excess = Grid::new(|mu, roughness| {
+        let excess = TableGrid::new(|mu, roughness| {
             let ggx = Ggx::from_roughness(roughness);
             let albedo = facets.mean(mu, roughness, |wo, h| {
                 fresnel_dielectric(wo.dot(h), eta) * passed_share(&ggx, wo, mirrored_cos(wo, h))
@@ -212,7 +212,7 @@ impl ReflectanceTable {
     }
 }
 
-/// Share of light that single scattering by the facets of a lossless metal loses: that which meets several facets.
+/// Share of light that single scattering by the facets of a lossless metal loses: light that meets several facets.
 #[derive(Clone, Debug)]
 pub struct MetalTable {
     deficit: FineGrid,
@@ -228,7 +228,7 @@ impl MetalTable {
 
     fn new() -> Self {
         let facets = ReflectionQuadrature::new();
-        let deficit = Grid::new(|mu, roughness| {
+        let deficit = TableGrid::new(|mu, roughness| {
             let ggx = Ggx::from_roughness(roughness);
             1.0 - facets.mean(mu, roughness, |wo, h| passed_share(&ggx, wo, mirrored_cos(wo, h)))
         });

@@ -54,7 +54,7 @@ pub enum BsdfSample {
         pdf: f32,
         /// Which lobe made it.
         lobe: Lobe,
-        /// Whether light crosses the surface.
+        /// Light crosses the surface.
         transmitted: bool,
     },
     /// Light comes from under the surface: go on with the profile and [`super::EntryBsdf`].
@@ -296,7 +296,7 @@ impl<'a> Bsdf<'a> {
         self.albedo = (Vec3::splat(coat) + under + exchange + matte + subsurface).min(Vec3::ONE);
     }
 
-    /// About what glass reflects and transmits.
+    /// Approximate albedo of glass: reflection and transmission.
     fn glass_albedo(&self) -> Vec3 {
         let glass = &self.glass;
         if glass.weight == 0.0 {
@@ -310,7 +310,7 @@ impl<'a> Bsdf<'a> {
         (glass.reflection_tint * self.coat_tint * f + glass.transmission_tint * (1.0 - f)) * glass.weight
     }
 
-    /// Whether light sampling finds nothing: only mirror lobes, subsurface scattering or black.
+    /// Returns `true` if light sampling finds nothing: only mirror lobes, subsurface scattering or black.
     pub fn is_smooth_only(&self) -> bool {
         let s = &self.strategies;
         s.diffuse == 0.0
@@ -443,8 +443,8 @@ impl<'a> Bsdf<'a> {
         if s.facets > 0.0 { self.sample_facets((u / s.facets).clamp(0.0, 1.0), v) } else { None }
     }
 
-    /// Light from under the surface, for those who follow it beside what [`sample`](Self::sample) chooses by the same number
-    /// `u`: whenever that chooses it, and as often again, as long as that is not more than always.
+    /// Light from under the surface, to be followed beside the choice of [`sample`](Self::sample) by the same number `u`: with
+    /// twice the probability of that choice, up to 1.
     pub(crate) fn sample_below(&self, u: f32) -> Option<BsdfSample> {
         let probability = (2.0 * self.strategies.subsurface).min(1.0);
         (u < probability).then(|| BsdfSample::Subsurface { weight: self.subsurface / probability })
@@ -526,7 +526,7 @@ impl<'a> Bsdf<'a> {
     }
 }
 
-/// Whether `u` lies in [0, p); if not, it moves down by p.
+/// Returns `true` if `u` lies in [0, p); if not, it moves down by p.
 fn take(u: &mut f32, p: f32) -> bool {
     let is_taken = *u < p;
     if !is_taken {

@@ -16,7 +16,7 @@ pub struct SurfaceParameters {
     /// Factor on the Fresnel reflectance of metal and opaque dielectric. Glass keeps a Fresnel law by an
     /// index whose F₀ is scaled; 0 removes the interface.
     pub specular_weight: f32,
-    /// Tint of the dielectric's reflection (what enters is not tinted); a metal's tint at 82°.
+    /// Tint of the dielectric's reflection (light that enters is not tinted); a metal's tint at 82°.
     pub specular_color: Vec3,
     /// Perceptual roughness; the GGX width is its square.
     pub specular_roughness: f32,
@@ -34,7 +34,7 @@ pub struct SurfaceParameters {
     pub subsurface_active: [bool; 3],
     /// Strength of the clear coat.
     pub coat_weight: f32,
-    /// Tint of what lies under the coat: two passes, one each way.
+    /// Tint of the layers under the coat: two passes, one each way.
     pub coat_color: Vec3,
     /// Perceptual roughness of the coat.
     pub coat_roughness: f32,
@@ -91,7 +91,7 @@ impl SurfaceParameters {
         Self { surface_albedo, subsurface_active: active.into(), ..self }
     }
 
-    /// The surface without its clear part, as diffuse paths that have not passed that see it with caustics off.
+    /// The surface without its clear part and with rough reflections, as [soft](crate::path) paths see it.
     #[must_use]
     pub(crate) fn seen_softly(self) -> Self {
         Self {
@@ -100,6 +100,24 @@ impl SurfaceParameters {
             coat_roughness: self.coat_roughness.max(ROUGHNESS_AFTER_DIFFUSE),
             ..self
         }
+    }
+
+    /// The surface with a black base, for paths that may not be scattered diffusely any more: neither light samples nor
+    /// paths then find light there.
+    #[must_use]
+    pub(crate) fn without_diffuse(self) -> Self {
+        Self { subsurface_weight: 1.0, surface_albedo: Vec3::ZERO, subsurface_active: [false; 3], ..self }
+    }
+
+    /// The surface without its matte base, for such paths above a body that light may pass straight.
+    #[must_use]
+    pub(crate) fn without_matte(self) -> Self {
+        Self { base_color: Vec3::ZERO, surface_albedo: self.subsurface_albedo_active(), ..self }
+    }
+
+    /// Fraction of the surface that is clear.
+    pub(crate) fn clear_part(&self) -> f32 {
+        self.transmission_weight * (1.0 - self.metalness)
     }
 
     /// Surface albedo of the channels that light travels in below the surface.

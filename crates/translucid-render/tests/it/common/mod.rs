@@ -1,4 +1,4 @@
-//! Small scenes, ways to render them, and statistics of what comes out.
+//! Small scenes, ways to render them, and statistics of the results.
 
 mod rendering;
 mod scenes;

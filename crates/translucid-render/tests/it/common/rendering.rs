@@ -1,6 +1,6 @@
 //! Ways from a scene to light: along a ray, or as a picture.
 //!
-//! All that the tests call of the renderer stands here, but for what single tests are about.
+//! All calls of the renderer stand here, except those that single tests are about.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicBool;
@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use glam::Vec3;
 pub(crate) use translucid_render::PreparedScene;
 use translucid_render::{
-    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, Progress, View, measure,
+    FilmSums, Goal, LiveFilm, Outcome, PixelSample, PointCloud, SampleProgress, View, measure,
 };
 use translucid_scene::{Scene, SceneError};
 
@@ -65,7 +65,7 @@ pub(crate) fn render_until(
     prepared: &PreparedScene,
     film: &mut FilmSums,
     goal: &Goal,
-    progress: &(dyn Fn(Progress) + Sync),
+    progress: &(dyn Fn(SampleProgress) + Sync),
     stop: &AtomicBool,
 ) -> Outcome {
     let view = prepared.view().expect("a valid view");

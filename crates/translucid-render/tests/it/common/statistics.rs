@@ -5,7 +5,7 @@ use translucid_testing::{is_thorough, power};
 
 use super::rendering::{PreparedScene, sample_ray};
 
-/// Independent blocks that the samples of a mean fall into, whose spread tells its error.
+/// Independent blocks that the samples of a mean fall into; their spread gives its error.
 const BLOCKS: u32 = 32;
 
 /// Number of samples in this run for a test whose whole power are so many: all of them, or an eighth.
@@ -41,8 +41,8 @@ pub(crate) fn measure(renderer: &PreparedScene, origin: Vec3, direction: Vec3, s
     mean_of(samples, |seed, index| sample_ray(renderer, origin, direction, seed, index).radiance())
 }
 
-/// Relative precision that a measured mean has to have: 5 % at the whole power, 20 % at an eighth. Of few well-distributed
-/// samples the error falls faster than with the root of their number.
+/// Relative precision that a measured mean has to have: 5 % at the whole power, 20 % at an eighth. The error of few
+/// well-distributed samples falls faster than with the root of their number.
 pub(crate) fn precision() -> f64 {
     if is_thorough() { 0.05 } else { 0.2 }
 }

@@ -1,7 +1,7 @@
 //! Light that is found below some pixels of a block, gathered by all that it could reach.
 //!
 //! Receivers x_1 … x_n each find a place y_i by a strategy of their own, with an unbiased estimate W_i of 1/p_i(y_i), and
-//! the light E_i that is there: a shadow ray and a path, which is what costs. All of them could have found all places, so
+//! the light E_i that is there: a shadow ray and a path, which take most of the time. All of them could have found all places, so
 //! each takes light from every place:
 //!
 //! ```text
@@ -14,31 +14,31 @@
 //! to its own.
 //! Near x_j its own g_j grows like K_j, so no weight is larger than without sharing.
 //!
-//! Where K_j costs more than g_j, a few terms stand [for the sum](picked); where it does not, [all](whole) are added up.
+//! Where K_j costs more than g_j, a few terms stand [for the sum](resampled_sum); where it does not, [all](full_sum) are added up.
 
-mod evenness;
-pub(super) mod picked;
+pub(super) mod full_sum;
+mod light_statistics;
+pub(super) mod resampled_sum;
 #[cfg(test)]
 mod toys;
 mod weights;
-pub(super) mod whole;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use glam::Vec3;
 
-pub(super) use self::evenness::Evenness;
+pub(super) use self::light_statistics::LightStatistics;
 pub(super) use self::weights::{COORDINATES, LANES};
 use crate::subsurface::exit_point::ExitPoint;
 use crate::world::{Layer, PathState};
 
-/// Everything that exits have in common if they share: what was found is then the same to all of them, and so is how far
-/// the light that arrives there has been followed, and through what.
+/// Properties common to exits that share: the light at an entry point is then the same for all of them, followed to the same
+/// depth and through the same media.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct ExitKind {
     /// Subsurface group.
     pub(crate) group: u32,
-    /// Whether it is seen from outside.
+    /// It is seen from outside.
     pub(crate) outside: bool,
     pub(crate) depth: u32,
     pub(crate) diffuse_depth: u32,
@@ -61,11 +61,11 @@ impl ExitKind {
 }
 
 /// A point that light of a block is gathered at.
-pub(super) trait Receiver: Sized {
-    /// Everything that receivers have in common if they share.
+pub(super) trait BlockReceiver: Sized {
+    /// Properties common to receivers that share.
     type Kind: Ord;
     /// A place with light, which one receiver finds and all use.
-    type Found: Found;
+    type FoundLight: FoundLight;
     /// How the terms of all places are added up.
     type Sums: Sums<Self>;
 
@@ -83,8 +83,8 @@ pub(super) trait Receiver: Sized {
 }
 
 /// A place that a receiver has found.
-pub(super) trait Found: Copy {
-    /// Position and whatever else decides how near it is.
+pub(super) trait FoundLight: Copy {
+    /// Position, and other coordinates that its nearness depends on.
     fn coordinates(&self) -> [f32; COORDINATES];
 
     /// g_i W_i: about 1, and 1 where g is the density by which it was found.
@@ -98,15 +98,15 @@ pub(super) trait Found: Copy {
 }
 
 /// Sums over the places that receivers of one kind have found.
-pub(super) trait Sums<R: Receiver>: Default {
-    /// Learns of all kinds of a cohort what they may know of each other.
+pub(super) trait Sums<R: BlockReceiver>: Default {
+    /// Looks at all kinds of a cohort, for the light that they may expect of each other.
     fn look_around<'c>(&mut self, _kinds: impl Iterator<Item = Alike<'c, R>>)
     where
         R: 'c,
     {
     }
 
-    /// Everything that all receivers of a kind share.
+    /// Prepares the numbers that all receivers of a kind share.
     fn prepare(&mut self, alike: &Alike<'_, R>);
 
     /// Light for one of these receivers, by its number among them.
@@ -125,7 +125,7 @@ pub(super) struct Account {
 }
 
 /// The receivers of a block, cohort by cohort; keeps its memory from block to block.
-pub(super) struct Gathering<R: Receiver> {
+pub(super) struct Gathering<R: BlockReceiver> {
     cohorts: Vec<Cohort<R>>,
     order: Vec<usize>,
     sums: R::Sums,
@@ -133,31 +133,31 @@ pub(super) struct Gathering<R: Receiver> {
 
 /// Receivers that may share with each other, and with no others.
 ///
-/// Each cohort has memory of its own: that of a block is more than is near a processor, and a cohort's receivers come from
-/// all over the block.
-struct Cohort<R: Receiver> {
+/// Each cohort has memory of its own: a block's is larger than a processor's cache, and a cohort's receivers come from all
+/// over the block.
+struct Cohort<R: BlockReceiver> {
     waiting: Vec<R>,
-    /// Whether they are of several kinds.
+    /// They are of several kinds.
     is_mixed: bool,
     /// Places, by receiver, and the first one of each.
-    found: Vec<R::Found>,
+    found: Vec<R::FoundLight>,
     firsts: Vec<usize>,
 }
 
-impl<R: Receiver> Default for Cohort<R> {
+impl<R: BlockReceiver> Default for Cohort<R> {
     fn default() -> Self {
         Self { waiting: Vec::new(), is_mixed: false, found: Vec::new(), firsts: Vec::new() }
     }
 }
 
 /// Receivers of a cohort that are of one kind.
-pub(super) struct Alike<'c, R: Receiver> {
+pub(super) struct Alike<'c, R: BlockReceiver> {
     cohort: &'c Cohort<R>,
     /// Numbers in the cohort.
     indices: &'c [usize],
 }
 
-impl<'c, R: Receiver> Alike<'c, R> {
+impl<'c, R: BlockReceiver> Alike<'c, R> {
     fn len(&self) -> usize {
         self.indices.len()
     }
@@ -168,7 +168,7 @@ impl<'c, R: Receiver> Alike<'c, R> {
     }
 
     /// The places that each has found, receiver by receiver.
-    fn found(&self) -> impl Iterator<Item = &'c [R::Found]> {
+    fn found(&self) -> impl Iterator<Item = &'c [R::FoundLight]> {
         let Cohort { found, firsts, .. } = self.cohort;
         self.indices.iter().map(|&index| {
             let end = firsts.get(index + 1).map_or(found.len(), |first| *first);
@@ -177,30 +177,35 @@ impl<'c, R: Receiver> Alike<'c, R> {
     }
 }
 
-impl<R: Receiver> Default for Gathering<R> {
+impl<R: BlockReceiver> Default for Gathering<R> {
     fn default() -> Self {
         Self { cohorts: Vec::new(), order: Vec::new(), sums: R::Sums::default() }
     }
 }
 
-impl<R: Receiver> Gathering<R> {
+impl<R: BlockReceiver> Gathering<R> {
     /// Number of places that the only cohort has found.
     pub(super) fn found_count(&self) -> usize {
         self.cohorts.first().map_or(0, |cohort| cohort.found.len())
     }
 
     /// A place that the only cohort has found.
-    pub(super) fn found_mut(&mut self, index: usize) -> &mut R::Found {
+    pub(super) fn found_mut(&mut self, index: usize) -> &mut R::FoundLight {
         &mut self.cohorts[0].found[index]
     }
 
     /// Adds a receiver to the only cohort, and the places that it has found.
-    pub(super) fn push(&mut self, receiver: R, found: impl IntoIterator<Item = R::Found>) {
+    pub(super) fn push(&mut self, receiver: R, found: impl IntoIterator<Item = R::FoundLight>) {
         self.push_to(0, receiver, found);
     }
 
     /// Adds a receiver to the cohort of this number, and the places that it has found.
-    pub(super) fn push_to(&mut self, cohort: usize, receiver: R, found: impl IntoIterator<Item = R::Found>) {
+    pub(super) fn push_to(
+        &mut self,
+        cohort: usize,
+        receiver: R,
+        found: impl IntoIterator<Item = R::FoundLight>,
+    ) {
         if cohort >= self.cohorts.len() {
             self.cohorts.resize_with(cohort + 1, Cohort::default);
         }

@@ -1,11 +1,11 @@
-//! Receivers on a line that find places up to 1 away, with K = (1 + 0.3 (y − x))/2 there, for tests of what is gathered.
+//! Receivers on a line that find places up to 1 away, with K = (1 + 0.3 (y − x))/2 there, for tests of the sums.
 
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_profile::split_mix::split_mix;
 
-use super::{Account, COORDINATES, Found, Gathering, Receiver};
+use super::{Account, BlockReceiver, COORDINATES, FoundLight, Gathering};
 use crate::world::Layer;
 
 /// A place with light.
@@ -16,13 +16,13 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// Whether it is on a surface: so are stretches of a quarter.
+    /// Returns `true` on a surface: every other stretch of a quarter is one.
     pub(super) fn is_on_surface(y: f32) -> bool {
         (2.0 * y).rem_euclid(1.0) < 0.5
     }
 }
 
-impl Found for Spot {
+impl FoundLight for Spot {
     fn coordinates(&self) -> [f32; COORDINATES] {
         [self.y, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     }
@@ -65,8 +65,8 @@ pub(super) fn integral(from: f32, to: f32, function: impl Fn(f32) -> f32) -> f64
 /// trials.
 ///
 /// Places have the light (2 + y + 1 on surfaces) times 0.5 or 1.5, of which `arriving`, K V at x and y, arrives. All means are
-/// asserted to be at most 5 standard errors from what is exact.
-pub(super) fn variances<R: Receiver<Found = Spot>>(
+/// asserted to be at most 5 standard errors from the exact one.
+pub(super) fn variances<R: BlockReceiver<FoundLight = Spot>>(
     make: impl Fn(f32, Account) -> R,
     arriving: impl Fn(f32, f32) -> f32,
 ) -> [f64; 9] {

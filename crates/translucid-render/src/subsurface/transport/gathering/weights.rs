@@ -4,12 +4,12 @@ use std::ops::Range;
 
 use glam::Vec3;
 
-use super::{Alike, Found, Receiver};
+use super::{Alike, BlockReceiver, FoundLight};
 
 /// Places that are worked on together.
 pub(in crate::subsurface::transport) const LANES: usize = 16;
 
-/// Numbers that a place is described by.
+/// Numbers that describe a place.
 pub(in crate::subsurface::transport) const COORDINATES: usize = 7;
 
 /// Places whose terms are added up before some of them are picked.
@@ -26,12 +26,12 @@ pub(super) fn half_of(row: usize) -> usize {
 /// Worth of each channel of the light that a receiver of some color gathers, at most 1.
 pub(super) fn worth_of_channels(color: Vec3) -> [f32; 3] {
     let most = color.max_element();
-    // What has none of this receiver's color is worth nothing to it
+    // Light without this receiver's colors is worth nothing to it
     if most > 0.0 { (color / most).to_array() } else { [1.0; 3] }
 }
 
-/// Places in two parts, each filled up to whole [`LANES`], and what they are worth.
-pub(super) struct Weights<F> {
+/// Places in two parts, each filled up to whole [`LANES`], and their weights.
+pub(super) struct MisWeights<F> {
     pub(super) found: Vec<F>,
     /// Coordinates of the places, a column each.
     points: [Vec<f32>; COORDINATES],
@@ -52,8 +52,8 @@ pub(super) struct Weights<F> {
 }
 
 /// Places as a receiver sees them.
-pub(super) struct Places<'a> {
-    /// How near they are, as it has filled it.
+pub(super) struct PlaceLanes<'a> {
+    /// Their nearness, which the receiver has filled in.
     pub(super) near: &'a [f32],
     /// w_i W_i times the light, by channel.
     pub(super) bright: [&'a [f32]; 3],
@@ -61,7 +61,7 @@ pub(super) struct Places<'a> {
     pub(super) coefficients: &'a [f32],
 }
 
-impl<F> Default for Weights<F> {
+impl<F> Default for MisWeights<F> {
     fn default() -> Self {
         Self {
             found: Vec::new(),
@@ -78,7 +78,7 @@ impl<F> Default for Weights<F> {
     }
 }
 
-impl<F: Found> Weights<F> {
+impl<F: FoundLight> MisWeights<F> {
     /// Number of places, filled up.
     pub(super) fn width(&self) -> usize {
         self.found.len()
@@ -90,8 +90,8 @@ impl<F: Found> Weights<F> {
     }
 
     /// All places as the receiver of a row sees them, and the terms to be made of that.
-    pub(super) fn places_and_terms(&mut self, row: usize) -> (Places<'_>, &mut [f32]) {
-        let places = Places {
+    pub(super) fn places_and_terms(&mut self, row: usize) -> (PlaceLanes<'_>, &mut [f32]) {
+        let places = PlaceLanes {
             near: &self.nearness[row * self.stride..(row + 1) * self.stride],
             bright: self.bright.each_ref().map(Vec::as_slice),
             coefficients: &self.coefficients,
@@ -100,7 +100,7 @@ impl<F: Found> Weights<F> {
     }
 
     /// Puts in the places of one part after those of the other, with the number of the receiver that has found each.
-    pub(super) fn arrange<R: Receiver<Found = F>>(
+    pub(super) fn arrange<R: BlockReceiver<FoundLight = F>>(
         &mut self,
         alike: &Alike<'_, R>,
         part_of: impl Fn(usize, &F) -> usize,
@@ -138,7 +138,12 @@ impl<F: Found> Weights<F> {
     }
 
     /// Weighs all places for receivers that fill so many numbers for each; so much `less` light counts.
-    pub(super) fn weigh<R: Receiver<Found = F>>(&mut self, alike: &Alike<'_, R>, rows: usize, less: Vec3) {
+    pub(super) fn weigh<R: BlockReceiver<FoundLight = F>>(
+        &mut self,
+        alike: &Alike<'_, R>,
+        rows: usize,
+        less: Vec3,
+    ) {
         let width = self.width();
         for sums in &mut self.sums {
             sums.clear();
@@ -203,7 +208,7 @@ impl<F: Found> Weights<F> {
                 terms_before += u32::from(passed <= goal);
             }
             let mut found = group * GROUP + (terms_before as usize).min(GROUP - 1);
-            // Rounding may lead on to what is worth nothing
+            // Rounding may lead to a place without worth
             while found > 0 && terms[found] <= 0.0 {
                 found -= 1;
             }

@@ -1,11 +1,12 @@
-//! The cloud that both passes make: points with the light that enters there.
+//! The point cloud: points on the surface, with the light that enters there.
 
+use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use glam::Vec3;
 use translucid_scene::SceneError;
 
-use super::super::{SubsurfaceTransport, Tracing};
+use super::super::{SubsurfaceTransport, Tracer};
 use super::gather::{Gatherer, GroupOfPoints};
 use super::hierarchy;
 use super::irradiance::irradiance;
@@ -45,7 +46,7 @@ pub enum PointPass {
     Irradiance,
 }
 
-/// How far the making of points is.
+/// Progress of making points.
 #[derive(Clone, Copy, Debug)]
 pub struct PointProgress {
     /// Which pass.
@@ -56,16 +57,16 @@ pub struct PointProgress {
     pub total: u64,
 }
 
-/// How points are made.
+/// Settings for making points.
 #[derive(Clone, Copy)]
-pub(crate) struct Making<'a> {
+pub(crate) struct PointSettings<'a> {
     /// Most bytes that they may take.
     pub(crate) memory: u64,
     pub(crate) progress: &'a (dyn Fn(PointProgress) + Sync),
     pub(crate) stop: &'a AtomicBool,
 }
 
-/// Most triangles of a scene with points, those of shared meshes counted for each object: all of them are looked at.
+/// Most triangles of a scene with points, those of shared meshes counted for each object: making points visits all of them.
 const MOST_TRIANGLES: u64 = 1 << 28;
 
 /// How much finer pixels may be than those that points are made for: a camera that moves a little keeps its points.
@@ -74,7 +75,7 @@ const PIXEL_SLACK: f64 = 1.25;
 /// Most objects of a scene with points.
 const MOST_OBJECTS: usize = 1 << 16;
 
-/// Refuses scenes in which too much would have to be looked at.
+/// Refuses scenes with too many triangles or objects.
 fn require_few(triangles: u64, objects: usize) -> Result<(), SceneError> {
     if triangles <= MOST_TRIANGLES && objects <= MOST_OBJECTS {
         return Ok(());
@@ -86,7 +87,7 @@ fn require_few(triangles: u64, objects: usize) -> Result<(), SceneError> {
     Err(SceneError::new(message).with_help("render with subsurface_method = \"ray-traced\""))
 }
 
-/// Whether points lie close enough for pixels of such widths: much finer pixels would show how far apart they are.
+/// Returns `true` if points lie close enough for pixels of these widths: much finer pixels would show their spacing.
 pub(crate) fn serve(groups: &[CloudGroup], pixels: &PixelWidths) -> bool {
     groups.iter().all(|group| group.pixel_width <= pixels.on(group.number) * PIXEL_SLACK)
 }
@@ -97,7 +98,7 @@ impl PointCloud {
         self.surfels.len()
     }
 
-    /// Whether no surface needs points.
+    /// Returns `true` if no surface needs points.
     pub fn is_empty(&self) -> bool {
         self.surfels.is_empty()
     }
@@ -107,8 +108,8 @@ impl PointCloud {
         &self.groups
     }
 
-    /// The points with their light, which paths of tracers bring; `None` when stopped.
-    pub(crate) fn lit<'a, T: Tracing<'a>>(
+    /// Computes the light of the points, along paths of the tracers; `None` when stopped.
+    pub(crate) fn lit<'a, T: Tracer<'a>>(
         self,
         world: &World,
         tracer: impl Fn() -> T + Sync,
@@ -121,13 +122,14 @@ impl PointCloud {
         Some(Self { irradiance, ..self })
     }
 
-    /// Lays points over the surfaces of a scene, as if light of 1 entered everywhere; `None` when stopped.
+    /// Lays points over the surfaces of a scene; until they are [lit](Self::lit), irradiance 1 enters everywhere. `None` when
+    /// stopped.
     pub(crate) fn laid(
         world: &World,
         plan: &PointPlan,
-        making: &Making<'_>,
+        making: &PointSettings<'_>,
     ) -> Result<Option<Self>, SceneError> {
-        let Making { memory, progress, stop } = *making;
+        let PointSettings { memory, progress, stop } = *making;
         let scene = &world.scene;
         require_few(world.geometry.triangles(), scene.objects.len())?;
         plan.require_memory(scene, memory)?;
@@ -156,7 +158,7 @@ impl PointCloud {
     }
 
     /// The points made ready for sums.
-    pub(crate) fn gatherer(&self, world: &World, transports: &[SubsurfaceTransport]) -> Gatherer {
+    pub(crate) fn gatherer(&self, world: &World, transports: &[Arc<SubsurfaceTransport>]) -> Gatherer {
         let mut rest = &self.surfels[..];
         let group = |group: &CloudGroup| {
             let (surfels, others) = rest.split_at(group.count as usize);

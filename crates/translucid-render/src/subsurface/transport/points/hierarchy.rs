@@ -13,7 +13,7 @@ const LEAF: usize = 8;
 
 /// A point in the tree's units.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct TreePoint {
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
     /// Area that it stands for.
@@ -24,7 +24,7 @@ pub(super) struct Point {
 
 /// A cluster.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Node {
+pub(super) struct PointCluster {
     /// Mean position, weighted by area.
     pub(super) center: Vec3,
     /// Greatest distance of a point from the center.
@@ -48,9 +48,9 @@ pub(super) struct Node {
 
 /// A tree over points.
 #[derive(Debug)]
-pub(super) struct Hierarchy {
-    pub(super) nodes: Vec<Node>,
-    pub(super) points: Vec<Point>,
+pub(super) struct PointHierarchy {
+    pub(super) nodes: Vec<PointCluster>,
+    pub(super) points: Vec<TreePoint>,
     origin: DVec3,
     inverse_spacing: f64,
 }
@@ -74,7 +74,7 @@ pub(super) fn order(surfels: &mut [Surfel]) {
     rayon::join(|| order(left), || order(right));
 }
 
-impl Hierarchy {
+impl PointHierarchy {
     /// Builds the tree over points that [`order`] has put in order, with their transmitted irradiance.
     pub(super) fn new(surfels: &[Surfel], irradiance: impl Fn(usize) -> Vec3, spacing: f64) -> Self {
         let sum: DVec3 = surfels.iter().map(|surfel| surfel.position().as_dvec3()).sum();
@@ -87,7 +87,7 @@ impl Hierarchy {
         for (number, surfel) in surfels.iter().enumerate() {
             let area = (f64::from(surfel.area) * tree.inverse_spacing.powi(2)) as f32;
             let position = tree.local(surfel.position());
-            tree.points.push(Point {
+            tree.points.push(TreePoint {
                 position,
                 normal: surfel.normal(),
                 area,
@@ -106,14 +106,14 @@ impl Hierarchy {
     }
 
     /// The points of a node.
-    pub(super) fn points_of(&self, node: &Node) -> &[Point] {
+    pub(super) fn points_of(&self, node: &PointCluster) -> &[TreePoint] {
         &self.points[node.start as usize..(node.start + node.count) as usize]
     }
 
     /// Adds the node of a range of points and all below it.
     fn add(&mut self, start: usize, end: usize) {
         let index = self.nodes.len();
-        self.nodes.push(Node::new(&self.points[start..end], start));
+        self.nodes.push(PointCluster::new(&self.points[start..end], start));
         if end - start > LEAF {
             let middle = start + (end - start) / 2;
             self.add(start, middle);
@@ -123,10 +123,10 @@ impl Hierarchy {
     }
 }
 
-impl Node {
-    fn new(points: &[Point], start: usize) -> Self {
+impl PointCluster {
+    fn new(points: &[TreePoint], start: usize) -> Self {
         let area: f64 = points.iter().map(|point| f64::from(point.area)).sum();
-        let weighted = |point: &Point| point.position.as_dvec3() * f64::from(point.area);
+        let weighted = |point: &TreePoint| point.position.as_dvec3() * f64::from(point.area);
         let center = (points.iter().map(weighted).sum::<DVec3>() / area).as_vec3();
         let mut radius = 0.0_f32;
         let (mut flux, mut second, mut first) = (DVec3::ZERO, DVec3::ZERO, [DVec3::ZERO; 3]);

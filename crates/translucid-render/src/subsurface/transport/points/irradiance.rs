@@ -1,16 +1,15 @@
 //! Pass 2: the light that enters at each point, by the path tracer.
 //!
-//! What leaves anywhere is a mean over many points, so it is the mean of a cluster of neighbors that has to be
-//! exact, not each point. Every point has two independent halves of samples. How far they differ in a cluster tells
-//! the error of its mean, gains of the well-distributed samples included, and clusters get samples until it is
-//! small.
+//! The light that leaves anywhere is a mean over many points. So the mean of a cluster of neighbors has to be exact, not
+//! each point. Every point has two independent halves of samples. Their difference over a cluster gives the error of its
+//! mean, gains of the well-distributed samples included, and clusters get samples until that error is small.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::super::Tracing;
+use super::super::Tracer;
 use super::plan::LEAST_SAMPLES;
 use super::surfels::Surfel;
 use crate::ray::Ray;
@@ -31,7 +30,7 @@ const DARK: f64 = 0.05;
 
 /// Transmitted irradiance ∫ L T(ω) cosθ / (π T̄) dω of each point; `None` when stopped. `groups` are the numbers of the
 /// groups' points, `progress` hears the part that is done, which never falls, and about how many samples there are in all.
-pub(super) fn irradiance<'a, T: Tracing<'a>>(
+pub(super) fn irradiance<'a, T: Tracer<'a>>(
     world: &World,
     tracer: impl Fn() -> T + Sync,
     groups: &[usize],
@@ -152,7 +151,7 @@ fn means(groups: usize, clusters: &[Cluster<'_>]) -> Vec<DVec3> {
 
 /// Light that enters the medium at a point, on its outside: one sample of ∫ L T(ωi) cosθ / (π T̄) dω, as after an event
 /// under a surface that was seen.
-fn entering_light<'a, T: Tracing<'a>>(
+fn entering_light<'a, T: Tracer<'a>>(
     world: &World,
     tracer: &mut T,
     surfel: &Surfel,
@@ -172,7 +171,7 @@ fn entering_light<'a, T: Tracing<'a>>(
 
 impl Cluster<'_> {
     /// Brings both halves of each point to so many samples.
-    fn sample<'a, T: Tracing<'a>>(&mut self, world: &World, tracer: &mut T, count: u32) {
+    fn sample<'a, T: Tracer<'a>>(&mut self, world: &World, tracer: &mut T, count: u32) {
         for (i, surfel) in self.surfels.iter().enumerate() {
             for (half, sum) in self.sums[i].iter_mut().enumerate() {
                 for index in self.count..count {
@@ -200,7 +199,7 @@ impl Cluster<'_> {
         (a + b) / (2.0 * f64::from(self.count.max(1)))
     }
 
-    /// About how many samples each half needs for so small an error, as far as those so far tell.
+    /// About how many samples each half needs for an error, estimated from those so far.
     fn wanted(&self, tolerance: f64, dark: DVec3) -> u32 {
         let (mut light, mut variance, mut area) = (DVec3::ZERO, DVec3::ZERO, 0.0);
         for (i, surfel) in self.surfels.iter().enumerate() {

@@ -6,7 +6,7 @@
 //! plan.rs            how close the points of each subsurface group have to lie, and whether they fit into memory
 //! surfels.rs         pass 1: points in blue noise, each with the area that it stands for
 //! irradiance.rs      pass 2: transmitted irradiance at each point by the path tracer, as exact as need be
-//! cloud.rs           both together
+//! cloud.rs           points and their light together
 //! smooth_profile.rs  profiles as smooth tables with bounds of their curvature
 //! hierarchy.rs       clusters of points: their light and its moments
 //! gather.rs          the sum at a point that light leaves, refined until its error bound is small enough
@@ -24,8 +24,8 @@ mod plan;
 mod smooth_profile;
 mod surfels;
 
-pub(crate) use cloud::{CloudGroup, Making, serve};
+pub(crate) use cloud::{CloudGroup, PointSettings, serve};
 pub use cloud::{PointCloud, PointPass, PointProgress};
-pub(crate) use gather::{GatherScratch, Gatherer, Leaving};
+pub(crate) use gather::{GatherPoint, GatherScratch, Gatherer};
 pub(crate) use plan::PixelWidths;
 pub use plan::PointPlan;

@@ -1,4 +1,6 @@
-//! How close the points have to lie, and whether there is room for them.
+//! The spacing of the points, and the memory that they take.
+
+use std::sync::Arc;
 
 use translucid_scene::{Scene, SceneError};
 
@@ -12,7 +14,7 @@ use crate::world::World;
 /// leaves. It goes with the root of the tolerance, as errors of smooth sums go with the square of the spacing.
 const SPACING: f64 = 1.0;
 /// Least number of points of a group for a tolerance of 1, in inverse proportion to it: where light travels farther
-/// than the body is large, points have to tell its lit from its shaded side.
+/// than the body is large, points have to resolve its lit and its shaded side.
 const LEAST_POINTS: f64 = 50.0;
 /// Greatest spacing that pixels allow, over the width of one, for a tolerance of [`USUAL_TOLERANCE`] or more: light is then
 /// blurred by about as much as the film's filter does. It goes with the root of lesser tolerances.
@@ -25,7 +27,7 @@ const PLACES: usize = 4096;
 /// Memory for each point while they are made, which is when most is needed: candidates, grid, sums, hierarchy.
 const BYTES_PER_POINT: f64 = 256.0;
 
-/// The points that a scene needs, and about what they cost.
+/// The points that a scene needs, and an estimate of their cost.
 pub struct PointPlan {
     pub(super) groups: Vec<GroupPlan>,
 }
@@ -33,7 +35,7 @@ pub struct PointPlan {
 /// The points of the objects that share light under their surfaces.
 pub(super) struct GroupPlan {
     pub(super) group: u32,
-    /// Numbers of the objects, which all take part: light may enter one that has another material.
+    /// Numbers of the objects. All of a group take part: light may enter one that has another material.
     pub(super) objects: Vec<usize>,
     /// Root of the area that a point shall stand for \[L\].
     pub(super) spacing: f64,
@@ -44,7 +46,7 @@ pub(super) struct GroupPlan {
     narrowest: Narrowest,
 }
 
-/// Where light travels least far.
+/// The place where light travels least far.
 #[derive(Clone, Copy, Debug)]
 struct Narrowest {
     object: usize,
@@ -71,8 +73,7 @@ impl PixelWidths {
         Self { least: seen }
     }
 
-    /// The least width on a group; what is not seen itself counts as if it were as near as the nearest that is.
-    /// 0 where nothing is seen.
+    /// The least width on a group. A group that is not seen has the least width of all; 0 where nothing is seen.
     pub(super) fn on(&self, group: u32) -> f64 {
         let own = self.least.binary_search_by_key(&group, |(group, _)| *group);
         let all = || self.least.iter().map(|(_, width)| *width).reduce(f64::min).unwrap_or(0.0);
@@ -81,8 +82,8 @@ impl PixelWidths {
 }
 
 impl PointPlan {
-    /// Looks at every object whose material lets light travel under its surface by a profile.
-    pub(crate) fn new(world: &World, transports: &[SubsurfaceTransport], pixels: &PixelWidths) -> Self {
+    /// Plans points for every object whose material has a profile.
+    pub(crate) fn new(world: &World, transports: &[Arc<SubsurfaceTransport>], pixels: &PixelWidths) -> Self {
         let scene = &world.scene;
         let mut groups: Vec<GroupPlan> = Vec::new();
         for index in 0..scene.objects.len() {
@@ -126,7 +127,7 @@ impl PointPlan {
         (limit as f64 / BYTES_PER_POINT).min(f64::from(u32::MAX / 4)) as usize
     }
 
-    /// The message where there are, or would be, this many points.
+    /// The error for this many points.
     pub(super) fn too_many(&self, scene: &Scene, points: f64, limit: u64) -> SceneError {
         let most = |a: &&GroupPlan, b: &&GroupPlan| a.points().total_cmp(&b.points());
         let Some(worst) = self.groups.iter().max_by(most) else {
@@ -185,7 +186,7 @@ fn area(scene: &Scene, index: usize) -> f64 {
 ///
 /// A dark channel or place may be less exact than a bright one. Errors go with the square of the spacing over the
 /// width, so widths count times the root of the greatest albedo over their own.
-fn narrowest(world: &World, transports: &[SubsurfaceTransport], index: usize) -> Option<Narrowest> {
+fn narrowest(world: &World, transports: &[Arc<SubsurfaceTransport>], index: usize) -> Option<Narrowest> {
     let scene = &world.scene;
     let number = scene.objects[index].material;
     let (material, transport) = (&scene.materials[number], &transports[number]);
@@ -229,7 +230,7 @@ fn for_each_place(world: &World, index: usize, mut found: impl FnMut(SurfacePoin
     }
 }
 
-/// A number with three digits that count.
+/// A number with three significant digits.
 fn significant(x: f64) -> String {
     if x == 0.0 || (1e-3..1e6).contains(&x) {
         let digits =

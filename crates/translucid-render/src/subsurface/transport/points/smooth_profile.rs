@@ -1,11 +1,11 @@
-//! Profiles as smooth tables that know how much they bend.
+//! Profiles as smooth tables with bounds on their curvature.
 //!
 //! A cluster of points stands in for its points with an error that the curvature of the profile bounds (see
 //! `gather.rs`), so a sum over clusters needs profiles with a second derivative that is bounded everywhere,
 //! and the bound. Here a profile p(r) = R(r)/A is a cubic Hermite spline with sixteen cells an octave: value and
 //! slope are continuous, and within a cell the second derivative is linear. Against the profile it is off by
 //! less than 1e-3 of its value where that matters (tested for every model).
-//! Whether a profile falls monotonically plays no part.
+//! The profile need not fall monotonically.
 
 use translucid_profile::ProfileViewF32;
 
@@ -156,7 +156,7 @@ mod tests {
         assert!(worst < 1e-3, "{worst}");
     }
 
-    /// |p(t) − p(s) − p'(s)(t − s)| ≤ ½ K (t − s)² for all radii from the least on: what clusters rely on.
+    /// |p(t) − p(s) − p'(s)(t − s)| ≤ ½ K (t − s)² for all radii from the least on, as clusters need it.
     #[test]
     fn curvature_bounds_the_error_of_tangents() {
         let table = normalized_diffusion();

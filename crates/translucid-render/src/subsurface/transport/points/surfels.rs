@@ -4,7 +4,8 @@
 //! than r [Cook 1986, "Stochastic sampling in computer graphics": Poisson discs].
 //! Then the surface is cut into patches much smaller than a disc, and the area of each goes to the nearest point:
 //! the areas are those of the points' Voronoi cells, and add up to the mesh's.
-//! Of points on surfaces that face apart (the two sides of a sheet) neither keeps the other away nor takes its area.
+//! Points on surfaces that face away from each other (the two sides of a sheet) neither keep each other away nor take
+//! each other's area.
 
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 
@@ -33,7 +34,7 @@ pub(crate) struct Surfel {
     pub(crate) area: f32,
     /// Unit geometric normal on the outside.
     pub(crate) normal: [f32; 3],
-    /// Scene-wide number of its triangle.
+    /// Number of its triangle in the scene.
     pub(crate) primitive: u32,
 }
 
@@ -62,7 +63,7 @@ pub(super) fn cover(
     progress: &(dyn Fn(f64) + Sync),
     stop: &AtomicBool,
 ) -> Result<Vec<Surfel>, Unfinished> {
-    let mut cover = Cover::new(scene, geometry, plan, most, stop);
+    let mut cover = DartThrowing::new(scene, geometry, plan, most, stop);
     cover.throw_darts(&|part| progress(0.5 * part))?;
     let areas = cover.share_area(&|part| progress(0.5 + 0.5 * part))?;
     for (surfel, area) in cover.surfels.iter_mut().zip(areas) {
@@ -74,13 +75,13 @@ pub(super) fn cover(
 
 /// A place that a dart is thrown at.
 #[derive(Clone, Copy)]
-struct Place {
+struct DartPlace {
     order: u64,
     position: Vec3,
     primitive: u32,
 }
 
-struct Cover<'a> {
+struct DartThrowing<'a> {
     scene: &'a Scene,
     geometry: &'a Geometry,
     plan: &'a GroupPlan,
@@ -92,7 +93,7 @@ struct Cover<'a> {
     grid: HashGrid,
 }
 
-impl<'a> Cover<'a> {
+impl<'a> DartThrowing<'a> {
     fn new(
         scene: &'a Scene,
         geometry: &'a Geometry,
@@ -135,7 +136,7 @@ impl<'a> Cover<'a> {
     }
 
     /// A random place in each of many patches.
-    fn places(&self) -> Vec<Place> {
+    fn places(&self) -> Vec<DartPlace> {
         let most_area = PLACE_AREA * self.plan.spacing.powi(2);
         let seed = self.scene.integrator.seed;
         let of = |(object, triangle): (usize, usize)| {
@@ -146,7 +147,7 @@ impl<'a> Cover<'a> {
                 let order = split_mix(split_mix(seed ^ u64::from(primitive) << 32) ^ places.len() as u64);
                 let bits = split_mix(order);
                 let [u, v] = [bits >> 32, bits & 0xffff_ffff].map(|bits| bits as f64 / 4_294_967_296.0);
-                places.push(Place { order, position: part.point(u, v).as_vec3(), primitive });
+                places.push(DartPlace { order, position: part.point(u, v).as_vec3(), primitive });
             });
             places
         };
@@ -204,7 +205,7 @@ impl<'a> Cover<'a> {
         triangles: &[(usize, usize)],
         quantum: f64,
         done: &(dyn Fn() + Sync),
-    ) -> (Vec<u64>, Vec<Orphan>) {
+    ) -> (Vec<u64>, Vec<UncoveredPatch>) {
         let areas: Vec<AtomicU64> = self.surfels.iter().map(|_| AtomicU64::new(0)).collect();
         let most_area = PATCH_AREA * self.plan.spacing.powi(2);
         let of = |&(object, triangle): &(usize, usize)| {
@@ -223,7 +224,7 @@ impl<'a> Cover<'a> {
                     }
                     None => {
                         let primitive = self.primitive(object, triangle);
-                        orphans.push(Orphan { position, normal, primitive });
+                        orphans.push(UncoveredPatch { position, normal, primitive });
                     }
                 }
             });
@@ -254,7 +255,7 @@ impl<'a> Cover<'a> {
 }
 
 /// A patch without a point near it.
-struct Orphan {
+struct UncoveredPatch {
     position: Vec3,
     normal: Vec3,
     primitive: u32,
@@ -268,7 +269,7 @@ mod tests {
 
     use super::*;
     use crate::PreparedScene;
-    use crate::subsurface::transport::points::{Making, PixelWidths, PointCloud, PointPlan};
+    use crate::subsurface::transport::points::{PixelWidths, PointCloud, PointPlan, PointSettings};
 
     /// Points on a mesh of a material with a mean free path of 1, ½ and ¼, and their spacing.
     fn covered(mesh: Mesh) -> (Vec<Surfel>, f64) {
@@ -287,10 +288,10 @@ mod tests {
         }];
         scene.integrator.subsurface_method = SubsurfaceMethod::PointBased;
         let prepared = PreparedScene::new(scene).expect("a valid scene");
-        let (world, set) = prepared.parts();
+        let (world, transports) = prepared.parts();
         let never = AtomicBool::new(false);
-        let making = Making { memory: 1 << 30, progress: &|_| {}, stop: &never };
-        let plan = PointPlan::new(world, set.transports(), &PixelWidths::default());
+        let making = PointSettings { memory: 1 << 30, progress: &|_| {}, stop: &never };
+        let plan = PointPlan::new(world, transports.all(), &PixelWidths::default());
         let cloud = PointCloud::laid(world, &plan, &making);
         let cloud = cloud.expect("memory").expect("not stopped");
         (cloud.surfels, cloud.groups[0].spacing)
@@ -322,7 +323,7 @@ mod tests {
             let own: Vec<&Surfel> = surfels.iter().filter(|s| s.normal[2] * side > 0.5).collect();
             let area: f64 = own.iter().map(|s| f64::from(s.area)).sum();
             assert!((area / 9.0 - 1.0).abs() < 1e-5, "{side}: {area}");
-            // What a point stands for is the square of the spacing on average
+            // On average a point stands for the square of the spacing
             let mean = area / own.len() as f64 / (spacing * spacing);
             assert!((0.85..1.15).contains(&mean), "{side}: {mean} from {} points", own.len());
             for (i, a) in own.iter().enumerate() {

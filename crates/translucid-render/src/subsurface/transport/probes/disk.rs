@@ -1,4 +1,4 @@
-//! Disks of Blender Cycles: what a hit of a probe stands for in its Christensen-Burley.
+//! The disk probes of Blender Cycles: the weight of a hit in its Christensen-Burley.
 //!
 //! Cycles draws a point of a disk around one of three axes at a distance ρ from P, and finds the surface above and below it
 //! within the ball of the channel that was drawn. A hit at the distance r from P weighs
@@ -29,13 +29,13 @@ const PICKS: [f32; 3] = [0.25, 0.25, 0.5];
 
 /// The disks around an exit.
 #[derive(Clone, Copy)]
-pub(in crate::subsurface::transport) struct Disk {
+pub(in crate::subsurface::transport) struct CyclesDisk {
     frame: Frame,
     /// Channels that scatter.
     active: [bool; 3],
 }
 
-impl Disk {
+impl CyclesDisk {
     /// The disks around an exit.
     pub(super) fn of(subsurface: &Subsurface, geometric_normal: Vec3) -> Self {
         let active = subsurface.length.cmpgt(Vec3::ZERO);
@@ -52,7 +52,7 @@ impl Disk {
         self.factor(profiles, self.frame.to_local(offset), self.frame.to_local(normal))
     }
 
-    /// The same with both in the exit's frame.
+    /// [`factor_in_world`](Self::factor_in_world) with both vectors in the exit's frame.
     pub(super) fn factor(&self, profiles: &[CutProfile<'_>; 3], offset: Vec3, normal: Vec3) -> f32 {
         let distance = offset.length();
         let (mut sum, mut shares) = (0.0, 0.0);
@@ -101,8 +101,8 @@ mod tests {
         AlbedoTableF32::from(&AlbedoTable::new(&[0.8], row).expect("a table"))
     }
 
-    fn disk(length: Vec3) -> Disk {
-        Disk::of(&Subsurface { surface_albedo: Vec3::ONE, length }, exit_at_origin().geometric_normal)
+    fn disk(length: Vec3) -> CyclesDisk {
+        CyclesDisk::of(&Subsurface { surface_albedo: Vec3::ONE, length }, exit_at_origin().geometric_normal)
     }
 
     /// A plane that light has entered.
@@ -148,8 +148,8 @@ mod tests {
         sum / DRAWS as f32
     }
 
-    /// The same by our own probes.
-    fn ours(profiles: [CutProfile<'_>; 3], disk: &Disk, plane: &Plane) -> Vec3 {
+    /// The mean of our own probes.
+    fn ours(profiles: [CutProfile<'_>; 3], disk: &CyclesDisk, plane: &Plane) -> Vec3 {
         let strategy = ProbeStrategy::new(&exit_at_origin(), [0.25, 0.25, 1.0], profiles, [0.5, 0.2, 0.3])
             .expect("shares");
         let bounds = (Vec3::splat(-1e3), Vec3::splat(1e3));

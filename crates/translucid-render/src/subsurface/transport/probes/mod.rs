@@ -1,10 +1,10 @@
-//! Where light that leaves at a point has entered: ray-traced probes.
+//! Ray-traced probes: they find the entry points of light that leaves at an exit point.
 //!
 //! Probes are segments through the neighborhood of the exit point P: along some of three axes, at a distance r from P
 //! that is drawn from the profile of one of three channels (`strategy.rs`).
 //! One probe along one axis chosen at random would be cheaper, but misses the surface half of the time.
 //! All hits count: one of them is drawn in proportion to its weight and stands for their sum.
-//! Where a texture gives the entry point a say in R (see [`Pairing`]), channels are the exit's profile and the widest one
+//! Where R depends on the entry point's texture, too (see [`Pairing`]), channels are the exit's profile and the widest one
 //! that the texture has, so that every R is covered.
 
 mod disk;
@@ -14,16 +14,16 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use super::Tracing;
+use super::Tracer;
 use crate::ray::Hit;
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::kernel::{CutProfile, Cutting, Passage, SubsurfaceKernel};
-use crate::subsurface::pairing::{PairedExit, Pairing, Stated};
+use crate::subsurface::kernel::{CutProfile, Cutting, EntryToExit, SubsurfaceKernel};
+use crate::subsurface::pairing::{PairedExit, Pairing, StatedParameters};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{PathState, World};
-pub(super) use disk::Disk;
+pub(super) use disk::CyclesDisk;
 pub(super) use strategy::ProbeStrategy;
 
 /// Part of a probe's length within which two hits that face the same way are one: rounding differs between the copies
@@ -42,7 +42,7 @@ pub(crate) struct Probes {
     pub(crate) cutting: Cutting,
     /// Probabilities of probing along the two tangents and the normal.
     pub(crate) axes: [f32; 3],
-    /// Whether hits count as on the disks of Cycles: see [`Disk`].
+    /// Hits count as on the disks of Cycles: see [`CyclesDisk`].
     pub(crate) is_disk: bool,
 }
 
@@ -82,7 +82,7 @@ impl HitWeight {
 
 impl Probes {
     /// Leaves the surface where a probe finds that light enters; false where the path is over.
-    pub(super) fn scatter<'a, T: Tracing<'a>>(
+    pub(super) fn scatter<'a, T: Tracer<'a>>(
         &'a self,
         tracer: &mut T,
         world: &'a World,
@@ -90,7 +90,7 @@ impl Probes {
         exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
-        // Whatever comes later on the path is no neighbor's business
+        // Neighbors do not share light that the path finds later
         path.in_block = None;
         match self.sample(&mut tracer.scratch().probes, world, exit, path.throughput, sampler) {
             Some(found) => self.leave(&found, tracer, world, path, exit, sampler),
@@ -99,7 +99,7 @@ impl Probes {
     }
 
     /// Goes on at an entry point that has been found.
-    pub(super) fn leave<'a, T: Tracing<'a>>(
+    pub(super) fn leave<'a, T: Tracer<'a>>(
         &'a self,
         found: &EntryHit,
         tracer: &mut T,
@@ -112,7 +112,7 @@ impl Probes {
         path.throughput *= tracer.shape_factor(exit);
         // Seen from inside an open mesh, light enters from inside, too.
         let entry = EntryPoint::new(world, world.surface_point(&found.hit), exit.side);
-        let passage = Passage {
+        let passage = EntryToExit {
             offset: exit.point.position - entry.point.position,
             entry_normal: entry.normal,
             exit_normal: exit.normal * exit.side,
@@ -135,7 +135,7 @@ impl Probes {
             let both = self.paired_strategy(pairing, exit, importance)?;
             let (hit, weight) =
                 scratch.find_pair((self, pairing, &both), world, exit, importance, sampler)?;
-            let entry = Stated::at(world, &world.surface_point(&hit));
+            let entry = StatedParameters::at(world, &world.surface_point(&hit));
             let subsurface = pairing.pair(&self.kernel, &PairedExit::new(exit), &entry);
             return Some(EntryHit { hit, weight: weight.value, subsurface });
         }
@@ -166,11 +166,11 @@ impl Probes {
     }
 
     /// The disks around an exit that hits count on, where they do.
-    pub(super) fn disk(&self, subsurface: &Subsurface, geometric_normal: Vec3) -> Option<Disk> {
-        self.is_disk.then(|| Disk::of(subsurface, geometric_normal))
+    pub(super) fn disk(&self, subsurface: &Subsurface, geometric_normal: Vec3) -> Option<CyclesDisk> {
+        self.is_disk.then(|| CyclesDisk::of(subsurface, geometric_normal))
     }
 
-    /// The strategy of an exit where entries have a say: by its own profile and by the widest that there can be, so that
+    /// The strategy of an exit where entries count: by its own profile and by the widest that there can be, so that
     /// none is missed. `None` if no channel scatters.
     pub(super) fn paired_strategy(
         &self,
@@ -221,7 +221,7 @@ impl ProbeScratch {
     /// Draws a hit of an exit whose own parameters are all that counts.
     pub(super) fn find_own(
         &mut self,
-        (own, disk): (&ProbeStrategy<'_, 3>, Option<&Disk>),
+        (own, disk): (&ProbeStrategy<'_, 3>, Option<&CyclesDisk>),
         world: &World,
         exit: &ExitPoint<'_>,
         importance: Vec3,
@@ -236,7 +236,7 @@ impl ProbeScratch {
         self.find(own, world, exit, importance, sampler, weight)
     }
 
-    /// Draws a hit of an exit where entries have a say.
+    /// Draws a hit of an exit where entries count.
     pub(super) fn find_pair(
         &mut self,
         (probes, pairing, both): (&Probes, &Pairing, &ProbeStrategy<'_, 6>),
@@ -251,7 +251,7 @@ impl ProbeScratch {
             if density <= 0.0 {
                 return HitWeight::default();
             }
-            let entry = Stated::at(world, &world.surface_point(hit));
+            let entry = StatedParameters::at(world, &world.surface_point(hit));
             let pair = pairing.pair(&probes.kernel, &paired, &entry);
             let value = probes.circular(&pair, distance) / density;
             HitWeight { value, inverse_density: 1.0 / density, distance }

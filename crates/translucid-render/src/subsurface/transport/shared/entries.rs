@@ -6,12 +6,14 @@ use glam::Vec3;
 
 use super::nearness::Nearness;
 use crate::subsurface::entry_point::Arrival;
-use crate::subsurface::kernel::{CutProfile, DirectionalWeight, Directions, Passage};
-use crate::subsurface::pairing::{PairedExit, Stated};
+use crate::subsurface::kernel::{CutProfile, DirectionalWeight, Directions, EntryToExit};
+use crate::subsurface::pairing::{PairedExit, StatedParameters};
 use crate::subsurface::parameters::Subsurface;
-use crate::subsurface::transport::gathering::picked::{PickedSums, Picking};
-use crate::subsurface::transport::gathering::{Account, COORDINATES, Evenness, ExitKind, Found, Receiver};
-use crate::subsurface::transport::probes::{Disk, Probes};
+use crate::subsurface::transport::gathering::resampled_sum::{ResampledReceiver, ResampledSums};
+use crate::subsurface::transport::gathering::{
+    Account, BlockReceiver, COORDINATES, ExitKind, FoundLight, LightStatistics,
+};
+use crate::subsurface::transport::probes::{CyclesDisk, Probes};
 
 /// A point where light has entered.
 #[derive(Clone, Copy, Debug)]
@@ -22,12 +24,12 @@ pub(crate) struct EntryLight {
     pub(crate) geometric_normal: Vec3,
     /// g times an unbiased estimate of 1/p for the exit that found it.
     pub(crate) own_weight: f32,
-    /// R times the same estimate of 1/p, without what depends on directions.
+    /// R times the same estimate of 1/p, without its directional factor.
     pub(crate) own_reflectance: Vec3,
     /// From a sampled light and from a path.
     pub(crate) arrivals: [Arrival; 2],
-    /// What the material states there, where that counts.
-    pub(crate) stated: Option<Stated>,
+    /// Parameters that the material states there, where they count.
+    pub(crate) stated: Option<StatedParameters>,
 }
 
 impl EntryLight {
@@ -43,7 +45,7 @@ impl EntryLight {
     }
 }
 
-impl Found for EntryLight {
+impl FoundLight for EntryLight {
     fn coordinates(&self) -> [f32; COORDINATES] {
         let [x, y, z] = self.position.to_array();
         [x, y, z, 0.0, 0.0, 0.0, 0.0]
@@ -76,7 +78,7 @@ const ROUGHEST: f32 = 0.03;
 
 /// An exit that waits for light.
 ///
-/// A block has thousands: what only those need who share is made when it is asked for.
+/// A block has thousands of them, so numbers that only sharing needs are made when they are asked for.
 pub(crate) struct WaitingExit<'a> {
     pub(crate) kind: ExitKind,
     pub(crate) account: Account,
@@ -96,13 +98,13 @@ pub(crate) struct OwnKernel<'a> {
     directions: Directions<'a>,
     /// `None` where no channel scatters.
     profiles: Option<[CutProfile<'a>; 3]>,
-    disk: Option<Disk>,
+    disk: Option<CyclesDisk>,
 }
 
-impl<'a> Receiver for WaitingExit<'a> {
+impl<'a> BlockReceiver for WaitingExit<'a> {
     type Kind = ExitKind;
-    type Found = EntryLight;
-    type Sums = PickedSums<EntryLight>;
+    type FoundLight = EntryLight;
+    type Sums = ResampledSums<EntryLight>;
 
     fn kind(&self) -> ExitKind {
         self.kind
@@ -123,7 +125,7 @@ impl<'a> Receiver for WaitingExit<'a> {
     }
 }
 
-impl<'a> Picking for WaitingExit<'a> {
+impl<'a> ResampledReceiver for WaitingExit<'a> {
     type Response = OwnKernel<'a>;
 
     fn response(&self) -> OwnKernel<'a> {
@@ -137,25 +139,25 @@ impl<'a> Picking for WaitingExit<'a> {
 
     fn light_from(&self, own: &OwnKernel<'a>, entry: &EntryLight, factor: f32) -> Vec3 {
         let passage = self.passage(entry);
-        let Passage { offset, .. } = passage;
+        let EntryToExit { offset, .. } = passage;
         let distance = self.nearness.distance(offset.length());
-        // The brightest light is that of extreme scenes: what it is multiplied with is about 1
+        // Light may be as bright as extreme scenes have it; the factors on it are about 1
         if let Some(pair) = self.pair(entry) {
             let directions = self.probes.kernel.directions(&pair);
             let reflectance = self.probes.circular(&pair, distance) / (TAU * distance);
             return reflectance * factor * entry.weighted(&directions.along(passage));
         }
         let Some(profiles) = &own.profiles else { return Vec3::ZERO };
-        let on_disk = |disk: &Disk| disk.factor_in_world(profiles, -offset, entry.geometric_normal);
+        let on_disk = |disk: &CyclesDisk| disk.factor_in_world(profiles, -offset, entry.geometric_normal);
         let reflectance = self.reflectance(profiles, distance) * own.disk.as_ref().map_or(1.0, on_disk);
         reflectance * factor * entry.weighted(&own.directions.along(passage))
     }
 
-    fn alone(&self, kinds: [Evenness; 2], found: Option<&EntryLight>) -> [Option<Vec3>; 2] {
-        let is_alone = kinds.map(|evenness| {
-            let flatness = (1.0 - evenness.roughness() / ROUGHEST).max(0.0);
+    fn alone(&self, kinds: [LightStatistics; 2], found: Option<&EntryLight>) -> [Option<Vec3>; 2] {
+        let is_alone = kinds.map(|statistics| {
+            let flatness = (1.0 - statistics.roughness() / ROUGHEST).max(0.0);
             let least = LEAST_VARIANCE / self.mean_radius + LEAST_VARIANCE_ON_FLAT * flatness;
-            evenness.variance() * self.mean_radius < least
+            statistics.variance() * self.mean_radius < least
         });
         if is_alone == [false; 2] {
             return [None; 2];
@@ -170,15 +172,15 @@ impl<'a> Picking for WaitingExit<'a> {
 }
 
 impl WaitingExit<'_> {
-    /// Parameters of the exit and an entry together, where entries have a say.
+    /// Parameters of the exit and an entry together, where the entries' count.
     fn pair(&self, entry: &EntryLight) -> Option<Subsurface> {
         let pairing = self.probes.pairing.as_ref()?;
         Some(pairing.pair(&self.probes.kernel, &self.paired, entry.stated.as_ref()?))
     }
 
-    fn passage(&self, entry: &EntryLight) -> Passage {
+    fn passage(&self, entry: &EntryLight) -> EntryToExit {
         let offset = self.position - entry.position;
-        Passage { offset, entry_normal: entry.normal, exit_normal: self.normal }
+        EntryToExit { offset, entry_normal: entry.normal, exit_normal: self.normal }
     }
 
     /// R at a distance.

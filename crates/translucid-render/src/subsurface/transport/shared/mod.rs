@@ -2,9 +2,9 @@
 //!
 //! Exits x_i of a block of pixels each find an entry point y_i by probes of their own, and light that arrives there.
 //! Where exits lie closer together than light travels below the surface, all of them could have found all entries, so
-//! each gathers light from every entry, as [`gathering`](super::gathering) says, with K = R(|x − y|) and a rational
+//! each gathers light from every entry (see [`gathering`](super::gathering)), with K = R(|x − y|) and a rational
 //! stand-in for the profile as g (see [`Nearness`]), cut at the same radius as the probes.
-//! The profile R is evaluated for a few terms only, so models may cost what they like, and follow directions.
+//! The profile R is evaluated for a few terms only, so models may be expensive, and directional.
 //!
 //! Only exits whose light would have the same bounds share: see [`ExitKind`].
 
@@ -15,14 +15,14 @@ use std::f32::consts::TAU;
 
 use glam::Vec3;
 
-use super::Tracing;
+use super::Tracer;
 use super::gathering::{Account, ExitKind, Gathering};
 use super::probes::{EntryHit, HitWeight, ProbeScratch, Probes};
 use crate::ray::Hit;
 use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::{Arrival, EntryPoint};
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::pairing::{PairedExit, Stated};
+use crate::subsurface::pairing::{PairedExit, StatedParameters};
 use crate::subsurface::parameters::Subsurface;
 use crate::world::{Layer, PathState, World};
 use entries::{EntryLight, WaitingExit};
@@ -33,27 +33,27 @@ pub(super) type SharedEntries<'a> = Gathering<WaitingExit<'a>>;
 
 /// Mean radius of the widest profile, in pixels, from which on an exit shares.
 ///
-/// Below, an entry is of little use to the neighbors, and which of them lies how near is noise of its own. What counts as
-/// a pixel is known before any entry is, so the choice changes no mean.
+/// Below, an entry is of little use to the neighbors, and their distances to it add noise. The choice depends on no entry,
+/// so it changes no mean.
 const LEAST_PIXELS: f32 = 1.5;
 
 /// How far from its own place an exit may go, over the mean radius of its widest profile, to find those that it shares with.
 ///
-/// Squares of pixels that share have errors of their own, and borders that show; where each pixel goes a random way off, up
-/// to so far, squares that light crosses easily dissolve into each other. Those who share lie less close together then:
-/// measured by the benches `structure` and `sharing`, with 0.1 borders at 16 pixels of mean free path are 1.18 times as
-/// high as steps elsewhere in place of 1.06 times, without any 1.36 times; with 1 the noise there is 1.3 times as great.
+/// Squares of pixels that share have errors of their own, so their borders show. A random offset of each pixel, up to this
+/// distance, dissolves squares that light crosses easily into each other, but brings less close pixels together. Measured
+/// by the benches `structure` and `sharing` at a mean free path of 16 pixels: steps across borders are 1.06 times as high
+/// as steps elsewhere, with 0.1 they are 1.18 times and with 0 1.36 times as high; with 1 the noise is 1.3 times as great.
 const SPREAD: f32 = 0.25;
 
-/// Least part of a stand-in that a profile from a file may be within its reach: what is hardly found by one exit and weighs
-/// much for another would be a speck.
+/// Least ratio of a profile from a file to its stand-in, within its reach: an entry that one exit hardly finds and that
+/// weighs much for another would be a speck.
 const LEAST_OF_STAND_IN: f32 = 0.02;
 
 /// Radii at which a profile from a file is compared with its stand-in.
 const RADII: u16 = 1024;
 
 impl Probes {
-    /// Whether the light of exits may be shared: entries have to be found wherever the stand-in for the profile is.
+    /// Returns `true` if exits may share their light: entries have to be found wherever the stand-in for the profile is.
     pub(crate) fn can_share(&self) -> bool {
         self.kernel.albedos_from_file().is_none_or(|albedos| {
             albedos.iter().all(|&albedo| {
@@ -67,13 +67,13 @@ impl Probes {
     }
 }
 
-/// What the probes of an exit have found, and what it takes to share it.
-struct Find {
+/// The hit of an exit's probes, if any, and the stand-in for its profile by which it shares.
+struct ProbeHit {
     hit: Option<(Hit, HitWeight)>,
     nearness: Nearness,
 }
 
-impl Find {
+impl ProbeHit {
     /// `None` where no channel scatters.
     fn new(
         probes: &Probes,
@@ -100,11 +100,47 @@ impl Find {
         let hit = scratch.find_pair((probes, pairing, &both), world, exit, importance, sampler);
         Some(Self { hit, nearness: nearness.ending_at(longest) })
     }
+
+    /// The entry point of an exit that does not share.
+    fn alone(self, probes: &Probes, world: &World, exit: &PairedExit) -> Option<EntryHit> {
+        let (hit, weight) = self.hit?;
+        let subsurface = probes.pairing.as_ref().map_or(exit.subsurface, |pairing| {
+            pairing.pair(&probes.kernel, exit, &StatedParameters::at(world, &world.surface_point(&hit)))
+        });
+        Some(EntryHit { hit, weight: weight.value, subsurface })
+    }
+
+    /// The light that enters at the hit, for all exits of the block.
+    fn entry_light<'a, T: Tracer<'a>>(
+        &self,
+        tracer: &mut T,
+        world: &'a World,
+        path: &PathState,
+        exit: &ExitPoint<'_>,
+        sampler: &mut Sampler,
+    ) -> Option<EntryLight> {
+        let Self { ref hit, nearness } = *self;
+        let (hit, weight) = hit.as_ref()?;
+        let entry = EntryPoint::new(world, world.surface_point(hit), exit.side);
+        let numbers = [sampler.reserve(), sampler.reserve()];
+        let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler, numbers);
+        let position = entry.point.position;
+        let contribution = TAU * nearness.distance(weight.distance) * weight.inverse_density;
+        Some(EntryLight {
+            position,
+            normal: entry.normal,
+            geometric_normal: entry.point.geometric_normal,
+            own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
+            own_reflectance: weight.value,
+            arrivals,
+            stated: StatedParameters::if_paired(world, &entry.point),
+        })
+    }
 }
 
 /// Leaves a surface through the medium below: the light of a path in a block is left to the block, any other finds an entry
 /// point for itself. False where the path is over.
-pub(super) fn scatter<'a, T: Tracing<'a>>(
+pub(super) fn scatter<'a, T: Tracer<'a>>(
     probes: &'a Probes,
     tracer: &mut T,
     world: &'a World,
@@ -116,48 +152,28 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         return probes.scatter(tracer, world, path, exit, sampler);
     };
     let scratch = &mut tracer.scratch().probes;
-    let Some(found) = Find::new(probes, scratch, world, (exit, path.throughput), sampler) else {
+    let Some(found) = ProbeHit::new(probes, scratch, world, (exit, path.throughput), sampler) else {
         return false;
     };
-    let Find { hit: found, nearness } = found;
     let paired = PairedExit::new(exit);
+    let nearness = found.nearness;
     let mean_radius = nearness.mean_radius() / tracer.pixel_width().at(path.sample.depth);
     if mean_radius < LEAST_PIXELS {
-        let Some((hit, weight)) = found else { return false };
-        let subsurface = probes.pairing.as_ref().map_or(exit.subsurface, |pairing| {
-            pairing.pair(&probes.kernel, &paired, &Stated::at(world, &world.surface_point(&hit)))
-        });
-        let found = EntryHit { hit, weight: weight.value, subsurface };
-        return probes.leave(&found, tracer, world, path, exit, sampler);
+        let entry = found.alone(probes, world, &paired);
+        return entry.is_some_and(|entry| probes.leave(&entry, tracer, world, path, exit, sampler));
     }
     let bits = sampler.fork();
-    let random = (bits >> 40) as f32 * (1.0 / (1 << 24) as f32);
-    let offset = place.offset(SPREAD * mean_radius, bits);
-    let throughput = path.throughput * tracer.shape_factor(exit);
-    let entry = found.map(|(hit, weight)| {
-        let entry = EntryPoint::new(world, world.surface_point(&hit), exit.side);
-        let numbers = [sampler.reserve(), sampler.reserve()];
-        let arrivals = arrivals(tracer, path, &entry, path.throughput * weight.value, sampler, numbers);
-        let position = entry.point.position;
-        let contribution = TAU * nearness.distance(weight.distance) * weight.inverse_density;
-        EntryLight {
-            position,
-            normal: entry.normal,
-            geometric_normal: entry.point.geometric_normal,
-            own_weight: nearness.at(exit.point.position.distance_squared(position)) * contribution,
-            own_reflectance: weight.value,
-            arrivals,
-            stated: Stated::if_paired(world, &entry.point),
-        }
-    });
+    let cohort = place.cohort(place.offset(SPREAD * mean_radius, bits));
+    let account = Account {
+        sample: place.number,
+        layer: path.layer_after(Layer::Subsurface),
+        throughput: path.throughput * tracer.shape_factor(exit),
+        random: (bits >> 40) as f32 * (1.0 / (1 << 24) as f32),
+    };
+    let entry = found.entry_light(tracer, world, path, exit, sampler);
     let waiting = WaitingExit {
         kind: ExitKind::new(exit, path),
-        account: Account {
-            sample: place.number,
-            layer: path.layer_after(Layer::Subsurface),
-            throughput,
-            random,
-        },
+        account,
         position: exit.point.position,
         normal: exit.normal * exit.side,
         geometric_normal: exit.point.geometric_normal,
@@ -166,21 +182,21 @@ pub(super) fn scatter<'a, T: Tracing<'a>>(
         nearness,
         mean_radius,
     };
-    tracer.scratch().shared.push_to(place.cohort(offset), waiting, entry);
+    tracer.scratch().shared.push_to(cohort, waiting, entry);
     false
 }
 
-/// Whether an exit of these parameters, which the light that leaves is multiplied with a throughput, may share.
+/// Returns `true` if an exit may share the light of its entry.
 ///
-/// Numbers like the inverse square of its lengths \[L\] and their products have to stay finite.
+/// The inverse squares of its lengths \[L\] and products of them have to stay finite.
 fn can_share(subsurface: &Subsurface, throughput: Vec3) -> bool {
     let Subsurface { length, .. } = *subsurface;
     let usual = |c: usize| length[c] <= 0.0 || (1e-8..1e8).contains(&length[c]);
     (0..3).all(usual) && throughput.max_element() > 1e-15
 }
 
-/// Light that enters at an entry point: from a sampled light, and what [`arrival_along`] a path brings.
-fn arrivals<'a, T: Tracing<'a>>(
+/// Light that enters at an entry point: from a sampled light, and [along a path](arrival_along).
+fn arrivals<'a, T: Tracer<'a>>(
     tracer: &mut T,
     path: &PathState,
     entry: &EntryPoint<'_>,
@@ -193,7 +209,7 @@ fn arrivals<'a, T: Tracing<'a>>(
 }
 
 /// Light that enters at an entry point along a path, followed as far as it is `worth` to the one that has found the point.
-pub(super) fn arrival_along<'a, T: Tracing<'a>>(
+pub(super) fn arrival_along<'a, T: Tracer<'a>>(
     tracer: &mut T,
     path: &PathState,
     entry: &EntryPoint<'_>,

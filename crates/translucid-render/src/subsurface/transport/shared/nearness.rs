@@ -1,11 +1,11 @@
-//! How near exits are to entries, in the measure of their profiles.
+//! The nearness of exits to entries, measured by their profiles.
 
-use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+use crate::subsurface::transport::simd_loop::{SimdLoop, in_widest_vectors};
 
-/// Distances below this part of the longest count as this: far below what can be told apart, but not 0.
+/// Distances below this part of the longest count as this: too small to tell apart, but not 0.
 const LEAST_DISTANCE: f32 = 1e-12;
 
-/// Greatest 1 + r/a_c: what is farther is as near, so that products of three fourth powers are finite numbers.
+/// Greatest 1 + r/a_c; larger ones are clamped, so that products of three fourth powers stay finite.
 const FARTHEST: f32 = 300.0;
 
 /// A stand-in for the sum of an exit's profiles over its channels,
@@ -29,7 +29,7 @@ impl Nearness {
     /// The stand-in for channels of these weights whose profiles, cut where the energy `tail` is outside, reach so far
     /// \[L\]. Channels without weight or length are left out.
     pub(crate) fn new(weights: [f32; 3], reaches: [f32; 3], tail: f32) -> Self {
-        // Of normalized diffusion: R_m = 3d ln(¾ / tail)
+        // Normalized diffusion has R_m = 3d ln(¾ / tail)
         let scale_of_reach = 2.0 / libm::logf(0.75 / tail);
         let mut new = Self { inverse_scale: [0.0; 3], share: [0.0; 3], longest: 0.0 };
         for c in 0..3 {
@@ -42,7 +42,7 @@ impl Nearness {
         new
     }
 
-    /// The same stand-in, ending at a radius \[L\].
+    /// Ends the stand-in at a radius \[L\].
     pub(crate) fn ending_at(self, longest: f32) -> Self {
         Self { longest, ..self }
     }
@@ -84,12 +84,12 @@ impl Nearness {
     /// g at points with these coordinates, with the widest vectors that the processor has; adds it to the sums, too.
     #[inline]
     pub(super) fn fill(&self, exit: [f32; 3], points: [&[f32]; 3], row: &mut [f32], sums: &mut [f32]) {
-        in_widest_vectors(Row { nearness: *self, exit, points, row, sums });
+        in_widest_vectors(NearnessRow { nearness: *self, exit, points, row, sums });
     }
 }
 
-/// g of an exit at points, and what it is added to.
-struct Row<'a> {
+/// g of an exit at points, and the sums that it is added to.
+struct NearnessRow<'a> {
     nearness: Nearness,
     exit: [f32; 3],
     points: [&'a [f32]; 3],
@@ -97,7 +97,7 @@ struct Row<'a> {
     sums: &'a mut [f32],
 }
 
-impl Loop for Row<'_> {
+impl SimdLoop for NearnessRow<'_> {
     #[inline(always)]
     fn run(self) {
         let n = self.row.len();
@@ -123,11 +123,11 @@ mod tests {
 
     const TAIL: f32 = 1e-3;
 
-    fn values(nearness: &Nearness, radii: &[f32], run: fn(Row<'_>)) -> Vec<f32> {
+    fn values(nearness: &Nearness, radii: &[f32], run: fn(NearnessRow<'_>)) -> Vec<f32> {
         let zeros = vec![0.0; radii.len()];
         let (mut row, mut sums) = (zeros.clone(), zeros.clone());
         let points = [radii, &zeros, &zeros];
-        run(Row { nearness: *nearness, exit: [0.0; 3], points, row: &mut row, sums: &mut sums });
+        run(NearnessRow { nearness: *nearness, exit: [0.0; 3], points, row: &mut row, sums: &mut sums });
         assert_eq!(row, sums);
         row
     }

@@ -4,24 +4,24 @@ use glam::Vec3;
 
 use super::flight::{FIRST_STRETCH, STRETCH};
 use super::random::WalkRandom;
-use super::shared::{OfLight, Onward, Sharing};
+use super::shared::{LightNumbers, SharedWalk, WalkContinuation};
 use super::state::Walk;
 use crate::light::LightSample;
 use crate::ray::{FlightEnd, Hit, Ray, SurfacePoint};
 use crate::sampling::Sampler;
 use crate::subsurface::entry_point::entry_bsdf;
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::transport::Tracing;
+use crate::subsurface::transport::Tracer;
 use crate::surface::WalkMedium;
 use crate::surface::bsdf::{fresnel_dielectric, refract};
-use crate::world::{BlockPlace, Layer, Origin, PathState, ShadowMedium, World, power_heuristic, weighed};
+use crate::world::{BlockPlace, Layer, MisOrigin, PathState, ShadowMedium, World, power_heuristic, weighed};
 
 /// Sets of four numbers that a walk takes from the sampler; the rest of a vertex's sets are the surface's.
 const STRATIFIED: u32 = 5;
 
 impl WalkMedium {
     /// Leaves the surface through the volume below, where the light of this path may end; false where it is over.
-    pub(super) fn scatter_clear<'a, T: Tracing<'a>>(
+    pub(super) fn scatter_clear<'a, T: Tracer<'a>>(
         &self,
         tracer: &mut T,
         world: &'a World,
@@ -43,15 +43,15 @@ impl WalkMedium {
         let Some(place) = place.and_then(|place| walk.shared_place(tracer, path, sampler, place)) else {
             return onward.finish(&mut walk, path, sampler, flight);
         };
-        let of_light = OfLight::AtCollision(onward.random.next_4d(sampler));
+        let of_light = LightNumbers::AtCollision(onward.random.next_4d(sampler));
         let of_flight = onward.random.next_4d(sampler);
-        let sharing = Sharing { world, exit, place, of_first: flight, of_light, of_flight };
+        let sharing = SharedWalk { world, exit, place, of_first: flight, of_light, of_flight };
         let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| walk.leave(world, path, exit, &hit))
     }
 }
 
-/// The way of walks out through a clear surface.
+/// The continuation of walks that leave through a clear surface.
 struct ThroughClear<'s, 'a> {
     world: &'a World,
     exit: &'s ExitPoint<'s>,
@@ -60,7 +60,7 @@ struct ThroughClear<'s, 'a> {
     entered: f32,
 }
 
-impl<'a> Onward<'a> for ThroughClear<'_, 'a> {
+impl<'a> WalkContinuation<'a> for ThroughClear<'_, 'a> {
     /// With three the means of regions in the test `sharing` are 1.11 to 1.16 times as uncertain as without sharing.
     const GENERATIONS: usize = 2;
     /// With 0.8 the means of regions in the test `sharing` are too uncertain.
@@ -89,7 +89,7 @@ impl<'a> Onward<'a> for ThroughClear<'_, 'a> {
     }
 }
 
-/// Whether a path may not be scattered any more.
+/// Returns `true` if a path may not be scattered any more.
 fn is_last(world: &World, path: &PathState) -> bool {
     let integrator = &world.scene.integrator;
     path.depth >= integrator.max_depth || path.diffuse_depth >= integrator.max_diffuse_depth
@@ -164,8 +164,8 @@ impl Walk<'_> {
             }
             return path.pass(&point, weight);
         }
-        let is_bent = self.eta != 1.0;
-        let origin = Origin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf, is_bent };
+        let is_refracted = self.eta != 1.0;
+        let origin = MisOrigin { point: self.at.position, normal: Vec3::ZERO, pdf: self.pdf, is_refracted };
         path.diffuse_depth += u32::from(self.has_scattered);
         path.soft |= self.has_scattered && !world.scene.integrator.caustics;
         path.scatter(Layer::Subsurface, Ray::new(point.ray_origin(direction), direction), weight, origin);
@@ -224,7 +224,7 @@ impl Walk<'_> {
     ) {
         let end = self.body.fly(self.at, light.direction, length);
         let FlightEnd::Boundary { distance, hit } = end else { return };
-        // What shines inside the body is no part of what the walk sees
+        // The walk does not see lights inside the body
         if distance >= light.distance {
             return;
         }
@@ -248,7 +248,7 @@ impl Walk<'_> {
         }
     }
 
-    /// Whether the boundary sends the walk back inside, to where it then is.
+    /// Draws whether the boundary reflects the walk back inside, and moves it there.
     fn is_reflected(&mut self, hit: &Hit, u: f32) -> bool {
         let normal = self.body.normal(hit);
         let cosine = self.direction.dot(normal);

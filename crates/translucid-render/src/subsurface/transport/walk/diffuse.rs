@@ -1,20 +1,20 @@
-//! The walk that ends at a diffuse surface, which light enters whatever direction it comes from.
+//! The walk that ends at a diffuse surface, which light enters from any direction.
 //!
-//! Nothing of the direction in which the walk meets the body's end counts, so that lights are sampled there once, and not
-//! at each collision.
+//! The direction in which the walk meets the surface does not matter. So it samples a light once, where it ends, and not at
+//! each collision.
 
 use glam::Vec3;
 use translucid_scene::WalkSurface;
 
 use super::random::WalkRandom;
-use super::shared::{MOST_GENERATIONS, OfLight, Onward, Sharing};
+use super::shared::{LightNumbers, MOST_GENERATIONS, SharedWalk, WalkContinuation};
 use super::state::Walk;
 use crate::ray::Hit;
 use crate::sampling::{Frame, Reserved, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::subsurface::kernel::DirectionalWeight;
-use crate::subsurface::transport::Tracing;
+use crate::subsurface::transport::Tracer;
 use crate::surface::bsdf::{Ggx, refract, sample_cosine};
 use crate::surface::{self, WalkMedium};
 use crate::world::{BlockPlace, PathState, World};
@@ -25,7 +25,7 @@ const STRATIFIED: u32 = 3;
 
 impl WalkMedium {
     /// Leaves the surface through the volume below, and goes on where light enters it; false where the path is over.
-    pub(super) fn scatter_diffuse<'a, T: Tracing<'a>>(
+    pub(super) fn scatter_diffuse<'a, T: Tracer<'a>>(
         &self,
         tracer: &mut T,
         world: &'a World,
@@ -47,8 +47,8 @@ impl WalkMedium {
         };
         let of_flight = onward.random.next_4d(sampler);
         let of_first = u[2];
-        let of_light = OfLight::AtSurface(at_the_end);
-        let sharing = Sharing { world, exit, place, of_first, of_light, of_flight };
+        let of_light = LightNumbers::AtSurface(at_the_end);
+        let sharing = SharedWalk { world, exit, place, of_first, of_light, of_flight };
         let end = walk.share(tracer, path, sampler, &sharing, &mut onward);
         end.is_some_and(|hit| onward.enter(&walk, path, &hit))
     }
@@ -106,7 +106,7 @@ impl ToMatteEnd<'_> {
     }
 }
 
-impl<'a> Onward<'a> for ToMatteEnd<'a> {
+impl<'a> WalkContinuation<'a> for ToMatteEnd<'a> {
     const GENERATIONS: usize = MOST_GENERATIONS;
     /// It pays where light comes from the side of the camera, and costs little where it comes from behind.
     const LEANING: f32 = 0.8;

@@ -1,4 +1,4 @@
-//! The plane that touches a body where a walk begins: about where its flights end on surfaces.
+//! The tangent plane of a body at the exit point of a walk: near it most flights end on surfaces.
 //!
 //! Let a flight from below the plane in a direction ω get to it after d_p(ω), and to the surface after d_s(ω). With
 //!
@@ -8,15 +8,15 @@
 //! ```
 //!
 //! and 0 in directions that lead away from the plane, the integral of KVφ over all ends of flights in that direction is
-//! e^{−σ_t d_p}/4π, whatever the surface is like, if all of them end. So it is E₂(σ_t h)/2 in all directions, where h is the
-//! distance of the plane.
+//! e^{−σ_t d_p}/4π for any surface, if all of them end. Over all directions it is E₂(σ_t h)/2, where h is the distance of
+//! the plane.
 
 use glam::Vec3;
 
 use super::attenuation::{attenuation, exponential_integral_2};
 use super::flight_kernel::FlightKernel;
 use crate::subsurface::transport::gathering::{COORDINATES, LANES};
-use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+use crate::subsurface::transport::simd_loop::{SimdLoop, in_widest_vectors};
 
 /// Longest way \[L\] that counts; nothing passes it.
 const LONGEST: f32 = 1e18;
@@ -37,7 +37,7 @@ impl ExitPlane {
         if height > 0.0 { Self { normal, height } } else { Self { normal: Vec3::ZERO, height: LONGEST } }
     }
 
-    /// Part of the flights that would pass it in an endless medium, by channel.
+    /// Part of the flights that would pass it in an infinite medium, by channel.
     pub(super) fn flights_beyond(&self, kernel: &FlightKernel) -> Vec3 {
         if self.normal == Vec3::ZERO {
             return Vec3::ZERO;
@@ -53,7 +53,7 @@ impl ExitPlane {
         split: usize,
         part: &mut [f32],
     ) {
-        in_widest_vectors(Parts {
+        in_widest_vectors(PlaneParts {
             normal: self.normal.to_array(),
             height: self.height,
             from: kernel.from().to_array(),
@@ -66,7 +66,7 @@ impl ExitPlane {
 }
 
 /// φ at places.
-struct Parts<'a> {
+struct PlaneParts<'a> {
     normal: [f32; 3],
     height: f32,
     from: [f32; 3],
@@ -76,7 +76,7 @@ struct Parts<'a> {
     part: &'a mut [f32],
 }
 
-impl Loop for Parts<'_> {
+impl SimdLoop for PlaneParts<'_> {
     #[inline(always)]
     fn run(self) {
         let part = self.part.as_chunks_mut::<LANES>().0;
@@ -87,7 +87,7 @@ impl Loop for Parts<'_> {
         let [x, y, z, ..] = self.places.map(|column| &column.as_chunks::<LANES>().0[..n]);
         let ([from_x, from_y, from_z], [a, b, c]) = (self.from, self.normal);
         let [red_sigma, green_sigma, blue_sigma] = self.sigma_t;
-        // The way to a place, and how much of it leads up to the plane
+        // The way to a place, and its length toward the plane
         let way = |i: usize, k: usize| [x[i][k] - from_x, y[i][k] - from_y, z[i][k] - from_z];
         let up = |[x, y, z]: [f32; 3]| a * x + b * y + c * z;
         let split = (self.split / LANES).min(n);
@@ -117,14 +117,14 @@ impl Loop for Parts<'_> {
 mod tests {
     use std::f32::consts::TAU;
 
-    use super::super::flight_kernel::Place;
+    use super::super::flight_kernel::FlightPlace;
     use super::super::tilt::Tilt;
     use super::*;
 
     const SIGMA_T: Vec3 = Vec3::new(0.5, 2.0, 5.0);
 
     /// K and φ by channel at a place.
-    fn kernel_and_part(kernel: &FlightKernel, plane: &ExitPlane, place: &Place) -> (Vec3, Vec3) {
+    fn kernel_and_part(kernel: &FlightKernel, plane: &ExitPlane, place: &FlightPlace) -> (Vec3, Vec3) {
         let columns = place.coordinates().map(|x| [x; LANES]);
         let places = columns.each_ref().map(<[f32; LANES]>::as_slice);
         let (mut row, mut part, mut sums) = ([0.0; 3 * LANES], [0.0; 3 * LANES], [0.0; LANES]);
@@ -150,13 +150,13 @@ mod tests {
                 let solid_angle = TAU * t.sin() * std::f32::consts::PI / f32::from(n);
                 let end: f32 = surface(t);
                 // A facet across the way: cos θ dA = d² dω
-                let place = Place { position: from + direction * end, normal: direction };
+                let place = FlightPlace { position: from + direction * end, normal: direction };
                 let (k, part) = kernel_and_part(&kernel, &plane, &place);
                 sum += (k * part * (solid_angle * end * end)).as_dvec3();
                 let steps = 200_u16;
                 for j in 0..steps {
                     let d = (f32::from(j) + 0.5) / f32::from(steps) * end;
-                    let place = Place { position: from + direction * d, normal: Vec3::ZERO };
+                    let place = FlightPlace { position: from + direction * d, normal: Vec3::ZERO };
                     let (k, part) = kernel_and_part(&kernel, &plane, &place);
                     sum += (k * part * (solid_angle * d * d * end / f32::from(steps))).as_dvec3();
                 }
@@ -175,7 +175,7 @@ mod tests {
             assert_eq!(plane.flights_beyond(&kernel), Vec3::ZERO);
             for normal in [Vec3::ZERO, Vec3::Z] {
                 for position in [from, from + Vec3::Z, Vec3::splat(1e18)] {
-                    let place = Place { position, normal };
+                    let place = FlightPlace { position, normal };
                     assert_eq!(kernel_and_part(&kernel, &plane, &place).1, Vec3::ZERO, "{height} {place:?}");
                 }
             }
@@ -190,7 +190,7 @@ mod tests {
                 let plane = ExitPlane::new(Vec3::Z * height, Vec3::Z, Vec3::ZERO);
                 for position in [Vec3::ZERO, Vec3::Z * 1e-30, Vec3::X, Vec3::splat(1e18), -Vec3::Z] {
                     for normal in [Vec3::ZERO, Vec3::Z] {
-                        let (_, part) = kernel_and_part(&kernel, &plane, &Place { position, normal });
+                        let (_, part) = kernel_and_part(&kernel, &plane, &FlightPlace { position, normal });
                         assert!(part.cmpge(Vec3::ZERO).all() && part.cmple(Vec3::ONE).all(), "{part}");
                     }
                 }

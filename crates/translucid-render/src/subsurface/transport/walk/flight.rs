@@ -4,12 +4,12 @@
 //! heuristic over all three [Veach & Guibas 1995]. Its density is Σ_k T_k p_k / Σ_k T_k, so the throughput becomes
 //!
 //! ```text
-//! T_c ← (Σ_k T_k) T_c p_c / Σ_k T_k p_k,      p = σ e^{−σt} for a collision, e^{−σd} for what flies past d
+//! T_c ← (Σ_k T_k) T_c p_c / Σ_k T_k p_k,      p = σ e^{−σt} for a collision, e^{−σd} for a flight past d
 //! ```
 //!
 //! and the sum Σ T_c does not change: no order of flights makes a weight larger than that of all light that entered.
-//! T says how likely it is that light which came this way is of each channel, so the mixture of a whole path is that of
-//! choosing one channel for it at the start.
+//! T is proportional to the probability that light which came this way is of each channel. So the mixture over a whole path
+//! equals choosing one channel for it at the start.
 
 use std::hint::select_unpredictable;
 
@@ -74,7 +74,7 @@ impl Flights {
         if collided.is_finite() { collided } else { Vec3::ZERO }
     }
 
-    /// Throughput of what flies past a distance.
+    /// Throughput of a flight past a distance.
     pub(crate) fn transmit(&self, throughput: Vec3, distance: f32) -> Vec3 {
         throughput * (-self.sigma_t * distance.min(f32::MAX)).exp()
     }
@@ -153,7 +153,7 @@ mod tests {
         assert!((collided / n as f32 - expected).abs().max_element() < 2e-3, "{collided} {expected}");
     }
 
-    /// Drawn longer, the mean throughput past a distance is the same, and what varies is less.
+    /// Longer flights have the same mean throughput past a distance, and less variance.
     #[test]
     fn stretched_flights_bring_the_same() {
         let (sigma, start, distance) = (Vec3::new(0.5, 2.0, 9.0), Vec3::new(1.0, 0.3, 0.7), 0.8);

@@ -1,4 +1,4 @@
-//! Densities of where flights from a point end: at a collision, or at a surface.
+//! Densities of the ends of flights from a point: at a collision, or at a surface.
 
 use std::f32::consts::PI;
 
@@ -7,19 +7,19 @@ use glam::Vec3;
 use super::attenuation::attenuation;
 use super::tilt::Tilt;
 use crate::subsurface::transport::gathering::{COORDINATES, LANES};
-use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+use crate::subsurface::transport::simd_loop::{SimdLoop, in_widest_vectors};
 
 /// Distances below this part of the shortest mean free path count as this.
 const LEAST_DISTANCE: f32 = 1e-9;
 
 /// The end of a flight: a collision, or a point of the surface with its normal, which is 0 at collisions.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub(super) struct FlightPlace {
     pub(super) position: Vec3,
     pub(super) normal: Vec3,
 }
 
-/// Densities of where flights from a point end.
+/// Densities of the ends of flights from a point.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct FlightKernel {
     from: Vec3,
@@ -77,19 +77,19 @@ impl FlightKernel {
     /// Densities of each channel's isotropic flights at places, one channel after the other; adds those of all flights to the
     /// sums.
     pub(super) fn fill(&self, places: [&[f32]; COORDINATES], row: &mut [f32], sums: &mut [f32]) {
-        in_widest_vectors(Row { kernel: *self, places, row, sums });
+        in_widest_vectors(DensityRow { kernel: *self, places, row, sums });
     }
 }
 
-/// Densities of flights at places, and what those of all flights are added to.
-struct Row<'a> {
+/// Densities of flights at places, and the sums over all flights.
+struct DensityRow<'a> {
     kernel: FlightKernel,
     places: [&'a [f32]; COORDINATES],
     row: &'a mut [f32],
     sums: &'a mut [f32],
 }
 
-impl Loop for Row<'_> {
+impl SimdLoop for DensityRow<'_> {
     #[inline(always)]
     fn run(self) {
         let sums = self.sums.as_chunks_mut::<LANES>().0;
@@ -111,7 +111,7 @@ impl Loop for Row<'_> {
     }
 }
 
-impl Place {
+impl FlightPlace {
     /// (position, normal, 1 inside and 0 on a surface).
     pub(super) fn coordinates(&self) -> [f32; COORDINATES] {
         let ([x, y, z], [nx, ny, nz]) = (self.position.to_array(), self.normal.to_array());
@@ -131,7 +131,7 @@ mod tests {
     }
 
     /// Densities of each channel's flights at a place, and of all.
-    fn densities(kernel: &FlightKernel, place: &Place) -> (Vec3, f32) {
+    fn densities(kernel: &FlightKernel, place: &FlightPlace) -> (Vec3, f32) {
         let columns = place.coordinates().map(|x| [x; LANES]);
         let (mut row, mut sums) = ([0.0; 3 * LANES], [0.0; LANES]);
         kernel.fill(columns.each_ref().map(<[f32; LANES]>::as_slice), &mut row, &mut sums);
@@ -142,7 +142,7 @@ mod tests {
     #[test]
     fn densities_have_the_right_integrals() {
         let kernel = kernel(0.25);
-        let share_of = |place: &dyn Fn(f32) -> Place, measure: &dyn Fn(f32) -> f32| {
+        let share_of = |place: &dyn Fn(f32) -> FlightPlace, measure: &dyn Fn(f32) -> f32| {
             let (n, longest) = (400_000, 40.0);
             let step = longest / n as f32;
             let mut sums = (glam::DVec3::ZERO, 0.0);
@@ -155,12 +155,12 @@ mod tests {
             }
             sums
         };
-        let inside = |r| Place { position: kernel.from + Vec3::Y * r, normal: Vec3::ZERO };
+        let inside = |r| FlightPlace { position: kernel.from + Vec3::Y * r, normal: Vec3::ZERO };
         let (channels, all) = share_of(&inside, &|r| 4.0 * PI * r * r);
         assert!((channels - 1.0).abs().max_element() < 1e-4, "{channels}");
         assert!((all - 0.25).abs() < 1e-4, "{all}");
         let height = 0.3;
-        let plane = |r| Place { position: kernel.from + Vec3::new(r, 0.0, height), normal: Vec3::Z };
+        let plane = |r| FlightPlace { position: kernel.from + Vec3::new(r, 0.0, height), normal: Vec3::Z };
         let (channels, _) = share_of(&plane, &|r| 2.0 * PI * r);
         // E₂ of 0.15, 0.6 and 2.7 [Abramowitz & Stegun 1964, table 5.1: E₂(x) = e^{−x} − x E₁(x)]
         let e1 = [1.464_461_67, 0.454_379_50, 0.019_182_37];
@@ -169,7 +169,7 @@ mod tests {
             let expected = 0.5 * ((-x).exp() - x * e1);
             assert!((channels[c] - expected).abs() < 1e-4, "{c}: {} {expected}", channels[c]);
         }
-        let behind = Place { position: kernel.from + Vec3::Z, normal: -Vec3::Z };
+        let behind = FlightPlace { position: kernel.from + Vec3::Z, normal: -Vec3::Z };
         assert_eq!(densities(&kernel, &behind).0, Vec3::ZERO, "a surface that is entered there");
     }
 
@@ -182,13 +182,13 @@ mod tests {
             let t = f32::from(i);
             let normal = if i % 3 == 0 { Vec3::ZERO } else { Vec3::new(t.sin(), 0.3, t.cos()).normalize() };
             let position = kernel.from + Vec3::new(t.cos(), 0.2, t.sin()) * ((t * 0.01).exp() * 1e-9 - 1e-9);
-            let place = Place { position, normal };
+            let place = FlightPlace { position, normal };
             columns.iter_mut().zip(place.coordinates()).for_each(|(column, x)| column.push(x));
         }
         let places = columns.each_ref().map(Vec::as_slice);
-        let bits = |run: fn(Row<'_>)| {
+        let bits = |run: fn(DensityRow<'_>)| {
             let (mut row, mut sums) = (vec![0.0; 3 * 4096], vec![0.0; 4096]);
-            run(Row { kernel, places, row: &mut row, sums: &mut sums });
+            run(DensityRow { kernel, places, row: &mut row, sums: &mut sums });
             assert!(row.iter().chain(&sums).all(|density| density.is_finite() && *density >= 0.0));
             row.into_iter().chain(sums).map(f32::to_bits).collect::<Vec<_>>()
         };
@@ -202,7 +202,7 @@ mod tests {
                 FlightKernel::new(Vec3::ZERO, sigma_t, Vec3::ONE, Tilt::toward(Vec3::X, 0.8, 0.0), 1.0);
             for distance in [0.0, 1e-30, 1e-12, 1.0, 1e10, 1e18] {
                 for normal in [Vec3::ZERO, Vec3::X] {
-                    let place = Place { position: Vec3::X * distance, normal };
+                    let place = FlightPlace { position: Vec3::X * distance, normal };
                     let (channels, all) = densities(&kernel, &place);
                     let is_usual = channels.is_finite() && channels.min_element() >= 0.0 && all.is_finite();
                     assert!(is_usual && all >= 0.0, "{sigma_t} {distance}: {channels} {all}");

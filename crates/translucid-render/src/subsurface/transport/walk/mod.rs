@@ -9,17 +9,16 @@
 //! ```
 //!
 //! As with profiles the path's throughput is multiplied with T(ωo) where the camera sees the surface, and light that
-//! enters counts T(ωi)/T̄, so that A is the share of the light *that entered*; but what crosses the surface is a
+//! enters counts T(ωi)/T̄, so that A is the share of the light *that entered*; but the quantity that crosses the surface is a
 //! radiance, not the irradiance that a profile collects.
 //!
 //! Under a boundary (η > 1) the surface is a smooth dielectric from inside: it reflects by Fresnel's formula, also totally,
-//! and lets the rest out refracted. That loss of what goes out is, by reciprocity, the loss of light which goes in; the
-//! interface above says how much goes in on average, so T(ωi)/T̄ is left out here, or it would count twice. From outside,
-//! toward the camera, T(ωo) stands alone for the same reason. Lights are joined to collisions by the ways on which the surface
-//! refracts their light.
+//! and lets the rest out refracted. By reciprocity, the loss on the way out is the loss on the way in. The interface above
+//! already accounts for that loss on average, so T(ωi)/T̄ is left out here, or it would count twice. From outside, toward
+//! the camera, T(ωo) stands alone for the same reason. Light samples reach collisions refracted by the surface.
 //!
-//! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: a count of how many the
-//! walk is in tells when it is out.
+//! The walk sees only surfaces of its own subsurface group. Closed meshes of a group may overlap: the walk counts how many
+//! it is in, and is outside when there are none.
 
 mod attenuation;
 mod clear;
@@ -39,7 +38,7 @@ use std::sync::Arc;
 use translucid_scene::WalkSurface;
 
 pub(super) use self::shared::SharedCollisions;
-use super::Tracing;
+use super::Tracer;
 use crate::sampling::Sampler;
 use crate::subsurface::exit_point::ExitPoint;
 use crate::surface::WalkMedium;
@@ -48,13 +47,13 @@ use crate::world::{PathState, World};
 /// The walks of a material.
 pub(crate) struct Walks {
     pub(crate) medium: Arc<WalkMedium>,
-    /// Whether walks of a block of pixels share their light: all are in the same medium.
+    /// Walks of a block of pixels share their light: all are in the same medium.
     pub(crate) share: bool,
 }
 
 impl Walks {
     /// Leaves a surface through the volume below; false where the path is over.
-    pub(super) fn scatter<'a, T: Tracing<'a>>(
+    pub(super) fn scatter<'a, T: Tracer<'a>>(
         &self,
         tracer: &mut T,
         world: &'a World,
@@ -62,8 +61,8 @@ impl Walks {
         exit: &ExitPoint<'_>,
         sampler: &mut Sampler,
     ) -> bool {
-        // Through a hole in one mesh of a body its others are seen from inside: walks from there count one mesh less than
-        // those that come through the first, and leave where those go on
+        // Through a hole in one mesh of a body, paths see its other meshes from inside. Walks from there count one mesh less
+        // than walks that enter through the first mesh, and leave where those continue
         let place = path.in_block.take().filter(|_| self.share && !path.has_passed());
         match self.medium.surface {
             WalkSurface::Clear => self.medium.scatter_clear(tracer, world, path, exit, place, sampler),

@@ -40,7 +40,7 @@ impl WalkRandom {
     }
 }
 
-/// A number in [0, 1) from the lowest 24 bits, which are what a single-precision number there holds.
+/// A number in [0, 1) from the lowest 24 bits: single precision holds no more there.
 fn unit(bits: u64) -> f32 {
     (bits & 0xff_ffff) as f32 * (1.0 / 16_777_216.0)
 }
@@ -58,7 +58,7 @@ mod tests {
         };
         assert_eq!(draw(7), draw(7));
         assert_ne!(draw(7)[30], draw(8)[30]);
-        // Of 4·35·200 independent numbers; five standard errors
+        // 4·35·200 independent numbers; five standard errors
         let late: Vec<f32> = (0..200).flat_map(|index| draw(index).split_off(5)).flatten().collect();
         let mean = late.iter().map(|x| f64::from(*x)).sum::<f64>() / late.len() as f64;
         let allowed = 5.0 / (12.0 * late.len() as f64).sqrt();

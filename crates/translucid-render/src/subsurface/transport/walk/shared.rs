@@ -1,28 +1,28 @@
 //! Light inside a body, shared between the walks of a block of pixels.
 //!
 //! Walks that have just collided for the first time, at z_j, lie closer together than their next flights are long: where
-//! the flight of one of them ends, y_i, those of the others could have ended, too. What light comes from there is the same
-//! to all of them (so the phase function has to be isotropic), and each gathers it from every walk, as
-//! [`gathering`](super::super::gathering) says, with per channel
+//! the flight of one of them ends, y_i, those of the others could have ended, too. The light from there is the same for all
+//! of them (so the phase function has to be isotropic), and each gathers it from every walk (see
+//! [`gathering`](super::super::gathering)), with per channel
 //!
 //! ```text
 //! K(y) = σ_t e^{−σ_t d} / (4π d²) V(y)        at a collision, d = |y − z_j|
 //! K(y) = e^{−σ_t d} cos θ / (4π d²) V(y)      on a matte surface that light enters
 //! ```
 //!
-//! and for g the density of the walk's own flight, K without V mixed over the channels. V says whether y is seen from z_j
-//! without leaving the body. So that g does not have to know V, a flight that leaves the body does not end there: should it
-//! come back to the body behind a gap, whatever it finds there is for those who see it.
+//! and with g the density of the walk's own flight, K without V mixed over the channels. V is 1 where y is visible from z_j
+//! inside the body, else 0. So that g does not have to know V, a flight that leaves the body does not end there: if it comes
+//! back to the body behind a gap, the light that it finds there serves the collisions that see it.
 //!
 //! The light of a second collision y_i is gathered in the same way from the ends of all walks' third flights, which start
 //! at y_1 … y_n, and so on for some generations; the rest of a walk belongs to it alone. Given where the collisions of a
 //! generation are, flights from there do not depend on each other, so that the mean stays exact, from the last generation
 //! back to the first.
-//! A walk that ends at random after a collision, with what probability ever, has that collision gather all the same.
+//! A walk may end at random after a collision, with any probability: that collision gathers all the same.
 //!
-//! Between matte surfaces every flight ends at a place that is shared, so that ∫ K is 1 in each channel, and what part of that
-//! is about on [the exit's plane](ExitPlane) is known, too: light like that which neighboring parts of the block have found
-//! inside and on surfaces is expected, and only what differs from it is gathered.
+//! Between matte surfaces every flight ends at a place that is shared. So ∫ K is 1 in each channel, and the part of it
+//! about on [the exit's plane](ExitPlane) is known, too. Light like that which neighboring parts of the block have found
+//! inside and on surfaces is expected, and only the difference from it is gathered.
 //!
 //! A clear surface lets in light from one direction only: there a walk's own path goes on outside, and only collisions are
 //! shared. Light that is sampled at a first collision has a first flight of its own.
@@ -35,16 +35,18 @@ use glam::Vec3;
 use translucid_profile::split_mix::split_mix;
 
 use super::exit_plane::ExitPlane;
-use super::flight_kernel::{FlightKernel, Place};
+use super::flight_kernel::{FlightKernel, FlightPlace};
 use super::state::Walk;
 use super::tilt::Tilt;
 use crate::ray::{Body, FlightEnd, Hit, Inside};
 use crate::sampling::{Reserved, Sampler};
 use crate::subsurface::entry_point::EntryPoint;
 use crate::subsurface::exit_point::ExitPoint;
-use crate::subsurface::transport::Tracing;
-use crate::subsurface::transport::gathering::whole::{Adding, WholeSums};
-use crate::subsurface::transport::gathering::{Account, COORDINATES, ExitKind, Found, Gathering, Receiver};
+use crate::subsurface::transport::Tracer;
+use crate::subsurface::transport::gathering::full_sum::{FullReceiver, FullSums};
+use crate::subsurface::transport::gathering::{
+    Account, BlockReceiver, COORDINATES, ExitKind, FoundLight, Gathering,
+};
 use crate::subsurface::transport::shared::arrival_along;
 use crate::world::{BlockPlace, COHORT_SIZE, Layer, PathState, World};
 
@@ -62,25 +64,26 @@ const PART: [u32; 2] = [COHORT_SIZE, COHORT_SIZE / 2];
 
 /// How far from its own place a walk may go, over the longest mean free path, to find those that it shares with.
 ///
-/// Parts have errors of their own, and with 0 their borders show where light comes from behind. The greater it is, the less
-/// close together are those who share, and the noisier are pixels.
+/// Parts have errors of their own, and with 0 their borders show where light comes from behind. Greater values bring less
+/// close walks together, and pixels get noisier.
 const SPREAD: f32 = 0.5;
 
 /// Places along an exit's first flight at which its walk may collide first.
 ///
-/// Two at most, or [`Sharing::of_first`] would not choose evenly between those of them that are in the body.
+/// Two at most, or [`SharedWalk::of_first`] would not choose evenly between those of them that are in the body.
 /// Measured on head and dragon: 0.85 to 0.96 times the error times CPU time of one; with three, 0.80 to 1.01 times.
 const FIRST: usize = 2;
 
 /// Generations of collisions that light is gathered at, at the most.
 pub(super) const MOST_GENERATIONS: usize = 3;
 
-/// Lights that are sampled where flights of each generation end at a matte surface: what enters there serves all walks nearby.
+/// Lights that are sampled where flights of each generation end at a matte surface: light that enters there serves all walks
+/// nearby.
 ///
 /// Errors are 0.87 on the head and 0.99 on the dragon of those with one, for a few percent of the time.
 const LIGHTS: [u16; MOST_GENERATIONS] = [2, 2, 1];
 
-/// Where in a block of pixels a walk is that shares.
+/// The place of a walk that shares, in its block of pixels.
 #[derive(Clone, Copy)]
 pub(super) struct SharedPlace {
     /// Number of its sample.
@@ -90,21 +93,21 @@ pub(super) struct SharedPlace {
 }
 
 /// A walk that shares: the exit where it begins, its place, and random numbers.
-pub(super) struct Sharing<'s, 'a> {
+pub(super) struct SharedWalk<'s, 'a> {
     pub(super) world: &'a World,
     pub(super) exit: &'s ExitPoint<'s>,
     pub(super) place: SharedPlace,
     /// A number in [0, 1) that draws the first flight, stratified against those of the pixel's other samples.
     pub(super) of_first: f32,
-    pub(super) of_light: OfLight,
-    /// Of the direction after a first collision, the length of the flight, and the place that is looked at.
+    pub(super) of_light: LightNumbers,
+    /// Numbers for the direction after a first collision, the length of the flight, and the place to test for visibility.
     pub(super) of_flight: [f32; 4],
 }
 
-impl Sharing<'_, '_> {
-    /// Whether walks end at a matte surface.
+impl SharedWalk<'_, '_> {
+    /// Returns `true` if walks end at a matte surface.
     fn is_matte(&self) -> bool {
-        matches!(self.of_light, OfLight::AtSurface(_))
+        matches!(self.of_light, LightNumbers::AtSurface(_))
     }
 }
 
@@ -115,15 +118,15 @@ const LEAST_THROUGHPUT: f32 = 1e-15;
 const LEAST_WORTH: f32 = 1e-20;
 
 /// Random numbers of the light that a walk meets first.
-pub(super) enum OfLight {
-    /// Scattered at the first collision.
+pub(super) enum LightNumbers {
+    /// For light scattered at the first collision.
     AtCollision([f32; 4]),
-    /// That enters through a matte surface, and of the way on from there.
+    /// For light that enters through a matte surface, and for the path from there.
     AtSurface([Reserved; 2]),
 }
 
-/// The way of walks from a collision on.
-pub(super) trait Onward<'a> {
+/// The continuation of walks from a collision.
+pub(super) trait WalkContinuation<'a> {
     /// Generations of collisions that light is gathered at, of [`MOST_GENERATIONS`].
     const GENERATIONS: usize;
 
@@ -145,7 +148,7 @@ pub(super) trait Onward<'a> {
         flight: f32,
     ) -> bool;
 
-    /// A random number for whatever else is to be drawn.
+    /// A random number for any other draw.
     fn number(&mut self) -> f32;
 }
 
@@ -176,17 +179,17 @@ impl SharedCollisions<'_> {
     }
 }
 
-/// All that walks have in common whose light is alike: the exit's, σ_t and α by channel, the flights after which they are given
-/// up, and whether they end at a matte surface.
+/// Properties common to walks with the same light: the exit's kind, the bits of σ_t and α by channel, the number of flights
+/// after which they are given up, and `true` if they end at a matte surface.
 type WalkKind = (ExitKind, [u32; 3], [u32; 3], u32, bool);
 
-/// All that walks have in common if they share: these, and their part of the block.
+/// Properties common to walks that share: their kind, and their part of the block.
 type SharingKind = (WalkKind, [usize; 2]);
 
-/// Whether parts of a block tell each other what light a generation may expect: those above and below each other, or in the next
-/// generation beside each other.
+/// Returns `true` if one part of a block gives the other the light to expect: parts above and below each other in one
+/// generation, parts beside each other in the next.
 ///
-/// In turns, so that what a part is told in one generation knows nothing of that part from the next one.
+/// They alternate, so that the light that a part is given in one generation does not depend on that part by way of the next.
 fn tell_each_other(a: [usize; 2], b: [usize; 2], generation: usize) -> bool {
     let apart = [a[0].abs_diff(b[0]), a[1].abs_diff(b[1])];
     apart == if generation.is_multiple_of(2) { [0, 1] } else { [1, 0] }
@@ -201,21 +204,21 @@ pub(in crate::subsurface::transport) struct Collision<'a> {
     at: Inside,
     kernel: FlightKernel,
     plane: ExitPlane,
-    /// Whether all of its flights end where light is shared: between matte surfaces of a bounded body.
+    /// All of its flights end where light is shared: between matte surfaces of a bounded body.
     is_complete: bool,
 }
 
 /// Light where a flight from a collision ends.
 #[derive(Clone, Copy)]
 pub(in crate::subsurface::transport) struct FlightLight {
-    place: Place,
+    place: FlightPlace,
     /// Number of ends of this kind that the flight has.
     own_weight: f32,
     /// Radiance that comes from there.
     light: Vec3,
 }
 
-impl Found for FlightLight {
+impl FoundLight for FlightLight {
     fn coordinates(&self) -> [f32; COORDINATES] {
         self.place.coordinates()
     }
@@ -233,10 +236,10 @@ impl Found for FlightLight {
     }
 }
 
-impl Receiver for Collision<'_> {
+impl BlockReceiver for Collision<'_> {
     type Kind = SharingKind;
-    type Found = FlightLight;
-    type Sums = WholeSums<FlightLight>;
+    type FoundLight = FlightLight;
+    type Sums = FullSums<FlightLight>;
 
     fn kind(&self) -> SharingKind {
         self.kind
@@ -255,7 +258,7 @@ impl Receiver for Collision<'_> {
     }
 }
 
-impl Adding for Collision<'_> {
+impl FullReceiver for Collision<'_> {
     fn is_hidden(&self, found: &FlightLight) -> bool {
         !self.body.connects(self.at, found.place.position, found.place.normal)
     }
@@ -278,8 +281,8 @@ impl Adding for Collision<'_> {
 }
 
 impl<'a> Walk<'a> {
-    /// Where the walk of a path shares from its first collision on, if it may.
-    pub(super) fn shared_place<T: Tracing<'a>>(
+    /// The place in which the walk of a path shares from its first collision on; `None` if it may not share.
+    pub(super) fn shared_place<T: Tracer<'a>>(
         &self,
         tracer: &T,
         path: &PathState,
@@ -303,18 +306,18 @@ impl<'a> Walk<'a> {
 
     /// Goes through the body with the light that the block shares. Returns where the body ends if some of the first flight
     /// gets there without a collision.
-    pub(super) fn share<T: Tracing<'a>, W: Onward<'a>>(
+    pub(super) fn share<T: Tracer<'a>, W: WalkContinuation<'a>>(
         &mut self,
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
-        sharing: &Sharing<'_, 'a>,
+        sharing: &SharedWalk<'_, 'a>,
         onward: &mut W,
     ) -> Option<Hit> {
         let (within, part) = ((sharing.of_first * FIRST as f32).fract(), 1.0 / FIRST as f32);
         let alpha = (self.alpha * self.throughput).element_sum() / self.throughput.element_sum();
         self.tilt = Tilt::toward(sharing.exit.point.geometric_normal * sharing.exit.side, W::LEANING, alpha);
-        if let OfLight::AtCollision(u) = sharing.of_light {
+        if let LightNumbers::AtCollision(u) = sharing.of_light {
             self.add_light_at_first_collision(sharing.world, path, u);
         }
         let (mut collided, mut count) = ([*self; FIRST], 0);
@@ -340,16 +343,16 @@ impl<'a> Walk<'a> {
     }
 
     /// Leaves the light that comes to first collisions from where flights end to the block, and flies on from one of them.
-    fn gather<T: Tracing<'a>>(
+    fn gather<T: Tracer<'a>>(
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
-        sharing: &Sharing<'_, 'a>,
+        sharing: &SharedWalk<'_, 'a>,
         collided: &[Self],
-        onward: &mut impl Onward<'a>,
+        onward: &mut impl WalkContinuation<'a>,
     ) {
         let count = collided.len() as f32;
-        // Of two the one that a single flight by this number would have led to
+        // If there are two: the one that a single flight by this number would have led to
         let mut walk = collided[((sharing.of_first * count) as usize).min(collided.len() - 1)];
         walk.throughput *= count;
         let [a, b, of_flight, of_picks] = sharing.of_flight;
@@ -372,7 +375,7 @@ impl<'a> Walk<'a> {
     fn receiver(
         &self,
         path: &PathState,
-        sharing: &Sharing<'_, 'a>,
+        sharing: &SharedWalk<'_, 'a>,
         account: Account,
         (generation, share): (usize, f32),
     ) -> Collision<'a> {
@@ -389,16 +392,16 @@ impl<'a> Walk<'a> {
         Collision { kind, generation, account, body: self.body, at: self.at, kernel, plane, is_complete }
     }
 
-    /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds to the path what
-    /// comes through a clear surface.
-    fn find<T: Tracing<'a>>(
+    /// Flies from a collision of a generation by the number `flight`, to light where the flight ends; adds light that comes
+    /// through a clear surface to the path.
+    fn find<T: Tracer<'a>>(
         mut self,
         tracer: &mut T,
         path: &mut PathState,
         sampler: &mut Sampler,
-        sharing: &Sharing<'_, 'a>,
+        sharing: &SharedWalk<'_, 'a>,
         (generation, flight): (usize, f32),
-        onward: &mut impl Onward<'a>,
+        onward: &mut impl WalkContinuation<'a>,
     ) -> [Option<FlightLight>; 2] {
         let world = sharing.world;
         let length = self.flights.sample(self.throughput, flight);
@@ -420,20 +423,20 @@ impl<'a> Walk<'a> {
             }
         };
 
-        // Find the light there: what enters through a clear surface comes from one direction, and serves no other walk
+        // Find the light there: light through a clear surface comes from one direction, and serves no other walk
         let scattered = inside.and_then(|at| {
             self.scattered_at(tracer, path, sampler, sharing, (generation, at, length), onward)
         });
         let mut entered = None;
         if let Some((distance, hit)) = end {
             let throughput = self.flights.pass(self.throughput, distance);
-            if let OfLight::AtSurface(numbers) = sharing.of_light {
+            if let LightNumbers::AtSurface(numbers) = sharing.of_light {
                 let entry = EntryPoint::new(world, world.surface_point(&hit), self.side);
                 let [of_light, of_direction] = numbers;
                 let direct = entry.mean_direct_light(path.absorption, of_light, LIGHTS[generation]);
                 let along = arrival_along(tracer, path, &entry, throughput, sampler, of_direction);
                 // In its plane, which the flight's length is not exact enough for in a thin body
-                let place = Place { position: entry.point.position, normal: self.body.normal(&hit) };
+                let place = FlightPlace { position: entry.point.position, normal: self.body.normal(&hit) };
                 entered = Some(FlightLight { place, own_weight: ends as f32, light: direct + along.light });
             } else {
                 self.throughput = throughput;
@@ -449,12 +452,12 @@ impl<'a> Walk<'a> {
 
     /// Light that is scattered where a flight of this length from a generation ends: at a collision of the next generation,
     /// which light is gathered at, too, if it shares.
-    fn scattered_at<T: Tracing<'a>, W: Onward<'a>>(
+    fn scattered_at<T: Tracer<'a>, W: WalkContinuation<'a>>(
         &self,
         tracer: &mut T,
         path: &PathState,
         sampler: &mut Sampler,
-        sharing: &Sharing<'_, 'a>,
+        sharing: &SharedWalk<'_, 'a>,
         (generation, at, length): (usize, Inside, f32),
         onward: &mut W,
     ) -> Option<FlightLight> {
@@ -465,8 +468,8 @@ impl<'a> Walk<'a> {
         if self.body.is_lost(&at) {
             return None;
         }
-        let place = Place { position: at.position, normal: Vec3::ZERO };
-        // A place without light is one, too, to those who expect light
+        let place = FlightPlace { position: at.position, normal: Vec3::ZERO };
+        // A place without light counts, too, where light is expected
         if worth.max_element() <= LEAST_WORTH {
             return Some(FlightLight { place, own_weight: 1.0, light: Vec3::ZERO });
         }

@@ -13,7 +13,7 @@ use crate::world::{PathState, World};
 
 /// Share of the light that entered below which walks end at random.
 ///
-/// The greater it is, the less certain are the means of regions where walks share.
+/// A greater value makes the means of regions less certain where walks share.
 const ROULETTE_BELOW: f32 = 0.25;
 
 /// A walk under way.
@@ -24,7 +24,7 @@ pub(super) struct Walk<'a> {
     pub(super) side: f32,
     pub(super) flights: Flights,
     pub(super) phase: HenyeyGreenstein,
-    /// Of directions after collisions, where scattering is isotropic.
+    /// Tilt of directions after collisions, where scattering is isotropic.
     pub(super) tilt: Tilt,
     /// Single-scattering albedo per channel.
     pub(super) alpha: Vec3,
@@ -37,7 +37,7 @@ pub(super) struct Walk<'a> {
     pub(super) events: u32,
     /// Number of these after which the walk is given up.
     pub(super) most_events: u32,
-    /// Whether there was a collision.
+    /// There was a collision.
     pub(super) has_scattered: bool,
     /// Solid-angle density of the direction without its tilt, infinite where it was not drawn at a collision.
     pub(super) pdf: f32,

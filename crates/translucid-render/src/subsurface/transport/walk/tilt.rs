@@ -1,10 +1,10 @@
 //! Directions of flights, leaning toward where the light of a body comes from.
 //!
-//! What comes out of a body mostly went in nearby, so that the light inside gets dimmer with the distance from the exit's
+//! Most light that leaves a body has entered nearby. So the light inside gets dimmer with the distance from the exit's
 //! surface, like e^{−κz}, and walks that turn back to it are worth more. Far below an even surface the light that they look
 //! for is proportional to 1/(1 − κμ/σ_t), where μ is the cosine to the normal and κ/σ_t ≈ √(3(1 − α)) [Křivánek & d'Eon 2014,
 //! "A Zero-variance-based Sampling Scheme for Monte Carlo Subsurface Scattering"]. The first terms of that series are
-//! enough here, and no weight of theirs is large:
+//! enough here, and their weights stay small:
 //!
 //! ```text
 //! p(ω) = (1 + t·ω) / 4π,    t = β √(1 − α) n
@@ -21,11 +21,11 @@ use crate::sampling::Frame;
 pub(super) struct Tilt(Vec3);
 
 impl Tilt {
-    /// Directions as they are.
+    /// No tilt.
     pub(super) const NONE: Self = Self(Vec3::ZERO);
 
-    /// Toward the surface with an outward normal by a strength β, which is √3 in the series, in a medium of a mean
-    /// single-scattering albedo.
+    /// A tilt toward the surface with an outward normal, of strength β (√3 in the series), in a medium with the mean
+    /// single-scattering albedo `alpha`.
     pub(super) fn toward(normal: Vec3, strength: f32, alpha: f32) -> Self {
         Self(normal * (strength * (1.0 - alpha.clamp(0.0, 1.0)).sqrt()))
     }
@@ -53,7 +53,7 @@ impl Tilt {
 mod tests {
     use super::*;
 
-    /// Over a grid of numbers the mean direction is t/3, and 1 over the factor, which is what a direction counts, has the
+    /// Over a grid of numbers the mean direction is t/3, and 1 over the factor, the weight of a direction, has the
     /// mean 1.
     #[test]
     fn directions_are_tilted() {

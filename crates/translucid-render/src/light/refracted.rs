@@ -1,8 +1,8 @@
-//! Light that comes to a point by a way that a surface bends.
+//! Light that reaches a point refracted at a surface.
 //!
-//! A light is drawn as for a straight way. That says which place of it to look at, and with what density; how it shines
-//! from there is asked once the way is known. Lights that no ray can meet are found in no other way, and whether they
-//! shine toward the bend cannot be told from the point: these are drawn by their power alone.
+//! A light is drawn as for a straight path. This gives a place of the light and its density; the radiance from there is
+//! evaluated once the refracted path is known. Delta lights are found in no other way, and the point does not determine
+//! whether they shine toward the refraction: these are drawn by their power alone.
 
 use glam::Vec3;
 
@@ -10,131 +10,135 @@ use super::distribution::Discrete;
 use super::emitters::{Emitters, PlacedLight};
 use super::receiver::Receiver;
 use super::{LightSample, LightSet};
-use crate::ray::Beyond;
+use crate::ray::LightOrigin;
 
-/// Share of the draws that goes to lights that no ray can meet, where there are others.
-const UNMET_SHARE: f32 = 0.5;
+/// Share of the draws that goes to delta lights, where there are others.
+const DELTA_SHARE: f32 = 0.5;
 
-/// Solid-angle density of light samples \[1/sr\] from which on they are followed to where their way bends.
+/// Least solid-angle density of light samples \[1/sr\] for which a refracted path is sought.
 ///
-/// To look for bent ways takes several times as long as to walk on, and light that is no smaller than a few degrees is met
-/// by chance as well.
+/// Seeking one takes several times as long as walking on, and paths meet lights larger than a few degrees by chance.
 const LEAST_DENSITY: f32 = 2.0;
 
-/// Density with which light that has such a solid-angle density on a straight way is sampled on a bent one.
-pub(crate) fn bent_pdf(pdf: f32) -> f32 {
+/// Density with which a light is sampled on a refracted path, by its solid-angle density on a straight one.
+pub(crate) fn refracted_pdf(pdf: f32) -> f32 {
     if pdf < LEAST_DENSITY { 0.0 } else { pdf }
 }
 
-/// Lights that no ray can meet, by their power.
+/// Delta lights, which no ray can meet, by their power.
 #[derive(Clone, Debug)]
-pub(super) struct Unmet {
+pub(super) struct DeltaLights {
     lights: Vec<usize>,
     by_power: Discrete,
-    /// Whether there are no others.
+    /// There are no others.
     is_all: bool,
 }
 
-/// A light drawn for a point.
+/// A light drawn for a point that it may reach refracted.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct BentLight {
+pub(crate) struct RefractedLight {
     light: usize,
     /// Where it comes from.
-    pub(crate) beyond: Beyond,
-    /// On the straight way.
+    pub(crate) beyond: LightOrigin,
+    /// The sample on the straight path.
     sample: LightSample,
     /// Share of such draws.
     share: f32,
 }
 
-impl Unmet {
+impl DeltaLights {
     /// `None` where there are no such lights.
     pub(super) fn new(emitters: &Emitters, cross_section: f32) -> Option<Self> {
-        let is_unmet = |&light: &usize| emitters.sources.get(light).is_some_and(PlacedLight::is_unmet);
-        let lights: Vec<usize> = (0..emitters.len()).filter(is_unmet).collect();
+        let is_delta = |&light: &usize| emitters.sources.get(light).is_some_and(PlacedLight::is_delta);
+        let lights: Vec<usize> = (0..emitters.len()).filter(is_delta).collect();
         let by_power =
             Discrete::new(lights.iter().map(|&light| emitters.power(light, cross_section).into()))?;
         Some(Self { is_all: lights.len() == emitters.len(), lights, by_power })
     }
 }
 
-impl BentLight {
-    /// Solid-angle density on a straight way, selection included \[1/sr\]; `None` where no path can meet the light.
+impl RefractedLight {
+    /// Solid-angle density on a straight path, selection included \[1/sr\]; `None` where no path can meet the light.
     pub(crate) fn pdf(&self) -> Option<f32> {
         (!self.sample.is_delta).then_some(self.sample.pdf)
     }
 }
 
 impl LightSet {
-    /// Draws a light and a place of it by `u` and `v`, all in [0, 1), for a point that its light may reach bent; `None` if
-    /// the light is large enough to be met by chance.
-    pub(crate) fn sample_bent(&self, point: Vec3, u: f32, v: [f32; 2]) -> Option<BentLight> {
-        let share = self.unmet.as_ref().map_or(0.0, |unmet| if unmet.is_all { 1.0 } else { UNMET_SHARE });
+    /// Draws a light and a place of it by `u` and `v`, all in [0, 1), for a point that it may reach refracted; `None` if paths
+    /// meet the light by chance often enough.
+    pub(crate) fn sample_refracted(&self, point: Vec3, u: f32, v: [f32; 2]) -> Option<RefractedLight> {
+        let share = self.delta.as_ref().map_or(0.0, |delta| if delta.is_all { 1.0 } else { DELTA_SHARE });
         if u < share {
-            return self.sample_unmet(point, u / share, share);
+            return self.sample_delta(point, u / share, share);
         }
         let receiver = Receiver { point, normal: Vec3::ZERO };
         let u = (u - share) / (1.0 - share);
         let (light, probability) = self.selection.choose(&self.emitters, &receiver, u.into())?;
         let sample = self
             .sample_of(&receiver, (light, probability), v)
-            .filter(|sample| !sample.is_delta && bent_pdf(sample.pdf) > 0.0)?;
+            .filter(|sample| !sample.is_delta && refracted_pdf(sample.pdf) > 0.0)?;
         let beyond = if sample.distance.is_finite() {
-            Beyond::At(point + sample.direction * sample.distance)
+            LightOrigin::At(point + sample.direction * sample.distance)
         } else {
-            Beyond::Along(sample.direction)
+            LightOrigin::Along(sample.direction)
         };
-        Some(BentLight { light, beyond, sample, share: 1.0 - share })
+        Some(RefractedLight { light, beyond, sample, share: 1.0 - share })
     }
 
-    /// Draws a light that no ray can meet.
-    fn sample_unmet(&self, point: Vec3, u: f32, share: f32) -> Option<BentLight> {
-        let unmet = self.unmet.as_ref()?;
-        let choice = unmet.by_power.sample(u.into());
-        let light = unmet.lights[choice.index];
+    /// Draws a delta light.
+    fn sample_delta(&self, point: Vec3, u: f32, share: f32) -> Option<RefractedLight> {
+        let delta = self.delta.as_ref()?;
+        let choice = delta.by_power.sample(u.into());
+        let light = delta.lights[choice.index];
         let (beyond, distance) = match &self.emitters.sources[light] {
-            PlacedLight::Spot(spot) => (Beyond::At(spot.position()), spot.position().distance(point)),
-            PlacedLight::Beam(beam) => (Beyond::Along(beam.toward()), f32::INFINITY),
+            PlacedLight::Spot(spot) => (LightOrigin::At(spot.position()), spot.position().distance(point)),
+            PlacedLight::Beam(beam) => (LightOrigin::Along(beam.toward()), f32::INFINITY),
             PlacedLight::Distant(distant) => {
-                (Beyond::Along(distant.sample_direction().direction), f32::INFINITY)
+                (LightOrigin::Along(distant.sample_direction().direction), f32::INFINITY)
             }
             _ => return None,
         };
         let sample = LightSample::delta(Vec3::ZERO, distance, Vec3::ZERO);
-        Some(BentLight { light, beyond, sample, share: share * choice.probability as f32 })
+        Some(RefractedLight { light, beyond, sample, share: share * choice.probability as f32 })
     }
 
-    /// The light toward a place where its way bends, on the way to a point.
+    /// The light as seen from the point `bend` where it is refracted toward a point.
     ///
-    /// Over the spread of light behind the bend, radiance / pdf is the irradiance on a surface at the point that faces it,
-    /// or of what is no delta light that times the density of the place.
-    pub(crate) fn toward_bend(&self, bent: &BentLight, point: Vec3, bend: Vec3) -> Option<LightSample> {
-        let sample = match bent.beyond {
-            Beyond::Along(direction) => match &self.emitters.sources.get(bent.light) {
+    /// Over the spread of light behind the refraction, radiance / pdf is the irradiance on a surface at the point that faces
+    /// it; for lights that are no delta lights, times the density of the place.
+    pub(crate) fn at_refraction(
+        &self,
+        refracted: &RefractedLight,
+        point: Vec3,
+        bend: Vec3,
+    ) -> Option<LightSample> {
+        let sample = match refracted.beyond {
+            LightOrigin::Along(direction) => match &self.emitters.sources.get(refracted.light) {
                 Some(PlacedLight::Beam(beam)) => beam.sample(bend)?,
-                Some(PlacedLight::Distant(light)) if bent.sample.is_delta => light.sample_direction(),
-                _ => LightSample { direction, ..bent.sample },
+                Some(PlacedLight::Distant(light)) if refracted.sample.is_delta => light.sample_direction(),
+                _ => LightSample { direction, ..refracted.sample },
             },
-            Beyond::At(place) => {
+            LightOrigin::At(place) => {
                 let (direction, distance) = (place - bend).normalize_and_length();
-                match self.emitters.sources.get(bent.light) {
+                match self.emitters.sources.get(refracted.light) {
                     Some(PlacedLight::Spot(spot)) => {
                         LightSample::delta(direction, distance, spot.intensity_toward(-direction))
                     }
                     _ => {
-                        let normal = self.emitters.normal_at(bent.light, place)?;
+                        let normal = self.emitters.normal_at(refracted.light, place)?;
                         let straight = place - point;
-                        // cos θ over cos θ / d² of the straight way: densities are then those of places on the light
+                        // cos θ over cos θ / d² of the straight path: densities are then those of places on the light
                         let cosines = -direction.dot(normal) / -straight.normalize_or_zero().dot(normal);
-                        let pdf = bent.sample.pdf / (straight.length_squared() * cosines.max(0.0));
-                        let radiance = self.emitters.radiance_toward(bent.light, -direction);
-                        let radiance = radiance.unwrap_or(bent.sample.radiance);
-                        LightSample { direction, distance, pdf, radiance, ..bent.sample }
+                        let pdf = refracted.sample.pdf / (straight.length_squared() * cosines.max(0.0));
+                        let radiance = self.emitters.radiance_toward(refracted.light, -direction);
+                        let radiance = radiance.unwrap_or(refracted.sample.radiance);
+                        LightSample { direction, distance, pdf, radiance, ..refracted.sample }
                     }
                 }
             }
         };
-        let sample = LightSample { pdf: sample.pdf * bent.share, ..sample };
+        let sample = LightSample { pdf: sample.pdf * refracted.share, ..sample };
         sample.is_usable().then_some(sample)
     }
 }
@@ -149,7 +153,7 @@ mod tests {
     use crate::light::EmissiveTriangle;
 
     /// Drawn for one point and seen from a bend on the way to it, each kind of light shines on the bend as its solid angle,
-    /// or its intensity, says.
+    /// or its intensity, implies.
     #[test]
     fn light_at_a_bend_is_that_of_the_light_as_seen_from_there() {
         let (point, bend) = (Vec3::new(0.1, 0.2, -1.0), Vec3::new(-0.3, 0.1, 0.5));
@@ -206,8 +210,8 @@ mod tests {
             let n = 1 << 14;
             let shine = |i: u32| {
                 let u = sobol_burley::sample_4d(i, 0, 3);
-                let bent = lights.sample_bent(point, u[0], [u[1], u[2]])?;
-                let sample = lights.toward_bend(&bent, point, bend)?;
+                let refracted = lights.sample_refracted(point, u[0], [u[1], u[2]])?;
+                let sample = lights.at_refraction(&refracted, point, bend)?;
                 Some(sample.radiance.x / (sample.pdf * sample.distance * sample.distance))
             };
             let mean = (0..n).filter_map(shine).sum::<f32>() / n as f32;
@@ -221,9 +225,10 @@ mod tests {
             |radius| Light::Beam { origin: Vec3::Z * 9.0, direction: Vec3::NEG_Z, radius, power: Vec3::ONE };
         let scene = Scene { lights: vec![beam(0.5)], environment: None, ..Scene::default() };
         let lights = LightSet::new(&scene, Vec::new(), (Vec3::splat(-2.0), Vec3::splat(2.0)));
-        let bent = lights.sample_bent(Vec3::X * 1.5, 0.3, [0.5; 2]).expect("drawn by its power alone");
-        let bend = |x: f32| lights.toward_bend(&bent, Vec3::X * 1.5, Vec3::new(x, 0.0, 1.0));
-        assert_eq!(bent.beyond, Beyond::Along(Vec3::Z));
+        let refracted =
+            lights.sample_refracted(Vec3::X * 1.5, 0.3, [0.5; 2]).expect("drawn by its power alone");
+        let bend = |x: f32| lights.at_refraction(&refracted, Vec3::X * 1.5, Vec3::new(x, 0.0, 1.0));
+        assert_eq!(refracted.beyond, LightOrigin::Along(Vec3::Z));
         assert!(bend(0.6).is_none());
         let sample = bend(0.4).expect("in the beam");
         assert_eq!((sample.distance, sample.pdf), (8.0, 1.0));

@@ -1,16 +1,16 @@
-//! Whether triangles are a closed surface, and whether its faces look out.
+//! The orientation of a surface: closed and looking out, closed and looking in, or neither.
 
 use glam::{DMat3, DVec3, Vec3};
 
 /// Part of the area whose absence is not noticed.
 const TOLERANCE: f64 = 1e-4;
 
-/// 1 where triangles are a closed surface whose faces all look out, or several; -1 where they look in; 0 where there are holes
-/// or turned faces, or hardly any volume.
+/// 1 if triangles form one or more closed surfaces whose faces all look out, −1 if they all look in, 0 if there are holes or
+/// flipped faces, or hardly any volume.
 ///
-/// By the divergence theorem no linear field without sources flows through such a surface: of Σ A and Σ c Aᵀ, over centroids c
-/// and area vectors A, the first vanishes and the second is the volume times the unit matrix. Surfaces with holes or with faces
-/// that are turned have both by chance only. It takes no table of edges, and vertices may be double.
+/// By the divergence theorem no linear field without sources flows through a closed surface. Over centroids c and area
+/// vectors A, Σ A then vanishes, and Σ c Aᵀ is the volume times the unit matrix; with holes or flipped faces, both hold only
+/// by chance. This needs no table of edges, and vertices may be duplicated.
 pub(super) fn orientation<I: Iterator<Item = [Vec3; 3]>>(triangles: impl Fn() -> I) -> f32 {
     let Some([origin, ..]) = triangles().next() else { return 0.0 };
     let (mut area, mut extent) = (0.0, 0.0_f64);

@@ -1,17 +1,17 @@
-//! How even the light of some places is.
+//! Mean and variance of the light at some places.
 
 use glam::Vec3;
 
-use super::Found;
+use super::FoundLight;
 
 /// Relative variance of light from which on none is expected: it may be elsewhere.
 ///
-/// The greater it is, the less noise have head and dragon, and the more has what lies in the dark beside a bright lamp.
+/// Greater values give head and dragon less noise, and more to dark places beside a bright lamp.
 const UNFORESEEABLE: f32 = 2.0;
 
-/// Sums over places that tell how even they and their light are.
+/// Sums over places: the mean and variance of their light, and the variance of their normals.
 #[derive(Clone, Copy, Default)]
-pub(in crate::subsurface::transport) struct Evenness {
+pub(in crate::subsurface::transport) struct LightStatistics {
     count: f32,
     light: Vec3,
     /// Sum over the places of the square of their light, channels added up.
@@ -19,9 +19,9 @@ pub(in crate::subsurface::transport) struct Evenness {
     normal: Vec3,
 }
 
-impl Evenness {
+impl LightStatistics {
     /// Adds a place, so many times.
-    pub(super) fn add(&mut self, times: f32, found: &impl Found) {
+    pub(super) fn add(&mut self, times: f32, found: &impl FoundLight) {
         let light = found.light();
         self.count += times;
         self.light += times * light;
@@ -29,7 +29,7 @@ impl Evenness {
         self.normal += times * found.normal();
     }
 
-    /// Whether there are no places.
+    /// Returns `true` if there are no places.
     pub(super) fn is_empty(&self) -> bool {
         self.count == 0.0
     }

@@ -21,10 +21,10 @@ use rayon::prelude::*;
 use translucid_scene::{Mesh, Object};
 
 use super::clearance::Clearance;
-use super::eight::Vectors;
-use super::facets::{Beyond, Crossing, Facet, Facets, Query};
+use super::facets::{Crossing, Facet, Facets, LightOrigin, Query};
 use super::hit::{Hit, offset_at};
-use super::primitive::{Block, Needs, Primitive, PrimitiveSource};
+use super::primitive::{Block, BlockNeeds, Primitive, PrimitiveSource};
+use super::simd::SimdToken;
 use super::triangle::{BlockRay, Ray, TriangleBlock, TriangleHit};
 use super::wide_tree::{Visitor, WideTree};
 
@@ -49,7 +49,7 @@ pub(super) struct InstanceBlock {
     group: u32,
     flags: u32,
     world_from_local: Mat3,
-    /// How much greater rounding errors are than those of coordinates as far from the origin: greatest row sum of |A||A⁻¹|.
+    /// Factor on the rounding errors of coordinates as far from the origin: greatest row sum of |A||A⁻¹|.
     amplification: f32,
     /// Least factor by which a length is stretched.
     stretch: f32,
@@ -129,7 +129,7 @@ impl InstanceBlock {
     }
 }
 
-/// A mesh with its tree, and what walks have to know of it.
+/// A mesh with its tree, and with the clearance and facets that walks need.
 pub(super) struct SharedTree {
     mesh: Arc<Mesh>,
     tree: WideTree,
@@ -139,8 +139,8 @@ pub(super) struct SharedTree {
 
 impl SharedTree {
     fn new(mesh: &Arc<Mesh>) -> Self {
-        let triangles: Vec<Local<'_>> =
-            (0..mesh.triangles.len() as u32).map(|triangle| Local { mesh, triangle }).collect();
+        let triangles: Vec<LocalTriangle<'_>> =
+            (0..mesh.triangles.len() as u32).map(|triangle| LocalTriangle { mesh, triangle }).collect();
         let tree = WideTree::new(&triangles);
         Self { mesh: Arc::clone(mesh), tree, clearance: OnceLock::new(), facets: OnceLock::new() }
     }
@@ -148,12 +148,12 @@ impl SharedTree {
 
 /// A triangle of a mesh in its own space.
 #[derive(Clone, Copy)]
-struct Local<'a> {
+struct LocalTriangle<'a> {
     mesh: &'a Mesh,
     triangle: u32,
 }
 
-impl Local<'_> {
+impl LocalTriangle<'_> {
     fn primitive(&self) -> Primitive {
         let corners = self.mesh.triangles[self.triangle as usize];
         let vertices = corners.map(|corner| self.mesh.positions[corner as usize]);
@@ -161,17 +161,17 @@ impl Local<'_> {
     }
 }
 
-impl Boundable for Local<'_> {
+impl Boundable for LocalTriangle<'_> {
     fn aabb(&self) -> Aabb {
         self.primitive().aabb()
     }
 }
 
-impl PrimitiveSource for Local<'_> {
+impl PrimitiveSource for LocalTriangle<'_> {
     type Block = TriangleBlock;
 
-    fn needs(&self) -> Option<Needs> {
-        Some(Needs::triangle(0, self.mesh.triangles[self.triangle as usize]))
+    fn needs(&self) -> Option<BlockNeeds> {
+        Some(BlockNeeds::triangle(0, self.mesh.triangles[self.triangle as usize]))
     }
 
     fn place(&self) -> Vec3 {
@@ -184,8 +184,8 @@ impl PrimitiveSource for Local<'_> {
     }
 }
 
-/// An object on its way into the tree over places.
-struct Placed<'a> {
+/// An object to be sorted into the tree over places.
+struct PlacedObject<'a> {
     object: &'a Object,
     number: u32,
     mesh: u32,
@@ -194,7 +194,7 @@ struct Placed<'a> {
     high: Vec3,
 }
 
-impl<'a> Placed<'a> {
+impl<'a> PlacedObject<'a> {
     /// An object whose mesh has these bounds.
     fn new(
         (object, number): (&'a Object, u32),
@@ -216,16 +216,16 @@ impl<'a> Placed<'a> {
     }
 }
 
-impl Boundable for Placed<'_> {
+impl Boundable for PlacedObject<'_> {
     fn aabb(&self) -> Aabb {
         Aabb::new(self.low.into(), self.high.into())
     }
 }
 
-impl PrimitiveSource for Placed<'_> {
+impl PrimitiveSource for PlacedObject<'_> {
     type Block = InstanceBlock;
 
-    fn needs(&self) -> Option<Needs> {
+    fn needs(&self) -> Option<BlockNeeds> {
         None
     }
 
@@ -239,22 +239,22 @@ impl PrimitiveSource for Placed<'_> {
     }
 }
 
-/// Which of a scene's objects share their meshes.
-pub(super) struct Sharing {
+/// The objects of a scene that share their meshes.
+pub(super) struct MeshSharing {
     /// Number of each object's mesh among the shared ones; `NONE` where it is not.
     mesh_of_object: Vec<u32>,
     /// The first object of each mesh.
     first_objects: Vec<usize>,
-    /// Whether each object is alone in its group.
+    /// For each object, `true` if it is alone in its group.
     is_alone: Vec<bool>,
 }
 
-/// Nothing of that kind.
+/// The number of no mesh or block.
 pub(super) const NONE: u32 = u32::MAX;
 
-impl Sharing {
-    /// Objects whose meshes have uses enough and can be traced in their own space.
-    pub(super) fn new(objects: &[Object], is_worth: impl Fn(&Mesh, usize) -> bool) -> Self {
+impl MeshSharing {
+    /// Finds objects whose meshes have enough uses and can be traced in their own space.
+    pub(super) fn new(objects: &[Object], should_share: impl Fn(&Mesh, usize) -> bool) -> Self {
         let mut uses: HashMap<usize, usize> = HashMap::new();
         let address = |object: &Object| Arc::as_ptr(&object.mesh).addr();
         for object in objects {
@@ -262,8 +262,8 @@ impl Sharing {
         }
         let is_shared = |object: &Object| {
             let uses = uses[&address(object)];
-            let is_worth = object.is_movable || uses > 1 && is_worth(&object.mesh, uses);
-            is_worth && object.can_be_instanced()
+            let is_wanted = object.is_movable || uses > 1 && should_share(&object.mesh, uses);
+            is_wanted && object.can_be_instanced()
         };
         let mut numbers = HashMap::new();
         let mut first_objects = Vec::new();
@@ -288,7 +288,7 @@ impl Sharing {
         Self { mesh_of_object, first_objects, is_alone }
     }
 
-    /// Whether an object is in the tree over places.
+    /// Returns `true` if an object is in the tree over places.
     pub(super) fn is_shared(&self, object: usize) -> bool {
         self.mesh_of_object[object] != NONE
     }
@@ -304,7 +304,7 @@ pub(super) struct Instances {
 
 impl Instances {
     /// The trees of shared meshes, those of `old` where it has them, and that over their places; none if nothing is shared.
-    pub(super) fn new(objects: &[Object], sharing: &Sharing, old: Option<&Self>) -> Option<Self> {
+    pub(super) fn new(objects: &[Object], sharing: &MeshSharing, old: Option<&Self>) -> Option<Self> {
         if sharing.first_objects.is_empty() {
             return None;
         }
@@ -317,14 +317,14 @@ impl Instances {
             known(mesh).unwrap_or_else(|| Arc::new(SharedTree::new(mesh)))
         };
         let meshes: Vec<Arc<SharedTree>> = sharing.first_objects.par_iter().map(make).collect();
-        let placed: Vec<Placed<'_>> = objects
+        let placed: Vec<PlacedObject<'_>> = objects
             .par_iter()
             .enumerate()
             .filter(|(index, _)| sharing.is_shared(*index))
             .map(|(index, object)| {
                 let mesh = sharing.mesh_of_object[index];
                 let bounds = meshes[mesh as usize].tree.bounds();
-                Placed::new((object, index as u32), mesh, sharing.is_alone[index], bounds)
+                PlacedObject::new((object, index as u32), mesh, sharing.is_alone[index], bounds)
             })
             .collect();
         let tree = WideTree::new(&placed);
@@ -368,28 +368,28 @@ impl Instances {
     #[inline]
     pub(super) fn closest(&self, ray: &Ray, group: Option<u32>, known: Option<Hit>) -> Option<Hit> {
         let ray = ray.until(known.map_or(ray.t_max, |hit| hit.t));
-        let mut nearest = Nearest { instances: self, ray: &ray, group, hit: known };
+        let mut nearest = NearestInstance { instances: self, ray: &ray, group, hit: known };
         self.tree.traverse(&ray, &mut nearest);
         nearest.hit
     }
 
-    /// Whether anything lies on a segment.
+    /// Returns `true` if anything lies on a segment.
     pub(super) fn occluded(&self, ray: &Ray) -> bool {
-        self.tree.traverse(ray, &mut Any { instances: self, ray })
+        self.tree.traverse(ray, &mut AnyInstance { instances: self, ray })
     }
 
     /// Calls `found` for every hit of a group.
     pub(super) fn all_in_group(&self, ray: &Ray, group: u32, found: impl FnMut(Hit)) {
-        self.tree.traverse(ray, &mut Every { instances: self, ray, group, found });
+        self.tree.traverse(ray, &mut EveryInstance { instances: self, ray, group, found });
     }
 
-    /// The body that an object is by itself; none if others belong to it, or it does not share its mesh.
-    pub(super) fn alone(&self, object: u32) -> Option<Alone<'_>> {
+    /// The body that an object forms on its own; `None` if others belong to it, or the object does not share its mesh.
+    pub(super) fn alone(&self, object: u32) -> Option<LoneInstance<'_>> {
         let (line, block) = self.of_object(object).filter(|(_, block)| block.flags & ALONE != 0)?;
-        Some(Alone { line, block, shared: &self.meshes[block.mesh as usize] })
+        Some(LoneInstance { line, block, shared: &self.meshes[block.mesh as usize] })
     }
 
-    /// Whether walks in an object need nothing of its own but its place.
+    /// Returns `true` if walks in an object need only its place besides its mesh.
     pub(super) fn needs_no_group(&self, object: u32) -> bool {
         self.alone(object).is_some_and(|alone| alone.block.flags & SIMILARITY != 0)
     }
@@ -397,13 +397,13 @@ impl Instances {
 
 /// An object that shares its mesh and is a body by itself.
 #[derive(Clone, Copy)]
-pub(super) struct Alone<'a> {
+pub(super) struct LoneInstance<'a> {
     line: u32,
     block: &'a InstanceBlock,
     shared: &'a SharedTree,
 }
 
-impl Alone<'_> {
+impl LoneInstance<'_> {
     /// The nearest hit with the body.
     #[inline]
     pub(super) fn closest(&self, ray: &Ray) -> Option<Hit> {
@@ -436,7 +436,7 @@ impl Alone<'_> {
         self.block.offset_at(point)
     }
 
-    /// Whether [`crossings`](Self::crossings) can be found.
+    /// Returns `true` if [`crossings`](Self::crossings) can be found.
     pub(super) fn keeps_angles(&self) -> bool {
         self.block.flags & SIMILARITY != 0
     }
@@ -446,16 +446,16 @@ impl Alone<'_> {
         let Self { block, shared, .. } = self;
         let facets = shared.facets.get_or_init(|| {
             let facet = |triangle: u32| Facet {
-                vertices: Local { mesh: &shared.mesh, triangle }.primitive().vertices,
+                vertices: LocalTriangle { mesh: &shared.mesh, triangle }.primitive().vertices,
                 triangle: (0, triangle),
             };
             Facets::new((0..shared.mesh.triangles.len() as u32).map(facet).collect())
         });
         let scale = block.stretch;
         let (beyond, area) = match query.beyond {
-            Beyond::At(place) => (Beyond::At(block.local_point(place)), scale * scale),
-            Beyond::Along(direction) => {
-                (Beyond::Along((block.local_from_world * direction).normalize()), 1.0)
+            LightOrigin::At(place) => (LightOrigin::At(block.local_point(place)), scale * scale),
+            LightOrigin::Along(direction) => {
+                (LightOrigin::Along((block.local_from_world * direction).normalize()), 1.0)
             }
         };
         let local =
@@ -472,19 +472,19 @@ impl Alone<'_> {
     }
 }
 
-/// Looks for the nearest hit.
-struct Nearest<'a> {
+/// Finds the nearest hit.
+struct NearestInstance<'a> {
     instances: &'a Instances,
     ray: &'a Ray,
     group: Option<u32>,
     hit: Option<Hit>,
 }
 
-impl Visitor<InstanceBlock> for Nearest<'_> {
+impl Visitor<InstanceBlock> for NearestInstance<'_> {
     const IS_ORDERED: bool = true;
 
     #[inline(always)]
-    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
+    fn visit(&mut self, _: impl SimdToken, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
         if self.group.is_some_and(|group| group != block.group) {
             return false;
         }
@@ -497,34 +497,34 @@ impl Visitor<InstanceBlock> for Nearest<'_> {
     }
 }
 
-/// Is content with any hit.
-struct Any<'a> {
+/// Stops at any hit.
+struct AnyInstance<'a> {
     instances: &'a Instances,
     ray: &'a Ray,
 }
 
-impl Visitor<InstanceBlock> for Any<'_> {
+impl Visitor<InstanceBlock> for AnyInstance<'_> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, _: u32) -> bool {
+    fn visit(&mut self, _: impl SimdToken, ray: &mut BlockRay, block: &InstanceBlock, _: u32) -> bool {
         self.instances.meshes[block.mesh as usize].tree.occluded(&block.local_ray(self.ray, ray.t_max))
     }
 }
 
 /// Reports every hit of a group.
-struct Every<'a, F> {
+struct EveryInstance<'a, F> {
     instances: &'a Instances,
     ray: &'a Ray,
     group: u32,
     found: F,
 }
 
-impl<F: FnMut(Hit)> Visitor<InstanceBlock> for Every<'_, F> {
+impl<F: FnMut(Hit)> Visitor<InstanceBlock> for EveryInstance<'_, F> {
     const IS_ORDERED: bool = false;
 
     #[inline(always)]
-    fn visit(&mut self, _: impl Vectors, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
+    fn visit(&mut self, _: impl SimdToken, ray: &mut BlockRay, block: &InstanceBlock, line: u32) -> bool {
         if block.group == self.group {
             let shared = &self.instances.meshes[block.mesh as usize];
             shared.tree.all(&block.local_ray(self.ray, ray.t_max), |hit, leaf| {

@@ -1,24 +1,23 @@
-//! A few terms of the sum over all places, which stand for it.
+//! A few terms of the sum over all places, which represent it.
 //!
-//! They are drawn in proportion to g_j W_i w_i E_i and evenly spaced along the running sum. What K_j is need be evaluated for
-//! these only.
+//! They are drawn in proportion to g_j W_i w_i E_i, evenly spaced along the running sum. Only these need K_j.
 //!
 //! # Even light
 //! Where all E_i are alike there is nothing to share: how many y_i lie near x_j is a matter of chance, while K_j W_j of
-//! its own hardly varies. The light that half of the receivers find tells whether that of the others, A, is worth sharing
+//! its own hardly varies. The light that half of the receivers find decides whether that of the others, A, is worth sharing
 //! with x_j; if not, its own find stands for theirs:
 //!
 //! ```text
 //! Σ_{i∈A} w_i(y_i) K_j(y_i) W_i E_i   or   Σ_{i∈A} w_i(y_j) K_j(y_j) W_j E_j
 //! ```
 //!
-//! Both have the same mean, and the choice knows neither A's places nor, without y_j's, x_j's.
+//! Both have the same mean, and the choice depends neither on A's places nor, as y_j is left out, on x_j's.
 
 use glam::Vec3;
 
-use super::weights::{Places, Weights, half_of, worth_of_channels};
-use super::{Alike, Evenness, Found, Receiver, Sums};
-use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+use super::weights::{MisWeights, PlaceLanes, half_of, worth_of_channels};
+use super::{Alike, BlockReceiver, FoundLight, LightStatistics, Sums};
+use crate::subsurface::transport::simd_loop::{SimdLoop, in_widest_vectors};
 
 /// Terms that stand for a sum.
 ///
@@ -26,36 +25,38 @@ use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
 const PICKS: usize = 8;
 
 /// A receiver that fills g, and evaluates K for few places only.
-pub(in crate::subsurface::transport) trait Picking: Receiver {
+pub(in crate::subsurface::transport) trait ResampledReceiver:
+    BlockReceiver
+{
     type Response;
 
     /// The receiver's own numbers for evaluating K, the same at all places.
     fn response(&self) -> Self::Response;
 
     /// K times the light at a place and a factor.
-    fn light_from(&self, response: &Self::Response, found: &Self::Found, factor: f32) -> Vec3;
+    fn light_from(&self, response: &Self::Response, found: &Self::FoundLight, factor: f32) -> Vec3;
 
-    /// K W E of what it has found itself, for each kind of light that is not worth sharing.
-    fn alone(&self, kinds: [Evenness; 2], found: Option<&Self::Found>) -> [Option<Vec3>; 2];
+    /// K W E of its own find, for each kind of light that is not worth sharing.
+    fn alone(&self, kinds: [LightStatistics; 2], found: Option<&Self::FoundLight>) -> [Option<Vec3>; 2];
 }
 
 /// Sums for which some terms stand.
-pub(in crate::subsurface::transport) struct PickedSums<F> {
+pub(in crate::subsurface::transport) struct ResampledSums<F> {
     /// Weights of all places; each part holds those that one half of the receivers has found.
-    weights: Weights<F>,
+    weights: MisWeights<F>,
     /// Place that each receiver has found.
     own: Vec<Option<usize>>,
     /// Light that each receiver has from there, in place of that of each half.
     alone: Vec<[Option<Vec3>; 2]>,
 }
 
-impl<F> Default for PickedSums<F> {
+impl<F> Default for ResampledSums<F> {
     fn default() -> Self {
-        Self { weights: Weights::default(), own: Vec::new(), alone: Vec::new() }
+        Self { weights: MisWeights::default(), own: Vec::new(), alone: Vec::new() }
     }
 }
 
-impl<R: Picking> Sums<R> for PickedSums<R::Found> {
+impl<R: ResampledReceiver> Sums<R> for ResampledSums<R::FoundLight> {
     fn prepare(&mut self, alike: &Alike<'_, R>) {
         self.find_alone(alike);
         if self.alone.iter().flatten().all(Option::is_some) {
@@ -91,8 +92,8 @@ impl<R: Picking> Sums<R> for PickedSums<R::Found> {
             [None, _] => 0..weights.split,
             _ => weights.split..width,
         };
-        let (Places { near, bright: [red, green, blue], .. }, terms) = weights.places_and_terms(row);
-        in_widest_vectors(Terms {
+        let (PlaceLanes { near, bright: [red, green, blue], .. }, terms) = weights.places_and_terms(row);
+        in_widest_vectors(ResampledTerms {
             of: [red, green, blue, near].map(|row| &row[range.clone()]),
             color: worth_of_channels(receiver.color()),
             terms: &mut terms[range.clone()],
@@ -115,28 +116,28 @@ impl<R: Picking> Sums<R> for PickedSums<R::Found> {
     }
 }
 
-impl<F: Found> PickedSums<F> {
-    /// Light of those who keep to their own.
-    fn find_alone<R: Picking<Found = F>>(&mut self, alike: &Alike<'_, R>) {
-        let mut evenness = [Evenness::default(); 2];
+impl<F: FoundLight> ResampledSums<F> {
+    /// Finds the receivers that do not share, and their light.
+    fn find_alone<R: ResampledReceiver<FoundLight = F>>(&mut self, alike: &Alike<'_, R>) {
+        let mut statistics = [LightStatistics::default(); 2];
         for (row, found) in alike.found().enumerate() {
-            found.iter().for_each(|found| evenness[half_of(row)].add(1.0, found));
+            found.iter().for_each(|found| statistics[half_of(row)].add(1.0, found));
         }
         self.alone.clear();
         for (row, (receiver, found)) in alike.receivers().zip(alike.found()).enumerate() {
             let own = found.last();
-            let mut known = evenness;
+            let mut known = statistics;
             if let Some(own) = own {
                 known[half_of(row)].add(-1.0, own);
             }
-            // Each half by what the other knows
+            // Each half by the statistics of the other
             self.alone.push(receiver.alone([known[1], known[0]], own));
         }
     }
 }
 
 /// Worth of places to a receiver.
-struct Terms<'a> {
+struct ResampledTerms<'a> {
     /// Light there by channel, and how near it is.
     of: [&'a [f32]; 4],
     /// Worth of each channel.
@@ -145,7 +146,7 @@ struct Terms<'a> {
     terms: &'a mut [f32],
 }
 
-impl Loop for Terms<'_> {
+impl SimdLoop for ResampledTerms<'_> {
     #[inline(always)]
     fn run(self) {
         let [x, y, z] = self.color;
@@ -170,10 +171,10 @@ mod tests {
         account: Account,
     }
 
-    impl Receiver for Toy {
+    impl BlockReceiver for Toy {
         type Kind = ();
-        type Found = Spot;
-        type Sums = PickedSums<Spot>;
+        type FoundLight = Spot;
+        type Sums = ResampledSums<Spot>;
 
         fn kind(&self) {}
 
@@ -193,7 +194,7 @@ mod tests {
         }
     }
 
-    impl Picking for Toy {
+    impl ResampledReceiver for Toy {
         type Response = ();
 
         fn response(&self) {}
@@ -202,13 +203,13 @@ mod tests {
             spot.light() * (factor * kernel(self.x, spot.y))
         }
 
-        fn alone(&self, kinds: [Evenness; 2], spot: Option<&Spot>) -> [Option<Vec3>; 2] {
+        fn alone(&self, kinds: [LightStatistics; 2], spot: Option<&Spot>) -> [Option<Vec3>; 2] {
             let own = || spot.map_or(Vec3::ZERO, |spot| self.light_from(&(), spot, 2.0));
-            kinds.map(|evenness| (evenness.variance() < 0.3).then(own))
+            kinds.map(|statistics| (statistics.variance() < 0.3).then(own))
         }
     }
 
-    /// Half of the light is not worth sharing, and what stands for it nobody is near.
+    /// Half of the light is not worth sharing, and nobody is near the find that stands for it.
     #[test]
     fn what_nobody_is_near_is_worth_nothing() {
         let mut gathering = Gathering::<Toy>::default();

@@ -1,48 +1,48 @@
-//! Eight numbers side by side: a vector of the processor, or loops that find the same bits.
+//! Vectors of eight `f32`: AVX2, or portable loops that give the same bits.
 
 use std::ops::{Add, Div, Mul, Sub};
 
 /// Lanes of a vector.
 pub(super) const LANES: usize = 8;
 
-/// Eight numbers; comparisons are a bit for each lane.
-pub(super) trait Eight:
+/// A vector of eight `f32`; comparisons give a bit for each lane.
+pub(super) trait F32x8:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self>
 {
-    /// The lesser of each two numbers; the second if one of them is none.
+    /// The lesser number of each lane; the second one if either is NaN.
     fn lesser(self, other: Self) -> Self;
-    /// The greater of each two numbers; the second if one of them is none.
+    /// The greater number of each lane; the second one if either is NaN.
     fn greater(self, other: Self) -> Self;
-    /// The lesser of each two by their bits as signed integers, which most processors find sooner: the right one, but of two
-    /// negative numbers either, as which −0 counts.
+    /// The lesser number of each lane by its bits as a signed integer, which most processors find sooner: either one of two
+    /// negative numbers (−0 counts as negative), else the lesser.
     fn lesser_bits(self, other: Self) -> Self;
-    /// The greater of each two by their bits as signed integers: the right one, but of two negative numbers either.
+    /// The greater number of each lane by its bits as a signed integer: either one of two negative numbers, else the greater.
     fn greater_bits(self, other: Self) -> Self;
-    /// Whether the bits, as signed integers, are below the other's.
+    /// Lanes whose bits, as signed integers, are below the other's.
     fn is_below_bits(self, other: Self) -> u32;
     fn is_below(self, other: Self) -> u32;
     fn is_at_most(self, other: Self) -> u32;
     fn to_array(self) -> [f32; LANES];
 }
 
-/// Makes vectors of one kind: whoever has it may use the instructions behind them.
-pub(super) trait Vectors: Copy {
-    type Eight: Eight;
+/// A token that makes vectors of one kind: having it proves that the processor has their instructions.
+pub(super) trait SimdToken: Copy {
+    type F32x8: F32x8;
 
-    fn splat(self, number: f32) -> Self::Eight;
-    fn load(self, numbers: &[f32; LANES]) -> Self::Eight;
-    /// For each lane the number in the lane that its three bits of `lanes` say, which begin with the lowest.
-    fn pick(self, from: Self::Eight, lanes: u32) -> Self::Eight;
+    fn splat(self, number: f32) -> Self::F32x8;
+    fn load(self, numbers: &[f32; LANES]) -> Self::F32x8;
+    /// Permutes lanes: each takes the number of the lane given by its three bits of `lanes`, the first lane's lowest.
+    fn pick(self, from: Self::F32x8, lanes: u32) -> Self::F32x8;
 }
 
-/// Loops over lanes, on every processor.
+/// The token of portable loops over lanes.
 #[derive(Clone, Copy)]
-pub(super) struct Loops;
+pub(super) struct Portable;
 
 #[derive(Clone, Copy)]
-pub(super) struct LoopEight([f32; LANES]);
+pub(super) struct PortableF32x8([f32; LANES]);
 
-impl LoopEight {
+impl PortableF32x8 {
     #[inline(always)]
     fn with(self, other: Self, of_lane: impl Fn(f32, f32) -> f32) -> Self {
         Self(std::array::from_fn(|lane| of_lane(self.0[lane], other.0[lane])))
@@ -54,26 +54,26 @@ impl LoopEight {
     }
 }
 
-impl Vectors for Loops {
-    type Eight = LoopEight;
+impl SimdToken for Portable {
+    type F32x8 = PortableF32x8;
 
     #[inline(always)]
-    fn splat(self, number: f32) -> LoopEight {
-        LoopEight([number; LANES])
+    fn splat(self, number: f32) -> PortableF32x8 {
+        PortableF32x8([number; LANES])
     }
 
     #[inline(always)]
-    fn load(self, numbers: &[f32; LANES]) -> LoopEight {
-        LoopEight(*numbers)
+    fn load(self, numbers: &[f32; LANES]) -> PortableF32x8 {
+        PortableF32x8(*numbers)
     }
 
     #[inline(always)]
-    fn pick(self, from: LoopEight, lanes: u32) -> LoopEight {
-        LoopEight(std::array::from_fn(|lane| from.0[(lanes >> (3 * lane)) as usize % LANES]))
+    fn pick(self, from: PortableF32x8, lanes: u32) -> PortableF32x8 {
+        PortableF32x8(std::array::from_fn(|lane| from.0[(lanes >> (3 * lane)) as usize % LANES]))
     }
 }
 
-impl Eight for LoopEight {
+impl F32x8 for PortableF32x8 {
     #[inline(always)]
     fn lesser(self, other: Self) -> Self {
         self.with(other, |a, b| if a < b { a } else { b })
@@ -117,7 +117,7 @@ impl Eight for LoopEight {
 
 macro_rules! loop_operator {
     ($($operator:ident $method:ident),*) => {$(
-        impl $operator for LoopEight {
+        impl $operator for PortableF32x8 {
             type Output = Self;
 
             #[inline(always)]
@@ -133,8 +133,10 @@ loop_operator!(Add add, Sub sub, Mul mul, Div div);
 #[cfg(target_arch = "x86_64")]
 pub(super) use avx2::Avx2;
 
-/// Nothing here has a `target_feature` of its own, with which it could not be told to always become part of its caller:
-/// calls cost a fifth of all rays per second.
+/// Vectors of AVX2.
+///
+/// No function here has a `target_feature`, as it could then not be `inline(always)`: calls cost a fifth of all rays per
+/// second.
 #[cfg(target_arch = "x86_64")]
 mod avx2 {
     use std::arch::x86_64::{
@@ -144,9 +146,9 @@ mod avx2 {
         _mm256_sub_ps,
     };
 
-    use super::{Add, Div, Eight, LANES, Mul, Sub, Vectors};
+    use super::{Add, Div, F32x8, LANES, Mul, SimdToken, Sub};
 
-    /// Vectors of a processor that has AVX2.
+    /// The token of vectors of AVX2.
     #[derive(Clone, Copy)]
     pub(in crate::ray) struct Avx2(());
 
@@ -161,44 +163,44 @@ mod avx2 {
 
     /// Only [`Avx2`] makes the first of them.
     #[derive(Clone, Copy)]
-    pub(in crate::ray) struct Avx2Eight(__m256);
+    pub(in crate::ray) struct Avx2F32x8(__m256);
 
-    impl Avx2Eight {
+    impl Avx2F32x8 {
         #[inline(always)]
         fn bits(self) -> __m256i {
             bytemuck::cast(self.0)
         }
     }
 
-    impl Vectors for Avx2 {
-        type Eight = Avx2Eight;
+    impl SimdToken for Avx2 {
+        type F32x8 = Avx2F32x8;
 
         #[inline(always)]
-        fn splat(self, number: f32) -> Avx2Eight {
-            // SAFETY: who has an `Avx2` has said that there is AVX2, and the instructions touch no memory.
-            Avx2Eight(unsafe { _mm256_set1_ps(number) })
+        fn splat(self, number: f32) -> Avx2F32x8 {
+            // SAFETY: an `Avx2` exists only where there is AVX2, and the instructions touch no memory.
+            Avx2F32x8(unsafe { _mm256_set1_ps(number) })
         }
 
         #[inline(always)]
-        fn load(self, numbers: &[f32; LANES]) -> Avx2Eight {
-            Avx2Eight(bytemuck::cast(*numbers))
+        fn load(self, numbers: &[f32; LANES]) -> Avx2F32x8 {
+            Avx2F32x8(bytemuck::cast(*numbers))
         }
 
         #[inline(always)]
-        fn pick(self, from: Avx2Eight, lanes: u32) -> Avx2Eight {
+        fn pick(self, from: Avx2F32x8, lanes: u32) -> Avx2F32x8 {
             let shifts = bytemuck::cast([0_i32, 3, 6, 9, 12, 15, 18, 21]);
             // SAFETY: as in `splat`; of each index the instruction takes the lowest three bits.
-            Avx2Eight(unsafe {
+            Avx2F32x8(unsafe {
                 let indices = _mm256_srlv_epi32(_mm256_set1_epi32(lanes as i32), shifts);
                 _mm256_permutevar8x32_ps(from.0, indices)
             })
         }
     }
 
-    impl Eight for Avx2Eight {
+    impl F32x8 for Avx2F32x8 {
         #[inline(always)]
         fn lesser(self, other: Self) -> Self {
-            // SAFETY: an `Avx2Eight` exists only where there is AVX2, and the instruction touches no memory.
+            // SAFETY: an `Avx2F32x8` exists only where there is AVX2, and the instruction touches no memory.
             Self(unsafe { _mm256_min_ps(self.0, other.0) })
         }
 
@@ -248,12 +250,12 @@ mod avx2 {
 
     macro_rules! vector_operator {
         ($($operator:ident $method:ident $instruction:ident),*) => {$(
-            impl $operator for Avx2Eight {
+            impl $operator for Avx2F32x8 {
                 type Output = Self;
 
                 #[inline(always)]
                 fn $method(self, other: Self) -> Self {
-                    // SAFETY: an `Avx2Eight` exists only where there is AVX2, and the instruction touches no memory.
+                    // SAFETY: an `Avx2F32x8` exists only where there is AVX2, and the instruction touches no memory.
                     Self(unsafe { $instruction(self.0, other.0) })
                 }
             }

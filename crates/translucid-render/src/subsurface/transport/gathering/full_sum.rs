@@ -1,7 +1,7 @@
-//! The whole sum over all places, less what does not arrive.
+//! The whole sum over all places, less the light that does not arrive.
 //!
-//! K is known by channel without V, which says whether anything arrives from a place. The whole sum without V comes first;
-//! one place, drawn in proportion to its term, is looked at, and should it be hidden it stands for all that are.
+//! K is known by channel without the visibility V. The whole sum without V comes first; then one place, drawn in proportion
+//! to its term, is tested. If it is hidden, it represents all hidden places, and their light is subtracted.
 //!
 //! # Expected light
 //! How many places lie near a receiver is a matter of chance, and so is how many of them are bright. Where the integral of
@@ -12,24 +12,28 @@
 //! L_j = ∫ K_j V_j h_j + Σ_i w_i(y_i) K_j(y_i) V_j(y_i) W_i (E_i − h_j(y_i)),     h_j = Ē + φ_j ΔĒ
 //! ```
 //!
-//! Ē is the light to be expected inside, and Ē + ΔĒ that on surfaces: what receivers nearby have found that share nothing
-//! with these, so that it knows nothing of their places. φ_j is near 1 on surfaces and 0 inside, as the receiver says.
+//! Ē is the light to be expected inside, and Ē + ΔĒ that on surfaces. Both come from nearby receivers that share nothing
+//! with these, so they do not depend on these receivers' places. φ_j, given by the receiver, is near 1 on surfaces and 0
+//! inside.
 
 use glam::Vec3;
 
-use super::weights::{Places, Weights, worth_of_channels};
-use super::{Alike, COORDINATES, Evenness, Found, LANES, Receiver, Sums};
-use crate::subsurface::transport::widest::{Loop, in_widest_vectors};
+use super::weights::{MisWeights, PlaceLanes, worth_of_channels};
+use super::{Alike, BlockReceiver, COORDINATES, FoundLight, LANES, LightStatistics, Sums};
+use crate::subsurface::transport::simd_loop::{SimdLoop, in_widest_vectors};
 
 /// A receiver that fills K without V of each channel, one channel after the other.
-pub(in crate::subsurface::transport) trait Adding: Receiver {
-    /// Whether nothing arrives from a place.
-    fn is_hidden(&self, found: &Self::Found) -> bool;
+pub(in crate::subsurface::transport) trait FullReceiver:
+    BlockReceiver
+{
+    /// Returns `true` if no light arrives from a place.
+    fn is_hidden(&self, found: &Self::FoundLight) -> bool;
 
-    /// Whether the integral of K V over all places is 1 in every channel.
+    /// Returns `true` if the integral of K V over all places is 1 in every channel.
     fn is_complete(&self) -> bool;
 
-    /// Whether what it finds tells what light to expect of another, that shares nothing with it and is complete if it is.
+    /// Returns `true` if another receiver may expect the light that this one finds: it shares nothing with this one, and is
+    /// complete if this one is.
     fn tells_of(&self, other: &Self) -> bool;
 
     /// ∫ K V φ by channel, where it is complete.
@@ -47,20 +51,20 @@ struct Expected {
 }
 
 /// Sums of all terms.
-pub(in crate::subsurface::transport) struct WholeSums<F> {
+pub(in crate::subsurface::transport) struct FullSums<F> {
     /// Weights of all places; the parts are those inside and those on surfaces.
-    weights: Weights<F>,
-    /// The first receiver of each complete kind in the cohort, and what light it lets expect.
+    weights: MisWeights<F>,
+    /// The first receiver of each complete kind in the cohort, and the light that its finds let others expect.
     known: Vec<(usize, Expected)>,
     expected: Expected,
     /// φ of one receiver.
     part: Vec<f32>,
 }
 
-impl<F> Default for WholeSums<F> {
+impl<F> Default for FullSums<F> {
     fn default() -> Self {
         Self {
-            weights: Weights::default(),
+            weights: MisWeights::default(),
             known: Vec::new(),
             expected: Expected::default(),
             part: Vec::new(),
@@ -68,23 +72,23 @@ impl<F> Default for WholeSums<F> {
     }
 }
 
-fn is_on_surface(found: &impl Found) -> bool {
+fn is_on_surface(found: &impl FoundLight) -> bool {
     found.normal() != Vec3::ZERO
 }
 
-impl<R: Adding> Sums<R> for WholeSums<R::Found> {
+impl<R: FullReceiver> Sums<R> for FullSums<R::FoundLight> {
     fn look_around<'c>(&mut self, kinds: impl Iterator<Item = Alike<'c, R>>)
     where
         R: 'c,
     {
         self.known.clear();
         for alike in kinds.filter(|alike| alike.receivers().take(1).all(R::is_complete)) {
-            let mut evenness = [Evenness::default(); 2];
+            let mut statistics = [LightStatistics::default(); 2];
             for found in alike.found().flatten() {
-                evenness[usize::from(is_on_surface(found))].add(1.0, found);
+                statistics[usize::from(is_on_surface(found))].add(1.0, found);
             }
-            let inside = evenness[0].expected();
-            let at_surfaces = if evenness[1].is_empty() { inside } else { evenness[1].expected() };
+            let inside = statistics[0].expected();
+            let at_surfaces = if statistics[1].is_empty() { inside } else { statistics[1].expected() };
             self.known.push((alike.indices[0], Expected { inside, at_surfaces }));
         }
     }
@@ -121,7 +125,7 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         let color = worth_of_channels(receiver.color());
         let expected = (!is_level).then_some((&**part, more.to_array()));
         let mut whole = [0.0; 3];
-        in_widest_vectors(Terms { places, expected, color, terms, whole: &mut whole });
+        in_widest_vectors(FullTerms { places, expected, color, terms, whole: &mut whole });
         let whole = Vec3::from_array(whole);
         let sum = weights.add_up(&(0..width));
         // Only extreme light is not finite
@@ -131,7 +135,7 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
         light += whole;
         let [place] = weights.find_places(&(0..width), [receiver.account().random * sum]);
         if receiver.is_hidden(&weights.found[place]) {
-            let (Places { near, bright, coefficients }, terms) = weights.places_and_terms(row);
+            let (PlaceLanes { near, bright, coefficients }, terms) = weights.places_and_terms(row);
             let term = |c: usize| {
                 let i = c * width + place;
                 let expected = if is_level { 0.0 } else { part[i] * (coefficients[place] * more[c]) };
@@ -144,9 +148,9 @@ impl<R: Adding> Sums<R> for WholeSums<R::Found> {
 }
 
 /// Light of all places for a receiver.
-struct Terms<'a> {
-    /// K of one channel after the other is how near they are.
-    places: Places<'a>,
+struct FullTerms<'a> {
+    /// Their nearness is K, one channel after the other.
+    places: PlaceLanes<'a>,
     /// φ, one channel after the other, and ΔĒ.
     expected: Option<(&'a [f32], [f32; 3])>,
     /// Worth of each channel.
@@ -156,7 +160,7 @@ struct Terms<'a> {
     whole: &'a mut [f32; 3],
 }
 
-impl Loop for Terms<'_> {
+impl SimdLoop for FullTerms<'_> {
     #[inline(always)]
     fn run(mut self) {
         let n = self.terms.len() / LANES;
@@ -174,7 +178,7 @@ impl Loop for Terms<'_> {
     }
 }
 
-impl Terms<'_> {
+impl FullTerms<'_> {
     /// Adds up n vectors of terms, by channel, vector and lane.
     #[inline(always)]
     fn add(&mut self, n: usize, term: impl Fn(usize, usize, usize) -> f32) {
@@ -207,7 +211,7 @@ mod tests {
     use super::super::toys::{Spot, density, integral, kernel, variances};
     use super::*;
 
-    /// A receiver of one of two kinds; what is above a limit is hidden, and if it is complete the rest has the more.
+    /// A receiver of one of two kinds; places above a limit are hidden, and if it is complete the others have more light.
     struct Toy {
         x: f32,
         kind: usize,
@@ -218,10 +222,10 @@ mod tests {
         account: Account,
     }
 
-    impl Receiver for Toy {
+    impl BlockReceiver for Toy {
         type Kind = usize;
-        type Found = Spot;
-        type Sums = WholeSums<Spot>;
+        type FoundLight = Spot;
+        type Sums = FullSums<Spot>;
 
         fn kind(&self) -> usize {
             self.kind
@@ -247,7 +251,7 @@ mod tests {
         }
     }
 
-    impl Adding for Toy {
+    impl FullReceiver for Toy {
         fn is_hidden(&self, spot: &Spot) -> bool {
             spot.y > self.limit
         }
@@ -289,7 +293,7 @@ mod tests {
         variances(toy, |x, y| known[(x / 0.2).round() as usize][0] * visible(x, y))
     }
 
-    /// Receivers expect what those of the other kind have found, and vary less.
+    /// Receivers expect the light that those of the other kind have found, and vary less.
     ///
     /// 18 comparisons of about 4 × 10⁴ trials, where 5 standard errors have a probability of 6e-7.
     #[test]

@@ -1,14 +1,14 @@
-//! Loops over places, compiled for the widest vectors that the processor has.
+//! Loops compiled for the widest vectors of the processor at hand.
 
-/// A loop whose numbers do not meet across places and are not fused, so that every processor has the same bits.
-pub(super) trait Loop {
+/// A loop whose iterations are independent and without fused operations, so that every processor gives the same bits.
+pub(super) trait SimdLoop {
     /// Runs it, with `#[inline(always)]`: otherwise it is compiled for narrow vectors.
     fn run(self);
 }
 
 /// Runs a loop with the widest vectors that the processor has.
 #[inline]
-pub(super) fn in_widest_vectors(body: impl Loop) {
+pub(super) fn in_widest_vectors(body: impl SimdLoop) {
     #[cfg(target_arch = "x86_64")]
     {
         if std::arch::is_x86_feature_detected!("avx512f") {
@@ -25,12 +25,12 @@ pub(super) fn in_widest_vectors(body: impl Loop) {
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx512f")]
-fn run_avx512(body: impl Loop) {
+fn run_avx512(body: impl SimdLoop) {
     body.run();
 }
 
 #[cfg(target_arch = "x86_64")]
 #[target_feature(enable = "avx2")]
-fn run_avx2(body: impl Loop) {
+fn run_avx2(body: impl SimdLoop) {
     body.run();
 }

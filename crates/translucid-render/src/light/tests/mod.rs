@@ -617,7 +617,7 @@ fn samples_follow_the_density() {
     }
     for (name, outer) in [("spot", 70.0), ("narrow spot", 50.0)] {
         let spot = of_light(round_spot(Vec3::new(0.5, 0.25, 1.7), 1.4, 20.0, outer));
-        // Of the directions in a cone narrower than the sphere some miss it; four standard deviations are 0.01
+        // Some directions in a cone narrower than the sphere miss it; four standard deviations are 0.01
         let drawn = (0..40_000).filter(|&i| {
             let [a, b, c, _] = numbers(17, i);
             spot.sample(Vec3::ZERO, Vec3::Z, a, [b, c]).is_some()

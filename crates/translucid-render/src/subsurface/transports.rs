@@ -1,0 +1,124 @@
+//! The light under all surfaces of a scene, as paths find it.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+use translucid_scene::{Scene, SubsurfaceMethod};
+
+use super::exit_point::ExitPoint;
+use super::normalization::Normalizer;
+use super::note::{Note, NoteKind};
+use super::transport::points::{
+    CloudGroup, GatherPoint, GatherScratch, Gatherer, PixelWidths, PointCloud, serve,
+};
+use super::transport::{SubsurfaceTransport, Tracer};
+use crate::sampling::Sampler;
+use crate::world::{Media, PathState, World};
+
+/// The transport of each material of a scene, and the points and shapes that they share.
+///
+/// Where light is gathered from points, points come first: a subsurface group that they leave out has the transport of
+/// its material.
+pub(crate) struct Transports {
+    of_materials: Vec<Arc<SubsurfaceTransport>>,
+    normalizer: Option<Normalizer>,
+    /// Why there is no normalizer although a material asks for it.
+    note: Option<Note>,
+    points: Option<Points>,
+}
+
+/// The points that light is gathered from.
+struct Points {
+    gatherer: Gatherer,
+    groups: Vec<CloudGroup>,
+}
+
+impl Transports {
+    /// Lays the points of shapes that materials are normalized by.
+    pub(crate) fn new(world: &World, of_materials: Vec<Arc<SubsurfaceTransport>>) -> Self {
+        let (normalizer, note) = match Normalizer::new(world, &of_materials) {
+            Ok(normalizer) => (normalizer, None),
+            Err(error) => {
+                // Its help is about the point-based method
+                let message = format!(
+                    "subsurface_normalization is left out: {}; a coarser point_tolerance or a longer mean free path needs fewer",
+                    error.message
+                );
+                (None, Some(Note { kind: NoteKind::NoNormalization, material: None, message }))
+            }
+        };
+        Self { of_materials, normalizer, note, points: None }
+    }
+
+    /// The transport of each material.
+    pub(crate) fn all(&self) -> &[Arc<SubsurfaceTransport>] {
+        &self.of_materials
+    }
+
+    /// The transport of a material.
+    pub(crate) fn of(&self, material: usize) -> &SubsurfaceTransport {
+        &self.of_materials[material]
+    }
+
+    /// Note for the user on the shapes.
+    pub(crate) fn note(&self) -> Option<Note> {
+        self.note.clone()
+    }
+
+    /// Gathers light from points in place of probing for it, where the scene asks for that; the points are the scene's.
+    pub(crate) fn set_points(&mut self, world: &World, points: &PointCloud) {
+        let is_wanted = world.scene.integrator.subsurface_method == SubsurfaceMethod::PointBased;
+        self.points = is_wanted.then(|| Points {
+            gatherer: points.gatherer(world, &self.of_materials),
+            groups: points.groups().to_vec(),
+        });
+    }
+
+    /// Forgets the points: they belong to a scene that has changed.
+    pub(crate) fn forget_points(&mut self) {
+        self.points = None;
+    }
+
+    /// Returns `true` if light is gathered from points.
+    pub(crate) fn has_points(&self) -> bool {
+        self.points.is_some()
+    }
+
+    /// Returns `true` if there are points, but too far apart for pixels of these widths.
+    pub(crate) fn needs_closer_points(&self, pixels: &PixelWidths) -> bool {
+        self.points.as_ref().is_some_and(|points| !serve(&points.groups, pixels))
+    }
+
+    /// Leaves a surface through the medium below; false where the path is over.
+    pub(crate) fn scatter<'a, T: Tracer<'a>>(
+        &'a self,
+        tracer: &mut T,
+        world: &'a World,
+        path: &mut PathState,
+        exit: &ExitPoint<'_>,
+        sampler: &mut Sampler,
+    ) -> bool {
+        if let Some(points) = &self.points
+            && points.gatherer.scatter(tracer, world, path, exit)
+        {
+            return false;
+        }
+        self.of(exit.material).scatter(tracer, world, path, exit, sampler)
+    }
+
+    /// Factor on light that leaves at a point, for its shape.
+    pub(crate) fn shape_factor(
+        &self,
+        scene: &Scene,
+        exit: &ExitPoint<'_>,
+        scratch: &mut GatherScratch,
+    ) -> Vec3 {
+        let Some(normalizer) = &self.normalizer else { return Vec3::ONE };
+        normalizer.factor(&scene.materials[exit.material], &GatherPoint::at(exit), scratch)
+    }
+}
+
+/// The media that light may pass without being scattered, for each material that has one.
+pub(crate) fn media(transports: &[Arc<SubsurfaceTransport>]) -> Media {
+    Media::new(transports.iter().map(|transport| transport.medium()))
+}
